@@ -1,4 +1,4 @@
-//! The definitions of uavspec as files that a program carries along, so that it needs none beside it.
+//! The definitions of uavspec, embedded in the binary as files.
 //!
 //! ```
 //! use uavspec_definitions::PX4;
@@ -13,8 +13,8 @@ pub use include_dir::{Dir, File};
 
 use include_dir::include_dir;
 
-/// PX4's messages, a `.msg` file each.
+/// PX4 messages, one `.msg` file per message.
 pub static PX4: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/px4");
 
-/// The pages of the Flockwave protocol, as Markdown.
+/// Markdown pages of the Flockwave protocol.
 pub static FLOCKWAVE: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/flockwave");

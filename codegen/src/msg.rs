@@ -14,9 +14,13 @@
 pub(crate) mod annotation;
 pub(crate) mod ast;
 pub mod attribute;
+pub mod constraint;
 mod kind;
 mod literal;
 mod parser;
+pub(crate) mod statement;
+pub(crate) mod words;
+
 pub(crate) use self::kind::is_identifier;
 pub use self::kind::{Dialect, Kind};
 pub(crate) use self::parser::is_separator;

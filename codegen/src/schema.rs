@@ -15,7 +15,6 @@
 //! assert_eq!(message.uorb.as_ref().map(|layout| layout.size), Some(16));
 //! ```
 
-pub(crate) mod constraint;
 pub(crate) mod documentation;
 pub(crate) mod enumeration;
 pub(crate) mod error_codes;
@@ -24,9 +23,8 @@ mod id;
 pub mod json_type;
 pub(crate) mod layout;
 mod model;
-mod range;
+mod restriction;
 
-pub use self::constraint::Restriction;
 pub use self::documentation::Docs;
 pub use self::enumeration::{Enum, EnumRef, Member};
 pub use self::error_codes::{ErrorCode, ErrorTable};
@@ -36,6 +34,7 @@ pub use self::model::{
     CdrSize, Constant, Element, Field, Form, Interface, Message, Package, Parameter, Schema, Slot, Type,
     UorbLayout, shape_text,
 };
-pub use self::range::{Range, Special};
+pub use self::restriction::Restriction;
 pub use crate::msg::ast::Shape;
+pub use crate::msg::constraint::{Constraint, Range, Stated};
 pub use crate::msg::{Dialect, Kind};

@@ -17,7 +17,7 @@ fn mistake(output: &str) -> String {
     generate(&config).expect_err(output).to_string()
 }
 
-/// The row of an emitter in the README.
+/// The row of an emitter in the guide.
 fn documentation(emitter: &Emitter) -> String {
     let keys: String = emitter.options.iter().map(|(key, _)| format!(", {key}")).collect();
     let table = if keys.is_empty() { String::new() } else { format!(", or `{{ path{keys} }}`") };
@@ -29,12 +29,12 @@ fn documentation(emitter: &Emitter) -> String {
 }
 
 #[test]
-fn the_readme_documents_each_output() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md");
-    let readme = fs::read_to_string(path).expect("the README");
-    let found: Vec<&str> = readme.lines().filter(|line| line.starts_with("| `output.")).collect();
+fn the_guide_documents_each_output() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../xtask/site/guide/your-build.md");
+    let page = fs::read_to_string(path).expect("the page");
+    let found: Vec<&str> = page.lines().filter(|line| line.starts_with("| `output.")).collect();
     let expected: Vec<String> = EMITTERS.iter().map(documentation).collect();
-    assert!(found == expected, "expected in README.md:\n{}", expected.join("\n"));
+    assert!(found == expected, "expected in xtask/site/guide/your-build.md:\n{}", expected.join("\n"));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod attributes;
 mod bindings;
 mod breaking;
+mod constraints;
 mod dynamic;
 mod edge;
 mod emitters;

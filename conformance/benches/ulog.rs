@@ -61,7 +61,7 @@ fn records(bencher: Bencher<'_, '_>, name: &str) {
         let mut count = 0_u64;
         while let Some(item) = reader.next().expect("a slice") {
             if let Some(record) = log.take(&item, &mut |_, problem| drop(black_box(problem))) {
-                count += record.of.view_uorb(record.payload).map_or(0, |_| 1);
+                count += record.message_type.view_uorb(record.payload).map_or(0, |_| 1);
             }
         }
         count

@@ -29,7 +29,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 use self::report::ReportArgs;
 use crate::definitions::Definitions;
 use crate::flockwave::body_schema::Schemas;
-use crate::report::{Outcome, Report};
+use crate::report::{OutcomeKind, Report};
 use crate::text::command_line;
 
 /// Judges outputs of drone software by the specification.
@@ -78,7 +78,7 @@ enum Status {
     Conforms,
     Nothing,
     Stale,
-    Breaks,
+    DoesNotConform,
     Unreadable,
     Usage,
 }
@@ -87,7 +87,7 @@ impl Status {
     fn code(self) -> u8 {
         match self {
             Self::Conforms => 0,
-            Self::Breaks => 1,
+            Self::DoesNotConform => 1,
             Self::Usage => 2,
             Self::Unreadable => 3,
             Self::Stale => 4,
@@ -96,14 +96,14 @@ impl Status {
     }
 }
 
-impl From<Outcome> for Status {
-    fn from(outcome: Outcome) -> Self {
+impl From<OutcomeKind> for Status {
+    fn from(outcome: OutcomeKind) -> Self {
         match outcome {
-            Outcome::Conforms => Self::Conforms,
-            Outcome::Breaks => Self::Breaks,
-            Outcome::Broken => Self::Unreadable,
-            Outcome::Stale => Self::Stale,
-            Outcome::Nothing => Self::Nothing,
+            OutcomeKind::Conforms => Self::Conforms,
+            OutcomeKind::DoesNotConform => Self::DoesNotConform,
+            OutcomeKind::Incomplete => Self::Unreadable,
+            OutcomeKind::Stale => Self::Stale,
+            OutcomeKind::Nothing => Self::Nothing,
         }
     }
 }
@@ -129,7 +129,7 @@ fn deliver(args: &ReportArgs, report: &Report) -> Status {
     for failure in &failures {
         anstream::eprintln!("error: {failure}");
     }
-    if failures.is_empty() { report.conclusion.outcome.into() } else { Status::Unreadable }
+    if failures.is_empty() { report.outcome.kind.into() } else { Status::Unreadable }
 }
 
 /// The command line of this run.

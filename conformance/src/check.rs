@@ -8,7 +8,7 @@
 //! let of = definitions.message_of_type("px4/ArmingCheckRequest");
 //! let record = r#"{"timestamp": 7, "request_id": 300, "valid_registrations_mask": 1}"#;
 //! let result = check_capture(record.as_bytes(), of, &definitions)?;
-//! assert_eq!((result.records, result.judged), (1, 1));
+//! assert_eq!((result.records, result.checked), (1, 1));
 //! let group = result.findings.groups().next().unwrap();
 //! assert_eq!((group.rule.id, group.subject.as_str()), ("PX-JSON-02", "ArmingCheckRequest.request_id"));
 //! let (place, detail) = &group.examples[0];
@@ -37,14 +37,14 @@ use uavspec_codegen::source::Span;
 use uavspec_runtime::Scalar;
 
 #[doc(hidden)]
-pub use self::flockwave::FlockwaveJudge;
+pub use self::flockwave::FlockwaveChecker;
 use self::flockwave::Listeners;
 pub use self::flockwave::{FlockwaveSummary, TypeCount};
 pub use self::json::JsonSummary;
 #[doc(hidden)]
 pub use self::json::check_json_thoroughly;
 pub use self::log::LogSummary;
-pub use self::mcap::{Basis, McapChannel, McapSummary, Standing};
+pub use self::mcap::{Basis, CheckStatus, McapChannel, McapSummary};
 pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals};
 #[cfg(test)]
 pub(crate) use self::{json::check_json, log::check_ulog, mcap::check_mcap};
@@ -52,7 +52,7 @@ use crate::capture::MCAP_MAGIC;
 use crate::definitions::Definitions;
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
 use crate::flockwave::session::{Exchange, Sessions};
-use crate::model::{Channel, Extent, Findings, Message, Place, Rule};
+use crate::model::{Channel, Extent, Findings, Location, Message, Rule};
 use crate::rules::px4::Interest;
 use crate::rules::{RuleContext, px4};
 use crate::text::Grouped;
@@ -64,7 +64,7 @@ const START: usize = MCAP_MAGIC.len();
 const MIN_MAGIC: usize = 4;
 
 /// How many kinds of damage are kept.
-const MAX_DAMAGE: usize = 100;
+const MAX_CORRUPT_PARTS: usize = 100;
 
 /// A kind of capture: a row of [`KINDS`].
 struct Kind {
@@ -119,18 +119,18 @@ pub struct CaptureResult {
     /// The number of messages.
     pub records: u64,
     /// The number of messages that were checked: they have a type and can be read as it.
-    pub judged: u64,
+    pub checked: u64,
     /// The corrupt parts, each with its first location, in that order.
-    pub damage: Vec<(Place, String)>,
+    pub corruption: Vec<(Location, String)>,
     /// The number of further corrupt parts.
-    pub more_damage: u64,
+    pub more_corruption: u64,
     /// The extent to which the capture could be read.
     pub extent: Extent,
     /// All violations.
     pub findings: Findings,
 }
 
-/// Checks a capture of any kind. The kind is detected from the first bytes. If `of` names a message, JSON is messages
+/// Checks a capture of any kind. The kind is detected from the first bytes. If `message_id` names a message, JSON is messages
 /// of that type and nothing around them.
 ///
 /// # Errors
@@ -138,7 +138,7 @@ pub struct CaptureResult {
 /// that a capture can't be read any further, is part of the result.
 pub fn check_capture(
     mut input: impl Read,
-    of: Option<MessageId>,
+    message_id: Option<MessageId>,
     definitions: &Definitions,
 ) -> io::Result<CaptureResult> {
     let mut start = Vec::new();
@@ -152,7 +152,7 @@ pub fn check_capture(
         let text = format!("byte 0: {names} and {last}: it begins with {}", bytes.join(" "));
         return Err(io::Error::new(io::ErrorKind::InvalidData, text));
     };
-    (kind.check)(&mut io::Cursor::new(start).chain(input), of, definitions)
+    (kind.check)(&mut io::Cursor::new(start).chain(input), message_id, definitions)
 }
 
 /// True if a capture starts with a magic, or ends within it so late that it can hardly be anything else.
@@ -161,7 +161,7 @@ fn is_begun(start: &[u8], magic: &[u8]) -> bool {
 }
 
 /// What all kinds of sources have in common: messages that come on channels, and the rules that follow them.
-struct Course<'d> {
+struct CheckRun<'d> {
     definitions: &'d Definitions,
     findings: Findings,
     /// The rules on messages.
@@ -172,19 +172,19 @@ struct Course<'d> {
     channels: Vec<Followed>,
     sessions: Sessions,
     records: u64,
-    judged: u64,
+    checked: u64,
     first: Option<u64>,
     last: u64,
     /// By what is told, which is told once.
-    damage: HashMap<String, Told>,
-    more_damage: u64,
+    corruption: HashMap<String, CorruptPart>,
+    more_corruption: u64,
     extent: Extent,
 }
 
 /// Damage: where it was first, and how often it was.
-struct Told {
+struct CorruptPart {
     number: usize,
-    place: Place,
+    location: Location,
     times: u64,
 }
 
@@ -205,18 +205,18 @@ struct Followed {
 }
 
 impl Follower {
-    fn judge<T>(
+    fn check<T>(
         &mut self,
         definitions: &Definitions,
         findings: &mut Findings,
-        what: impl FnOnce(&mut dyn px4::Checker, &mut RuleContext<'_>) -> T,
+        check: impl FnOnce(&mut dyn px4::Checker, &mut RuleContext<'_>) -> T,
     ) -> T {
         let Self { rule, checker, coverage } = self;
-        what(&mut **checker, &mut RuleContext { rule, definitions, findings, coverage })
+        check(&mut **checker, &mut RuleContext { rule, definitions, findings, coverage })
     }
 }
 
-impl<'d> Course<'d> {
+impl<'d> CheckRun<'d> {
     fn new(definitions: &'d Definitions) -> Self {
         let followers = px4::RULES.iter().filter_map(|rule| match rule.check {
             px4::Check::State(start) => Some(Follower { rule: &rule.rule, checker: start(), coverage: 0 }),
@@ -230,11 +230,11 @@ impl<'d> Course<'d> {
             channels: Vec::new(),
             sessions: Sessions::default(),
             records: 0,
-            judged: 0,
+            checked: 0,
             first: None,
             last: 0,
-            damage: HashMap::new(),
-            more_damage: 0,
+            corruption: HashMap::new(),
+            more_corruption: 0,
             extent: Extent::Whole,
         }
     }
@@ -251,7 +251,7 @@ impl<'d> Course<'d> {
             let opened = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
                 checker.opened(channel, context)
             };
-            let interest = follower.judge(self.definitions, &mut self.findings, opened);
+            let interest = follower.check(self.definitions, &mut self.findings, opened);
             if interest > Interest::Nothing {
                 followed.by.push(at);
                 followed.interest = followed.interest.max(interest);
@@ -276,13 +276,13 @@ impl<'d> Course<'d> {
 
     /// A message that was judged by itself.
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>) {
-        self.judged += 1;
+        self.checked += 1;
         self.pass(message.timestamp);
         for at in &self.channels[channel.index].by {
             let message = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
                 checker.message(channel, message, context);
             };
-            self.followers[*at].judge(self.definitions, &mut self.findings, message);
+            self.followers[*at].check(self.definitions, &mut self.findings, message);
         }
     }
 
@@ -303,7 +303,7 @@ impl<'d> Course<'d> {
     /// Something goes over a connection, or happens to it.
     fn exchanged(&mut self, record: &SessionRecord<'_>) {
         let exchange = self.sessions.follow(record, self.definitions.body_schemas());
-        self.tell(&exchange);
+        self.record(&exchange);
     }
 
     /// The same, of a report on UAVs that rules have judged already which go by what it says alone.
@@ -315,7 +315,7 @@ impl<'d> Course<'d> {
     /// A connection, or all that is known of it, comes to its end, and perhaps it is known why.
     fn disconnected(&mut self, connection: Connection<'_>, why: Option<&str>) {
         let (serial, unanswered) = self.sessions.ended(connection.index);
-        for asked in unanswered {
+        for request in unanswered {
             let record = SessionRecord {
                 connection,
                 direction: Direction::Event,
@@ -324,31 +324,31 @@ impl<'d> Course<'d> {
                 value: None,
                 trial: None,
                 note: why,
-                place: asked.place,
+                location: request.location,
             };
-            self.tell(&Exchange::unanswered(&record, serial, asked));
+            self.record(&Exchange::unanswered(&record, serial, request));
         }
     }
 
-    fn tell(&mut self, exchange: &Exchange<'_>) {
+    fn record(&mut self, exchange: &Exchange<'_>) {
         self.listeners.record(exchange, &mut self.findings);
     }
 
-    fn dropout(&mut self, milliseconds: u16, place: Place) {
-        self.followers.iter_mut().for_each(|follower| follower.checker.dropout(milliseconds, place));
+    fn dropout(&mut self, milliseconds: u16, location: Location) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.dropout(milliseconds, location));
     }
 
     /// A message of a channel can't be read: who follows that doesn't know all that was said.
-    fn lost(&mut self, channel: usize, place: Place) {
+    fn lost(&mut self, channel: usize, location: Location) {
         for at in &self.channels[channel].by {
-            self.followers[*at].checker.damage(place);
+            self.followers[*at].checker.corruption(location);
         }
     }
 
     /// The same, where nobody knows of which channel it is.
-    fn lost_any(&mut self, place: Place) {
-        self.followers.iter_mut().for_each(|follower| follower.checker.damage(place));
-        self.listeners.damage(place);
+    fn lost_any(&mut self, location: Location) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.corruption(location));
+        self.listeners.corruption(location);
     }
 
     /// Where the definition of a topic is, if it has one.
@@ -358,51 +358,51 @@ impl<'d> Course<'d> {
     }
 
     /// Something that can't be read, and is passed over.
-    fn gap(&mut self, place: Place, text: String) {
-        self.damage(place, text, Extent::WithGaps);
+    fn gap(&mut self, location: Location, text: String) {
+        self.corruption(location, text, Extent::WithGaps);
     }
 
     /// Something is wrong with the source, of which so much can be read.
-    fn damage(&mut self, place: Place, text: String, extent: Extent) {
+    fn corruption(&mut self, location: Location, text: String, extent: Extent) {
         self.extent = self.extent.max(extent);
-        self.lost_any(place);
+        self.lost_any(location);
         self.sessions.lose();
-        let number = self.damage.len();
-        match self.damage.entry(text) {
+        let number = self.corruption.len();
+        match self.corruption.entry(text) {
             Entry::Occupied(mut known) => known.get_mut().times += 1,
             // Why nothing follows is told, however much goes before.
-            Entry::Vacant(new) if number < MAX_DAMAGE || extent == Extent::BrokenOff => {
-                _ = new.insert(Told { number, place, times: 1 });
+            Entry::Vacant(new) if number < MAX_CORRUPT_PARTS || extent == Extent::Unreadable => {
+                _ = new.insert(CorruptPart { number, location, times: 1 });
             }
-            Entry::Vacant(_) => self.more_damage += 1,
+            Entry::Vacant(_) => self.more_corruption += 1,
         }
     }
 
     /// The source can't be read any further.
-    fn unreadable(&mut self, place: Place, error: &io::Error) {
-        self.damage(place, format!("what follows can't be read: {error}"), Extent::BrokenOff);
+    fn unreadable(&mut self, location: Location, error: &io::Error) {
+        self.corruption(location, format!("what follows can't be read: {error}"), Extent::Unreadable);
     }
 
     fn finish(mut self, bytes: u64, summary: Summary) -> CaptureResult {
         for follower in &mut self.followers {
-            follower.judge(self.definitions, &mut self.findings, |checker, context| checker.end(context));
-            self.findings.exercise(follower.rule, follower.coverage);
+            follower.check(self.definitions, &mut self.findings, |checker, context| checker.end(context));
+            self.findings.cover(follower.rule, follower.coverage);
         }
         self.listeners.end(&mut self.findings);
-        let mut damage: Vec<(String, Told)> = self.damage.into_iter().collect();
-        damage.sort_by_key(|(_, told)| told.number);
-        let told = |(text, told): (String, Told)| match told.times {
-            1 => (told.place, text),
-            times => (told.place, format!("{text} ({} times)", Grouped(times))),
+        let mut corruption: Vec<(String, CorruptPart)> = self.corruption.into_iter().collect();
+        corruption.sort_by_key(|(_, reported)| reported.number);
+        let reported = |(text, reported): (String, CorruptPart)| match reported.times {
+            1 => (reported.location, text),
+            times => (reported.location, format!("{text} ({} times)", Grouped(times))),
         };
         CaptureResult {
             summary,
             bytes,
             duration: self.first.map_or(0, |first| self.last - first),
             records: self.records,
-            judged: self.judged,
-            damage: damage.into_iter().map(told).collect(),
-            more_damage: self.more_damage,
+            checked: self.checked,
+            corruption: corruption.into_iter().map(reported).collect(),
+            more_corruption: self.more_corruption,
             extent: self.extent,
             findings: self.findings,
         }
@@ -410,11 +410,11 @@ impl<'d> Course<'d> {
 }
 
 /// Where in memory messages of a type have their `timestamp`.
-fn timestamp_offset(of: MessageType<'_>) -> Option<usize> {
+fn timestamp_offset(message_id: MessageType<'_>) -> Option<usize> {
     let is_timestamp = |field: &Placed<'_>| {
         field.name == "timestamp"
             && matches!(field.element, PlacedElement::Scalar(Scalar::UInt64))
             && field.shape == Shape::Single
     };
-    of.layout().find(is_timestamp).map(|field| field.offset)
+    message_id.layout().find(is_timestamp).map(|field| field.offset)
 }

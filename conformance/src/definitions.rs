@@ -22,7 +22,7 @@ use uavspec_codegen::source::Span;
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
 
-use crate::flockwave::body_schema::{BodySchemas, Schemas, Shapes};
+use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 
 /// Definitions, with what is looked up in them for each record.
 #[derive(Debug)]
@@ -34,7 +34,7 @@ pub struct Definitions {
     pub schema: Schema,
     by_topic: HashMap<String, MessageId>,
     types: OnceLock<Types>,
-    shapes: OnceLock<Shapes>,
+    defined_schemas: OnceLock<DefinedSchemas>,
     schemas: Schemas,
 }
 
@@ -88,8 +88,8 @@ impl Definitions {
                 by_topic.entry(topic.clone()).or_insert(*id);
             }
         }
-        let (types, shapes) = (OnceLock::new(), OnceLock::new());
-        Self { name, sources, schema, by_topic, types, shapes, schemas: Schemas::default() }
+        let (types, defined_schemas) = (OnceLock::new(), OnceLock::new());
+        Self { name, sources, schema, by_topic, types, defined_schemas, schemas: Schemas::default() }
     }
 
     /// The same, with schemas of messages of Flockwave whose types they don't have.
@@ -127,19 +127,19 @@ impl Definitions {
 
     /// The shapes of all messages of pages, made when they are first asked for. Definitions without any, such as those
     /// of PX4, are about other things, so Flockwave is then what the program carries along.
-    pub fn shapes(&self) -> &Shapes {
-        self.shapes.get_or_init(|| {
+    pub fn defined_schemas(&self) -> &DefinedSchemas {
+        self.defined_schemas.get_or_init(|| {
             if self.schema.json_messages.is_empty() {
-                Shapes::new(&Self::built_in().schema).foreign()
+                DefinedSchemas::new(&Self::built_in().schema).foreign()
             } else {
-                Shapes::new(&self.schema)
+                DefinedSchemas::new(&self.schema)
             }
         })
     }
 
     /// The body schemas of the messages of Flockwave.
     pub(crate) fn body_schemas(&self) -> BodySchemas<'_> {
-        BodySchemas { shapes: self.shapes(), schemas: &self.schemas }
+        BodySchemas { defined_schemas: self.defined_schemas(), schemas: &self.schemas }
     }
 
     /// Where something is defined.
@@ -172,14 +172,18 @@ mod tests {
         let definitions = Definitions::built_in();
         let messages = &definitions.schema.json_messages;
         for message in messages {
-            let told = fields(message, Direction::Response);
-            let is_operation = OPERATION.told.iter().all(|part| told.contains(part));
+            let reply = fields(message, Direction::Response);
+            let is_operation = OPERATION.reply_fields.iter().all(|part| reply.contains(part));
             // A log is of one UAV, and its receipt stands alone.
             let is_operation = is_operation && message.name != "LOG-DATA";
             assert_eq!(OPERATIONS.contains(&message.name.as_str()), is_operation, "{}", message.name);
             if let Some(parts) = parts(&message.name) {
-                assert!(fields(message, Direction::Request).contains(parts.asked), "{}", message.name);
-                assert_eq!(told, parts.told.iter().copied().collect(), "{}", message.name);
+                assert!(
+                    fields(message, Direction::Request).contains(parts.request_field),
+                    "{}",
+                    message.name
+                );
+                assert_eq!(reply, parts.reply_fields.iter().copied().collect(), "{}", message.name);
             }
         }
         let names: BTreeSet<&str> = messages.iter().map(|message| message.name.as_str()).collect();

@@ -21,7 +21,7 @@ pub(crate) struct Row {
     /// The change, and the encoding of the capture if there are several.
     pub title: String,
     /// The ids of the rules that it broke; none where the definitions have nothing to change so.
-    pub broken: Option<BTreeSet<&'static str>>,
+    pub violated: Option<BTreeSet<&'static str>>,
 }
 
 impl Row {
@@ -32,7 +32,7 @@ impl Row {
 
     /// Whether it broke what it should, and nothing else; or couldn't be made.
     pub(crate) fn is_right(&self) -> bool {
-        self.broken.as_ref().is_none_or(|broken| *broken == self.expected())
+        self.violated.as_ref().is_none_or(|violated| *violated == self.expected())
     }
 }
 
@@ -42,21 +42,21 @@ pub(crate) fn conforming(definitions: &Definitions) -> Vec<(&'static str, Captur
     let flights =
         Encoding::ALL.into_iter().filter_map(|encoding| Some((encoding.name(), encoding.write(&flight)?)));
     let sources = flights.chain([("Flockwave", Session::new().to_bytes())]);
-    let judged = sources.map(|(name, bytes)| (name, check_bytes(&bytes, definitions)));
-    judged.filter_map(|(name, judgement)| Some((name, judgement?))).collect()
+    let checked = sources.map(|(name, bytes)| (name, check_bytes(&bytes, definitions)));
+    checked.filter_map(|(name, result)| Some((name, result?))).collect()
 }
 
 /// Checks all mutants of all rules, made from a flight of some definitions.
 pub(crate) fn matrix(definitions: &Definitions) -> Vec<Row> {
     let flight = Flight::new(definitions);
-    let broken = |bytes: Vec<u8>| {
+    let violated = |bytes: Vec<u8>| {
         let result = check_bytes(&bytes, definitions)?;
         Some(result.findings.groups().map(|group| group.rule.id).collect())
     };
     let rows = |mutant: Mutant| {
-        let row = |title, broken| Row { rule: mutant.rule, mutant: mutant.clone(), title, broken };
+        let row = |title, violated| Row { rule: mutant.rule, mutant: mutant.clone(), title, violated };
         let captures = mutant.captures(&flight).into_iter();
-        let rows: Vec<Row> = captures.map(|(title, bytes)| row(title, broken(bytes))).collect();
+        let rows: Vec<Row> = captures.map(|(title, bytes)| row(title, violated(bytes))).collect();
         if rows.is_empty() { vec![row(mutant.name.to_owned(), None)] } else { rows }
     };
     mutants().flat_map(rows).collect()

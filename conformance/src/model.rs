@@ -32,5 +32,5 @@ pub use self::excuse::{Excuse, ExcuseKind};
 pub use self::finding::{Findings, Group, Verdict};
 pub use self::reason::Reason;
 pub(crate) use self::record::{Channel, Message};
-pub use self::record::{Extent, Place};
+pub use self::record::{Extent, Location};
 pub use self::rule::{Level, Rule, Status};

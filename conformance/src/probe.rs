@@ -1,7 +1,7 @@
 //! Asks a live Flockwave server, and judges what it says.
 //!
 //! ```text
-//!  survey, commands, trials ──▶ session ──▶ tape ──line──▶ judge ──▶ findings
+//!  survey, commands, trials ──▶ session ──▶ tape ──line──▶ checker ──▶ findings
 //!                                  ▲          └──line──▶ file
 //!                                server
 //! ```
@@ -53,25 +53,25 @@ use crate::rules::flockwave::trial::{self, Attempt, Request, Sent, Step};
 use crate::rules::flockwave::{FlockwaveRule, env_07, sio_01, udp_02};
 
 /// How long a probe may take that only asks, but for listening.
-const LIMIT: Duration = Duration::from_secs(45);
+const TIME_LIMIT: Duration = Duration::from_secs(45);
 
 /// How long a server may take to take a connection, and until it answers the first request.
-const READY: Duration = Duration::from_secs(5);
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// How long it waits from one attempt to connect to the next.
 const PAUSE: Duration = Duration::from_millis(250);
 
 /// How long an answer is waited for, before the next request is sent; it may still come later.
-const PATIENCE: Duration = Duration::from_secs(2);
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// The same once the server has left so many requests without an answer.
-const LESS: (u32, Duration) = (3, Duration::from_millis(300));
+const REDUCED_TIMEOUT: (u32, Duration) = (3, Duration::from_millis(300));
 
 /// How long late answers may take that nobody waits for any more.
-const GRACE: Duration = Duration::from_millis(400);
+const LATE_ANSWER_TIME: Duration = Duration::from_millis(400);
 
 /// How far apart messages are sent, so that each comes in a segment of its own.
-const APART: Duration = Duration::from_millis(20);
+const SEND_INTERVAL: Duration = Duration::from_millis(20);
 
 /// How often a connection is made anew after the server has closed it.
 const MAX_RECONNECTS: u32 = 20;
@@ -95,7 +95,7 @@ pub struct Options {
 impl Options {
     /// To listen so long, log in so, and send commands to these UAVs, within the time that is usual for that.
     pub fn new(observe: Duration, login: Option<(String, String)>, uavs: Vec<String>) -> Self {
-        let limit = if uavs.is_empty() { LIMIT } else { LIMIT + commands::TIME };
+        let limit = if uavs.is_empty() { TIME_LIMIT } else { TIME_LIMIT + commands::EXTRA_TIME };
         Self { observe, login, uavs, limit }
     }
 }
@@ -113,14 +113,14 @@ pub struct Probed {
     pub unrecorded: Option<io::Error>,
 }
 
-/// Probes a server. What goes over the wire is also written to `record`; `told` hears how many of how many steps are
+/// Probes a server. What goes over the wire is also written to `record`; `on_progress` hears how many of how many steps are
 /// done.
 pub fn probe<'d>(
     endpoint: &Endpoint,
     options: &Options,
     definitions: &'d Definitions,
     record: Option<Box<dyn Write + 'd>>,
-    told: &dyn Fn(usize, usize),
+    on_progress: &dyn Fn(usize, usize),
 ) -> Probed {
     let attempts = trial::attempts(endpoint);
     let commands = if options.uavs.is_empty() { 0 } else { commands::STEPS };
@@ -139,7 +139,7 @@ pub fn probe<'d>(
         failure: None,
         is_bare: false,
         steps: (0, survey::STEPS + commands + attempts.len()),
-        told,
+        on_progress,
     };
     if probe.begin() {
         probe.survey();
@@ -175,13 +175,13 @@ struct Probe<'p, 'd> {
     /// Whether answers come without an envelope.
     is_bare: bool,
     steps: (usize, usize),
-    told: &'p dyn Fn(usize, usize),
+    on_progress: &'p dyn Fn(usize, usize),
 }
 
 impl Probe<'_, '_> {
     /// Waits until the server can be reached, and answers.
     fn begin(&mut self) -> bool {
-        let until = Instant::now() + READY;
+        let until = Instant::now() + CONNECT_TIMEOUT;
         loop {
             match self.open(None) {
                 Ok(session) => {
@@ -202,7 +202,7 @@ impl Probe<'_, '_> {
             Endpoint::Tcp(_) | Endpoint::Http { .. } => &env_07::RULE,
         };
         let trial = Some(Trial { rule: &tried.rule, how: "" });
-        let until = until.max(Instant::now() + PATIENCE);
+        let until = until.max(Instant::now() + ANSWER_TIMEOUT);
         let answer = self.post(&json!({ "type": "SYS-VER" }), trial, until);
         if answer.is_none() {
             self.fail("it answers nothing".to_owned());
@@ -212,14 +212,14 @@ impl Probe<'_, '_> {
 
     fn finish(mut self) -> Probed {
         self.leave();
-        let (judgement, unrecorded) = self.tape.finish();
-        Probed { result: judgement, notes: self.notes, failure: self.failure, unrecorded }
+        let (result, unrecorded) = self.tape.finish();
+        Probed { result, notes: self.notes, failure: self.failure, unrecorded }
     }
 
     /// A new connection.
     fn open(&mut self, endpoint: Option<&Endpoint>) -> io::Result<Session> {
         self.connections += 1;
-        let limit = READY.min(self.left()).max(PAUSE);
+        let limit = CONNECT_TIMEOUT.min(self.left()).max(PAUSE);
         Session::open(endpoint.unwrap_or(self.endpoint), self.connections, &mut self.tape, limit)
     }
 
@@ -229,7 +229,7 @@ impl Probe<'_, '_> {
     }
 
     /// The connection of the survey, made anew where the server closed it.
-    fn standing(&mut self) -> bool {
+    fn ensure_connected(&mut self) -> bool {
         if self.session.as_ref().is_some_and(|session| !session.is_over()) {
             return true;
         }
@@ -254,7 +254,7 @@ impl Probe<'_, '_> {
 
     /// A new connection to a server that may just be starting anew.
     fn reopen(&mut self, endpoint: Option<&Endpoint>) -> Option<Session> {
-        let until = Instant::now() + READY;
+        let until = Instant::now() + CONNECT_TIMEOUT;
         loop {
             match self.open(endpoint) {
                 Ok(session) => return Some(session),
@@ -271,7 +271,8 @@ impl Probe<'_, '_> {
     /// Ends the connection of the survey, after a while for late answers.
     fn leave(&mut self) {
         let Some(mut session) = self.session.take() else { return };
-        let until = Instant::now() + if session.is_waiting() { self.patience() } else { Duration::ZERO };
+        let until =
+            Instant::now() + if session.is_waiting() { self.answer_timeout() } else { Duration::ZERO };
         if session.is_waiting() {
             session.settle(&mut self.tape, until);
         }
@@ -285,25 +286,25 @@ impl Probe<'_, '_> {
 
     /// Asks on the connection of the survey, and waits for the answer. That it comes at all is judged as well.
     #[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
-    fn ask(&mut self, body: Value) -> Option<Value> {
-        self.ask_trying(&env_07::RULE, body)
+    fn query(&mut self, body: Value) -> Option<Value> {
+        self.query_for_trial(&env_07::RULE, body)
     }
 
     /// Asks on the connection of the survey to try a rule, and waits for the answer.
     #[allow(clippy::needless_pass_by_value)] // as above
-    fn ask_trying(&mut self, of: &'static FlockwaveRule, body: Value) -> Option<Value> {
+    fn query_for_trial(&mut self, of: &'static FlockwaveRule, body: Value) -> Option<Value> {
         self.request(&of.rule, Request::new("", body))
     }
 
     /// Makes a request that tries a rule, and waits for the answer.
     fn request(&mut self, rule: &'static Rule, request: Request) -> Option<Value> {
         self.step();
-        if self.is_late() || !self.standing() {
+        if self.is_late() || !self.ensure_connected() {
             return None;
         }
         let Request { how, body, member, is_repeated } = request;
-        let (id, asked) = (self.next_id(), Instant::now());
-        let until = asked + self.patience();
+        let (id, sent_at) = (self.next_id(), Instant::now());
+        let until = sent_at + self.answer_timeout();
         let mut message = json!({ "$fw.version": "1.0", "id": id });
         if let Some((key, value)) = member {
             message[key] = value;
@@ -314,7 +315,7 @@ impl Probe<'_, '_> {
         }
         let answer = self.post_message(&id, &message, Some(Trial { rule, how }), until);
         match answer {
-            Some(_) => self.slowest = self.slowest.max(asked.elapsed()),
+            Some(_) => self.slowest = self.slowest.max(sent_at.elapsed()),
             None => self.silences += 1,
         }
         answer
@@ -348,7 +349,7 @@ impl Probe<'_, '_> {
     fn log_in(&mut self) {
         let Some((name, password)) = &self.options.login else { return };
         let data = base64::encode(format!("{name}:{password}").as_bytes());
-        let until = Instant::now() + PATIENCE;
+        let until = Instant::now() + ANSWER_TIMEOUT;
         let answer =
             self.post(&json!({ "type": "AUTH-REQ", "method": "basic", "data": data }), Some(plain()), until);
         if answer.is_none_or(|answer| answer["body"]["result"] != true) {
@@ -394,20 +395,20 @@ impl Probe<'_, '_> {
 
     /// Does what an attempt consists of, and waits for all answers.
     fn carry_out(&mut self, session: &mut Session, steps: &[Step], trial: Trial<'_>) {
-        let grace = GRACE.max(self.slowest * 4);
+        let grace = LATE_ANSWER_TIME.max(self.slowest * 4);
         for (at, step) in steps.iter().enumerate() {
             // What goes before has its effect, and its answer, before the next message comes.
             match at {
                 0 => {}
                 _ if session.is_waiting() => session.settle(&mut self.tape, Instant::now() + grace),
-                _ => thread::sleep(APART),
+                _ => thread::sleep(SEND_INTERVAL),
             }
             perform(session, &mut self.tape, step, trial);
         }
         let last = steps.last().and_then(Step::id);
-        let mut until = Instant::now() + self.patience();
+        let mut until = Instant::now() + self.answer_timeout();
         let mut is_last_answered = false;
-        while session.is_waiting() && session.hear(&mut self.tape, until).is_some() {
+        while session.is_waiting() && session.receive(&mut self.tape, until).is_some() {
             if !is_last_answered && last.is_some_and(|id| !session.waits_for(id)) {
                 is_last_answered = true;
                 until = until.min(Instant::now() + grace);
@@ -425,7 +426,7 @@ impl Probe<'_, '_> {
     fn is_alive(&mut self) -> bool {
         self.session = self.reopen(None);
         self.log_in();
-        let answer = self.post(&json!({ "type": "SYS-VER" }), None, Instant::now() + PATIENCE);
+        let answer = self.post(&json!({ "type": "SYS-VER" }), None, Instant::now() + ANSWER_TIMEOUT);
         if let Some(session) = self.session.take() {
             session.close(&mut self.tape);
         }
@@ -433,9 +434,13 @@ impl Probe<'_, '_> {
     }
 
     /// How long an answer is waited for.
-    fn patience(&self) -> Duration {
-        let usual = if self.silences < LESS.0 { PATIENCE } else { LESS.1.max(self.slowest * 4) };
-        usual.min(PATIENCE).min(self.left())
+    fn answer_timeout(&self) -> Duration {
+        let usual = if self.silences < REDUCED_TIMEOUT.0 {
+            ANSWER_TIMEOUT
+        } else {
+            REDUCED_TIMEOUT.1.max(self.slowest * 4)
+        };
+        usual.min(ANSWER_TIMEOUT).min(self.left())
     }
 
     fn left(&self) -> Duration {
@@ -448,7 +453,7 @@ impl Probe<'_, '_> {
 
     fn step(&mut self) {
         self.steps.0 = (self.steps.0 + 1).min(self.steps.1);
-        (self.told)(self.steps.0, self.steps.1);
+        (self.on_progress)(self.steps.0, self.steps.1);
     }
 
     /// So many steps are done, whether or not there was something to do in each.

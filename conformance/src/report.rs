@@ -12,29 +12,29 @@
 //! ```
 //! use uavspec_conformance::check::check_capture;
 //! use uavspec_conformance::definitions::Definitions;
-//! use uavspec_conformance::report::{Action, CheckedCapture, Kind, Outcome, Report, Settings, Subject};
+//! use uavspec_conformance::report::{Action, CheckedCapture, Kind, OutcomeKind, Report, Settings, Subject};
 //!
 //! let definitions = Definitions::built_in();
 //! let of = definitions.message_of_type("px4/ArmingCheckRequest");
 //! let record = r#"{"timestamp": 7, "request_id": 30, "valid_registrations_mask": 1}"#;
 //! let result = check_capture(record.as_bytes(), of, &definitions)?;
 //! let checked = CheckedCapture { path: "requests.jsonl".to_owned(), result, notes: Vec::new(), elapsed: 0 };
-//! let subject = Subject::of_capture(checked, &definitions, &Settings::default());
+//! let subject = Subject::from_capture(checked, &definitions, &Settings::default());
 //! let command = "uavspec check requests.jsonl".to_owned();
 //! let report = Report::new(Action::Check, command, &definitions, vec![subject], Vec::new(), Vec::new());
-//! assert_eq!(report.conclusion.outcome, Outcome::Conforms);
+//! assert_eq!(report.outcome.kind, OutcomeKind::Conforms);
 //! assert!(report.to_text(Kind::Markdown).contains("## `requests.jsonl`"));
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
 mod capture;
-pub(crate) mod catalogue;
-mod conclusion;
 mod html;
 mod json;
 mod junit;
 mod kind;
 mod markdown;
+mod outcome;
+pub(crate) mod rule_list;
 mod sarif;
 #[cfg(test)]
 mod schema;
@@ -44,12 +44,12 @@ mod text;
 use serde::Serialize;
 
 pub use self::capture::{CheckedCapture, Settings};
-pub use self::conclusion::{Conclusion, Outcome};
 pub use self::kind::Kind;
+pub use self::outcome::{Outcome, OutcomeKind};
 pub(crate) use self::text::subject as subject_text;
 use crate::check::{Summary, Totals};
 use crate::definitions::Definitions;
-use crate::model::{Excuse, Extent, Level, Place, Reason, Rule, Status};
+use crate::model::{Excuse, Extent, Level, Location, Reason, Rule, Status};
 use crate::rules::RULES;
 
 /// The version of the form; it rises when a member changes its meaning or goes.
@@ -70,7 +70,8 @@ pub struct Report {
     /// What was judged by: a path, or the definitions that the program carries along.
     pub definitions: String,
     /// What it comes to.
-    pub conclusion: Conclusion,
+    #[serde(rename = "conclusion")]
+    pub outcome: Outcome,
     /// Why the run as a whole fails, beside what was found: a rule that had to be exercised and wasn't, or an entry of a
     /// list of known failures that no longer holds true.
     pub reasons: Vec<Reason>,
@@ -118,7 +119,8 @@ pub struct RuleReport {
     /// The worst that came of it in any subject.
     pub verdict: Verdict,
     /// How often there was something that it could judge.
-    pub exercised: u64,
+    #[serde(rename = "exercised")]
+    pub covered: u64,
     /// How often it was broken.
     pub findings: u64,
 }
@@ -130,7 +132,7 @@ pub struct RuleReport {
 pub enum Verdict {
     /// Nothing was there that it could have judged. That is no pass.
     #[serde(rename = "not exercised")]
-    NotExercised,
+    NotCovered,
     /// The testee doesn't do what it is about. That is no failure, and no pass.
     Unsupported,
     /// Nothing breaks it.
@@ -159,11 +161,13 @@ pub struct Subject {
     /// How many messages it has, or for a testee, cases there are.
     pub records: u64,
     /// How many of them were judged: those that have a type and can be read as it, or that were answered.
-    pub judged: u64,
+    #[serde(rename = "judged")]
+    pub checked: u64,
     /// From the first to the last timestamp, in µs.
     pub duration_us: u64,
     /// What it comes to.
-    pub conclusion: Conclusion,
+    #[serde(rename = "conclusion")]
+    pub outcome: Outcome,
     /// What came of each rule, by id.
     pub rules: Vec<RuleVerdict>,
     /// What breaks rules, by rule and subject.
@@ -171,9 +175,11 @@ pub struct Subject {
     /// How many other findings there are; only a thousand different ones are kept of each rule.
     pub more_findings: u64,
     /// What can't be read, and where; the first of it.
-    pub damage: Vec<Damage>,
+    #[serde(rename = "damage")]
+    pub corruption: Vec<Corruption>,
     /// How much more of that there is.
-    pub more_damage: u64,
+    #[serde(rename = "more_damage")]
+    pub more_corruption: u64,
     /// How much of it could be read.
     pub extent: Extent,
     /// What happened while a server was probed, in order, that is no finding.
@@ -211,9 +217,11 @@ pub struct Testee {
     #[serde(serialize_with = "testee::not_passed")]
     pub cases: Vec<Case>,
     /// What was against the protocol.
-    pub manners: Vec<Remark>,
+    #[serde(rename = "manners")]
+    pub protocol_remarks: Vec<Remark>,
     /// How many other remarks there are on that.
-    pub more_manners: u64,
+    #[serde(rename = "more_manners")]
+    pub more_protocol_remarks: u64,
     /// How often the process had to be started again.
     pub restarts: u32,
     /// Why the run ended early.
@@ -337,7 +345,8 @@ pub struct RuleVerdict {
     /// What came of it.
     pub verdict: Verdict,
     /// How often there was something that it could judge.
-    pub exercised: u64,
+    #[serde(rename = "exercised")]
+    pub covered: u64,
     /// How often it was broken.
     pub findings: u64,
 }
@@ -378,7 +387,7 @@ pub struct Finding {
 pub struct Example {
     /// Where in the file.
     #[serde(flatten)]
-    pub place: Place,
+    pub location: Location,
     /// Where in the record: of JSON a pointer, as `/msg/events/2/id`, otherwise the path of a field, as `events[2].id`.
     /// Empty where it is about the whole record, or more than one.
     pub path: String,
@@ -425,10 +434,10 @@ pub struct Known {
 /// Something that can't be read.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Damage {
+pub struct Corruption {
     /// Where in the file.
     #[serde(flatten)]
-    pub place: Place,
+    pub location: Location,
     /// What is the matter.
     pub message: String,
 }
@@ -462,7 +471,7 @@ impl Report {
             action,
             command,
             definitions: definitions.name.clone(),
-            conclusion: Conclusion::of_all(action, &subjects, &unreadable, remarks),
+            outcome: Outcome::for_run(action, &subjects, &unreadable, remarks),
             reasons,
             rules: rules(&subjects),
             subjects,
@@ -477,12 +486,12 @@ impl Report {
         if entries.is_empty() {
             return self;
         }
-        let mut remarks = vec![self.conclusion.text.clone()];
+        let mut remarks = vec![self.outcome.text.clone()];
         remarks.extend(entries.iter().map(Reason::to_string));
         self.reasons.extend(entries);
-        if self.conclusion.outcome < Outcome::Stale {
+        if self.outcome.kind < OutcomeKind::Stale {
             let text = "A list of known failures no longer holds true";
-            self.conclusion = Conclusion { remarks, ..Conclusion::new(Outcome::Stale, text) };
+            self.outcome = Outcome { remarks, ..Outcome::new(OutcomeKind::Stale, text) };
         }
         self
     }
@@ -507,7 +516,7 @@ fn rules(subjects: &[Subject]) -> Vec<RuleReport> {
         for found in verdicts {
             let report = report.get_or_insert_with(|| RuleReport::new(rule));
             report.verdict = report.verdict.max(found.verdict);
-            report.exercised += found.exercised;
+            report.covered += found.covered;
             report.findings += found.findings;
         }
         report
@@ -529,8 +538,8 @@ impl RuleReport {
             source: rule.source,
             applies_to: rule.applies_to,
             url: uavspec_codegen::report::rule_url(rule.id),
-            verdict: Verdict::NotExercised,
-            exercised: 0,
+            verdict: Verdict::NotCovered,
+            covered: 0,
             findings: 0,
         }
     }
@@ -540,7 +549,7 @@ impl Verdict {
     /// Its name.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::NotExercised => "not exercised",
+            Self::NotCovered => "not exercised",
             Self::Unsupported => "unsupported",
             Self::Pass => "pass",
             Self::Shown => "shown",
@@ -588,8 +597,8 @@ impl Subject {
     }
 
     /// How many places of damage there are.
-    pub(crate) fn damages(&self) -> u64 {
-        self.damage.len() as u64 + self.more_damage
+    pub(crate) fn corrupt_count(&self) -> u64 {
+        self.corruption.len() as u64 + self.more_corruption
     }
 }
 
@@ -607,13 +616,13 @@ impl Example {
     }
 
     /// What is the matter, and with what part.
-    pub(crate) fn told(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         if self.part.is_empty() { self.message.clone() } else { format!("{}: {}", self.part, self.message) }
     }
 }
 
 impl Definition {
-    fn of(line: crate::definitions::Line<'_>) -> Self {
+    fn new(line: crate::definitions::Line<'_>) -> Self {
         Self { file: line.file.to_owned(), line: line.number as u64, text: line.text.to_owned() }
     }
 }

@@ -20,7 +20,7 @@ use uavspec_codegen::source::Span;
 
 use self::sample::Flight;
 use crate::definitions::Definitions;
-use crate::model::{Detail, Findings, Place, Rule};
+use crate::model::{Detail, Findings, Location, Rule};
 
 /// Every rule, by id.
 pub static RULES: [&Rule; flockwave::RULES.len() + px4::RULES.len()] = {
@@ -98,7 +98,7 @@ pub(crate) fn checked_by(rule: &Rule) -> &'static str {
     let keeps_state = |check: &flockwave::Check| matches!(check, flockwave::Check::Session(_));
     let flockwave = flockwave::rule(rule.id).map(|of| {
         if of.checks.iter().any(keeps_state) {
-            FOLLOWING
+            BY_STATE
         } else {
             "message by message, with what went over the connection before"
         }
@@ -106,12 +106,12 @@ pub(crate) fn checked_by(rule: &Rule) -> &'static str {
     let px4 = px4::RULES.iter().find(|of| of.rule.id == rule.id).map(|of| match of.check {
         px4::Check::Value => "value by value, by a plan that is made once for each format",
         px4::Check::Source => "reading: what breaks it can't be read as anything",
-        px4::Check::State(_) => FOLLOWING,
+        px4::Check::State(_) => BY_STATE,
     });
     flockwave.or(px4).unwrap_or_default()
 }
 
-const FOLLOWING: &str = "following the records of a source with a small state for each topic";
+const BY_STATE: &str = "following the records of a source with a small state for each topic";
 
 /// The surroundings of a check: what it is checked by, and where its findings and its coverage are counted.
 pub(crate) struct RuleContext<'c> {
@@ -143,19 +143,19 @@ impl RuleContext<'_> {
     }
 
     /// Reports a violation of the rule.
-    pub(crate) fn violation(&mut self, subject: &str, place: Place, detail: impl FnOnce() -> Detail) {
-        self.violation_of(subject, place, None, detail);
+    pub(crate) fn violation(&mut self, subject: &str, location: Location, detail: impl FnOnce() -> Detail) {
+        self.violation_of(subject, location, None, detail);
     }
 
     /// Reports a violation of what a definition says at this line.
     pub(crate) fn violation_of(
         &mut self,
         subject: &str,
-        place: Place,
+        location: Location,
         definition: Option<Span>,
         detail: impl FnOnce() -> Detail,
     ) {
-        self.findings.report(self.rule, subject, place, definition, detail);
+        self.findings.report(self.rule, subject, location, definition, detail);
     }
 }
 

@@ -36,11 +36,11 @@ pub(crate) mod run;
 pub(crate) mod target;
 pub(crate) mod wire;
 
-pub use self::case::{Case, Expected, Input, Want, cases};
+pub use self::case::{Case, Expected, ExpectedAnswer, Input, cases};
 pub use self::compare::Difference;
-pub use self::lint::{CHECKS, Check, Found, Manner, check, lint};
+pub use self::lint::{CHECKS, Check, CheckOutcome, Found, check, lint};
 pub use self::options::Options;
-pub use self::outcome::{Counts, Manners, Outcome, Verdict};
+pub use self::outcome::{Counts, Outcome, ProtocolRemarks, Verdict};
 pub use self::protocol::{Format, Hello, Op, PROTOCOL};
 pub use self::run::run;
 pub use self::target::Target;

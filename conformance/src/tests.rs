@@ -1,9 +1,9 @@
 //! Tests of the parts, each of which may see what is private; those of the program are in `tests/`.
 
+mod body_schemas;
 mod browser;
-mod catalogue;
 mod check;
-mod damage;
+mod corruption;
 mod ext;
 mod flockwave;
 mod hostile;
@@ -13,7 +13,7 @@ mod mcap;
 mod mutants;
 mod report;
 mod reports;
-mod shapes;
+mod rule_list;
 #[allow(dead_code, reason = "the tests of the program use the rest of it")]
 #[path = "../tests/support/mod.rs"]
 pub(crate) mod support;

@@ -1,7 +1,7 @@
 //! The fleet of a live Flockwave server, as people watch it in a terminal.
 //!
 //! ```text
-//!  client ──bytes──▶ message ──▶ asker            what is to be asked next
+//!  client ──bytes──▶ message ──▶ poller           what is to be asked next
 //!     ▲                 │          │
 //!     └────requests─────│──────────┘  session: a thread
 //!                       ▼
@@ -22,9 +22,9 @@ pub(crate) mod state;
 mod tests;
 pub(crate) mod view;
 
-mod asker;
 mod format;
 mod order;
+mod poller;
 mod rate;
 mod roster;
 mod words;

@@ -22,7 +22,7 @@ fn uavspec(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
 }
 
 #[test]
-fn a_log_is_judged_and_the_status_says_how() {
+fn the_exit_status_is_the_outcome_for_a_log() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("flight.ulg"), typical(20)).expect("a file");
     let (status, printed, _) = uavspec(folder.path(), &["check", "flight.ulg"]);
@@ -44,12 +44,12 @@ fn a_log_is_judged_and_the_status_says_how() {
     let (status, printed, _) = uavspec(folder.path(), &["check", "empty.ulg"]);
     assert_eq!(status, Some(5), "{printed}");
     assert!(printed.contains("nothing was judged"), "{printed}");
-    let (status, _, said) = uavspec(folder.path(), &["check", "absent.ulg", "flight.ulg"]);
+    let (status, _, output) = uavspec(folder.path(), &["check", "absent.ulg", "flight.ulg"]);
     assert_eq!(status, Some(3));
-    assert!(said.contains("error: absent.ulg"), "{said}");
-    let (status, _, said) = uavspec(folder.path(), &["check", "flight.ulg", "--definitions", "nowhere"]);
+    assert!(output.contains("error: absent.ulg"), "{output}");
+    let (status, _, output) = uavspec(folder.path(), &["check", "flight.ulg", "--definitions", "nowhere"]);
     assert_eq!(status, Some(2));
-    assert!(said.contains("nowhere") && said.contains("help:"), "{said}");
+    assert!(output.contains("nowhere") && output.contains("help:"), "{output}");
     assert_eq!(uavspec(folder.path(), &["check"]).0, Some(2));
 }
 
@@ -61,15 +61,15 @@ fn reports(folder: &Path, file: &str) -> Vec<(&'static str, String)> {
 }
 
 /// How grave damage is in a report of SARIF.
-fn damage_level(report: &str) -> String {
+fn corruption_level(report: &str) -> String {
     let report: Value = serde_json::from_str(report).expect("JSON");
     let results = report["runs"][0]["results"].as_array().expect("a list");
-    let damage = results.iter().find(|result| result["ruleId"] == "damage").expect("damage");
-    damage["level"].as_str().expect("a level").to_owned()
+    let corruption = results.iter().find(|result| result["ruleId"] == "damage").expect("damage");
+    corruption["level"].as_str().expect("a level").to_owned()
 }
 
 #[test]
-fn what_cannot_be_read_to_its_end_fails_and_says_so_in_each_kind() {
+fn an_unreadable_file_fails_in_each_format() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut gzip = GzEncoder::new(Vec::new(), Compression::fast());
     gzip.write_all(&typical(200)).expect("memory");
@@ -82,27 +82,27 @@ fn what_cannot_be_read_to_its_end_fails_and_says_so_in_each_kind() {
     for packed in [&gzip[..gzip.len() / 2], &behind] {
         fs::write(folder.path().join("flight.ulg"), packed).expect("a file");
         assert_eq!(uavspec(folder.path(), &["check", "flight.ulg"]).0, Some(3));
-        for (kind, told) in reports(folder.path(), "flight.ulg") {
-            let said = match kind {
+        for (kind, reported) in reports(folder.path(), "flight.ulg") {
+            let output = match kind {
                 "text" => "; it could not be read to its end\n",
                 "json" => "\"extent\": \"broken off\"",
                 "junit" => "message=\"it can&apos;t be read to its end\"",
                 "sarif" => "what follows can't be read",
                 _ => "Could not be read to its end",
             };
-            assert!(told.contains(said), "{kind}: {told}");
-            assert!(kind != "sarif" || damage_level(&told) == "error", "{told}");
+            assert!(reported.contains(output), "{kind}: {reported}");
+            assert!(kind != "sarif" || corruption_level(&reported) == "error", "{reported}");
         }
     }
     fs::write(folder.path().join("good.ulg"), typical(20)).expect("a file");
     let (status, printed, _) = uavspec(folder.path(), &["check", "good.ulg", "flight.ulg", "--format=json"]);
     let report: Value = serde_json::from_str(&printed).expect("JSON");
-    let said = &report["conclusion"]["text"];
-    assert_eq!((status, said), (Some(3), &"1 of 2 files could not be read to their ends".into()));
+    let output = &report["conclusion"]["text"];
+    assert_eq!((status, output), (Some(3), &"1 of 2 files could not be read to their ends".into()));
 }
 
 #[test]
-fn what_is_passed_over_keeps_the_status_and_is_told_plainly() {
+fn skipped_data_is_reported_and_keeps_the_status() {
     let folder = tempfile::tempdir().expect("a folder");
     let log = typical(20);
     let (start, end) = log.split_at(log.len() / 2);
@@ -117,24 +117,29 @@ fn what_is_passed_over_keeps_the_status_and_is_told_plainly() {
         let (status, printed, _) = uavspec(folder.path(), &["check", name]);
         assert_eq!(status, Some(0), "{name}: {printed}");
         assert!(printed.ends_with("conforms, and not all can be read\n"), "{name}: {printed}");
-        for (kind, told) in reports(folder.path(), name) {
+        for (kind, reported) in reports(folder.path(), name) {
             match kind {
                 "text" => {}
-                "junit" => assert_eq!(told.contains("errors=\"1\""), is_error, "{name}: {told}"),
-                "sarif" => assert_eq!(damage_level(&told) == "warning", is_error, "{name}: {told}"),
-                _ => assert!(told.contains("Conforms, as far as it can be read"), "{name}: {kind}: {told}"),
+                "junit" => assert_eq!(reported.contains("errors=\"1\""), is_error, "{name}: {reported}"),
+                "sarif" => {
+                    assert_eq!(corruption_level(&reported) == "warning", is_error, "{name}: {reported}");
+                }
+                _ => assert!(
+                    reported.contains("Conforms, as far as it can be read"),
+                    "{name}: {kind}: {reported}"
+                ),
             }
         }
     }
 }
 
 #[test]
-fn a_log_that_is_encrypted_or_hardly_begun_is_told_from_json() {
+fn tells_encrypted_and_very_short_logs_from_json() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("a.ulge"), b"ULogEnc\x01\0\0\0\0\0\0\0\0\x04").expect("a file");
-    let (status, printed, said) = uavspec(folder.path(), &["check", "a.ulge"]);
+    let (status, printed, output) = uavspec(folder.path(), &["check", "a.ulge"]);
     assert_eq!((status, printed.as_str()), (Some(3), ""));
-    assert!(said.contains("an encrypted log of PX4") && said.contains("decrypt it first"), "{said}");
+    assert!(output.contains("an encrypted log of PX4") && output.contains("decrypt it first"), "{output}");
     for begun in [&b"ULog"[..], b"ULog\x01\x12", b"ULog\x01\x12\x35\x01"] {
         fs::write(folder.path().join("begun.ulg"), begun).expect("a file");
         let (status, printed, _) = uavspec(folder.path(), &["check", "begun.ulg"]);
@@ -151,7 +156,7 @@ fn a_log_that_is_encrypted_or_hardly_begun_is_told_from_json() {
 }
 
 #[test]
-fn messages_as_json_are_judged_with_and_without_their_type() {
+fn checks_json_messages_with_and_without_their_type() {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
     let message = r#"{"timestamp":1,"request_id":2,"registration_id":0}"#;
@@ -161,8 +166,8 @@ fn messages_as_json_are_judged_with_and_without_their_type() {
     let fields = r#""timestamp":1,"arming_check_id":2,"mode_id":3,"mode_executor_id":-1"#;
     let good = format!(r#"{{{fields},"name":"mode"}}"#);
     write("good.jsonl", &format!("{}\n{{\"op\":\"ping\"}}\n", reply(&good)));
-    let (status, printed, said) = uavspec(folder.path(), &["check", "good.jsonl"]);
-    assert_eq!(status, Some(0), "{printed}{said}");
+    let (status, printed, output) = uavspec(folder.path(), &["check", "good.jsonl"]);
+    assert_eq!(status, Some(0), "{printed}{output}");
     assert!(printed.starts_with("good.jsonl  2 lines, 1 message of 1 type ("), "{printed}");
     assert!(printed.contains("skipped      1 that publish nothing (rosbridge)"), "{printed}");
     assert!(printed.ends_with("conforms\n"), "{printed}");
@@ -185,9 +190,9 @@ fn messages_as_json_are_judged_with_and_without_their_type() {
     assert_eq!(status, Some(5), "{printed}");
     assert!(printed.contains("damage       line 1: nothing says what message it is"), "{printed}");
     assert!(printed.ends_with("and not all can be read\n"), "{printed}");
-    let (status, _, said) = uavspec(folder.path(), &["check", "bare.jsonl", "--type", "px4/Nothing"]);
+    let (status, _, output) = uavspec(folder.path(), &["check", "bare.jsonl", "--type", "px4/Nothing"]);
     assert_eq!(status, Some(2));
-    assert!(said.contains("--type px4/Nothing: the definitions have no such message"), "{said}");
+    assert!(output.contains("--type px4/Nothing: the definitions have no such message"), "{output}");
 
     let arguments = ["check", "--format", "json", "bare.jsonl", ty[0], ty[1]];
     let report: Value = serde_json::from_str(&uavspec(folder.path(), &arguments).1).expect("JSON");
@@ -198,7 +203,7 @@ fn messages_as_json_are_judged_with_and_without_their_type() {
 }
 
 #[test]
-fn folders_and_packed_files_are_judged_in_their_order() {
+fn checks_folders_and_packed_files_in_order() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("day")).expect("a folder");
     let zstd = compress_to_vec(&typical(20)[..], CompressionLevel::Fastest);
@@ -214,7 +219,7 @@ fn folders_and_packed_files_are_judged_in_their_order() {
 }
 
 #[test]
-fn formats_and_idle_rules_count_where_that_is_asked() {
+fn strict_formats_and_required_rules_count_on_request() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("flight.ulg"), typical(20)).expect("a file");
     fs::create_dir(folder.path().join("msg")).expect("a folder");
@@ -229,9 +234,9 @@ fn formats_and_idle_rules_count_where_that_is_asked() {
     assert_eq!(status, Some(1), "{printed}");
     assert!(printed.contains("differs    topic_3: it lacks other (float32)"), "{printed}");
     assert_eq!(check(&["--require", "PX-TIME-01,PX-FMT-01"]).0, Some(0));
-    let (status, _, said) = check(&["--require", "PX-VER-01"]);
+    let (status, _, output) = check(&["--require", "PX-VER-01"]);
     assert_eq!(status, Some(1));
-    assert!(said.contains("PX-VER-01 was required"), "{said}");
+    assert!(output.contains("PX-VER-01 was required"), "{output}");
     for (kind, marks) in [
         ("junit", &["failures=\"1\"", "name=\"as a whole\"", "PX-VER-01 was required"][..]),
         ("sarif", &["\"ruleId\": \"run\"", "PX-VER-01 was required"]),
@@ -242,17 +247,17 @@ fn formats_and_idle_rules_count_where_that_is_asked() {
         let (_, printed, _) = check(&["--require", "PX-VER-01", "--format", kind]);
         assert!(marks.iter().all(|mark| printed.contains(mark)), "{kind}: {printed}");
     }
-    let (status, _, said) = check(&["--require", "PX-NONE-01"]);
+    let (status, _, output) = check(&["--require", "PX-NONE-01"]);
     assert_eq!(status, Some(2));
-    assert!(said.contains("no such rule") && said.contains("help:"), "{said}");
+    assert!(output.contains("no such rule") && output.contains("help:"), "{output}");
 }
 
 #[test]
 fn a_pattern_that_is_none_is_a_mistake() {
     let folder = tempfile::tempdir().expect("a folder");
-    let (status, _, said) = uavspec(folder.path(), &["check", "[day"]);
+    let (status, _, output) = uavspec(folder.path(), &["check", "[day"]);
     assert_eq!(status, Some(2));
-    assert!(said.starts_with("error: [day: "), "{said}");
+    assert!(output.starts_with("error: [day: "), "{output}");
 }
 
 /// A disk may be full.
@@ -268,8 +273,8 @@ fn a_report_that_can_not_be_printed_fails_the_run() {
         let output =
             command.args(arguments).current_dir(folder.path()).stdout(full).output().expect("it runs");
         assert_eq!(output.status.code(), Some(3), "{arguments:?}");
-        let said = String::from_utf8(output.stderr).expect("UTF-8");
-        assert!(said.contains("error: standard output: "), "{said}");
+        let output = String::from_utf8(output.stderr).expect("UTF-8");
+        assert!(output.contains("error: standard output: "), "{output}");
     }
 }
 
@@ -328,10 +333,10 @@ fn several_reports_come_of_one_run() {
         Some("# ✅ Conforms")
     );
     // All that can be written is, and what can't is an error of its own.
-    let (status, _, said) =
+    let (status, _, output) =
         uavspec(folder.path(), &["check", "flight.ulg", "--report", "json=no/a.json,html=c.html"]);
-    assert_eq!(status, Some(3), "{said}");
-    assert!(said.contains("error: no/a.json: the report can't be written"), "{said}");
+    assert_eq!(status, Some(3), "{output}");
+    assert!(output.contains("error: no/a.json: the report can't be written"), "{output}");
     assert!(read("c.html").ends_with("</html>\n"));
 }
 
@@ -347,9 +352,9 @@ fn reports_that_cannot_be_meant_are_refused() {
     ] {
         for command in ["check", "test"] {
             let rest: &[&str] = if command == "check" { &["absent.ulg"] } else { &["--", "absent"] };
-            let (status, _, said) = uavspec(here, &[&[command], arguments, rest].concat());
-            assert_eq!(status, Some(2), "{said}");
-            assert!(said.contains(wanted), "{said}");
+            let (status, _, output) = uavspec(here, &[&[command], arguments, rest].concat());
+            assert_eq!(status, Some(2), "{output}");
+            assert!(output.contains(wanted), "{output}");
         }
     }
 }
@@ -364,9 +369,9 @@ fn rules_and_help_are_printed() {
     {
         assert!(printed.contains(wanted), "{wanted}: {printed}");
     }
-    let (status, _, said) = uavspec(here, &["rules", "PX-NONE-01"]);
+    let (status, _, output) = uavspec(here, &["rules", "PX-NONE-01"]);
     assert_eq!(status, Some(2));
-    assert!(said.contains("no such rule") && said.contains("help:"), "{said}");
+    assert!(output.contains("no such rule") && output.contains("help:"), "{output}");
     let list: Value = serde_json::from_str(&uavspec(here, &["rules", "--format", "json"]).1).expect("JSON");
     assert_eq!(list.as_array().map(Vec::len), Some(uavspec_conformance::rules::RULES.len()));
     let (status, printed, _) = uavspec(here, &["rules", "--matrix"]);
@@ -398,7 +403,7 @@ fn mcap_record(opcode: u8, parts: &[&[u8]]) -> Vec<u8> {
 }
 
 #[test]
-fn mcap_is_judged_and_says_what_by() {
+fn reports_how_mcap_channels_were_checked() {
     let folder = tempfile::tempdir().expect("a folder");
     let text =
         |text: &str| [&u32::try_from(text.len()).expect("short").to_le_bytes()[..], text.as_bytes()].concat();
@@ -424,8 +429,8 @@ fn mcap_is_judged_and_says_what_by() {
     .concat();
     fs::create_dir(folder.path().join("bag")).expect("a folder");
     fs::write(folder.path().join("bag/bag_0.mcap"), &file).expect("a file");
-    let (status, printed, said) = uavspec(folder.path(), &["check", "bag"]);
-    assert_eq!(status, Some(0), "{printed}{said}");
+    let (status, printed, output) = uavspec(folder.path(), &["check", "bag"]);
+    assert_eq!(status, Some(0), "{printed}{output}");
     assert!(printed.starts_with("bag/bag_0.mcap  ros2 (hand), 0 s, 3 channels, 3 messages ("), "{printed}");
     for line in [
         "definitions  0 of 3 channels equal, 0 differ, 1 without a schema that can be compared, 1 not defined\n",

@@ -68,8 +68,8 @@ expires = 2026-05-09
 #[test]
 fn a_known_finding_is_shown_and_does_not_count() {
     let folder = folder();
-    let (status, printed, said) = check(&folder, MARKS, &["logs"]);
-    assert_eq!(status, Some(0), "{printed}{said}");
+    let (status, printed, output) = check(&folder, MARKS, &["logs"]);
+    assert_eq!(status, Some(0), "{printed}{output}");
     for wanted in [
         "known PX-JSON-02   MUST   Glider.mark: expected an integer from 0 to 255, found 300\n",
         "  marks are counted beyond 255 (until 2026-05-09) https://example.org/issues/7\n",
@@ -78,7 +78,7 @@ fn a_known_finding_is_shown_and_does_not_count() {
         assert!(printed.contains(wanted), "{wanted}: {printed}");
     }
     assert!(printed.ends_with("\nconforms, 1 SHOULD to be looked at, 1 known\n"), "{printed}");
-    assert_eq!(said, "");
+    assert_eq!(output, "");
 
     let (status, printed, _) = check(&folder, MARKS, &["--format", "json", "logs/odd.jsonl"]);
     let report: Value = serde_json::from_str(&printed).expect("JSON");
@@ -99,18 +99,18 @@ fn a_known_finding_is_shown_and_does_not_count() {
 
     // What isn't listed counts, in another file too.
     let elsewhere = MARKS.replace("reason", "file = \"old/*\"\nreason");
-    let (status, printed, said) = check(&folder, &elsewhere, &["logs"]);
+    let (status, printed, output) = check(&folder, &elsewhere, &["logs"]);
     assert_eq!(status, Some(1), "{printed}");
-    assert!(said.contains("error[known-matches-nothing]") && said.contains("known.toml:4:8"), "{said}");
+    assert!(output.contains("error[known-matches-nothing]") && output.contains("known.toml:4:8"), "{output}");
 }
 
 #[test]
 fn a_list_that_no_longer_holds_true_fails_the_run() {
     let folder = folder();
-    let (status, printed, said) = check(&folder, MARKS, &["logs/good.jsonl"]);
-    assert_eq!(status, Some(4), "{printed}{said}");
+    let (status, printed, output) = check(&folder, MARKS, &["logs/good.jsonl"]);
+    assert_eq!(status, Some(4), "{printed}{output}");
     assert_eq!(
-        said,
+        output,
         "\
 error[known-passes]: nothing that this rule names fails any more
  --> known.toml:4:8
@@ -124,35 +124,35 @@ error: a list of known failures no longer holds true
     assert_eq!(list_of(&folder), MARKS, "nothing is written unasked");
     // What is flaky may pass.
     assert_eq!(check(&folder, &MARKS.replace("[[known]]", "[[flaky]]"), &["logs/good.jsonl"]).0, Some(0));
-    let (status, _, said) = check(&folder, &MARKS.replace("05-09", "05-08"), &["logs"]);
+    let (status, _, output) = check(&folder, &MARKS.replace("05-09", "05-08"), &["logs"]);
     assert_eq!(status, Some(4));
-    assert!(said.contains("error[known-expired]: the entry expired on 2026-05-08"), "{said}");
+    assert!(output.contains("error[known-expired]: the entry expired on 2026-05-08"), "{output}");
     // A file that can't be read is the graver matter, and might have had what is listed.
-    let (status, _, said) = check(&folder, MARKS, &["logs/good.jsonl", "logs/absent.jsonl"]);
+    let (status, _, output) = check(&folder, MARKS, &["logs/good.jsonl", "logs/absent.jsonl"]);
     assert_eq!(status, Some(3));
-    assert!(!said.contains("known"), "{said}");
+    assert!(!output.contains("known"), "{output}");
     // Another failure is no known one.
-    let (status, printed, said) = check(&folder, &(MARKS.to_owned() + "message = \"null\"\n"), &["logs"]);
+    let (status, printed, output) = check(&folder, &(MARKS.to_owned() + "message = \"null\"\n"), &["logs"]);
     assert_eq!(status, Some(1));
     assert!(printed.contains("FAIL  PX-JSON-02"), "{printed}");
-    assert!(said.contains("error[known-fails-otherwise]"), "{said}");
+    assert!(output.contains("error[known-fails-otherwise]"), "{output}");
 }
 
 #[test]
-fn a_list_is_mended_and_the_run_judged_by_what_is_left() {
+fn fixes_a_list_and_checks_by_the_remaining_entries() {
     let folder = folder();
     let speed = "\n# apart\n\n[[known]]\nrule = \"PX-RANGE-01\"\nreason = \"a gauge\"   # of brass\nmessage = \"7\" # so\n";
     let gone = "\n# old\n[[known]]\nrule = \"PX-NAN-01\"\nsubject = \"Glider.mark\"\nreason = \"none\"\n";
     let list = MARKS.to_owned() + "message = \"null\"\n" + gone + speed;
-    let (status, printed, said) = check(&folder, &list, &["--fix-known", "logs"]);
-    assert_eq!(status, Some(0), "{printed}{said}");
-    assert!(said.contains("note[known-fails-otherwise]") && said.contains("mended"), "{said}");
+    let (status, printed, output) = check(&folder, &list, &["--fix-known", "logs"]);
+    assert_eq!(status, Some(0), "{printed}{output}");
+    assert!(output.contains("note[known-fails-otherwise]") && output.contains("mended"), "{output}");
     assert!(printed.ends_with("\nconforms, 2 known\n"), "{printed}");
-    let mended = "message = \"expected an integer from 0 to 255, found 300\"\n";
-    assert_eq!(list_of(&folder), MARKS.to_owned() + mended + speed);
+    let fixed = "message = \"expected an integer from 0 to 255, found 300\"\n";
+    assert_eq!(list_of(&folder), MARKS.to_owned() + fixed + speed);
     let again = list_of(&folder);
-    let (status, _, said) = check(&folder, &again, &["--fix-known", "logs"]);
-    assert_eq!((status, said.as_str(), list_of(&folder)), (Some(0), "", again));
+    let (status, _, output) = check(&folder, &again, &["--fix-known", "logs"]);
+    assert_eq!((status, output.as_str(), list_of(&folder)), (Some(0), "", again));
     // What has expired counts again.
     let (status, printed, _) = check(&folder, &MARKS.replace("05-09", "05-08"), &["--fix-known", "logs"]);
     assert!(status == Some(1) && printed.contains("FAIL  PX-JSON-02"), "{printed}");
@@ -170,31 +170,31 @@ fn a_known_message_hides_no_other_however_late_it_comes() {
     write(marks(&[300, 300, 300, 305, 300]));
     assert_eq!(check(&folder, &list, &["logs"]).0, Some(0));
     write(marks(&[300, 300, 300, 300, 7000, 300]));
-    let (status, printed, said) = check(&folder, &list, &["logs"]);
-    assert_eq!(status, Some(1), "{printed}{said}");
+    let (status, printed, output) = check(&folder, &list, &["logs"]);
+    assert_eq!(status, Some(1), "{printed}{output}");
     assert!(printed.contains("FAIL  PX-JSON-02"), "{printed}");
-    assert!(said.contains("known-fails-otherwise") && said.contains("found 7000"), "{said}");
+    assert!(output.contains("known-fails-otherwise") && output.contains("found 7000"), "{output}");
 }
 
 #[test]
-fn messages_without_a_common_beginning_are_mended_by_nobody() {
+fn does_not_fix_messages_without_a_common_prefix() {
     let folder = folder();
     let speeds = [70, -7].map(|speed| format!("{{\"timestamp\":1,\"speed\":{speed},\"mark\":3}}\n"));
     fs::write(folder.path().join("logs/odd.jsonl"), speeds.concat()).expect("a file");
     let entry = "[[known]]\nrule = \"PX-RANGE-01\"\nreason = \"a gauge\"\nmessage = \"70\"\n";
     let gone = "\n[[known]]\nrule = \"PX-NAN-01\"\nreason = \"none\"\n";
-    let (status, printed, said) = check(&folder, &(entry.to_owned() + gone), &["--fix-known", "logs"]);
-    assert_eq!(status, Some(4), "{printed}{said}");
+    let (status, printed, output) = check(&folder, &(entry.to_owned() + gone), &["--fix-known", "logs"]);
+    assert_eq!(status, Some(4), "{printed}{output}");
     assert!(
-        said.contains("error[known-fails-otherwise]") && said.contains("write an entry for each"),
-        "{said}"
+        output.contains("error[known-fails-otherwise]") && output.contains("write an entry for each"),
+        "{output}"
     );
     assert!(printed.contains("warn  PX-RANGE-01"), "{printed}");
     assert_eq!(list_of(&folder), entry, "the other entry is mended");
 }
 
 #[test]
-fn a_list_that_cannot_be_mended_fails_the_run() {
+fn a_list_that_cannot_be_fixed_fails_the_run() {
     let folder = folder();
     fs::write(folder.path().join("known.toml"), MARKS).expect("a file");
     let path = folder.path().join("known.toml");
@@ -205,9 +205,9 @@ fn a_list_that_cannot_be_mended_fails_the_run() {
         let always = ["check", "--definitions", "msg", "--type", "px4/Glider", "--known", "known.toml"];
         uavspec(folder.path(), &[&always[..], &["--fix-known", "--format", "json", file]].concat())
     };
-    let (status, printed, said) = check("logs/good.jsonl");
-    assert_eq!(status, Some(2), "{printed}{said}");
-    assert!(said.contains("known.toml") && list_of(&folder) == MARKS, "{said}");
+    let (status, printed, output) = check("logs/good.jsonl");
+    assert_eq!(status, Some(2), "{printed}{output}");
+    assert!(output.contains("known.toml") && list_of(&folder) == MARKS, "{output}");
     let report: Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!(report["conclusion"]["outcome"], "stale list");
     assert_eq!(check("logs/odd.jsonl").0, Some(0), "there is nothing to mend");
@@ -231,24 +231,24 @@ fn what_lies_behind_a_break_may_hold_what_is_listed() {
     std::io::Write::write_all(&mut gzip, &text).expect("memory");
     let packed = gzip.finish().expect("memory");
     fs::write(folder.path().join("cut.jsonl.gz"), &packed[..packed.len() / 2]).expect("a file");
-    let (status, printed, said) = check(&folder, MARKS, &["cut.jsonl.gz"]);
-    assert_eq!(status, Some(3), "{printed}{said}");
-    assert!(!said.contains("known-passes"), "{said}");
+    let (status, printed, output) = check(&folder, MARKS, &["cut.jsonl.gz"]);
+    assert_eq!(status, Some(3), "{printed}{output}");
+    assert!(!output.contains("known-passes"), "{output}");
 }
 
 #[test]
 fn what_is_no_list_is_wrong_usage() {
     let folder = folder();
-    let (status, printed, said) = check(&folder, "[[known]]\nrule = \"PX-NONE-01\"\n", &["logs"]);
+    let (status, printed, output) = check(&folder, "[[known]]\nrule = \"PX-NONE-01\"\n", &["logs"]);
     assert_eq!((status, printed.as_str()), (Some(2), ""));
-    assert!(said.contains("no rule `PX-NONE-01`") && said.contains("no `reason`"), "{said}");
+    assert!(output.contains("no rule `PX-NONE-01`") && output.contains("no `reason`"), "{output}");
     let check = |arguments: &[&str]| uavspec(folder.path(), &[&["check", "logs"], arguments].concat());
-    let (status, _, said) = check(&["--known", "absent.toml"]);
+    let (status, _, output) = check(&["--known", "absent.toml"]);
     assert_eq!(status, Some(2));
-    assert!(said.contains("error: absent.toml: "), "{said}");
+    assert!(output.contains("error: absent.toml: "), "{output}");
     fs::write(folder.path().join("long.toml"), "#".repeat((1 << 20) + 1)).expect("a file");
-    let (status, _, said) = check(&["--known", "long.toml"]);
-    assert!(status == Some(2) && said.contains("is this a list?"), "{said}");
+    let (status, _, output) = check(&["--known", "long.toml"]);
+    assert!(status == Some(2) && output.contains("is this a list?"), "{output}");
     assert_eq!(check(&["--fix-known"]).0, Some(2), "there is nothing to mend");
     let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
     command.args(["check", "logs"]).current_dir(folder.path()).env("SOURCE_DATE_EPOCH", "soon");
@@ -264,9 +264,9 @@ fn what_is_no_list_is_wrong_usage() {
 
 /// Answers that are right but for decoding CDR, where all are the same wrong one.
 fn answer(folder: &TempDir, wrong: &Value) {
-    let (status, questions, said) =
+    let (status, questions, output) =
         uavspec(folder.path(), &["test", "--definitions", "msg", "--dump-cases", "-"]);
-    assert_eq!(status, Some(0), "{said}");
+    assert_eq!(status, Some(0), "{output}");
     let mut answers = String::new();
     for question in questions.lines().map(|line| serde_json::from_str::<Value>(line).expect("JSON")) {
         let expected = &question["expected"];
@@ -294,10 +294,10 @@ fn known_cases_are_counted_apart() {
     let folder = folder();
     answer(&folder, &json!("CDR"));
     let list = "[[known]]\ncase = \"decode-cdr/*\"\nreason = \"CDR is to come\"\n";
-    let (status, printed, said) = test(&folder, "", &[]);
-    assert!(status == Some(1) && printed.contains("fail decode-cdr/px4/Glider/zero:"), "{printed}{said}");
-    let (status, printed, said) = test(&folder, list, &[]);
-    assert_eq!((status, said.as_str()), (Some(0), ""), "{printed}");
+    let (status, printed, output) = test(&folder, "", &[]);
+    assert!(status == Some(1) && printed.contains("fail decode-cdr/px4/Glider/zero:"), "{printed}{output}");
+    let (status, printed, output) = test(&folder, list, &[]);
+    assert_eq!((status, output.as_str()), (Some(0), ""), "{printed}");
     assert!(printed.contains("known decode-cdr/px4/Glider/zero: CDR is to come\n"), "{printed}");
     assert!(printed.contains(" passed, 0 failed, ") && printed.contains(" known, "), "{printed}");
     assert!(printed.ends_with("conforms\n"), "{printed}");
@@ -317,24 +317,24 @@ fn known_cases_are_counted_apart() {
     // Of a pattern that names more than fails, mending leaves that which fails.
     let all = list.replace("decode-cdr/*", "decode-*/zero");
     let zeros = ["--filter", "decode-*/zero"];
-    let (status, _, said) = test(&folder, &all, &zeros);
+    let (status, _, output) = test(&folder, &all, &zeros);
     assert_eq!(status, Some(4));
     assert!(
-        said.contains("1 of the 2 cases that this names pass: the first is decode-uorb/px4/Glider/zero"),
-        "{said}"
+        output.contains("1 of the 2 cases that this names pass: the first is decode-uorb/px4/Glider/zero"),
+        "{output}"
     );
     assert_eq!(test(&folder, &all, &[&zeros[..], &["--fix-known"]].concat()).0, Some(0));
     assert_eq!(list_of(&folder), list.replace("decode-cdr/*", "decode-cdr/px4/Glider/zero"));
 
     // Only known failures are something that was checked; entries on what wasn't asked are left alone.
-    let (status, printed, said) = test(&folder, list, &["--filter", "decode-cdr/px4/Glider/zero"]);
-    assert_eq!((status, said.as_str()), (Some(0), ""), "{printed}");
-    let (status, _, said) = test(&folder, list, &["--filter", "decode-uorb/*"]);
-    assert_eq!((status, said.as_str()), (Some(0), ""));
+    let (status, printed, output) = test(&folder, list, &["--filter", "decode-cdr/px4/Glider/zero"]);
+    assert_eq!((status, output.as_str()), (Some(0), ""), "{printed}");
+    let (status, _, output) = test(&folder, list, &["--filter", "decode-uorb/*"]);
+    assert_eq!((status, output.as_str()), (Some(0), ""));
 }
 
 #[test]
-fn known_cases_that_pass_or_fail_otherwise_or_are_none_are_told() {
+fn reports_stale_entries_for_cases() {
     let folder = folder();
     answer(&folder, &json!("CDR"));
     let list = "\
@@ -355,22 +355,22 @@ reason = \"no plane is as calm as a glider\"
 rule = \"PX-JSON-02\"
 reason = \"of no matter here\"
 ";
-    let (status, printed, said) = test(&folder, list, &[]);
-    assert_eq!(status, Some(4), "{printed}{said}");
+    let (status, printed, output) = test(&folder, list, &[]);
+    assert_eq!(status, Some(4), "{printed}{output}");
     let codes: Vec<&str> =
-        said.lines().filter(|line| line.starts_with("error[") || line.contains("-->")).collect();
+        output.lines().filter(|line| line.starts_with("error[") || line.contains("-->")).collect();
     let expected = [
         "error[known-passes]: nothing that this case names fails any more",
         " --> known.toml:7:8",
         "error[known-matches-nothing]: this case names nothing in this run",
         "  --> known.toml:11:8",
     ];
-    assert_eq!(codes, expected, "{said}");
-    let (status, _, said) = test(&folder, &list.replace("\"expected\"", "\"crashed\""), &[]);
-    assert!(status == Some(1) && said.contains("known-fails-otherwise"), "{said}");
+    assert_eq!(codes, expected, "{output}");
+    let (status, _, output) = test(&folder, &list.replace("\"expected\"", "\"crashed\""), &[]);
+    assert!(status == Some(1) && output.contains("known-fails-otherwise"), "{output}");
 
-    let (status, _, said) = test(&folder, list, &["--fix-known"]);
-    assert_eq!(status, Some(0), "{said}");
+    let (status, _, output) = test(&folder, list, &["--fix-known"]);
+    assert_eq!(status, Some(0), "{output}");
     let (start, end) = (list.split("\n\n").next(), list.split("\n\n").last());
     assert_eq!(Some(list_of(&folder)), start.zip(end).map(|(start, end)| format!("{start}\n\n{end}")));
 }

@@ -52,11 +52,11 @@ fn probed(url: &str, options: &Options) -> Probed {
     assert!(probed.unrecorded.is_none());
     let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
     let replayed = check_capture(&*recording, None, &DEFINITIONS).expect("bytes can be read");
-    let of = |judgement: &uavspec_conformance::check::CaptureResult| -> Vec<String> {
-        judgement.findings.groups().map(|group| format!("{group:?}")).collect()
+    let of = |result: &uavspec_conformance::check::CaptureResult| -> Vec<String> {
+        result.findings.groups().map(|group| format!("{group:?}")).collect()
     };
     assert_eq!(of(&replayed), of(&probed.result));
-    assert_eq!(probed.result.damage, vec![], "the recording is what recordings are");
+    assert_eq!(probed.result.corruption, vec![], "the recording is what recordings are");
     probed
 }
 
@@ -115,11 +115,11 @@ fn segments(stream: &TcpStream, mut take: impl FnMut(&[u8]) -> bool) {
 }
 
 #[test]
-fn nobody_at_home_is_told() {
+fn reports_a_refused_connection() {
     let free = TcpListener::bind("127.0.0.1:0").expect("a free port").local_addr().expect("an address");
     let probed = probed(&format!("tcp://{free}"), &brief());
     assert!(probed.failure.expect("a reason").starts_with("no connection"));
-    assert_eq!(probed.result.judged, 0);
+    assert_eq!(probed.result.checked, 0);
 }
 
 #[test]
@@ -181,7 +181,7 @@ fn a_million_notifications_end_in_time() {
 }
 
 #[test]
-fn a_server_that_dies_in_the_middle_is_told() {
+fn reports_a_server_that_dies_during_the_probe() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
     let url = format!("tcp://{}", listener.local_addr().expect("an address"));
     thread::spawn(move || {
@@ -197,13 +197,13 @@ fn a_server_that_dies_in_the_middle_is_told() {
     });
     let probed = probed(&url, &brief());
     assert!(probed.failure.expect("a reason").starts_with("it can't be reached any more"));
-    let told = probed.result.findings.groups().flat_map(|group| &group.examples);
-    let lost = told.filter(|(_, detail)| detail.message.ends_with("; the server closed the connection"));
+    let reported = probed.result.findings.groups().flat_map(|group| &group.examples);
+    let lost = reported.filter(|(_, detail)| detail.message.ends_with("; the server closed the connection"));
     assert_eq!(lost.count(), 1, "a request without an answer");
 }
 
 #[test]
-fn a_server_that_closes_now_and_then_is_asked_to_the_end() {
+fn probes_a_server_that_closes_connections_to_the_end() {
     let probed = probed(
         &served(|mut stream, number| {
             let reader = BufReader::new(stream.try_clone().expect("a stream"));
@@ -293,11 +293,11 @@ fn uavspec(arguments: &[&str]) -> (Option<i32>, String, String) {
 }
 
 #[test]
-fn the_command_says_what_came_of_it_and_records_it() {
-    let place = SocketAddr::from(([127, 0, 0, 1], 0));
+fn probe_prints_its_outcome_and_records_the_session() {
+    let location = SocketAddr::from(([127, 0, 0, 1], 0));
     let bug = flockwave::rule("FW-SYS-VER-02");
     let options = serve::Options { bug, ..serve::Options::default() };
-    let server = Server::start(options, &[(Transport::Tcp, place)]).expect("it starts");
+    let server = Server::start(options, &[(Transport::Tcp, location)]).expect("it starts");
     let url = server.listening()[0].to_string();
     let folder = tempfile::tempdir().expect("a folder");
     let (record, report) = (folder.path().join("run.jsonl"), folder.path().join("report.json"));
@@ -315,8 +315,8 @@ fn the_command_says_what_came_of_it_and_records_it() {
         "FW-TCP-02",
         &url,
     ];
-    let (status, printed, said) = uavspec(&arguments);
-    assert_eq!((status, said.as_str()), (Some(1), ""), "{printed}");
+    let (status, printed, output) = uavspec(&arguments);
+    assert_eq!((status, output.as_str()), (Some(1), ""), "{printed}");
     assert!(printed.contains("FAIL  FW-SYS-VER-02"), "{printed}");
     let report: Value = serde_json::from_slice(&std::fs::read(report).expect("a report")).expect("JSON");
     assert_eq!((&report["action"], &report["conclusion"]["status"]), (&json!("probe"), &json!(1)));
@@ -328,7 +328,7 @@ fn the_command_says_what_came_of_it_and_records_it() {
 }
 
 #[test]
-fn wrong_usage_says_what_is_wrong() {
+fn reports_what_is_wrong_with_the_usage() {
     for (arguments, status, wanted) in [
         (&["probe", "localhost:5001"][..], 2, "tcp://localhost:5001"),
         (&["probe", "--uav", "00", "tcp://localhost:5001"], 2, "--allow-commands"),
@@ -336,8 +336,8 @@ fn wrong_usage_says_what_is_wrong() {
         (&["probe", "--require", "FW-NONE-01", "tcp://localhost:5001"], 2, "no such rule"),
         (&["probe", "--record", "/no/such/folder/run.jsonl", "tcp://localhost:5001"], 3, "can't be written"),
     ] {
-        let (found, printed, said) = uavspec(arguments);
-        assert_eq!((found, printed.as_str()), (Some(status), ""), "{said}");
-        assert!(said.contains(wanted), "{said}");
+        let (found, printed, output) = uavspec(arguments);
+        assert_eq!((found, printed.as_str()), (Some(status), ""), "{output}");
+        assert!(output.contains(wanted), "{output}");
     }
 }

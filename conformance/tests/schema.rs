@@ -50,8 +50,8 @@ fn check(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
 /// The findings of a check of the recording: rule, subject, place, what should be there, and what is.
 fn findings(folder: &Path, arguments: &[&str]) -> Vec<[String; 5]> {
     let all = [&["--format", "json", "hill.jsonl"], arguments].concat();
-    let (status, printed, said) = check(folder, &all);
-    assert!(matches!(status, Some(0 | 1 | 5)), "{said}");
+    let (status, printed, output) = check(folder, &all);
+    assert!(matches!(status, Some(0 | 1 | 5)), "{output}");
     let report: Value = serde_json::from_str(&printed).expect("JSON");
     let found = report["subjects"][0]["findings"].as_array().expect("findings").iter();
     let example = |group: &Value, example: &Value| {
@@ -76,7 +76,7 @@ fn lift(type_name: &str, lift: &Value) -> Value {
 }
 
 #[test]
-fn bodies_are_judged_by_the_schema_of_their_type() {
+fn checks_bodies_by_the_schema_of_their_type() {
     let number = json!({ "type": "number", "minimum": 0 });
     let by_name = json!({ "required": ["marks"] });
     let one_of_two =
@@ -167,7 +167,7 @@ fn schemas_refer_to_each_other() {
 }
 
 #[test]
-fn what_is_wrong_with_a_schema_is_told_with_its_place() {
+fn reports_an_invalid_schema_with_its_location() {
     let good = || lift("SOAR-INF", &json!({}));
     let bad_type = lift("SOAR-INF", &json!({ "type": "altitude" }));
     let missing = lift("SOAR-INF", &json!({ "$ref": "https://example.org/none.json" }));
@@ -182,21 +182,21 @@ fn what_is_wrong_with_a_schema_is_told_with_its_place() {
         (&[("s/a.json", good()), ("s/b.json", good())], "b.json: ", "says already what the body of SOAR-INF"),
         (&[("t/a.json", good())], "s: can't be read", ""),
     ];
-    for (files, place, what) in cases {
+    for (files, location, what) in cases {
         let folder = folder(files);
         recording(folder.path(), &[], &[]);
-        let (status, _, said) = check(folder.path(), &["--schema", "s", "hill.jsonl"]);
-        assert_eq!(status, Some(2), "{said}");
+        let (status, _, output) = check(folder.path(), &["--schema", "s", "hill.jsonl"]);
+        assert_eq!(status, Some(2), "{output}");
         assert!(
-            said.starts_with("error: ") && said.contains(place) && said.contains(what),
-            "{place}: {said}"
+            output.starts_with("error: ") && output.contains(location) && output.contains(what),
+            "{location}: {output}"
         );
     }
     let folder = folder(&[]);
     write(folder.path(), "s/a.json", "{\n  \"type\": }");
-    let (status, _, said) = check(folder.path(), &["--schema", "s", "hill.jsonl"]);
+    let (status, _, output) = check(folder.path(), &["--schema", "s", "hill.jsonl"]);
     assert_eq!(status, Some(2));
-    assert!(said.contains("a.json:2:11: no JSON: "), "{said}");
+    assert!(output.contains("a.json:2:11: no JSON: "), "{output}");
 }
 
 /// What is no JSON, and numbers that no float holds, are matters of other rules.

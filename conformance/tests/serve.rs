@@ -14,7 +14,7 @@ use proptest::test_runner::TestRunner;
 use serde_json::{Value, json};
 use uavspec_conformance::rules::flockwave;
 use uavspec_conformance::serve::{Options, Server, Transport};
-use uavspec_conformance::transport::{Client, Heard, MESSAGE_LIMIT, connect};
+use uavspec_conformance::transport::{Client, MESSAGE_LIMIT, Received, connect};
 
 /// How long something may take that has to happen.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -36,8 +36,8 @@ const WAYS: [(Transport, &str); 7] = [
 ];
 
 fn serve(options: Options) -> Server {
-    let place = SocketAddr::from(([127, 0, 0, 1], 0));
-    Server::start(options, &ALL.map(|transport| (transport, place))).expect("it starts")
+    let location = SocketAddr::from(([127, 0, 0, 1], 0));
+    Server::start(options, &ALL.map(|transport| (transport, location))).expect("it starts")
 }
 
 /// A server that breaks a rule, and that tells often of the fleet.
@@ -46,8 +46,8 @@ fn broken(rule: &str) -> Server {
 }
 
 fn address(server: &Server, transport: Transport) -> SocketAddr {
-    let place = server.listening().iter().find(|place| place.transport == transport);
-    place.expect("it listens there").address
+    let location = server.listening().iter().find(|location| location.transport == transport);
+    location.expect("it listens there").address
 }
 
 fn client(server: &Server, (transport, rest): (Transport, &str)) -> Box<dyn Client> {
@@ -60,9 +60,9 @@ fn request(id: &str, body: &Value) -> String {
 }
 
 /// The next message.
-fn hear(client: &mut dyn Client) -> Value {
-    match client.hear(Instant::now() + PATIENCE).expect("the connection holds") {
-        Heard::Message(text) => serde_json::from_slice(&text).expect("JSON"),
+fn receive(client: &mut dyn Client) -> Value {
+    match client.receive(Instant::now() + PATIENCE).expect("the connection holds") {
+        Received::Message(text) => serde_json::from_slice(&text).expect("JSON"),
         other => panic!("{other:?}"),
     }
 }
@@ -71,7 +71,7 @@ fn hear(client: &mut dyn Client) -> Value {
 fn answer(client: &mut dyn Client, id: &str) -> Value {
     let until = Instant::now() + PATIENCE;
     while Instant::now() < until {
-        let message = hear(client);
+        let message = receive(client);
         if message.get("refs").is_some() {
             assert_eq!(message["refs"], id);
             return message;
@@ -89,7 +89,7 @@ fn ask(client: &mut dyn Client, id: &str, body: &Value) -> Value {
 fn until(client: &mut dyn Client, fits: impl Fn(&Value) -> bool) -> Value {
     let end = Instant::now() + PATIENCE;
     while Instant::now() < end {
-        let message = hear(client);
+        let message = receive(client);
         if fits(&message) {
             return message;
         }
@@ -101,15 +101,15 @@ fn until(client: &mut dyn Client, fits: impl Fn(&Value) -> bool) -> Value {
 fn is_answered(client: &mut dyn Client, patience: Duration) -> bool {
     let end = Instant::now() + patience;
     loop {
-        match client.hear(end) {
-            Ok(Heard::Message(text)) => {
+        match client.receive(end) {
+            Ok(Received::Message(text)) => {
                 let message = serde_json::from_slice::<Value>(&text).unwrap_or_default();
                 if message.get("refs").is_some() {
                     return true;
                 }
             }
-            Ok(Heard::Silence | Heard::End) | Err(_) => return false,
-            Ok(Heard::TooLong) => {}
+            Ok(Received::Silence | Received::End) | Err(_) => return false,
+            Ok(Received::TooLong) => {}
         }
     }
 }
@@ -152,7 +152,7 @@ fn every_family_is_answered_over_every_transport() {
 }
 
 #[test]
-fn the_server_says_rightly_where_it_listens() {
+fn reports_the_ports_it_listens_on() {
     let server = serve(Options::default());
     let ports = ask(&mut *client(&server, WAYS[0]), "a", &json!({ "type": "SYS-PORTS" }));
     for transport in ALL {
@@ -162,13 +162,13 @@ fn the_server_says_rightly_where_it_listens() {
 
 #[test]
 fn it_listens_at_addresses_of_the_newer_kind_as_well() {
-    let place = SocketAddr::from(([0, 0, 0, 0, 0, 0, 0, 1], 0));
-    if UdpSocket::bind(place).is_err() {
+    let location = SocketAddr::from(([0, 0, 0, 0, 0, 0, 0, 1], 0));
+    if UdpSocket::bind(location).is_err() {
         // This machine has no IPv6.
         return;
     }
     let server =
-        Server::start(Options::default(), &ALL.map(|transport| (transport, place))).expect("it starts");
+        Server::start(Options::default(), &ALL.map(|transport| (transport, location))).expect("it starts");
     for way in WAYS {
         assert_eq!(
             ask(&mut *client(&server, way), "a", &json!({ "type": "SYS-PING" })),
@@ -178,7 +178,7 @@ fn it_listens_at_addresses_of_the_newer_kind_as_well() {
 }
 
 #[test]
-fn clients_hear_of_the_fleet_by_themselves() {
+fn sends_status_reports_without_a_request() {
     let server = serve(Options { rate: 20.0, ..Options::default() });
     for way in WAYS.into_iter().filter(|(transport, _)| *transport != Transport::Http) {
         let mut client = client(&server, way);
@@ -209,14 +209,14 @@ fn requests_may_come_in_pieces_and_several_at_once() {
 }
 
 #[test]
-fn who_has_said_all_still_gets_the_answers() {
+fn answers_after_the_client_closed_its_output() {
     let server = serve(Options::default());
     let mut client = client(&server, WAYS[0]);
     client.send(request("a", &json!({ "type": "UAV-LIST" })).as_bytes()).expect("it is sent");
     client.finish().expect("it is said");
     answer(&mut *client, "a");
     let end = Instant::now() + PATIENCE;
-    while client.hear(end).expect("the connection holds") != Heard::End {
+    while client.receive(end).expect("the connection holds") != Received::End {
         assert!(Instant::now() < end);
     }
 }
@@ -308,7 +308,7 @@ fn operations_concern_the_client_that_started_them() {
     assert_eq!(ask(&mut *first, "c", &resume)["success"], json!([receipt]));
     let end = until(&mut *first, |message| message["body"]["type"] == "ASYNC-RESP");
     assert_eq!((&end["body"]["id"], &end["body"]["result"]), (receipt, &json!(true)));
-    assert_eq!(second.hear(Instant::now() + SILENCE).expect("the connection holds"), Heard::Silence);
+    assert_eq!(second.receive(Instant::now() + SILENCE).expect("the connection holds"), Received::Silence);
 }
 
 #[test]
@@ -327,7 +327,11 @@ fn a_one_shot_waits_for_what_takes_longer() {
     let body = ask(&mut *client, "b", &json!({ "type": "LOG-DATA", "uavId": "glider-1", "logId": "1" }));
     assert_eq!((&body["result"]["id"], body.get("receipt")), (&json!("1"), None));
     client.send(br#"{"type":"SYS-PING"}"#).expect("it is sent");
-    assert_eq!(hear(&mut *client), json!({ "type": "ACK-ACK" }), "without an envelope the answer has none");
+    assert_eq!(
+        receive(&mut *client),
+        json!({ "type": "ACK-ACK" }),
+        "without an envelope the answer has none"
+    );
 }
 
 #[test]
@@ -344,8 +348,8 @@ fn a_flight_is_seen_by_others() {
         "b",
         &json!({ "type": "OBJ-CMD", "ids": ["glider-2"], "command": "battery", "args": [15] }),
     );
-    let told = until(&mut *watcher, |message| message["body"]["type"] == "SYS-MSG");
-    let item = &told["body"]["items"][0];
+    let reported = until(&mut *watcher, |message| message["body"]["type"] == "SYS-MSG");
+    let item = &reported["body"]["items"][0];
     assert_eq!((&item["sender"], &item["severity"]), (&json!("glider-2"), &json!("error")));
     until(&mut *watcher, |message| state(message)["errors"] == json!([1, 134]));
 }
@@ -353,9 +357,9 @@ fn a_flight_is_seen_by_others() {
 #[test]
 fn a_client_may_move_from_polling_to_a_web_socket() {
     let server = serve(Options::default());
-    let place = address(&server, Transport::SocketIo);
+    let location = address(&server, Transport::SocketIo);
     for (revision, length_ahead) in [(3, true), (4, false)] {
-        let base = format!("{place}/socket.io/?EIO={revision}");
+        let base = format!("{location}/socket.io/?EIO={revision}");
         let url = format!("http://{base}&transport=polling");
         let get =
             |url: &str| ureq::get(url).call().expect("a response").body_mut().read_to_string().expect("text");
@@ -396,7 +400,7 @@ fn a_client_may_move_from_polling_to_a_web_socket() {
 #[test]
 fn what_is_no_socket_io_is_refused() {
     let server = serve(Options::default());
-    let place = address(&server, Transport::SocketIo);
+    let location = address(&server, Transport::SocketIo);
     for (path, status) in [
         ("/", 404),
         ("/socket.io/", 400),
@@ -405,16 +409,16 @@ fn what_is_no_socket_io_is_refused() {
         ("/socket.io/?EIO=4&transport=polling&sid=nobody", 400),
         ("/socket.io/?EIO=4&transport=polling&j=0", 400),
     ] {
-        let said = ureq::get(format!("http://{place}{path}")).call().expect_err(path);
-        assert!(matches!(said, ureq::Error::StatusCode(code) if code == status), "{path}: {said}");
+        let output = ureq::get(format!("http://{location}{path}")).call().expect_err(path);
+        assert!(matches!(output, ureq::Error::StatusCode(code) if code == status), "{path}: {output}");
     }
     let namespace =
-        "ws://ADDRESS/socket.io/?EIO=4&transport=websocket".replace("ADDRESS", &place.to_string());
+        "ws://ADDRESS/socket.io/?EIO=4&transport=websocket".replace("ADDRESS", &location.to_string());
     let (mut socket, _) = tungstenite::connect(namespace).expect("a WebSocket");
     socket.read().expect("the session is opened");
     socket.send("40/wind,".into()).expect("it is sent");
-    let said = socket.read().expect("an answer");
-    assert_eq!(said.to_text().expect("text"), "44/wind,{\"message\":\"Invalid namespace\"}");
+    let output = socket.read().expect("an answer");
+    assert_eq!(output.to_text().expect("text"), "44/wind,{\"message\":\"Invalid namespace\"}");
 }
 
 #[test]
@@ -435,8 +439,8 @@ fn garbage_ends_no_service() {
     let mut runner = TestRunner::new(ProptestConfig::with_cases(60));
     let outcome = runner.run(&(prefix, bytes), |(prefix, bytes)| {
         let text = [prefix.as_bytes(), &bytes].concat();
-        for place in streams {
-            let mut stream = TcpStream::connect(place).expect("it is there");
+        for location in streams {
+            let mut stream = TcpStream::connect(location).expect("it is there");
             // The server may close before it has read all.
             let _ = stream.write_all(&text).and_then(|()| stream.write_all(b"\n"));
         }
@@ -481,12 +485,12 @@ fn nobody_is_served_without_the_login() {
 #[test]
 fn bugs_of_tcp_show() {
     let ping = |id: &str| request(id, &json!({ "type": "SYS-PING" }));
-    let is_json = |heard: &Heard| matches!(heard, Heard::Message(text) if serde_json::from_slice::<Value>(text).is_ok());
+    let is_json = |received: &Received| matches!(received, Received::Message(text) if serde_json::from_slice::<Value>(text).is_ok());
 
     let server = broken("FW-TCP-01");
     let mut spread = client(&server, WAYS[0]);
-    let lines: Vec<Heard> =
-        (0..20).map(|_| spread.hear(Instant::now() + PATIENCE).expect("a line")).collect();
+    let lines: Vec<Received> =
+        (0..20).map(|_| spread.receive(Instant::now() + PATIENCE).expect("a line")).collect();
     assert!(!lines.iter().all(is_json), "a message takes several lines");
 
     let server = broken("FW-TCP-02");
@@ -505,7 +509,7 @@ fn bugs_of_tcp_show() {
     let mut strict = client(&server, WAYS[0]);
     strict.send(b"glider").expect("it is sent");
     let end = Instant::now() + PATIENCE;
-    while strict.hear(end).expect("it ends in order") != Heard::End {
+    while strict.receive(end).expect("it ends in order") != Received::End {
         assert!(Instant::now() < end);
     }
 
@@ -526,7 +530,9 @@ fn bugs_of_udp_show() {
     doubled.send(ping.as_bytes()).expect("it is sent");
     let end = Instant::now() + PATIENCE;
     loop {
-        let Heard::Message(text) = doubled.hear(end).expect("a datagram") else { panic!("nothing came") };
+        let Received::Message(text) = doubled.receive(end).expect("a datagram") else {
+            panic!("nothing came")
+        };
         if serde_json::from_slice::<Value>(&text).is_err() {
             break;
         }
@@ -559,7 +565,7 @@ fn bugs_of_socket_io_show() {
 }
 
 #[test]
-fn all_clients_hear_that_the_server_ends() {
+fn notifies_all_clients_of_the_shutdown() {
     let server = serve(Options::default());
     let ways: Vec<_> = WAYS.into_iter().filter(|(transport, _)| *transport != Transport::Http).collect();
     let mut clients: Vec<_> = ways.iter().map(|way| client(&server, *way)).collect();
@@ -571,8 +577,8 @@ fn all_clients_hear_that_the_server_ends() {
         until(&mut **client, |message| message["body"]["type"] == "SYS-CLOSE");
         if way.0 != Transport::Udp {
             assert_eq!(
-                client.hear(Instant::now() + PATIENCE).expect("it ends in order"),
-                Heard::End,
+                client.receive(Instant::now() + PATIENCE).expect("it ends in order"),
+                Received::End,
                 "{way:?}"
             );
         }
@@ -591,7 +597,7 @@ fn program(arguments: &[&str]) -> (Child, String) {
 }
 
 #[test]
-fn the_program_says_where_it_listens_and_ends_as_it_is_told() {
+fn serve_prints_its_addresses_and_stops_on_request() {
     let (mut child, line) = program(&["--tcp", "127.0.0.1:0", "--until-stdin-closes"]);
     let mut client =
         connect(&line.trim().parse().expect("an endpoint"), Instant::now() + PATIENCE).expect("a connection");
@@ -600,16 +606,16 @@ fn the_program_says_where_it_listens_and_ends_as_it_is_told() {
     assert_eq!(child.wait().expect("it ends").code(), Some(0));
 
     let (mut child, line) = program(&["--udp", "127.0.0.1:0", "--for", "0.2", "--format", "json"]);
-    let place: Value = serde_json::from_str(&line).expect("JSON");
+    let location: Value = serde_json::from_str(&line).expect("JSON");
     assert_eq!(
-        (&place["transport"], place["port"].as_u64().is_some_and(|port| port > 0)),
+        (&location["transport"], location["port"].as_u64().is_some_and(|port| port > 0)),
         (&json!("udp"), true)
     );
     assert_eq!(child.wait().expect("it ends").code(), Some(0));
 }
 
 #[test]
-fn wrong_usage_is_told() {
+fn reports_wrong_usage() {
     let run = |arguments: &[&str]| {
         let output = Command::new(env!("CARGO_BIN_EXE_uavspec"))
             .arg("serve")
@@ -626,14 +632,14 @@ fn wrong_usage_is_told() {
         (&["--login", "pilot"], "NAME:PASSWORD"),
         (&["--speed", "0"], "0.01"),
     ] {
-        let (status, _, said) = run(arguments);
-        assert_eq!(status, Some(2), "{said}");
-        assert!(said.contains(wrong), "{said}");
+        let (status, _, output) = run(arguments);
+        assert_eq!(status, Some(2), "{output}");
+        assert!(output.contains(wrong), "{output}");
     }
     let server = serve(Options::default());
-    let (status, _, said) = run(&["--tcp", &address(&server, Transport::Tcp).to_string()]);
+    let (status, _, output) = run(&["--tcp", &address(&server, Transport::Tcp).to_string()]);
     assert_eq!(status, Some(3));
-    assert!(said.contains("can't be listened at"), "{said}");
+    assert!(output.contains("can't be listened at"), "{output}");
     let (status, printed, _) = run(&["--list-bugs"]);
     assert_eq!(status, Some(0));
     assert!(

@@ -15,7 +15,9 @@ use std::time::Duration;
 use serde_json::Value;
 use uavspec_codegen::dynamic::{PlacedElement, Types};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::testee::{Case, Format, Op, Options, Outcome, Target, Verdict, Want, cases, run};
+use uavspec_conformance::testee::{
+    Case, ExpectedAnswer, Format, Op, Options, Outcome, Target, Verdict, cases, run,
+};
 use uavspec_runtime::Scalar;
 
 struct Suite {
@@ -105,7 +107,7 @@ fn the_reference_passes_everything() {
     for jobs in [1, 3] {
         let outcome = ask(&everything(), &Options { jobs, ..options(&[]) });
         assert_eq!(failures(&outcome), BTreeSet::new());
-        assert!(outcome.manners.are_good(), "{:?}", outcome.manners);
+        assert!(outcome.protocol_remarks.are_good(), "{:?}", outcome.protocol_remarks);
         let counts = outcome.counts();
         assert_eq!((counts.passed, counts.unsupported, outcome.restarts), (suite().cases.len(), 0, 0));
         assert!(counts.passed > 4_000);
@@ -113,7 +115,7 @@ fn the_reference_passes_everything() {
 }
 
 #[test]
-fn what_is_not_listed_is_not_asked() {
+fn skips_types_that_are_not_listed() {
     // Another definition than the testee's: none of its types is known there.
     let suite = suite();
     let mut foreign = suite.cases[some()[0]].clone();
@@ -127,7 +129,7 @@ fn what_is_not_listed_is_not_asked() {
 fn swapped_bytes_fail_where_they_show() {
     let suite = suite();
     let shows = |case: &&Case| {
-        let Want::Message(wanted) = &case.expected.ok else { return false };
+        let ExpectedAnswer::Message(wanted) = &case.expected.ok else { return false };
         let (package, name) = case.type_name.split_once('/').expect("a package");
         let message = suite.types.find(package, name).expect("a type");
         message.layout().any(|field| {
@@ -151,7 +153,7 @@ fn swapped_bytes_fail_where_they_show() {
 fn a_lost_nan_fails_where_one_was() {
     // No other value than NaN is null in a decoded message, and no message within a message has a float here.
     let has_nan = |case: &&Case| match &case.expected.ok {
-        Want::Message(Value::Object(members)) => members.values().any(|value| {
+        ExpectedAnswer::Message(Value::Object(members)) => members.values().any(|value| {
             value.is_null() || value.as_array().is_some_and(|items| items.iter().any(Value::is_null))
         }),
         _ => false,
@@ -210,7 +212,7 @@ fn a_line_without_end_has_a_culprit() {
 fn an_answer_that_is_lost_has_a_culprit_and_a_remark() {
     let (verdict, outcome) = culprit("wrong-id", impatient);
     assert!(matches!(verdict, Verdict::TimedOut { .. }), "{verdict:?}");
-    let remark = &outcome.manners.remarks[0].0;
+    let remark = &outcome.protocol_remarks.remarks[0].0;
     assert!(remark.starts_with("an answer without a question: id 1000000"), "{remark}");
 }
 
@@ -258,7 +260,7 @@ fn split_writes_and_much_on_standard_error_are_no_fault() {
     for mode in ["split", "flood"] {
         let outcome = ask(&some(), &options(&[mode]));
         assert_eq!((outcome.counts().passed, outcome.restarts), (8, 0), "{mode}");
-        assert!(outcome.manners.are_good(), "{mode}: {:?}", outcome.manners);
+        assert!(outcome.protocol_remarks.are_good(), "{mode}: {:?}", outcome.protocol_remarks);
     }
 }
 
@@ -267,7 +269,7 @@ fn answers_may_come_in_any_order() {
     let selected = some();
     let outcome = ask(&selected, &options(&["later", &selected[4].to_string()]));
     assert_eq!((outcome.counts().passed, outcome.restarts), (8, 0));
-    assert!(outcome.manners.are_good(), "{:?}", outcome.manners);
+    assert!(outcome.protocol_remarks.are_good(), "{:?}", outcome.protocol_remarks);
 }
 
 #[test]
@@ -275,30 +277,30 @@ fn repeated_and_late_answers_are_bad_manners() {
     let selected = some();
     let outcome = ask(&selected, &options(&["repeat", &selected[4].to_string()]));
     assert_eq!(outcome.verdicts[4].1, Verdict::Unsupported);
-    assert_eq!(outcome.manners.remarks[0].0, format!("a second answer to id {}", selected[4]));
+    assert_eq!(outcome.protocol_remarks.remarks[0].0, format!("a second answer to id {}", selected[4]));
     let outcome = ask(&selected, &options(&["late"]));
     assert_eq!(outcome.counts().passed, 8);
     assert!(
-        outcome.manners.remarks[0].0.starts_with("a line after the last answer"),
+        outcome.protocol_remarks.remarks[0].0.starts_with("a line after the last answer"),
         "{:?}",
-        outcome.manners
+        outcome.protocol_remarks
     );
 }
 
 #[test]
-fn who_does_not_say_hello_is_told_so() {
+fn reports_a_missing_hello() {
     let suite = suite();
     let broken = |options: &Options| {
         run(&suite.cases, &some(), &suite.types, options, &|_, _| {}).map(|_| ()).expect_err("no hello")
     };
-    let said = broken(&options(&["exit"]));
-    assert!(said.contains('7') && said.ends_with("out of cheese"), "{said}");
-    let said = broken(&options(&["bad-hello"]));
-    assert!(said.contains("no JSON") && said.contains("`hello, world`"), "{said}");
-    let said = broken(&Options { start_timeout: Duration::from_millis(200), ..options(&["no-hello"]) });
-    assert!(said.contains("nothing within 0.2 s"), "{said}");
-    let said = broken(&Options::new(Target::Command(vec!["/nowhere/at/all".into()])));
-    assert!(said.contains("can't start /nowhere/at/all"), "{said}");
+    let output = broken(&options(&["exit"]));
+    assert!(output.contains('7') && output.ends_with("out of cheese"), "{output}");
+    let output = broken(&options(&["bad-hello"]));
+    assert!(output.contains("no JSON") && output.contains("`hello, world`"), "{output}");
+    let output = broken(&Options { start_timeout: Duration::from_millis(200), ..options(&["no-hello"]) });
+    assert!(output.contains("nothing within 0.2 s"), "{output}");
+    let output = broken(&Options::new(Target::Command(vec!["/nowhere/at/all".into()])));
+    assert!(output.contains("can't start /nowhere/at/all"), "{output}");
 }
 
 /// Status, what was printed, and what was said.
@@ -310,7 +312,7 @@ fn uavspec(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
 }
 
 #[test]
-fn the_status_says_how_it_went() {
+fn the_exit_status_is_the_outcome() {
     let here = Path::new(".");
     let testee = testee().to_str().expect("UTF-8");
     let filter = "--filter=decode-*/px4/BatteryStatus/*";
@@ -339,8 +341,8 @@ fn the_status_says_how_it_went() {
     ] {
         assert_eq!(uavspec(here, usage).0, Some(2), "{usage:?}");
     }
-    let (status, _, said) = uavspec(here, &["--", testee, "exit"]);
-    assert!(status == Some(3) && said.contains("doesn't introduce itself"), "{said}");
+    let (status, _, output) = uavspec(here, &["--", testee, "exit"]);
+    assert!(status == Some(3) && output.contains("doesn't introduce itself"), "{output}");
     assert_eq!(uavspec(here, &["--replay", "nowhere"]).0, Some(3));
     let (status, printed, _) = uavspec(here, &["--help"]);
     assert!(status == Some(0) && printed.contains("Examples:"), "{printed}");
@@ -350,8 +352,8 @@ fn the_status_says_how_it_went() {
 fn answers_can_come_from_a_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let filter = "--filter=*/px4/Event/*";
-    let (status, _, said) = uavspec(folder.path(), &["--dump-cases", "questions", filter]);
-    assert_eq!(status, Some(0), "{said}");
+    let (status, _, output) = uavspec(folder.path(), &["--dump-cases", "questions", filter]);
+    assert_eq!(status, Some(0), "{output}");
     let questions = std::fs::File::open(folder.path().join("questions")).expect("a file");
     let answers = std::fs::File::create(folder.path().join("answers")).expect("a file");
     let run = Command::new(testee()).stdin(questions).stdout(answers).status();
@@ -368,7 +370,7 @@ fn answers_can_come_from_a_file() {
 }
 
 #[test]
-fn other_definitions_can_be_asked_about() {
+fn tests_with_other_definitions() {
     let folder = tempfile::tempdir().expect("a folder");
     let definition = "uint64 timestamp  # [us] Time\nint64 offset  # [us] Off\nint32 low\nfloat64 wide\n\
                       float64[2] pair\nfloat32 narrow  # [@range -1, 1] [@invalid NaN] How far\nchar[8] name\n\
@@ -378,8 +380,8 @@ fn other_definitions_can_be_asked_about() {
     std::fs::write(folder.path().join("Wind.msg"), wind).expect("a file");
     let testee = testee().to_str().expect("UTF-8");
     let arguments = ["--definitions", ".", "--", testee, "--definitions", "."];
-    let (status, printed, said) = uavspec(folder.path(), &arguments);
-    assert!(status == Some(0) && printed.contains("Odd"), "{printed}{said}");
+    let (status, printed, output) = uavspec(folder.path(), &arguments);
+    assert!(status == Some(0) && printed.contains("Odd"), "{printed}{output}");
     assert!(printed.contains(" 0 failed, 0 unsupported, 0 not run, 0 restarts"), "{printed}");
     let (_, printed, _) = uavspec(folder.path(), &["--definitions", ".", "--dump-cases", "-"]);
     // One above the greatest int64 can be told from it, one below the least can't.
@@ -405,7 +407,7 @@ fn by_hand(command: &[&str], script: &str) {
     let command = command.iter().map(Into::into).chain([script.into()]).collect();
     let outcome = ask(&everything(), &Options { target: Target::Command(command), ..options(&[]) });
     assert_eq!(failures(&outcome), BTreeSet::new());
-    assert!(outcome.manners.are_good() && outcome.counts().passed > 1_000, "{:?}", outcome.counts());
+    assert!(outcome.protocol_remarks.are_good() && outcome.counts().passed > 1_000, "{:?}", outcome.counts());
 }
 
 #[test]

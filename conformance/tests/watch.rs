@@ -24,8 +24,8 @@ fn uavspec(arguments: &[&str]) -> (i32, String, String) {
 fn scripts_get_a_table() {
     let errors = vec![error("glider-2=193").expect("a code")];
     let (_server, address) = serve(Options { uavs: 12, errors, ..Options::default() }, Transport::Tcp);
-    let (status, printed, said) = uavspec(&["watch", "--for", "60", &format!("tcp://{address}")]);
-    assert_eq!((status, said.as_str()), (0, ""), "{printed}");
+    let (status, printed, output) = uavspec(&["watch", "--for", "60", &format!("tcp://{address}")]);
+    assert_eq!((status, output.as_str()), (0, ""), "{printed}");
     let lines: Vec<&str> = printed.lines().collect();
     assert_eq!(lines.len(), 13, "{printed}");
     assert!(lines[0].starts_with("ID         SEVERITY  MODE"), "{printed}");
@@ -38,27 +38,27 @@ fn a_table_that_is_not_whole_is_no_success() {
     let address = strange(|stream| {
         answering(stream, |kind, _| (kind == "UAV-LIST").then(|| json!({ "ids": ["glider-1", "a\u{1b}b"] })));
     });
-    let (status, printed, said) = uavspec(&["watch", "--once", "--for", "10", &format!("tcp://{address}")]);
+    let (status, printed, output) = uavspec(&["watch", "--once", "--for", "10", &format!("tcp://{address}")]);
     assert_eq!(status, 3, "{printed}");
     assert!(printed.contains("\nglider-1  -") && printed.contains("\na\\u{1b}b"), "{printed}");
-    assert!(said.contains("not all of its UAVs have told their state (within 10 s)"), "{said}");
+    assert!(output.contains("not all of its UAVs have told their state (within 10 s)"), "{output}");
 }
 
 #[test]
 fn a_server_that_serves_nobody_is_no_success() {
     let login = Some(("pilot".to_owned(), "soar".to_owned()));
     let (_server, address) = serve(Options { login, ..Options::default() }, Transport::Tcp);
-    let (status, printed, said) = uavspec(&["watch", "--once", "--for", "10", &format!("tcp://{address}")]);
+    let (status, printed, output) = uavspec(&["watch", "--once", "--for", "10", &format!("tcp://{address}")]);
     assert_eq!((status, printed.as_str()), (3, ""));
-    assert!(said.contains("the server refuses"), "{said}");
+    assert!(output.contains("the server refuses"), "{output}");
 
     let address = strange(|stream| {
         let mut line = String::new();
         BufReader::new(stream).read_line(&mut line).expect("a request");
     });
-    let (status, printed, said) = uavspec(&["watch", "--once", "--for", "1", &format!("tcp://{address}")]);
+    let (status, printed, output) = uavspec(&["watch", "--once", "--for", "1", &format!("tcp://{address}")]);
     assert_eq!((status, printed.as_str()), (3, ""));
-    assert!(said.starts_with(&format!("error: tcp://{address}: ")), "{said}");
+    assert!(output.starts_with(&format!("error: tcp://{address}: ")), "{output}");
 
     assert_eq!(uavspec(&["watch", "localhost"]).0, 2);
 }

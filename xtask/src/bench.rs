@@ -26,7 +26,7 @@ pub(crate) fn run(what: What) -> Result<bool, String> {
         What::Codegen => benches(&[("uavspec-codegen", "codegen")]),
         What::Compile => compile::run(),
         What::Codec => benches(&[("uavspec", "codec"), ("uavspec-codegen", "dynamic")]),
-        What::Conformance => benches(&["ulog", "judging"].map(|bench| ("uavspec-conformance", bench))),
+        What::Conformance => benches(&["ulog", "checking"].map(|bench| ("uavspec-conformance", bench))),
     }
     .map(|()| true)
 }

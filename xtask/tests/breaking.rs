@@ -135,7 +135,7 @@ fn what_cannot_be_carried_out_is_status_2_with_a_hint() {
     refuses(
         path,
         &["--against", "before"],
-        &["definitions/uavspec.toml:5:1", "unknown field `dialekt`", "help: the README"],
+        &["definitions/uavspec.toml:5:1", "unknown field `dialekt`", "help: the guide"],
     );
     write(path, "definitions/uavspec.toml", CONFIG);
     write(path, "broken/uavspec.toml", CONFIG);

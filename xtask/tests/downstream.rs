@@ -1,17 +1,15 @@
-//! The workspace that the README tells users to make is made, word for word, and works.
+//! The workspace in the guide's page "Use it in your build" compiles.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The files of the section "Use it in your build": a path in backticks on a line of its own, then a
-/// fenced block.
-fn files_of_readme() -> Vec<(String, String)> {
-    let readme = fs::read_to_string(repository().join("README.md")).expect("the README");
-    let section = readme.split("\n## Use it in your build\n").nth(1).expect("the section");
-    let section = section.split("\n## ").next().expect("its text");
+/// The files that the page shows: a line with a path in backticks, then a fenced block.
+fn files_of_page() -> Vec<(String, String)> {
+    let page = repository().join("xtask/site/guide/your-build.md");
+    let page = fs::read_to_string(page).expect("the page");
     let mut files = Vec::new();
-    let mut lines = section.lines();
+    let mut lines = page.lines();
     while let Some(line) = lines.next() {
         let Some(path) = line.strip_prefix('`').and_then(|rest| rest.strip_suffix('`')) else { continue };
         let fenced = lines.by_ref().skip_while(|line| !line.starts_with("```")).skip(1);
@@ -40,16 +38,16 @@ fn cargo(folder: &Path, arguments: &[&str]) {
 
 #[test]
 #[ignore = "takes long"]
-fn the_workspace_of_the_readme_works() {
+fn the_workspace_in_the_guide_compiles() {
     let parent = tempfile::tempdir().expect("a temporary folder");
     let folder = parent.path().join("workspace");
     let repository = fs::canonicalize(repository()).expect("the repository");
-    let files = files_of_readme();
-    assert!(files.len() >= 8, "the README shows all files: {files:?}");
+    let files = files_of_page();
+    assert!(files.len() >= 8, "the page shows all files: {files:?}");
     for (path, text) in &files {
         let path = folder.join(path);
         fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
-        // The README has its clone beside the workspace; this is ours.
+        // In the guide, the clone is next to the workspace.
         let own = |part: &str| format!("\"{}\"", repository.join(part).display());
         let text = text.replace("\"../../uavspec/codegen\"", &own("codegen"));
         let text = text.replace("\"../../uavspec/generated/runtime\"", &own("generated/runtime"));

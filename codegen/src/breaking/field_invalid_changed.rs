@@ -5,7 +5,7 @@ use super::message::both;
 use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
 use crate::example::Example;
-use crate::schema::{Field, Special};
+use crate::schema::{Constraint, Field};
 use crate::value::Value;
 
 pub(super) const RULE: Rule = Rule {
@@ -32,15 +32,13 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
-    let specials = [(&old.invalid, &new.invalid), (&old.uncontrolled, &new.uncontrolled)];
-    for (before, now) in specials {
-        let Some(before) = before else { continue };
-        let now_text = now.as_ref().map_or_else(|| "nothing".to_owned(), text);
-        if text(before) == now_text {
+    for before in old.constraints.iter().filter(|found| found.is_special()) {
+        let now = new.constraint(before.kind).map_or_else(|| "nothing".to_owned(), text);
+        if text(before) == now {
             continue;
         }
         let message = format!(
-            "no data in `{}.{}` is said by {now_text}, and was by {}",
+            "no data in `{}.{}` is said by {now}, and was by {}",
             pair.name(),
             new.name,
             text(before)
@@ -52,6 +50,6 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     }
 }
 
-fn text(special: &Special) -> String {
-    special.value.as_ref().map_or_else(|| "emptiness".to_owned(), Value::to_string)
+fn text(special: &Constraint) -> String {
+    special.stated.value().map_or_else(|| "emptiness".to_owned(), Value::to_string)
 }

@@ -1,11 +1,11 @@
-//! `field-range-changed`: a field with other bounds.
+//! `field-range-changed`: a field with other bounds, or another limit of its values.
 
 use super::message::Pair;
 use super::message::both;
 use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
 use crate::example::Example;
-use crate::schema::{Field, Range};
+use crate::schema::{Constraint, Field, Stated};
 use crate::value::Value;
 
 pub(super) const RULE: Rule = Rule {
@@ -31,19 +31,22 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
-    let (Some(before), Some(now)) = (&old.range, &new.range) else { return };
-    if before == now {
-        return;
+    for before in old.constraints.iter().filter(|found| !found.is_special()) {
+        let Some(now) = new.constraint(before.kind).filter(|now| *now != before) else { continue };
+        let message = format!("`{}.{}` is {}, and was {}", pair.name(), new.name, text(now), text(before));
+        sink.change(new.span, both(old.span, new.span), message).breaks(
+            Category::Semantic,
+            "what was a valid value may be none now, or may mean another share of the whole",
+        );
     }
-    let message =
-        format!("`{}.{}` is from {}, and was from {}", pair.name(), new.name, text(now), text(before));
-    sink.change(new.span, both(old.span, new.span), message).breaks(
-        Category::Semantic,
-        "what was a valid value may be none now, or may mean another share of the whole",
-    );
 }
 
-fn text(range: &Range) -> String {
+fn text(constraint: &Constraint) -> String {
     let bound = |value: &Option<Value>, none: &str| value.as_ref().map_or(none.to_owned(), Value::to_string);
-    format!("{} to {}", bound(&range.low, "-inf"), bound(&range.high, "inf"))
+    match &constraint.stated {
+        Stated::Range(range) => {
+            format!("from {} to {}", bound(&range.low, "-inf"), bound(&range.high, "inf"))
+        }
+        Stated::Value(_) | Stated::Empty => constraint.said().unwrap_or_default(),
+    }
 }

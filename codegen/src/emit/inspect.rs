@@ -14,13 +14,14 @@
 mod json_type;
 mod value;
 
-use self::value::range;
+use self::value::stated;
 pub(crate) use self::value::value;
 use serde_json::{Map, Value as Json, json};
 
 use crate::msg::attribute::FRAME;
+use crate::msg::constraint::{INVALID, RANGE};
 use crate::schema::{
-    Constant, Element, Field, Interface, Message, MessageId, Package, Schema, Special, Type,
+    Constant, Constraint, Element, Field, Interface, Message, MessageId, Package, Schema, Type,
 };
 use crate::unit;
 
@@ -102,10 +103,9 @@ fn field(schema: &Schema, message: &Message, field: &Field) -> Json {
         "type": schema.type_text(message, field.ty),
         "default": field.default.as_ref().map(value),
         "unit": field.unit.as_deref().filter(|unit| *unit != unit::NONE),
-        "range": field.range.as_ref().map(range),
-        "invalid": field.invalid.as_ref().map(special),
     });
-    // Null where there is none; of all others, only those that are there.
+    constraints(&mut model, &field.constraints);
+    // The frame is null if absent; other attributes are left out.
     model["frame"] = json!(field.attribute(&FRAME));
     for (attribute, text) in field.attributes() {
         model[attribute.name] = json!(text);
@@ -123,13 +123,12 @@ fn constant(schema: &Schema, message: &Message, constant: &Constant) -> Json {
         .parameters
         .iter()
         .map(|parameter| {
-            json!({
-                "unit": parameter.unit.as_deref().filter(|unit| *unit != unit::NONE),
-                "range": parameter.range.as_ref().map(range),
-                "invalid": parameter.invalid.as_ref().map(special),
-                "enum": (!parameter.enum_prefixes.is_empty()).then(|| parameter.enum_prefixes.join(" ")),
-                "description": parameter.description,
-            })
+            let mut model = json!({ "unit": parameter.unit.as_deref().filter(|unit| *unit != unit::NONE) });
+            constraints(&mut model, &parameter.constraints);
+            model["enum"] =
+                json!((!parameter.enum_prefixes.is_empty()).then(|| parameter.enum_prefixes.join(" ")));
+            model["description"] = json!(parameter.description);
+            model
         })
         .collect();
     debug_assert!(!matches!(constant.ty, Element::Message(_)));
@@ -142,7 +141,12 @@ fn constant(schema: &Schema, message: &Message, constant: &Constant) -> Json {
     })
 }
 
-/// An invalid value; the empty string or array is the word for it.
-fn special(special: &Special) -> Json {
-    special.value.as_ref().map_or_else(|| json!("empty"), value)
+/// Adds constraints by name. An absent range or invalid value is null; other absent constraints are left out.
+fn constraints(model: &mut Json, constraints: &[Constraint]) {
+    for kind in [&RANGE, &INVALID] {
+        model[kind.name] = Json::Null;
+    }
+    for constraint in constraints {
+        model[constraint.kind.name] = stated(&constraint.stated);
+    }
 }

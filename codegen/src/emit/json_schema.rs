@@ -68,7 +68,7 @@ pub(super) use self::json_type::BASE64;
 use self::tree::{Member, Node, member};
 #[cfg(feature = "files")]
 use super::emitter::{Input, Output};
-use super::file::{GENERATED_BY, OutputFile};
+use super::file::{OutputFile, notice};
 #[cfg(feature = "files")]
 use crate::failure::Failure;
 use crate::schema::json_type::Direction;
@@ -179,7 +179,7 @@ impl<'s> Emitter<'s> {
 
     fn file(&self, target: Target) -> OutputFile {
         let here = self.address(target);
-        let head = head(here.id(&self.options.base));
+        let head = head(here.id(&self.options.base), &here.stem());
         let members = head.iter().chain(self.definition(target));
         OutputFile {
             path: here.path(),
@@ -204,7 +204,8 @@ impl<'s> Emitter<'s> {
         let entries = own.into_iter().chain(foreign);
         let entries =
             entries.map(|target| (definition(target).into(), Node::Shared(self.definition(target))));
-        let mut members = head(address::bundle_id(package, &self.options.base));
+        let from = format!("the definitions of {}", package.name);
+        let mut members = head(address::bundle_id(package, &self.options.base), &from);
         members.push(member("title", package.name.as_str()));
         members.push(member("description", describe(package)));
         members.push(member("anyOf", any));
@@ -236,12 +237,8 @@ impl<'s> Emitter<'s> {
 }
 
 /// The members that a document starts with.
-fn head<'s>(id: String) -> Vec<Member<'s>> {
-    vec![
-        member("$schema", DRAFT),
-        member("$id", id),
-        member("$comment", format!("{GENERATED_BY}. Do not edit: run `cargo xtask codegen`.")),
-    ]
+fn head<'s>(id: String, from: &str) -> Vec<Member<'s>> {
+    vec![member("$schema", DRAFT), member("$id", id), member("$comment", notice(from))]
 }
 
 fn describe(package: &Package) -> String {

@@ -53,7 +53,6 @@ mod error_code;
 mod field;
 mod form;
 mod json_type;
-mod mark;
 mod message;
 mod number;
 mod options;

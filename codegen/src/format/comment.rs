@@ -1,11 +1,12 @@
 //! Comments, from the `#` on.
 
-use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use super::meaning;
 use crate::directive;
-use crate::msg::annotation::{self, Annotation, Note, Statement, split_word};
+use crate::msg::annotation::{self, Annotation, Note};
+use crate::msg::statement::Statement;
+use crate::msg::words::{single_spaced, split_word};
 use crate::schema::documentation::is_ruler;
 use crate::source::Span;
 
@@ -126,10 +127,8 @@ fn spelled(text: &str, annotation: &Annotation<'_>) -> String {
         Statement::Count(field) => format!("[@count {field}]"),
         Statement::Enum(_) => format!("[@enum {}]", single_spaced(argument(content, "enum"))),
         Statement::Flags(_) => format!("[@flags {}]", single_spaced(argument(content, "flags"))),
-        Statement::Range { .. } => format!("[@range {}]", range(argument(content, "range"))),
-        Statement::Invalid(_) => format!("[@invalid {}]", special(argument(content, "invalid"))),
-        Statement::Uncontrolled(_) => {
-            format!("[@uncontrolled {}]", special(argument(content, "uncontrolled")))
+        Statement::Constraint(kind, ..) => {
+            format!("[@{} {}]", kind.name, (kind.lay_out)(argument(content, kind.name)))
         }
         // Pages alone have these, and their words are none of this layout's business.
         Statement::Length { .. } | Statement::Unique | Statement::Pattern(_) | Statement::Format(_) => {
@@ -144,21 +143,4 @@ fn argument<'s>(content: &'s str, name: &str) -> &'s str {
         (found, argument) if found == name => argument,
         _ => content,
     }
-}
-
-fn range(argument: &str) -> String {
-    let (low, high) = argument.split_once(',').unwrap_or((argument, ""));
-    format!("{}, {}", single_spaced(low), single_spaced(high)).trim_end().to_owned()
-}
-
-/// A value, and the words on when it applies, which are documentation and keep their blanks.
-fn special(argument: &str) -> Cow<'_, str> {
-    match split_word(argument) {
-        (word, "") => Cow::Borrowed(word),
-        (word, text) => Cow::Owned(format!("{word} {text}")),
-    }
-}
-
-fn single_spaced(text: &str) -> String {
-    text.split([' ', '\t']).filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" ")
 }

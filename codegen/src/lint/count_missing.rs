@@ -5,8 +5,9 @@ use super::subject::Subject;
 use crate::diagnostic::Level;
 use crate::example::Example;
 use crate::finding::Edit;
-use crate::msg::annotation::{Statement, is_bracketed};
+use crate::msg::annotation::is_bracketed;
 use crate::msg::ast::Line;
+use crate::msg::statement::Statement;
 use crate::schema::{Element, Field, Shape};
 use crate::source::{SourceMap, Span};
 

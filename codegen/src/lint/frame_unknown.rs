@@ -6,8 +6,8 @@ use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::{Subject, annotations};
 use crate::diagnostic::Level;
 use crate::example::Example;
-use crate::msg::annotation::Statement;
 use crate::msg::attribute::FRAME;
+use crate::msg::statement::Statement;
 use crate::schema::Message;
 
 pub(super) const RULE: Rule = Rule {

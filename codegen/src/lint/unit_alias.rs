@@ -4,7 +4,7 @@ use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::{Subject, annotations};
 use crate::diagnostic::Level;
 use crate::example::Example;
-use crate::msg::annotation::Statement;
+use crate::msg::statement::Statement;
 use crate::unit;
 
 pub(super) const RULE: Rule = Rule {

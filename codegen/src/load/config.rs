@@ -209,8 +209,7 @@ fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
 
 /// Like [`unreadable`], for a mistake at `range`.
 fn unreadable_at(path: &str, text: &str, range: Range<usize>, message: &str) -> Failure {
-    misplaced(path, text, range, message)
-        .with_hint("the README of uavspec lists all keys, under \"Use it in your build\"")
+    misplaced(path, text, range, message).with_hint("the guide lists all keys in \"Use it in your build\"")
 }
 
 /// The outputs of the tables `output.NAME`, in the order of [`EMITTERS`]; else what is wrong, and where.

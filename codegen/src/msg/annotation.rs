@@ -1,50 +1,37 @@
 //! Annotations: the bracketed statements at the head of a trailing comment, such as
 //! `# [m/s] [@range 0, 20] [@invalid NaN] text`.
 //!
-//! What comes close to one is read as meant and gives a warning; what is none stays text. Descriptions in the
-//! tables of a page have annotations too; which ones there are is a matter of the [`Vocabulary`].
+//! A near miss is read as meant and gives a warning; any other text in brackets stays text. Descriptions in the tables
+//! of a page have other annotations: see [`Vocabulary`].
 
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
 
-use uavspec_runtime::Scalar;
-
-use super::attribute::{ATTRIBUTES, Attribute};
-use super::kind::is_identifier;
-use super::literal::{LiteralError, parse_scalar};
+use super::attribute::ATTRIBUTES;
+use super::constraint::{Argument, RANGE, Stated, read_range};
+use super::statement::{self, Statement, Vocabulary, unknown};
+use super::words::split_word;
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
 use crate::unit;
 use crate::value::Value;
 
-/// Names of the limits of C's integer types, which definitions use as invalid values and bounds.
-const LIMITS: [(&str, Scalar); 8] = [
-    ("UINT8_MAX", Scalar::UInt8),
-    ("UINT16_MAX", Scalar::UInt16),
-    ("UINT32_MAX", Scalar::UInt32),
-    ("UINT64_MAX", Scalar::UInt64),
-    ("INT8_MAX", Scalar::Int8),
-    ("INT16_MAX", Scalar::Int16),
-    ("INT32_MAX", Scalar::Int32),
-    ("INT64_MAX", Scalar::Int64),
-];
-
 /// A longer text in brackets is prose, not a unit.
 const MAX_UNIT_LEN: usize = 20;
 
-/// A longer text in brackets is no annotation; the bound keeps the search for `]` linear.
+/// A longer text in brackets is not read as an annotation. The limit keeps the search for `]` linear.
 const MAX_ANNOTATION_LEN: usize = 400;
 
-/// How an annotation starts that holds a regular expression.
+/// The start of an annotation that holds a regular expression.
 const PATTERN: &str = "[@pattern ";
 
-/// How many pipes there are around seven parameters; the last may be left out.
+/// The number of pipes around seven parameters; the last may be left out.
 pub(crate) const PARAMETER_BARS: RangeInclusive<usize> = 7..=8;
 
-/// A comment with its annotations read.
+/// A comment, split into annotations and text.
 #[derive(Debug, Default)]
 pub struct Note<'s> {
-    /// The annotations, in the order in which they stand.
+    /// The annotations, in the order written.
     pub annotations: Vec<Annotation<'s>>,
     /// The rest of the comment.
     pub text: Cow<'s, str>,
@@ -52,118 +39,16 @@ pub struct Note<'s> {
     pub parameters: Vec<Note<'s>>,
 }
 
-/// An annotation and its place.
+/// An annotation and its location.
 #[derive(Debug)]
 pub struct Annotation<'s> {
-    /// What it states.
+    /// Its meaning.
     pub statement: Statement<'s>,
-    /// The brackets and what they hold.
+    /// The location, with its brackets.
     pub span: Span,
 }
 
-/// What an annotation states.
-#[derive(Debug, PartialEq)]
-pub enum Statement<'s> {
-    /// `[m/s]`: the unit, in its one spelling where it is known.
-    Unit(&'s str),
-    /// `[@enum PREFIX …]`: the value is one of the constants that start so.
-    Enum(Vec<Prefix<'s>>),
-    /// `[@flags PREFIX …]`: the value is a mask of the constants that start so.
-    Flags(Vec<Prefix<'s>>),
-    /// `[@range low, high]`: inclusive bounds.
-    Range {
-        /// Least value, where bounded.
-        low: Option<Value>,
-        /// Greatest value, where bounded.
-        high: Option<Value>,
-    },
-    /// `[@invalid value text]`: this value says that there is no data.
-    Invalid(Special<'s>),
-    /// `[@uncontrolled value text]`: this value of a set point says that it doesn't apply.
-    Uncontrolled(Special<'s>),
-    /// `[@frame name]` and the like: an attribute and its text.
-    Attribute(&'static Attribute, &'s str),
-    /// `[@count field]`: counts the entries in use of that array.
-    Count(&'s str),
-    /// `[@length least, most]`, in pages: characters of a string, or elements of a list.
-    Length {
-        /// Least length, where bounded.
-        least: Option<u32>,
-        /// Greatest length, where bounded.
-        most: Option<u32>,
-    },
-    /// `[@unique]`, in pages: no element of a list stands in it twice.
-    Unique,
-    /// `[@pattern REGEX]`, in pages: the regular expression that a string satisfies.
-    Pattern(&'s str),
-    /// `[@format base64]`, in pages: what the characters of a string encode.
-    Format(&'s str),
-}
-
-impl Statement<'_> {
-    /// Its place in the order of annotations. Of two that decide the same, the last counts: they have one rank.
-    pub(crate) fn rank(&self) -> (u8, Option<usize>) {
-        let rank = match self {
-            Self::Unit(_) => 0,
-            Self::Enum(_) | Self::Flags(_) => 1,
-            Self::Range { .. } => 2,
-            Self::Invalid(_) => 3,
-            Self::Uncontrolled(_) => 4,
-            Self::Attribute(attribute, _) => {
-                return (5, ATTRIBUTES.iter().position(|known| known == attribute));
-            }
-            Self::Count(_) => 6,
-            Self::Length { .. } => 7,
-            Self::Unique => 8,
-            Self::Pattern(_) => 9,
-            Self::Format(_) => 10,
-        };
-        (rank, None)
-    }
-}
-
-/// Where annotations stand, which decides which ones there are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Vocabulary {
-    /// In comments of `.msg` files and their relatives.
-    Comment,
-    /// In descriptions of the types that a page defines.
-    Page,
-}
-
-/// The formats that strings of a page may have.
-pub(crate) const FORMATS: [&str; 1] = ["base64"];
-
-/// Start of the names of constants, in another message where one is named.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Prefix<'s> {
-    /// The message whose constants are meant: `Message.PREFIX`.
-    pub message: Option<&'s str>,
-    /// The prefix, without the `_` that follows it.
-    pub prefix: &'s str,
-}
-
-/// A value with a meaning of its own.
-#[derive(Debug, PartialEq)]
-pub struct Special<'s> {
-    /// The value.
-    pub value: SpecialValue<'s>,
-    /// When it applies, in words; may be empty.
-    pub text: &'s str,
-}
-
-/// A value with a meaning of its own.
-#[derive(Debug, PartialEq)]
-pub enum SpecialValue<'s> {
-    /// A number.
-    Number(Value),
-    /// No characters or no elements.
-    Empty,
-    /// A word: the name of a constant.
-    Name(&'s str),
-}
-
-/// Reads the annotations of a comment. `text` is what follows the `#`, and stands at `span`.
+/// Reads the annotations of a comment. `text` is the text after the `#`, at `span`.
 pub(crate) fn read<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
     read_by(Vocabulary::Comment, text, span, diagnostics)
 }
@@ -185,7 +70,7 @@ fn read_by<'s>(
     reader.note
 }
 
-/// Reads a comment whose text may end in parameters between pipes, as those of commands do.
+/// Reads a comment whose text may end in the parameters of a command, between pipes.
 pub(crate) fn read_with_parameters<'s>(
     text: &'s str,
     span: Span,
@@ -213,16 +98,16 @@ struct Reader<'s, 'd> {
     diagnostics: &'d mut Vec<Diagnostic>,
 }
 
-/// What a text in brackets turned out to be.
+/// The kind of a text in brackets.
 enum Reading<'s> {
     Statement(Statement<'s>),
-    /// As meant, and how it should be written.
+    /// The intended statement, and its correct spelling.
     NearMiss(Statement<'s>, String),
     Text(Option<Problem>),
 }
 
 impl<'s> Reader<'s, '_> {
-    /// The annotations before the first word.
+    /// Reads the annotations before the first word.
     fn head(&mut self) {
         loop {
             let rest = &self.text[self.at..];
@@ -254,7 +139,7 @@ impl<'s> Reader<'s, '_> {
         }
     }
 
-    /// Reports a regular expression whose brackets don't come in pairs, so that there is no telling where it ends.
+    /// Reports a regular expression with unbalanced brackets: its end is unknown.
     fn report_open_pattern(&mut self, start: usize) {
         if self.vocabulary == Vocabulary::Page && self.text[start..].starts_with(PATTERN) {
             let text = self.text[start + 1..].chars().take(MAX_UNIT_LEN).collect();
@@ -263,7 +148,7 @@ impl<'s> Reader<'s, '_> {
         }
     }
 
-    /// The text, and annotations with `@` that stand in it by mistake.
+    /// Reads the text, and annotations with `@` that appear in it by mistake.
     fn rest(&mut self) {
         let mut text = String::new();
         // Beyond a pipe it may belong to a parameter.
@@ -318,14 +203,15 @@ impl<'s> Reader<'s, '_> {
             self.report(Problem::UnknownUnit { unit: symbol.to_owned() }, range.clone());
         }
         let mut statement = statement;
-        if let Statement::Range { low, high } = &mut statement
-            && let (Some(least), Some(greatest)) =
-                (low.as_ref().and_then(Value::as_f64), high.as_ref().and_then(Value::as_f64))
-            && least > greatest
+        if let Statement::Constraint(_, Argument::Stated(Stated::Range(bounds)), _) = &mut statement
+            && bounds.is_reversed()
         {
-            std::mem::swap(low, high);
-            let (low, high) = (greatest.to_string(), least.to_string());
-            self.report(Problem::RangeReversed { low: high, high: low }, range.clone());
+            std::mem::swap(&mut bounds.low, &mut bounds.high);
+            let text = |bound: &Option<Value>| {
+                bound.as_ref().and_then(Value::as_f64).unwrap_or_default().to_string()
+            };
+            let problem = Problem::RangeReversed { low: text(&bounds.high), high: text(&bounds.low) };
+            self.report(problem, range.clone());
         }
         self.note.annotations.push(Annotation { statement, span: self.span.part(range) });
     }
@@ -335,7 +221,7 @@ impl<'s> Reader<'s, '_> {
     }
 }
 
-/// What the bracket or parenthesis at `start` holds, and the position after its end.
+/// The contents of the bracket or parenthesis at `start`, and the position after its end.
 fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
     let rest = &text[start..];
     let close = match rest.as_bytes().first()? {
@@ -346,7 +232,7 @@ fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
     if rest.starts_with(PATTERN) {
         return bracketed_pattern(rest).map(|end| (rest[1..end].trim(), start + end + 1));
     }
-    // Labels in parentheses stand inside brackets: `(@range -1 (Left), 1 (Right))`.
+    // Brackets may contain labels in parentheses: `(@range -1 (Left), 1 (Right))`.
     let mut depth = 0_usize;
     for (at, character) in rest.char_indices().skip(1).take(MAX_ANNOTATION_LEN) {
         match character {
@@ -359,8 +245,8 @@ fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
     None
 }
 
-/// Where the bracket at the start of `text` closes. A regular expression has brackets of its own, which come
-/// in pairs but for those after a backslash.
+/// The end of the bracket at the start of `text`. The brackets of the regular expression in it are balanced, except
+/// after a backslash.
 fn bracketed_pattern(text: &str) -> Option<usize> {
     let mut depth = 0_usize;
     let mut is_escaped = false;
@@ -377,7 +263,7 @@ fn bracketed_pattern(text: &str) -> Option<usize> {
     None
 }
 
-/// Whether `text` would be read as one pair of brackets: what stands in it may close them early.
+/// True if `text` is one pair of brackets: a bracket in its contents may close it early.
 pub(crate) fn is_bracketed(text: &str) -> bool {
     bracketed(text, 0).is_some_and(|(_, end)| end == text.len())
 }
@@ -385,7 +271,7 @@ pub(crate) fn is_bracketed(text: &str) -> bool {
 fn classify(vocabulary: Vocabulary, content: &str, in_parentheses: bool) -> Reading<'_> {
     if let Some(annotation) = content.strip_prefix('@') {
         let (name, argument) = split_word(annotation);
-        return match (statement(vocabulary, name, argument), in_parentheses) {
+        return match (statement::read(vocabulary, name, argument), in_parentheses) {
             (Some(Ok(statement)), false) => Reading::Statement(statement),
             (Some(Ok(statement)), true) => Reading::NearMiss(statement, format!("[{content}]")),
             (Some(Err(problem)), _) => Reading::Text(Some(problem)),
@@ -404,161 +290,22 @@ fn classify(vocabulary: Vocabulary, content: &str, in_parentheses: bool) -> Read
     }
     let (name, argument) = split_word(content);
     if !argument.is_empty()
-        && let Some(Ok(statement)) = statement(vocabulary, name, argument)
+        && let Some(Ok(statement)) = statement::read(vocabulary, name, argument)
     {
         return Reading::NearMiss(statement, format!("[@{content}]"));
     }
     if let Some((low, high)) = content.split_once(',')
         && !low.trim().is_empty()
         && !high.trim().is_empty()
-        && let Some(statement) = range(content)
+        && let Some(bounds) = read_range(content)
     {
+        let statement = Statement::Constraint(&RANGE, Argument::Stated(Stated::Range(bounds)), "");
         return Reading::NearMiss(statement, format!("[@range {content}]"));
     }
     if looks_like_unit(content) {
         return Reading::Statement(Statement::Unit(content));
     }
     Reading::Text(None)
-}
-
-/// The problem of a name that no annotation has.
-fn unknown(name: &str) -> Problem {
-    let attributes = ATTRIBUTES.iter().map(|attribute| attribute.name);
-    let known: Vec<&str> =
-        ["enum", "flags", "range", "invalid", "uncontrolled"].into_iter().chain(attributes).collect();
-    Problem::UnknownAnnotation { name: name.to_owned(), known: format!("{} and count", known.join(", ")) }
-}
-
-/// Reads the annotation `name`; none where no annotation is called so.
-fn statement<'s>(
-    vocabulary: Vocabulary,
-    name: &str,
-    argument: &'s str,
-) -> Option<Result<Statement<'s>, Problem>> {
-    let (form, read) = match vocabulary {
-        Vocabulary::Comment => statement_of_comment(name, argument)?,
-        Vocabulary::Page => statement_of_page(name, argument)?,
-    };
-    let text = || format!("@{name} {argument}").trim_end().to_owned();
-    Some(read.ok_or_else(|| Problem::MalformedAnnotation { text: text(), form }))
-}
-
-/// The form of an annotation, and what this one states if it has that form.
-type Read<'s> = (&'static str, Option<Statement<'s>>);
-
-fn statement_of_comment<'s>(name: &str, argument: &'s str) -> Option<Read<'s>> {
-    Some(match name {
-        "enum" => ("[@enum PREFIX]", prefixes(argument).map(Statement::Enum)),
-        "flags" => ("[@flags PREFIX]", prefixes(argument).map(Statement::Flags)),
-        "range" => ("[@range low, high]", range(argument)),
-        "invalid" => ("[@invalid value]", special(argument).map(Statement::Invalid)),
-        "uncontrolled" => ("[@uncontrolled value]", special(argument).map(Statement::Uncontrolled)),
-        "count" => ("[@count field]", is_identifier(argument).then_some(Statement::Count(argument))),
-        _ => {
-            let attribute = ATTRIBUTES.iter().find(|attribute| attribute.name == name)?;
-            let statement = Statement::Attribute(attribute, argument);
-            (attribute.form, (!argument.is_empty()).then_some(statement))
-        }
-    })
-}
-
-fn statement_of_page<'s>(name: &str, argument: &'s str) -> Option<Read<'s>> {
-    let known_format = || FORMATS.contains(&argument).then_some(Statement::Format(argument));
-    Some(match name {
-        "range" => ("[@range low, high]", range(argument)),
-        "length" => ("[@length least, most]", length(argument)),
-        "unique" => ("[@unique]", argument.is_empty().then_some(Statement::Unique)),
-        "pattern" => ("[@pattern REGEX]", is_pattern(argument).then_some(Statement::Pattern(argument))),
-        "format" => ("[@format base64]", known_format()),
-        _ => return None,
-    })
-}
-
-/// Whether a text is a regular expression that all readers of JSON Schema take in the same sense: one without
-/// back references and without looking around.
-fn is_pattern(text: &str) -> bool {
-    !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::pattern::is_known(text)
-}
-
-/// Lengths: both bounds with a comma between them, of which one may be absent, or the only one there is.
-fn length(argument: &str) -> Option<Statement<'_>> {
-    let bound = |text: &str| match text.trim() {
-        "" => Some(None),
-        digits => digits.parse().ok().map(Some),
-    };
-    let (least, most) = argument.split_once(',').unwrap_or((argument, argument));
-    let (least, most): (Option<u32>, Option<u32>) = (bound(least)?, bound(most)?);
-    let is_ordered = least.zip(most).is_none_or(|(least, most)| least <= most);
-    (is_ordered && (least.is_some() || most.is_some())).then_some(Statement::Length { least, most })
-}
-
-fn prefixes(argument: &str) -> Option<Vec<Prefix<'_>>> {
-    let words = argument.split([' ', '\t', ',']).filter(|word| !word.is_empty());
-    let prefixes: Option<Vec<Prefix>> = words
-        .map(|word| {
-            let (message, prefix) = match word.split_once('.') {
-                Some((message, prefix)) => (Some(message), prefix),
-                None => (None, word),
-            };
-            let prefix = prefix.trim_end_matches('*').trim_end_matches('_');
-            (is_identifier(prefix) && message.is_none_or(is_identifier)).then_some(Prefix { message, prefix })
-        })
-        .collect();
-    // An enum has one owner.
-    prefixes.filter(|prefixes| {
-        prefixes.first().is_some_and(|first| prefixes.iter().all(|prefix| prefix.message == first.message))
-    })
-}
-
-fn range(argument: &str) -> Option<Statement<'_>> {
-    let (low, high) = argument.split_once(',')?;
-    let (low, high) = (bound(low).ok()?, bound(high).ok()?);
-    (low.is_some() || high.is_some() || argument.contains("inf") || argument.contains("INF"))
-        .then_some(Statement::Range { low, high })
-}
-
-/// A bound, or none where it is absent or infinite. A label in parentheses may follow it.
-fn bound(text: &str) -> Result<Option<Value>, LiteralError> {
-    let number = text.split_once('(').map_or(text, |(number, _)| number).trim();
-    if number.is_empty() {
-        return Ok(None);
-    }
-    match parse_number(number)? {
-        Value::Float(value) if value.is_infinite() => Ok(None),
-        Value::Float(value) if value.is_nan() => Err(LiteralError::Form),
-        value => Ok(Some(value)),
-    }
-}
-
-/// A number as annotations write it: an integer, a float, the name of a limit, or a multiple of pi.
-fn parse_number(text: &str) -> Result<Value, LiteralError> {
-    if let Some((_, scalar)) = LIMITS.iter().find(|(name, _)| *name == text) {
-        let (_, greatest) = scalar.integer_bounds().ok_or(LiteralError::Form)?;
-        return Ok(Value::Int(greatest));
-    }
-    let lower = text.to_ascii_lowercase();
-    if let Some(factor) = lower.strip_suffix("pi") {
-        let factor = match factor.trim_end_matches(['*', ' ']) {
-            "" | "+" => 1.0,
-            "-" => -1.0,
-            digits => digits.parse::<f64>().map_err(|_| LiteralError::Form)?,
-        };
-        return Ok(Value::Float(factor * std::f64::consts::PI));
-    }
-    parse_scalar(text, Scalar::Int64)
-        .or_else(|_| parse_scalar(text, Scalar::UInt64))
-        .or_else(|_| parse_scalar(text, Scalar::Float64))
-}
-
-fn special(argument: &str) -> Option<Special<'_>> {
-    let (word, text) = split_word(argument);
-    let value = match parse_number(word) {
-        Ok(number) => SpecialValue::Number(number),
-        Err(_) if word.eq_ignore_ascii_case("empty") => SpecialValue::Empty,
-        Err(_) if is_identifier(word) => SpecialValue::Name(word),
-        Err(_) => return None,
-    };
-    Some(Special { value, text })
 }
 
 /// Units are letters with exponents, slashes and parentheses: `(m/s^2)^2`, `°C`, `%`.
@@ -573,15 +320,12 @@ fn looks_like_unit(content: &str) -> bool {
             .all(|c| c.is_alphanumeric() || matches!(c, '/' | '^' | '(' | ')' | '%' | '°' | '*' | '-' | ' '))
 }
 
-pub(crate) fn split_word(text: &str) -> (&str, &str) {
-    let end = text.find([' ', '\t']).unwrap_or(text.len());
-    (&text[..end], text[end..].trim())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::msg::attribute::FRAME;
+    use crate::msg::constraint::{INVALID, Range};
+    use crate::msg::statement::Prefix;
 
     fn statements(text: &str) -> (Vec<Statement<'_>>, String, Vec<&'static str>) {
         let mut diagnostics = Vec::new();
@@ -594,6 +338,10 @@ mod tests {
         )
     }
 
+    fn range(low: Option<Value>, high: Option<Value>) -> Statement<'static> {
+        Statement::Constraint(&RANGE, Argument::Stated(Stated::Range(Range { low, high })), "")
+    }
+
     #[allow(clippy::unnecessary_wraps)] // bounds are optional
     fn int(value: i128) -> Option<Value> {
         Some(Value::Int(value))
@@ -604,33 +352,31 @@ mod tests {
         let (found, text, codes) =
             statements(" [@invalid NaN if lost] [meters/second] [@range -1 (Left), 1 (Right)] speed [up]");
         assert!(
-            matches!(&found[0], Statement::Invalid(Special { value: SpecialValue::Number(Value::Float(v)), text: "if lost" }) if v.is_nan())
+            matches!(&found[0], Statement::Constraint(kind, Argument::Stated(Stated::Value(Value::Float(v))), "if lost")
+                if **kind == INVALID && v.is_nan())
         );
-        assert_eq!(found[1..], [Statement::Unit("m/s"), Statement::Range { low: int(-1), high: int(1) }]);
+        assert_eq!(found[1..], [Statement::Unit("m/s"), range(int(-1), int(1))]);
         assert_eq!((text.as_str(), codes.len()), ("speed [up]", 0));
     }
 
     #[test]
     fn bounds_may_be_absent_infinite_or_multiples_of_pi() {
-        let range = |text| statements(text).0.remove(0);
-        assert_eq!(range("[@range 1,]"), Statement::Range { low: int(1), high: None });
-        assert_eq!(range("[@range 0, INF]"), Statement::Range { low: int(0), high: None });
-        assert_eq!(
-            range("[@range -inf (Backwards), inf (Forwards)]"),
-            Statement::Range { low: None, high: None }
-        );
+        let read = |text| statements(text).0.remove(0);
+        assert_eq!(read("[@range 1,]"), range(int(1), None));
+        assert_eq!(read("[@range 0, INF]"), range(int(0), None));
+        assert_eq!(read("[@range -inf (Backwards), inf (Forwards)]"), range(None, None));
         let pi = std::f64::consts::PI;
-        let expected = Statement::Range { low: Some(Value::Float(-pi)), high: Some(Value::Float(2.0 * pi)) };
-        assert_eq!(range("[@range -pi, 2PI]"), expected);
+        let expected = range(Some(Value::Float(-pi)), Some(Value::Float(2.0 * pi)));
+        assert_eq!(read("[@range -pi, 2PI]"), expected);
     }
 
     #[test]
     fn near_misses_are_read_as_meant() {
         for (text, expected) in [
             ("[enum MODE] x", Statement::Enum(vec![Prefix { message: None, prefix: "MODE" }])),
-            ("(@range 1, ) x", Statement::Range { low: int(1), high: None }),
+            ("(@range 1, ) x", range(int(1), None)),
             ("[FRD] x", Statement::Attribute(&FRAME, "FRD")),
-            ("[0,1] x", Statement::Range { low: int(0), high: int(1) }),
+            ("[0,1] x", range(int(0), int(1))),
         ] {
             assert_eq!(
                 statements(text),
@@ -639,7 +385,7 @@ mod tests {
             );
         }
         let (found, text, codes) = statements("Speed [@range 0, 2] of it");
-        assert_eq!(found, [Statement::Range { low: int(0), high: int(2) }]);
+        assert_eq!(found, [range(int(0), int(2))]);
         assert_eq!((text.as_str(), codes), ("Speed of it", vec!["annotation-after-text"]));
     }
 

@@ -5,7 +5,7 @@ use uavspec_runtime::Scalar;
 use super::gather::by_prefix;
 use super::resolver::{PendingEnum, Resolver, id};
 use crate::diagnostic::{Diagnostic, Problem};
-use crate::msg::annotation::Prefix;
+use crate::msg::statement::Prefix;
 use crate::schema::{Element, EnumRef, MessageId};
 use crate::source::Span;
 

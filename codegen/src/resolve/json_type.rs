@@ -7,12 +7,14 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use self::kind::{ByName, kinds};
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
-use crate::msg::annotation::{Note, Statement};
+use crate::msg::annotation::Note;
+use crate::msg::constraint::Argument;
+use crate::msg::statement::Statement;
 use crate::schema::json_type::{
     Definition, ERROR_CODE, ERROR_LIST, Expression, JsonMessage, JsonPart, JsonType, JsonTypeId, Limits,
     Member, Object, Set, SetValue, SetValues, TYPE_FIELD, Typed,
 };
-use crate::schema::{Docs, Range};
+use crate::schema::{Docs, Stated};
 use crate::source::Span;
 use crate::table::type_table::{
     self, Body, Definitions, Direction, Entry, ExpressionKind, MessageDefinition, PartDefinition,
@@ -255,7 +257,7 @@ impl Resolver<'_, '_> {
         for annotation in &note.annotations {
             let (name, is_meant) = match &annotation.statement {
                 Statement::Unit(_) => ("[unit]", inner.has_number),
-                Statement::Range { .. } => ("[@range]", inner.has_number),
+                Statement::Constraint(..) => ("[@range]", inner.has_number),
                 Statement::Length { .. } => ("[@length]", outer.has_list || outer.has_string),
                 Statement::Unique => ("[@unique]", outer.has_list),
                 Statement::Pattern(_) => ("[@pattern]", inner.has_string),
@@ -269,8 +271,8 @@ impl Resolver<'_, '_> {
             }
             match &annotation.statement {
                 Statement::Unit(unit) => limits.unit = Some((*unit).to_owned()),
-                Statement::Range { low, high } => {
-                    limits.range = Some(Range { low: low.clone(), high: high.clone() });
+                Statement::Constraint(_, Argument::Stated(Stated::Range(range)), _) => {
+                    limits.range = Some(range.clone());
                 }
                 Statement::Length { least, most } => (limits.least, limits.most) = (*least, *most),
                 Statement::Unique => limits.is_unique = true,

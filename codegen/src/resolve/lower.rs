@@ -7,12 +7,14 @@ use uavspec_runtime::Scalar;
 use super::package::PackageSource;
 use super::resolver::{PendingEnum, Resolver, id};
 use crate::diagnostic::{Diagnostic, Problem};
-use crate::msg::annotation::{Note, Prefix, SpecialValue, Statement};
+use crate::msg::annotation::Note;
 use crate::msg::ast::{self, ConstantType, Item, Line, Part};
+use crate::msg::constraint::{self, Argument, ConstraintKind};
 use crate::msg::is_identifier;
+use crate::msg::statement::{Prefix, Statement};
 use crate::schema::documentation::ItemDocs;
 use crate::schema::{
-    Constant, Dialect, Element, Field, Form, Kind, Parameter, Range, Special, Type, documentation,
+    Constant, Constraint, Dialect, Element, Field, Form, Kind, Parameter, Stated, Type, documentation,
 };
 use crate::source::Span;
 use crate::value::Value;
@@ -97,9 +99,7 @@ impl<'s> Resolver<'s> {
             description: docs.description,
             group: docs.group,
             unit: None,
-            range: None,
-            invalid: None,
-            uncontrolled: None,
+            constraints: Vec::new(),
             attributes: BTreeMap::new(),
             enum_prefixes: Vec::new(),
             enumeration: None,
@@ -127,17 +127,9 @@ impl<'s> Resolver<'s> {
         for annotation in &note.annotations {
             match &annotation.statement {
                 Statement::Unit(unit) => field.unit = Some((*unit).to_owned()),
-                Statement::Range { low, high } => {
-                    for bound in [low, high] {
-                        self.check_value(bound.as_ref(), field.ty, annotation.span);
-                    }
-                    field.range = Some(range(low.as_ref(), high.as_ref()));
-                }
-                Statement::Invalid(special) => {
-                    field.invalid = self.special(special, field.ty, annotation.span);
-                }
-                Statement::Uncontrolled(special) => {
-                    field.uncontrolled = self.special(special, field.ty, annotation.span);
+                Statement::Constraint(kind, argument, text) => {
+                    let found = self.constraint(kind, argument, text, field.ty, annotation.span);
+                    constraint::replace(&mut field.constraints, kind, found);
                 }
                 Statement::Attribute(attribute, text) => {
                     field.attributes.insert(attribute.name, (*text).to_owned());
@@ -170,32 +162,35 @@ impl<'s> Resolver<'s> {
         }
     }
 
-    fn special(
+    /// A constraint on values of a type; none if it names an unknown constant.
+    fn constraint(
         &mut self,
-        special: &crate::msg::annotation::Special<'s>,
+        kind: &'static ConstraintKind,
+        argument: &Argument<'s>,
+        text: &str,
         ty: Type,
         span: Span,
-    ) -> Option<Special> {
-        let text = special.text.to_owned();
-        let value = match &special.value {
-            SpecialValue::Empty => None,
-            SpecialValue::Number(value) => Some(value.clone()),
-            SpecialValue::Name(name) => {
+    ) -> Option<Constraint> {
+        let stated = match argument {
+            Argument::Stated(stated) => stated.clone(),
+            Argument::Name(name) => {
                 let Some(value) = self.constants.get(name).cloned() else {
                     let problem = Problem::UnknownConstant { name: (*name).to_owned() };
                     self.report(Diagnostic::new(problem, span));
                     return None;
                 };
-                Some(value)
+                Stated::Value(value)
             }
         };
-        self.check_value(value.as_ref(), ty, span);
-        Some(Special { value, text })
+        for value in stated.values() {
+            self.check_value(value, ty, span);
+        }
+        Some(Constraint { kind, stated, text: text.to_owned() })
     }
 
-    /// A field can hold what its annotations say of its values.
-    fn check_value(&mut self, value: Option<&Value>, ty: Type, span: Span) {
-        if let (Some(value), Element::Scalar(scalar)) = (value, ty.element)
+    /// Reports a value of an annotation that the type can't hold.
+    fn check_value(&mut self, value: &Value, ty: Type, span: Span) {
+        if let Element::Scalar(scalar) = ty.element
             && !can_hold(scalar, value)
         {
             let problem =
@@ -224,8 +219,7 @@ impl<'s> Resolver<'s> {
     fn parameter(&mut self, index: usize, note: &Note<'s>) -> Parameter {
         let mut parameter = Parameter {
             unit: None,
-            range: None,
-            invalid: None,
+            constraints: Vec::new(),
             enum_prefixes: Vec::new(),
             description: note.text.as_ref().to_owned(),
         };
@@ -233,16 +227,15 @@ impl<'s> Resolver<'s> {
         for annotation in &note.annotations {
             match &annotation.statement {
                 Statement::Unit(unit) => parameter.unit = Some((*unit).to_owned()),
-                Statement::Range { low, high } => parameter.range = Some(range(low.as_ref(), high.as_ref())),
-                Statement::Invalid(special) => {
-                    parameter.invalid = self.special(special, number, annotation.span);
+                Statement::Constraint(kind, argument, text) => {
+                    let found = self.constraint(kind, argument, text, number, annotation.span);
+                    constraint::replace(&mut parameter.constraints, kind, found);
                 }
                 Statement::Enum(prefixes) | Statement::Flags(prefixes) => {
                     parameter.enum_prefixes = prefixes.iter().map(prefix_text).collect();
                     self.claimed[index].extend(prefixes.iter().map(|prefix| prefix.prefix.to_owned()));
                 }
-                Statement::Uncontrolled(_)
-                | Statement::Attribute(..)
+                Statement::Attribute(..)
                 | Statement::Count(_)
                 | Statement::Length { .. }
                 | Statement::Unique
@@ -359,10 +352,6 @@ fn constant<'l, 's>(line: &'l Line<'s>) -> Option<&'l ast::Constant<'s>> {
 
 fn note<'l, 's>(line: &'l Line<'s>) -> Option<&'l Note<'s>> {
     line.comment.as_ref()?.note.as_ref()
-}
-
-fn range(low: Option<&Value>, high: Option<&Value>) -> Range {
-    Range { low: low.cloned(), high: high.cloned() }
 }
 
 fn prefix_text(prefix: &Prefix<'_>) -> String {

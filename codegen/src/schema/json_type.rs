@@ -7,7 +7,7 @@
 //! ```
 
 use super::documentation::Docs;
-use super::range::Range;
+use crate::msg::constraint::Range;
 use crate::source::Span;
 pub use crate::table::type_table::Direction;
 
@@ -102,7 +102,7 @@ pub struct Limits {
     pub is_unique: bool,
     /// A regular expression that strings satisfy.
     pub pattern: Option<String>,
-    /// What strings encode: one of `crate::msg::annotation::FORMATS`.
+    /// The encoding of strings: one of `crate::msg::statement::FORMATS`.
     pub format: Option<String>,
 }
 

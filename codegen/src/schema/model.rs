@@ -11,9 +11,9 @@ use super::id::MessageId;
 use super::json_type::{
     Definition, ERROR_CODE, ERROR_LIST, Expression, JsonMessage, JsonMessageId, JsonType, JsonTypeId,
 };
-use super::range::{Range, Special};
 use crate::msg::ast::Shape;
 use crate::msg::attribute::{ATTRIBUTES, Attribute};
+use crate::msg::constraint::{self, ConstraintKind};
 use crate::msg::{Dialect, Kind};
 use crate::source::Span;
 use crate::table::type_table::is_number;
@@ -237,12 +237,8 @@ pub struct Field {
     pub group: Option<usize>,
     /// Its unit: one of `crate::unit::UNITS`, or as written.
     pub unit: Option<String>,
-    /// Its bounds.
-    pub range: Option<Range>,
-    /// The value that says that there is no data.
-    pub invalid: Option<Special>,
-    /// The value that says that a set point doesn't apply.
-    pub uncontrolled: Option<Special>,
+    /// Its constraints, one of a kind, in the order of [`CONSTRAINTS`](constraint::CONSTRAINTS).
+    pub constraints: Vec<constraint::Constraint>,
     /// The texts of its attributes, by their names.
     pub attributes: BTreeMap<&'static str, String>,
     /// The prefixes of the constants that it holds, as written.
@@ -256,6 +252,11 @@ pub struct Field {
 }
 
 impl Field {
+    /// The constraint of a kind.
+    pub fn constraint(&self, kind: &ConstraintKind) -> Option<&constraint::Constraint> {
+        constraint::find(&self.constraints, kind)
+    }
+
     /// The text of an attribute.
     pub fn attribute(&self, attribute: &Attribute) -> Option<&str> {
         self.attributes.get(attribute.name).map(String::as_str)
@@ -301,10 +302,8 @@ const UNUSED: [&str; 6] = ["", "-", "empty", "reserved", "unused", "n/a"];
 pub struct Parameter {
     /// Its unit.
     pub unit: Option<String>,
-    /// Its bounds.
-    pub range: Option<Range>,
-    /// The value that says that it is left out.
-    pub invalid: Option<Special>,
+    /// Its constraints, one of a kind, in the order of [`CONSTRAINTS`](constraint::CONSTRAINTS).
+    pub constraints: Vec<constraint::Constraint>,
     /// The prefixes of the constants that it holds.
     pub enum_prefixes: Vec<String>,
     /// What is said of it.
@@ -315,7 +314,7 @@ impl Parameter {
     /// Whether it means nothing: commands have seven parameters, however few they need.
     pub fn is_unused(&self) -> bool {
         let text = self.description.trim().trim_end_matches('.').to_ascii_lowercase();
-        let says_nothing = self.range.is_none() && self.invalid.is_none() && self.enum_prefixes.is_empty();
+        let says_nothing = self.constraints.is_empty() && self.enum_prefixes.is_empty();
         says_nothing && UNUSED.contains(&text.as_str())
     }
 }

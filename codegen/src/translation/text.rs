@@ -5,20 +5,21 @@
 //! | `px4/Wind` | the summary of a message, or of a part of a service or action (`px4/Tow_Request`) |
 //! | `px4/Wind/description` | the paragraphs after it |
 //! | `px4/Wind.speed` | a field |
-//! | `px4/Wind.speed/invalid`, `/uncontrolled` | what its annotation says in words |
+//! | `px4/Wind.speed/invalid` | the words of a constraint, by its name |
 //! | `px4/Wind.speed/frame` | an attribute, by its name |
 //! | `px4/Wind.speed/group` | the heading of the group that begins with this field (or constant) |
 //! | `px4/Wind.speed/group/description` | the paragraphs after it |
 //! | `px4/Wind::SPEED_LOW` | a constant: a value of an enum, a flag, a command |
 //! | `px4/Wind::CMD_BLOW/parameter/1` | a parameter of a command, from 1 |
-//! | `px4/Wind::CMD_BLOW/parameter/1/invalid` | what its annotation says in words |
+//! | `px4/Wind::CMD_BLOW/parameter/1/invalid` | the words of a constraint, by its name |
 //! | `flockwave/error-code/134` | the description of an error code |
 //! | `flockwave/error-table/128` | the title of the table whose range begins there |
 
 use std::collections::BTreeSet;
 
 use crate::msg::attribute::Attribute;
-use crate::schema::{ErrorTable, Interface, Message, MessageId, Package, Schema, Special};
+use crate::msg::constraint::{self, ConstraintKind};
+use crate::schema::{Constraint, ErrorTable, Interface, Message, MessageId, Package, Schema};
 use crate::source::Span;
 
 /// A text that can be translated.
@@ -50,18 +51,16 @@ pub enum MessageText {
     GroupDescription(usize),
     /// The description of a field.
     Field(usize),
-    /// When its special value stands for no data.
-    Invalid(usize),
-    /// When its special value stands for no set point.
-    Uncontrolled(usize),
+    /// The words of one of its constraints.
+    Constraint(usize, &'static ConstraintKind),
     /// The text of one of its attributes.
     Attribute(usize, &'static Attribute),
     /// The description of a constant.
     Constant(usize),
     /// The description of a parameter of a command, which is the constant that comes first.
     Parameter(usize, usize),
-    /// When its special value stands for no value.
-    ParameterInvalid(usize, usize),
+    /// The words of one of its constraints.
+    ParameterConstraint(usize, usize, &'static ConstraintKind),
 }
 
 impl MessageText {
@@ -73,22 +72,21 @@ impl MessageText {
             Self::Group(group) => &message.groups[group].summary,
             Self::GroupDescription(group) => &message.groups[group].description,
             Self::Field(index) => &message.fields[index].description,
-            Self::Invalid(index) => meaning(message.fields[index].invalid.as_ref()),
-            Self::Uncontrolled(index) => meaning(message.fields[index].uncontrolled.as_ref()),
+            Self::Constraint(index, kind) => words(&message.fields[index].constraints, kind),
             Self::Attribute(index, attribute) => {
                 message.fields[index].attribute(attribute).unwrap_or_default()
             }
             Self::Constant(index) => &message.constants[index].description,
             Self::Parameter(index, number) => &message.constants[index].parameters[number].description,
-            Self::ParameterInvalid(index, number) => {
-                meaning(message.constants[index].parameters[number].invalid.as_ref())
+            Self::ParameterConstraint(index, number, kind) => {
+                words(&message.constants[index].parameters[number].constraints, kind)
             }
         }
     }
 }
 
-fn meaning(special: Option<&Special>) -> &str {
-    special.map_or("", |special| special.text.as_str())
+fn words<'c>(constraints: &'c [Constraint], kind: &ConstraintKind) -> &'c str {
+    constraint::find(constraints, kind).map_or("", |constraint| constraint.text.as_str())
 }
 
 /// The keys of all texts of a message.
@@ -118,15 +116,14 @@ impl<'s> MessageKeys<'s> {
             MessageText::Group(group) => format!("{}/group", self.starts[group]),
             MessageText::GroupDescription(group) => format!("{}/group/description", self.starts[group]),
             MessageText::Field(index) => self.field(index),
-            MessageText::Invalid(index) => self.field(index) + "/invalid",
-            MessageText::Uncontrolled(index) => self.field(index) + "/uncontrolled",
+            MessageText::Constraint(index, kind) => format!("{}/{}", self.field(index), kind.name),
             MessageText::Attribute(index, attribute) => format!("{}/{}", self.field(index), attribute.name),
             MessageText::Constant(index) => self.constant(index),
             MessageText::Parameter(index, number) => {
                 format!("{}/parameter/{}", self.constant(index), number + 1)
             }
-            MessageText::ParameterInvalid(index, number) => {
-                format!("{}/parameter/{}/invalid", self.constant(index), number + 1)
+            MessageText::ParameterConstraint(index, number, kind) => {
+                format!("{}/parameter/{}/{}", self.constant(index), number + 1, kind.name)
             }
         }
     }
@@ -204,18 +201,22 @@ fn of_message<'s>(schema: &'s Schema, id: MessageId, unit: &str, texts: &mut Vec
     let keys = MessageKeys::new(schema, message);
     let mut found: Vec<(MessageText, Span)> = Vec::new();
     for (index, field) in message.fields.iter().enumerate() {
-        use MessageText::{Attribute, Field, Group, GroupDescription, Invalid, Uncontrolled};
+        use MessageText::{Attribute, Constraint, Field, Group, GroupDescription};
         let group = field.group.into_iter().flat_map(|group| [Group(group), GroupDescription(group)]);
-        let own = [Field(index), Invalid(index), Uncontrolled(index)];
+        let own = std::iter::once(Field(index));
+        let own = own.chain(field.constraints.iter().map(|found| Constraint(index, found.kind)));
         let attributes = field.attributes().map(|(attribute, _)| Attribute(index, attribute));
         found.extend(group.chain(own).chain(attributes).map(|text| (text, field.span)));
     }
     for (index, constant) in message.constants.iter().enumerate() {
-        use MessageText::{Group, GroupDescription, Parameter, ParameterInvalid};
+        use MessageText::{Group, GroupDescription, Parameter, ParameterConstraint};
         let group = constant.group.into_iter().flat_map(|group| [Group(group), GroupDescription(group)]);
-        let parameters = (0..constant.parameters.len())
-            .filter(|number| !constant.parameters[*number].is_unused())
-            .flat_map(|number| [Parameter(index, number), ParameterInvalid(index, number)]);
+        let parameters = constant.parameters.iter().enumerate().filter(|(_, found)| !found.is_unused());
+        let parameters = parameters.flat_map(|(number, found)| {
+            let constraints = found.constraints.iter();
+            let constraints = constraints.map(move |found| ParameterConstraint(index, number, found.kind));
+            std::iter::once(Parameter(index, number)).chain(constraints)
+        });
         let own = std::iter::once(MessageText::Constant(index)).chain(parameters);
         found.extend(group.chain(own).map(|text| (text, constant.span)));
     }

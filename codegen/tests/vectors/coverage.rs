@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 
 use serde_json::{Value as Json, json};
 use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::{Element, Field, Kind, Message, Shape};
+use uavspec_codegen::msg::constraint::{INVALID, RANGE, UNCONTROLLED};
+use uavspec_codegen::schema::{Element, Field, Kind, Message, Shape, Stated};
 use uavspec_codegen::value::Value;
 use uavspec_runtime::Scalar;
 
@@ -168,7 +169,7 @@ fn check_values(
 fn check_meanings(emitted: &Emitted, message: &Message, field: &Field, tried: &Tried, name: &str) {
     const CLOSE: f64 = 1e-6;
     let number = |value: &Option<Value>| value.as_ref().and_then(Value::as_f64);
-    if let Some(range) = &field.range {
+    if let Some(Stated::Range(range)) = field.constraint(&RANGE).map(|found| &found.stated) {
         let is_integer = !matches!(field.ty.element, Element::Scalar(scalar) if scalar.is_float());
         let reach = if is_integer { 1.0 } else { CLOSE };
         for (end, outwards) in [(number(&range.low), -1.0), (number(&range.high), 1.0)] {
@@ -185,8 +186,8 @@ fn check_meanings(emitted: &Emitted, message: &Message, field: &Field, tried: &T
             assert!(is_refused || is_end_of_type, "{name}: beyond {end}");
         }
     }
-    for special in [&field.invalid, &field.uncontrolled].into_iter().flatten() {
-        match special.value.as_ref().and_then(Value::as_f64) {
+    for special in [&INVALID, &UNCONTROLLED].into_iter().filter_map(|kind| field.constraint(kind)) {
+        match special.stated.value().and_then(Value::as_f64) {
             Some(value) if value.is_nan() => assert!(tried.has(None, Json::is_null), "{name}: NaN"),
             Some(value) => assert!(
                 tried.number(None, |tried| (tried - value).abs() <= CLOSE * value.abs()),

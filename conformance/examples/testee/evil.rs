@@ -84,7 +84,7 @@ impl Evil {
     }
 
     /// Makes the answer wrong, in modes that are bugs of codecs.
-    pub(crate) fn spoil(&self, types: &Types, request: &Value, answer: &mut Value) {
+    pub(crate) fn corrupt(&self, types: &Types, request: &Value, answer: &mut Value) {
         let name = request["type"].as_str().and_then(|name| name.split_once('/'));
         let Some(message) = name.and_then(|(package, name)| types.find(package, name)) else { return };
         if request["op"] != "decode" {

@@ -31,7 +31,7 @@ fn main() -> io::Result<ExitCode> {
         _ => Definitions::built_in(),
     };
     let types = definitions.types();
-    let codec = Codec { schema: &definitions.schema, types, shapes: definitions.shapes() };
+    let codec = Codec { schema: &definitions.schema, types, body_schemas: definitions.defined_schemas() };
     let mut input = BufReader::with_capacity(1 << 16, io::stdin().lock());
     let mut output = io::stdout().lock();
     let mut count = 0;
@@ -50,11 +50,11 @@ fn main() -> io::Result<ExitCode> {
         count += 1;
         rude.before(&mut question, &mut output)?;
         let Some(mut reply) = codec.reply(&question) else { continue };
-        rude.spoil(&question, &mut reply);
+        rude.corrupt(&question, &mut reply);
         if is_hello {
             writeln!(output, "{reply}")?;
         } else {
-            evil.spoil(types, &question, &mut reply);
+            evil.corrupt(types, &question, &mut reply);
             evil.write(&reply, &mut output)?;
         }
         output.flush()?;

@@ -95,7 +95,7 @@ impl Rude {
     }
 
     /// Makes the reply wrong.
-    pub(crate) fn spoil(&self, question: &Value, reply: &mut Value) {
+    pub(crate) fn corrupt(&self, question: &Value, reply: &mut Value) {
         let is_hello = question["op"] == "hello";
         match self.mode.as_str() {
             "hello-unknown-op" if is_hello => reply["ops"] = json!(["decode", "levitate"]),
@@ -143,7 +143,7 @@ fn untag(value: &mut Value, tags: &[&str]) {
         tags.contains(&tag.as_str()).then(|| text.as_str().map(str::to_owned))?
     });
     match (tagged, value) {
-        (Some(text), place) => *place = serde_json::from_str(&text).unwrap_or_default(),
+        (Some(text), location) => *location = serde_json::from_str(&text).unwrap_or_default(),
         (None, Value::Array(items)) => items.iter_mut().for_each(|item| untag(item, tags)),
         (None, Value::Object(members)) => members.values_mut().for_each(|member| untag(member, tags)),
         (None, _) => {}

@@ -72,7 +72,7 @@ pub(super) struct CheckArgs {
     schemas: Vec<PathBuf>,
     /// The type of all messages as JSON, which then have nothing around them.
     #[arg(long = "type", value_name = "PACKAGE/NAME")]
-    of: Option<String>,
+    message_type: Option<String>,
     /// Let formats that differ from the definitions count as breaches (PX-FMT-01).
     #[arg(long)]
     strict_formats: bool,
@@ -100,12 +100,12 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         Ok(rules) => rules,
         Err(status) => return status,
     };
-    let of = args.of.as_deref().map(|name| (name, definitions.message_of_type(name)));
-    if let Some((name, None)) = of {
+    let message_id = args.message_type.as_deref().map(|name| (name, definitions.message_of_type(name)));
+    if let Some((name, None)) = message_id {
         anstream::eprintln!("error: --type {name}: the definitions have no such message");
         return Status::Usage;
     }
-    let of = of.and_then(|(_, id)| id);
+    let message_id = message_id.and_then(|(_, id)| id);
     let files = match input::files(&args.files) {
         Ok(files) => files,
         Err((path, error)) => {
@@ -119,9 +119,9 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         Err(status) => return status,
     };
     let settings = settings(args);
-    let (mut judged, mut subjects, mut unreadable) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut checked, mut subjects, mut unreadable) = (Vec::new(), Vec::new(), Vec::new());
     let mut take = |found: CheckedCapture| {
-        let subject = Subject::of_capture(found, &definitions, &settings);
+        let subject = Subject::from_capture(found, &definitions, &settings);
         args.report.print_subject(&subject);
         subjects.push(subject);
     };
@@ -130,11 +130,11 @@ pub(super) fn check(args: &CheckArgs) -> Status {
     parallel::each(
         &files,
         args.jobs,
-        |path| judge(path, of, &definitions, &progress),
+        |path| check_file(path, message_id, &definitions, &progress),
         |path, result| match result {
             Ok(found) if known.lists.is_empty() => progress.pausing(|| take(found)),
             // With lists it takes all files to tell which findings count.
-            Ok(found) => judged.push(found),
+            Ok(found) => checked.push(found),
             Err(error) => {
                 let path = path.display().to_string();
                 progress.pausing(|| anstream::eprintln!("error: {path}: {error}"));
@@ -143,8 +143,8 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         },
     );
     drop(progress);
-    let settled = known.settle_sources(&mut judged, &unreadable);
-    judged.into_iter().for_each(take);
+    let settled = known.settle_sources(&mut checked, &unreadable);
+    checked.into_iter().for_each(take);
     let reasons = idle(&required, &subjects);
     let report = Report::new(Action::Check, super::command(), &definitions, subjects, unreadable, reasons);
     deliver(&args.report, &report.with_stale(known.stale)).max(settled)
@@ -159,7 +159,7 @@ fn settings(args: &CheckArgs) -> Settings {
     for folder in &args.schemas {
         arguments.extend(["--schema".to_owned(), folder.display().to_string()]);
     }
-    if let Some(name) = &args.of {
+    if let Some(name) = &args.message_type {
         arguments.extend(["--type".to_owned(), name.clone()]);
     }
     if args.strict_formats {
@@ -168,18 +168,18 @@ fn settings(args: &CheckArgs) -> Settings {
     Settings { are_formats_strict: args.strict_formats, arguments, command: None }
 }
 
-fn judge(
+fn check_file(
     path: &Path,
-    of: Option<MessageId>,
+    message_id: Option<MessageId>,
     definitions: &Definitions,
     progress: &Progress,
 ) -> io::Result<CheckedCapture> {
     let started = Instant::now();
     let source = input::unpacked(progress.reading(input::open(path)?))?;
-    let judgement = check::check_capture(source, of, definitions)?;
+    let result = check::check_capture(source, message_id, definitions)?;
     Ok(CheckedCapture {
         path: path.display().to_string(),
-        result: judgement,
+        result,
         notes: Vec::new(),
         elapsed: started.elapsed().as_millis(),
     })

@@ -7,7 +7,7 @@ use clap::Args;
 use uavspec_codegen::diagnostic::Level;
 
 use super::Status;
-use crate::check::known::{Checked, Lists, Scope, Stale, excuse_findings, of_findings, of_unread};
+use crate::check::known::{Checked, Lists, Scope, Stale, excuse_findings, rule_outcomes, unread_outcome};
 use crate::model::{Date, Extent, Reason};
 use crate::report::{CheckedCapture, Unreadable};
 
@@ -37,12 +37,12 @@ pub(super) struct Known {
 impl KnownArgs {
     /// Reads the lists; what is wrong with them has been told.
     pub(super) fn read(&self) -> Result<Known, Status> {
-        let told = |error: String| {
+        let print_error = |error: String| {
             anstream::eprintln!("{error}");
             Status::Usage
         };
-        let lists = Lists::read(&self.known).map_err(|error| told(error.to_string()))?;
-        let today = Date::today().map_err(|error| told(format!("error: {error}")))?;
+        let lists = Lists::read(&self.known).map_err(|error| print_error(error.to_string()))?;
+        let today = Date::today().map_err(|error| print_error(format!("error: {error}")))?;
         Ok(Known { lists, stale: Vec::new(), today, is_fixing: self.fix_known })
     }
 }
@@ -51,12 +51,12 @@ impl Known {
     /// Tells which entries don't hold true, or takes them out of their files. What a person has to mend stays, and is
     /// told.
     pub(super) fn settle(&mut self, scope: Scope, checked: &[Checked<'_>]) -> Status {
-        let stale = self.lists.judge(scope, checked, self.today);
+        let stale = self.lists.find_stale(scope, checked, self.today);
         if stale.is_empty() {
             return Status::Conforms;
         }
         if !self.is_fixing {
-            self.tell(&stale, "--fix-known mends it");
+            self.report_stale(&stale, "--fix-known mends it");
             return Status::Stale;
         }
         if let Err(error) = self.fix(&stale) {
@@ -64,41 +64,46 @@ impl Known {
             self.stale = self.lists.reasons(&stale);
             return Status::Usage;
         }
-        let left = self.lists.judge(scope, checked, self.today);
+        let left = self.lists.find_stale(scope, checked, self.today);
         if left.is_empty() {
             return Status::Conforms;
         }
-        self.tell(&left, "its messages have no beginning in common, so write an entry for each");
+        self.report_stale(&left, "its messages have no beginning in common, so write an entry for each");
         Status::Stale
     }
 
-    fn tell(&mut self, stale: &[Stale], help: &str) {
+    fn report_stale(&mut self, stale: &[Stale], help: &str) {
         self.stale = self.lists.reasons(stale);
         anstream::eprint!("{}", self.lists.render(stale, Level::Error, true));
         anstream::eprintln!("error: a list of known failures no longer holds true\n  help: {help}");
     }
 
     /// Holds the lists against what was found in sources, and notes at each finding what excuses it.
-    pub(super) fn settle_sources(&mut self, judged: &mut [CheckedCapture], unread: &[Unreadable]) -> Status {
+    pub(super) fn settle_sources(
+        &mut self,
+        captures: &mut [CheckedCapture],
+        unread: &[Unreadable],
+    ) -> Status {
         if self.lists.is_empty() {
             return Status::Conforms;
         }
-        let mut checked: Vec<Checked<'_>> = unread.iter().flat_map(|file| of_unread(&file.path)).collect();
-        for judged in judged.iter() {
-            checked.extend(of_findings(&judged.path, &judged.result.findings));
-            if judged.result.extent == Extent::BrokenOff {
-                checked.extend(of_unread(&judged.path));
+        let mut checked: Vec<Checked<'_>> =
+            unread.iter().flat_map(|file| unread_outcome(&file.path)).collect();
+        for capture in captures.iter() {
+            checked.extend(rule_outcomes(&capture.path, &capture.result.findings));
+            if capture.result.extent == Extent::Unreadable {
+                checked.extend(unread_outcome(&capture.path));
             }
         }
         let status = self.settle(Scope::Rules, &checked);
-        for judged in judged {
-            excuse_findings(&self.lists, &judged.path, &mut judged.result.findings);
+        for capture in captures {
+            excuse_findings(&self.lists, &capture.path, &mut capture.result.findings);
         }
         status
     }
 
     fn fix(&mut self, stale: &[Stale]) -> Result<(), Box<dyn Error>> {
-        let stale: Vec<Stale> = stale.iter().filter(|stale| stale.is_mendable()).cloned().collect();
+        let stale: Vec<Stale> = stale.iter().filter(|stale| stale.is_fixable()).cloned().collect();
         if stale.is_empty() {
             return Ok(());
         }

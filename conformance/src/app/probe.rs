@@ -100,11 +100,11 @@ fn prepared(args: &ProbeArgs) -> Result<Status, Status> {
         anstream::eprintln!("error: {path}: {}", unreadable.message);
     }
     let (result, elapsed) = (probed.result, started.elapsed().as_millis());
-    let mut judged = [CheckedCapture { path, result, notes: probed.notes, elapsed }];
-    let settled = known.settle_sources(&mut judged, &unreadable);
+    let mut checked = [CheckedCapture { path, result, notes: probed.notes, elapsed }];
+    let settled = known.settle_sources(&mut checked, &unreadable);
     let settings = Settings { command: Some(super::command()), ..Settings::default() };
     let subjects: Vec<Subject> =
-        judged.into_iter().map(|judged| Subject::of_capture(judged, &definitions, &settings)).collect();
+        checked.into_iter().map(|checked| Subject::from_capture(checked, &definitions, &settings)).collect();
     for subject in &subjects {
         args.report.print_subject(subject);
     }

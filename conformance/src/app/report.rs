@@ -92,7 +92,7 @@ impl ReportArgs {
     /// Prints or writes all reports, also where one can't be; tells which that are, and why.
     pub(super) fn write(&self, report: &Report) -> Vec<String> {
         if self.printed() != Kind::Text {
-            self.keep(said(&mut io::stdout(), &report.to_text(self.printed())));
+            self.keep(ignore_broken_pipe(&mut io::stdout(), &report.to_text(self.printed())));
         }
         let files = self.report.iter().filter(|target| !target.is_printed());
         let write = |target: &Target| {
@@ -117,11 +117,11 @@ impl Target {
 
 /// Prints a text with colours, where they are shown.
 pub(super) fn print(text: &str) -> io::Result<()> {
-    said(&mut anstream::stdout(), text)
+    ignore_broken_pipe(&mut anstream::stdout(), text)
 }
 
 /// A reader that has seen enough closes the pipe: that is no failure.
-fn said(to: &mut impl Write, text: &str) -> io::Result<()> {
+fn ignore_broken_pipe(to: &mut impl Write, text: &str) -> io::Result<()> {
     match to.write_all(text.as_bytes()).and_then(|()| to.flush()) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         result => result,

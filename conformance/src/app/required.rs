@@ -32,7 +32,7 @@ impl RequireArgs {
 pub(super) fn idle(required: &[&Rule], subjects: &[Subject]) -> Vec<Reason> {
     let is_idle = |id: &str| {
         let rules = subjects.iter().flat_map(|subject| &subject.rules);
-        rules.filter(|rule| rule.id == id).all(|rule| rule.exercised == 0)
+        rules.filter(|rule| rule.id == id).all(|rule| rule.covered == 0)
     };
     let idle = required.iter().filter(|rule| is_idle(rule.id));
     let remarks = idle.map(|rule| {

@@ -5,7 +5,7 @@ use clap::Args;
 use super::{Format, Status};
 use crate::definitions::Definitions;
 use crate::matrix::matrix;
-use crate::report::catalogue;
+use crate::report::rule_list;
 use crate::rules::rule;
 
 /// Arguments of `rules`.
@@ -34,14 +34,14 @@ pub(super) fn rules(args: &RulesArgs) -> Status {
                 anstream::eprintln!("error: {id}: no such rule\n  help: `uavspec rules` lists all");
                 return Status::Usage;
             };
-            if format == Format::Json { catalogue::to_json(&[rule]) } else { catalogue::rule_text(rule) }
+            if format == Format::Json { rule_list::to_json(&[rule]) } else { rule_list::rule_text(rule) }
         }
         (None, format) if args.matrix => {
             let rows = matrix(&Definitions::built_in());
-            if format == Format::Json { catalogue::matrix_json(&rows) } else { catalogue::matrix_text(&rows) }
+            if format == Format::Json { rule_list::matrix_json(&rows) } else { rule_list::matrix_text(&rows) }
         }
-        (None, Format::Text) => catalogue::to_text(),
-        (None, Format::Json) => catalogue::to_json(&crate::rules::RULES),
+        (None, Format::Text) => rule_list::to_text(),
+        (None, Format::Json) => rule_list::to_json(&crate::rules::RULES),
     };
     match super::report::print(&text) {
         Ok(()) => Status::Conforms,

@@ -68,22 +68,22 @@ pub(super) fn self_test(args: &SelfTestArgs) -> Status {
     let (style, text) =
         if is_right { (PASS, "judges as it should") } else { (FAIL, "does not judge as it should") };
     anstream::println!("\n{style}{text}{style:#}");
-    if is_right { Status::Conforms } else { Status::Breaks }
+    if is_right { Status::Conforms } else { Status::DoesNotConform }
 }
 
 /// Nothing may be found in what conforms.
 fn recordings(definitions: &Definitions) -> bool {
     let mut is_right = true;
     anstream::println!("Recordings that conform, made of the definitions:");
-    for (name, judgement) in conforming(definitions) {
-        let exercised = RULES.iter().filter(|rule| judgement.findings.exercised(rule) > 0).count();
-        let broken: Vec<&str> = judgement.findings.groups().map(|group| group.rule.id).collect();
-        let is_clean = broken.is_empty() && judgement.damage.is_empty();
+    for (name, result) in conforming(definitions) {
+        let covered = RULES.iter().filter(|rule| result.findings.covered(rule) > 0).count();
+        let violated: Vec<&str> = result.findings.groups().map(|group| group.rule.id).collect();
+        let is_clean = violated.is_empty() && result.corruption.is_empty();
         is_right &= is_clean;
-        let records = Grouped(judgement.records);
+        let records = Grouped(result.records);
         let found =
-            if is_clean { "nothing found".to_owned() } else { format!("found {}", broken.join(", ")) };
-        line(is_clean, name, &format!("{records} messages, {exercised} rules exercised, {found}"));
+            if is_clean { "nothing found".to_owned() } else { format!("found {}", violated.join(", ")) };
+        line(is_clean, name, &format!("{records} messages, {covered} rules exercised, {found}"));
     }
     is_right
 }
@@ -93,8 +93,8 @@ fn rules(rows: &[Row]) -> bool {
     anstream::println!("\nRules, and recordings that are changed to break them:");
     for rule in RULES {
         let own = || rows.iter().filter(|row| row.rule.id == rule.id);
-        let made = own().filter(|row| row.broken.is_some()).count();
-        let wrong: Vec<String> = own().filter(|row| !row.is_right()).map(told).collect();
+        let made = own().filter(|row| row.violated.is_some()).count();
+        let wrong: Vec<String> = own().filter(|row| !row.is_right()).map(mismatch_text).collect();
         let text = match (made, wrong.is_empty()) {
             (0, _) => "the definitions have nothing that could break it".to_owned(),
             (_, true) => format!("{made} found"),
@@ -124,9 +124,9 @@ fn servers(definitions: &Definitions) -> bool {
         let (is_right, text) = match row {
             Ok(row) if row.is_right() && case.bug.is_some() => (true, "found".to_owned()),
             Ok(row) if row.is_right() => {
-                (true, format!("{} rules exercised, nothing found", row.exercised.len()))
+                (true, format!("{} rules exercised, nothing found", row.covered.len()))
             }
-            Ok(row) => (false, row.told()),
+            Ok(row) => (false, row.mismatch_text()),
             Err(error) => (false, error.to_string()),
         };
         are_right &= is_right;
@@ -141,20 +141,20 @@ fn cases_of(definitions: &Definitions, testee: &[OsString]) -> Result<bool, Stri
     let all: Vec<usize> = (0..cases.len()).collect();
     let progress = Progress::steps("cases");
     let options = Options::new(Target::Command(testee.to_vec()));
-    let told = |done, total| progress.set(done, total);
-    let outcome = run(&cases, &all, definitions.types(), &options, &told)?;
+    let mismatch_text = |done, total| progress.set(done, total);
+    let outcome = run(&cases, &all, definitions.types(), &options, &mismatch_text)?;
     drop(progress);
     anstream::println!("\nA codec, asked what the definitions ask of codecs:");
     let counts = outcome.counts();
-    let is_right = counts.passed == cases.len() && outcome.manners.are_good();
+    let is_right = counts.passed == cases.len() && outcome.protocol_remarks.are_good();
     let name = outcome.hello.map_or_else(|| "testee".to_owned(), |hello| hello.name);
     let passed = Grouped(counts.passed as u64);
     line(is_right, &name, &format!("{passed} of {} cases passed", Grouped(cases.len() as u64)));
     Ok(is_right)
 }
 
-fn told(row: &Row) -> String {
-    let found = list(row.broken.iter().flatten());
+fn mismatch_text(row: &Row) -> String {
+    let found = list(row.violated.iter().flatten());
     format!("{}: expected {}, found {found}", row.title, list(&row.expected()))
 }
 

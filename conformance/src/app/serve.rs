@@ -15,7 +15,7 @@ use crate::rules::flockwave::{self, FlockwaveRule};
 use crate::serve::{Options, Server, Transport, error, loss};
 
 /// Where the server listens where nothing is said: the port that clients of the protocol try first.
-const USUAL: &str = "127.0.0.1:5001";
+const DEFAULT_ADDRESS: &str = "127.0.0.1:5001";
 
 /// Arguments of `serve`.
 #[derive(Args, Debug)]
@@ -118,11 +118,11 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
         anstream::eprintln!("error: {error}");
         return Status::Unreadable;
     }
-    for place in server.listening() {
+    for listening in server.listening() {
         match args.format {
-            super::Format::Text => anstream::println!("{place}"),
+            super::Format::Text => anstream::println!("{listening}"),
             super::Format::Json => {
-                let (transport, address) = (place.transport.name(), place.address);
+                let (transport, address) = (listening.transport.name(), listening.address);
                 anstream::println!(
                     "{}",
                     json!({ "transport": transport, "address": address, "port": address.port() })
@@ -131,7 +131,7 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
         }
     }
     if let Some(FlockwaveRule { rule, bug, .. }) = args.bug {
-        anstream::eprintln!("bug {}: {}", rule.id, bug.what);
+        anstream::eprintln!("bug {}: {}", rule.id, bug.description);
     }
     // Where nobody is left who could say that it is to end, it ends as well.
     let _ = match args.time {
@@ -159,17 +159,18 @@ fn options(args: &ServeArgs) -> Options {
 }
 
 fn addresses(args: &ServeArgs) -> Vec<(Transport, SocketAddr)> {
-    let places = [
+    let location = [
         (Transport::Tcp, &args.tcp),
         (Transport::Udp, &args.udp),
         (Transport::Http, &args.http),
         (Transport::SocketIo, &args.socketio),
     ];
-    let given =
-        places.into_iter().flat_map(|(transport, list)| list.iter().map(move |place| (transport, *place)));
+    let given = location
+        .into_iter()
+        .flat_map(|(transport, list)| list.iter().map(move |location| (transport, *location)));
     let mut given: Vec<_> = given.collect();
     if given.is_empty() {
-        given.extend(USUAL.parse().ok().map(|place| (Transport::Tcp, place)));
+        given.extend(DEFAULT_ADDRESS.parse().ok().map(|location| (Transport::Tcp, location)));
     }
     given
 }
@@ -202,10 +203,10 @@ fn list(format: super::Format) -> Status {
                 } else {
                     format!(" Breaks {} as well.", also.join(", "))
                 };
-                anstream::println!("{:<18} {}{also}", rule.id, bug.what);
+                anstream::println!("{:<18} {}{also}", rule.id, bug.description);
             }
             super::Format::Json => {
-                anstream::println!("{}", json!({ "rule": rule.id, "what": bug.what, "also": also }));
+                anstream::println!("{}", json!({ "rule": rule.id, "what": bug.description, "also": also }));
             }
         }
     }

@@ -19,7 +19,7 @@ use crate::net::Address;
 use crate::report::{Action, Report, Subject};
 use crate::testee::case::{Case, cases};
 use crate::testee::file::{dump, replay};
-use crate::testee::known::{excuse_cases, of_cases};
+use crate::testee::known::{case_outcomes, excuse_cases};
 use crate::testee::options::Options;
 use crate::testee::outcome::Outcome;
 use crate::testee::run::run;
@@ -132,7 +132,7 @@ pub(super) fn test(args: &TestArgs) -> Status {
         }
     };
     if let Some(path) = &args.dump_cases {
-        return said(path, write_cases(path, &cases, &selected, types))
+        return report_error(path, write_cases(path, &cases, &selected, types))
             .map_or_else(|status| status, |()| Status::Conforms);
     }
     let mut known = match args.known.read() {
@@ -140,11 +140,11 @@ pub(super) fn test(args: &TestArgs) -> Status {
         Err(status) => return status,
     };
     let mut outcome = match &args.replay {
-        Some(path) => match said(path, read_answers(path, &cases, &selected, types)) {
+        Some(path) => match report_error(path, read_answers(path, &cases, &selected, types)) {
             Ok(outcome) => outcome,
             Err(status) => return status,
         },
-        None => match ask(args, &cases, &selected, types) {
+        None => match run_cases(args, &cases, &selected, types) {
             Ok(outcome) => outcome,
             Err(error) => {
                 anstream::eprintln!("error: {error}");
@@ -153,9 +153,9 @@ pub(super) fn test(args: &TestArgs) -> Status {
         },
     };
     let names: Vec<(&Case, String)> = cases.iter().map(|case| (case, case.name())).collect();
-    let settled = known.settle(Scope::Cases, &of_cases(&names, &outcome));
+    let settled = known.settle(Scope::Cases, &case_outcomes(&names, &outcome));
     excuse_cases(&known.lists, &mut outcome);
-    let subject = Subject::of_testee(&outcome, &definitions, &|case| again(args, case));
+    let subject = Subject::from_testee(&outcome, &definitions, &|case| again(args, case));
     args.report.print_subject(&subject);
     let subjects = vec![subject];
     let report = Report::new(Action::Test, super::command(), &definitions, subjects, Vec::new(), Vec::new());
@@ -203,7 +203,7 @@ fn select(cases: &[Case], pattern: Option<&str>) -> Result<Vec<usize>, String> {
     if found.is_empty() { Err(format!("no case matches {pattern}")) } else { Ok(found) }
 }
 
-fn ask<'c>(
+fn run_cases<'c>(
     args: &TestArgs,
     cases: &'c [Case],
     selected: &[usize],
@@ -243,7 +243,7 @@ fn read_answers<'c>(
     replay(cases, selected, types, &mut BufReader::new(File::open(path)?))
 }
 
-fn said<T>(path: &Path, result: io::Result<T>) -> Result<T, Status> {
+fn report_error<T>(path: &Path, result: io::Result<T>) -> Result<T, Status> {
     result.map_err(|error| {
         anstream::eprintln!("error: {}: {error}", path.display());
         Status::Unreadable

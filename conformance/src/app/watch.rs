@@ -24,10 +24,10 @@ use crate::watch::view::{Scene, draw};
 const WAITING_LIMIT: usize = 16;
 
 /// How long it takes at least from one picture to the next.
-const PICTURE: Duration = Duration::from_millis(100);
+const MIN_FRAME_TIME: Duration = Duration::from_millis(100);
 
 /// How long it takes at most: ages grow even if nothing happens.
-const TICK: Duration = Duration::from_millis(500);
+const MAX_FRAME_TIME: Duration = Duration::from_millis(500);
 
 /// Arguments of `watch`.
 #[derive(Args, Debug)]
@@ -70,12 +70,12 @@ enum Input {
 }
 
 pub(super) fn watch(args: &WatchArgs) -> Status {
-    let codes = Codes::of(&Definitions::built_in());
+    let codes = Codes::new(&Definitions::built_in());
     let (sender, inputs) = sync_channel(WAITING_LIMIT);
     let session = {
         let sender = sender.clone();
-        let tell = move |event| sender.send(Input::Server(event, Instant::now())).is_ok();
-        Session::start(args.endpoint.clone(), tell)
+        let on_event = move |event| sender.send(Input::Server(event, Instant::now())).is_ok();
+        Session::start(args.endpoint.clone(), on_event)
     };
     let status = if args.once || !io::stdout().is_terminal() {
         watch_once(args, &codes, &inputs)
@@ -146,7 +146,7 @@ fn watch_live(
     .map_err(io::Error::other)?;
     let _restore = Restore;
     let mut terminal = ratatui::try_init()?;
-    thread::spawn(move || hear_terminal(&sender));
+    thread::spawn(move || forward_terminal_events(&sender));
     let url = args.endpoint.to_string();
     let is_coloured = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let (mut fleet, mut screen) = (Fleet::default(), Screen::default());
@@ -167,7 +167,7 @@ fn take_all(
     fleet: &mut Fleet,
     screen: &mut Screen,
 ) -> io::Result<Step> {
-    let mut due = drawn + TICK;
+    let mut due = drawn + MAX_FRAME_TIME;
     loop {
         match inputs.recv_timeout(due.saturating_duration_since(Instant::now())) {
             Ok(Input::Server(event, now)) => fleet.take(event, now),
@@ -181,7 +181,7 @@ fn take_all(
             Ok(Input::End) | Err(RecvTimeoutError::Disconnected) => return Ok(Step::Quit),
             Err(RecvTimeoutError::Timeout) => return Ok(Step::Stay),
         }
-        due = drawn + PICTURE;
+        due = drawn + MIN_FRAME_TIME;
         // A server that never pauses doesn't keep the picture from being drawn.
         if Instant::now() >= due {
             return Ok(Step::Stay);
@@ -190,7 +190,7 @@ fn take_all(
 }
 
 /// Hands on what somebody does to the terminal.
-fn hear_terminal(sender: &SyncSender<Input>) {
+fn forward_terminal_events(sender: &SyncSender<Input>) {
     loop {
         let event = event::read();
         let is_end = event.is_err();

@@ -42,7 +42,7 @@ pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Err
             vec![path.clone()]
         } else if path.is_dir() {
             let nothing = || format!("nothing to judge in it: no .{}", EXTENSIONS.join(", ."));
-            search(path, is_judged, nothing).map_err(|error| (path.clone(), error))?
+            search(path, is_capture, nothing).map_err(|error| (path.clone(), error))?
         } else if let (false, Some(pattern)) = (path.exists(), pattern(path)) {
             let pattern = pattern
                 .map_err(|error| (path.clone(), io::Error::new(io::ErrorKind::InvalidInput, error)))?
@@ -91,7 +91,7 @@ fn folder_of(pattern: &Path) -> PathBuf {
 }
 
 /// Whether a file's name says that it can be judged.
-fn is_judged(path: &Path) -> bool {
+fn is_capture(path: &Path) -> bool {
     let is = |path: &Path, extensions: &[&str]| {
         let extension = path.extension().and_then(|extension| extension.to_str());
         extension.is_some_and(|found| extensions.iter().any(|known| found.eq_ignore_ascii_case(known)))
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn folders_are_searched_for_what_can_be_judged() {
+    fn searches_folders_for_captures() {
         let folder = tempfile::tempdir().expect("a folder");
         let below = folder.path().join("day/one");
         fs::create_dir_all(&below).expect("a folder");

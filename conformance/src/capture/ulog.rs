@@ -26,7 +26,7 @@
 //!     }
 //!     let mut tell = |offset, problem| found.push(format!("{offset}: {problem}"));
 //!     if let Some(record) = log.take(&item, &mut tell) {
-//!         let message = record.of.view_uorb(record.payload).unwrap();
+//!         let message = record.message_type.view_uorb(record.payload).unwrap();
 //!         assert_eq!(message.to_json_text().unwrap(), r#"{"timestamp":7,"speed":0.5}"#);
 //!     }
 //! }

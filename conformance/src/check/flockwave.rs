@@ -17,14 +17,14 @@ use std::collections::HashMap;
 pub(super) use self::listeners::Listeners;
 use self::reports::{Report, Reports};
 pub use self::summary::{FlockwaveSummary, TypeCount};
-use super::{CaptureResult, Course, Summary};
+use super::{CaptureResult, CheckRun, Summary};
 use uavspec_codegen::schema::json_type;
 
 use crate::definitions::Definitions;
 use crate::flockwave::record::{Connection, Direction, SessionRecord, Trial};
 use crate::flockwave::session::parts;
-use crate::json::{CUT_OFF, SyntaxError, Tree};
-use crate::model::{Extent, Place};
+use crate::json::{SyntaxError, TRUNCATED, Tree};
+use crate::model::{Extent, Location};
 use crate::rules::rule;
 use crate::text::Grouped;
 
@@ -61,8 +61,8 @@ fn is_message(tree: &Tree<'_>) -> bool {
 }
 
 /// Judges what goes over connections, as lines of a recording, whether they come from a file or from a live server.
-pub struct FlockwaveJudge<'d> {
-    pub(super) course: Course<'d>,
+pub struct FlockwaveChecker<'d> {
+    pub(super) run: CheckRun<'d>,
     source: FlockwaveSummary,
     reports: Reports<'d>,
     /// The number of each connection, by its name.
@@ -75,7 +75,7 @@ pub struct FlockwaveJudge<'d> {
 
 /// Something that goes over a connection, or happens to it.
 #[derive(Clone, Copy)]
-struct Happening<'h> {
+struct ParsedLine<'h> {
     /// The name of the connection; without one, it isn't known which.
     name: Option<&'h str>,
     direction: Direction,
@@ -97,46 +97,46 @@ enum Content<'c> {
     Event,
 }
 
-impl<'d> FlockwaveJudge<'d> {
+impl<'d> FlockwaveChecker<'d> {
     /// One that knows nothing yet.
-    pub fn of(definitions: &'d Definitions) -> Self {
-        Self::new(Course::new(definitions))
+    pub fn new(definitions: &'d Definitions) -> Self {
+        Self::with_run(CheckRun::new(definitions))
     }
 
-    pub(super) fn new(course: Course<'d>) -> Self {
-        let (source, reports) = (FlockwaveSummary::default(), Reports::of(course.definitions));
-        Self { course, source, reports, connections: HashMap::new(), names: Vec::new(), latest: 0 }
+    pub(super) fn with_run(run: CheckRun<'d>) -> Self {
+        let (source, reports) = (FlockwaveSummary::default(), Reports::new(run.definitions));
+        Self { run, source, reports, connections: HashMap::new(), names: Vec::new(), latest: 0 }
     }
 
     /// The same, which shows each line to each rule. It takes several times as long and comes to the same, which tests see
     /// by it.
     #[must_use]
     pub fn thorough(self) -> Self {
-        Self { reports: Reports::none(self.course.definitions), ..self }
+        Self { reports: Reports::none(self.run.definitions), ..self }
     }
 
     /// The number of lines that were recognised as status reports without new findings.
     #[cfg(test)]
-    pub(crate) fn seen_at_once(&self) -> u64 {
+    pub(crate) fn num_known_reports(&self) -> u64 {
         self.reports.seen()
     }
 
     /// Judges a line of a recording, or a bare message.
     pub fn line(&mut self, bytes: &[u8], line: u64, is_last: bool) {
-        let place = Place::Line(line);
-        let done = match self.reports.read(bytes, &self.course.findings) {
-            Some(report) => self.report(&report, place),
-            None => self.read(bytes, place, is_last),
+        let location = Location::Line(line);
+        let done = match self.reports.read(bytes, &self.run.findings) {
+            Some(report) => self.report(&report, location),
+            None => self.read(bytes, location, is_last),
         };
         if let Err(problem) = done {
             let extent = if is_last { Extent::EndsEarly } else { Extent::WithGaps };
-            self.course.damage(place, problem, extent);
+            self.run.corruption(location, problem, extent);
         }
     }
 
     /// A line that is a report of which there is nothing new to be told.
-    fn report(&mut self, report: &Report<'_>, place: Place) -> Result<(), String> {
-        let happening = Happening {
+    fn report(&mut self, report: &Report<'_>, location: Location) -> Result<(), String> {
+        let happening = ParsedLine {
             name: Some(report.name),
             direction: Direction::In,
             time: Some(report.time).filter(|time| is_believed(*time)),
@@ -145,30 +145,30 @@ impl<'d> FlockwaveJudge<'d> {
             trial: None,
             note: None,
         };
-        self.record(&happening, place)?;
+        self.record(&happening, location)?;
         self.reports.count(report);
         Ok(())
     }
 
-    fn read(&mut self, bytes: &[u8], place: Place, is_last: bool) -> Result<(), String> {
+    fn read(&mut self, bytes: &[u8], location: Location, is_last: bool) -> Result<(), String> {
         let text = std::str::from_utf8(bytes)
             .map_err(|error| format!("no UTF-8 from its byte {} on", error.valid_up_to()))?;
         let tree = Tree::read(text).map_err(|error| match error {
-            SyntaxError { what: CUT_OFF, at } if is_last => {
+            SyntaxError { problem: TRUNCATED, at } if is_last => {
                 format!("the last value is cut off after {at} bytes")
             }
             error => error.to_string(),
         })?;
         if is_line(&tree) {
-            return self.recorded(&tree, text, place);
+            return self.recorded(&tree, text, location);
         }
         if is_message(&tree) {
             let direction =
-                if is_request(&tree, self.course.definitions) { Direction::Out } else { Direction::In };
+                if is_request(&tree, self.run.definitions) { Direction::Out } else { Direction::In };
             let content = Content::Message(&tree);
             let bare =
-                Happening { name: None, direction, time: None, content, text, trial: None, note: None };
-            return self.record(&bare, place);
+                ParsedLine { name: None, direction, time: None, content, text, trial: None, note: None };
+            return self.record(&bare, location);
         }
         Err("neither a line of a recording, with `dir` and one of `msg`, `raw` and `event`, nor a message of \
              Flockwave, with `$fw.version`"
@@ -176,7 +176,7 @@ impl<'d> FlockwaveJudge<'d> {
     }
 
     /// A line of a recording.
-    fn recorded(&mut self, tree: &Tree<'_>, text: &str, place: Place) -> Result<(), String> {
+    fn recorded(&mut self, tree: &Tree<'_>, text: &str, location: Location) -> Result<(), String> {
         let name = match tree.get("conn") {
             None | Some(Tree::Null) => None,
             Some(Tree::Text(name)) => Some(name.to_string()),
@@ -198,7 +198,7 @@ impl<'d> FlockwaveJudge<'d> {
         let string = |key| tree.get(key).and_then(Tree::as_str);
         let trial = string("trial").and_then(rule);
         let how = string("how").filter(|how| how.len() <= MAX_HOW).unwrap_or_default();
-        let happening = Happening {
+        let happening = ParsedLine {
             name: name.as_deref(),
             direction,
             time,
@@ -210,42 +210,43 @@ impl<'d> FlockwaveJudge<'d> {
         match (direction, tree.get("msg"), string("raw")) {
             (Direction::Event, ..) => {
                 let event = string("event").ok_or("an event without a name: `event` is no string")?;
-                self.record(&Happening { content: Content::Event, text: event, ..happening }, place)
+                self.record(&ParsedLine { content: Content::Event, text: event, ..happening }, location)
             }
             (_, Some(message), _) => {
-                self.record(&Happening { content: Content::Message(message), ..happening }, place)
+                self.record(&ParsedLine { content: Content::Message(message), ..happening }, location)
             }
             // What one program takes for no JSON may be some to another.
             (_, None, Some(raw)) => match Tree::read(raw) {
                 Ok(message) => {
                     let content = Content::Message(&message);
-                    self.record(&Happening { content, text: raw, ..happening }, place)
+                    self.record(&ParsedLine { content, text: raw, ..happening }, location)
                 }
-                Err(_) => self.record(&Happening { text: raw, ..happening }, place),
+                Err(_) => self.record(&ParsedLine { text: raw, ..happening }, location),
             },
             (_, None, None) => Err("neither `msg` nor `raw`, a string".to_owned()),
         }
     }
 
     /// Something goes over a connection, or happens to it.
-    fn record(&mut self, happening: &Happening<'_>, place: Place) -> Result<(), String> {
-        let Happening { name, direction, time, content, text, trial, note } = *happening;
+    fn record(&mut self, happening: &ParsedLine<'_>, location: Location) -> Result<(), String> {
+        let ParsedLine { name, direction, time, content, text, trial, note } = *happening;
         let index = self.connection(name.unwrap_or_default())?;
-        let name_kept = std::mem::take(&mut self.names[index]);
-        let connection = Connection { index, name: &name_kept, is_told: name.is_some_and(is_ordered) };
+        let connection_name = std::mem::take(&mut self.names[index]);
+        let connection =
+            Connection { index, name: &connection_name, is_ordered: name.is_some_and(is_ordered) };
         let value = match content {
             Content::Message(value) | Content::Report(value) => Some(value),
             Content::Raw | Content::Event => None,
         };
-        let record = SessionRecord { connection, direction, time, text, value, trial, note, place };
+        let record = SessionRecord { connection, direction, time, text, value, trial, note, location };
         self.happen(&record);
         self.count(&record);
         if matches!(content, Content::Report(_)) {
-            self.course.reported(&record);
+            self.run.reported(&record);
         } else {
-            self.course.exchanged(&record);
+            self.run.exchanged(&record);
         }
-        self.names[index] = name_kept;
+        self.names[index] = connection_name;
         Ok(())
     }
 
@@ -279,36 +280,36 @@ impl<'d> FlockwaveJudge<'d> {
         }
         match record.text {
             "connect" => {
-                self.course.disconnected(record.connection, None);
-                self.course.sessions.opened(record.connection.index);
+                self.run.disconnected(record.connection, None);
+                self.run.sessions.opened(record.connection.index);
             }
-            "closed" => self.course.disconnected(record.connection, record.note),
+            "closed" => self.run.disconnected(record.connection, record.note),
             _ => {}
         }
     }
 
     fn count(&mut self, record: &SessionRecord<'_>) {
-        self.course.pass_time(record.time);
+        self.run.pass_time(record.time);
         if record.direction == Direction::Event {
             return;
         }
-        let is_of_server = record.direction == Direction::In;
-        self.course.records += u64::from(is_of_server);
+        let is_from_server = record.direction == Direction::In;
+        self.run.records += u64::from(is_from_server);
         let Some(message) = record.value else { return };
         let name = message.get("body").and_then(|body| body.get("type")).and_then(Tree::as_str);
         let is_answer = message.get("refs").is_some_and(|refs| *refs != Tree::Null);
         let source = &mut self.source;
-        *match (is_answer, is_of_server) {
+        *match (is_answer, is_from_server) {
             (true, _) => &mut source.responses,
             (false, true) if name != Some("SYS-PING") => &mut source.notifications,
             (false, _) => &mut source.requests,
         } += 1;
         let Some(name) = name else {
             // It is judged all the same where it says that something went wrong, or what is wrong with itself.
-            return self.course.judged += u64::from(is_of_server);
+            return self.run.checked += u64::from(is_from_server);
         };
-        let is_known = self.course.definitions.body_schemas().has(name);
-        self.course.judged += u64::from(is_of_server && is_known);
+        let is_known = self.run.definitions.body_schemas().has(name);
+        self.run.checked += u64::from(is_from_server && is_known);
         let types = if is_known { &mut source.types } else { &mut source.unknown };
         if !types.contains_key(name) {
             if name.len() > MAX_NAME || types.len() >= MAX_TYPES {
@@ -317,17 +318,17 @@ impl<'d> FlockwaveJudge<'d> {
             types.insert(name.to_owned(), TypeCount::default());
         }
         let Some(count) = types.get_mut(name) else { return };
-        *(if is_of_server { &mut count.incoming } else { &mut count.out }) += 1;
+        *(if is_from_server { &mut count.incoming } else { &mut count.out }) += 1;
     }
 
     /// What came of it, after so many bytes.
     pub fn finish(mut self, bytes: u64) -> CaptureResult {
         for (index, name) in self.names.iter().enumerate() {
-            let is_told = !name.is_empty() && is_ordered(name);
-            self.course.disconnected(Connection { index, name, is_told }, None);
+            let is_ordered = !name.is_empty() && is_ordered(name);
+            self.run.disconnected(Connection { index, name, is_ordered }, None);
         }
-        self.reports.tell(&mut self.course.findings);
-        self.course.finish(bytes, Summary::Flockwave(self.source))
+        self.reports.report_counted(&mut self.run.findings);
+        self.run.finish(bytes, Summary::Flockwave(self.source))
     }
 }
 
@@ -351,10 +352,10 @@ fn is_request(message: &Tree<'_>, definitions: &Definitions) -> bool {
     if message.get("refs").is_some_and(|refs| *refs != Tree::Null) {
         return false;
     }
-    if !definitions.shapes().goes(name, json_type::Direction::Notification) {
+    if !definitions.defined_schemas().is_defined(name, json_type::Direction::Notification) {
         return true;
     }
-    let tells = ["status", "values"].iter().any(|key| body.get(key).is_some());
-    let asks = parts(name).is_some_and(|parts| body.get(parts.asked).is_some());
-    !tells && (asks || name == "TIMESYNC-STATUS")
+    let has_result = ["status", "values"].iter().any(|key| body.get(key).is_some());
+    let has_request = parts(name).is_some_and(|parts| body.get(parts.request_field).is_some());
+    !has_result && (has_request || name == "TIMESYNC-STATUS")
 }

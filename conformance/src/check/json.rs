@@ -10,17 +10,17 @@ use serde::Serialize;
 use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
-use self::envelope::{Channels, Fast, Form, Open, Which, form, read};
+use self::envelope::{Channels, Fast, Form, NameKind, Open, form, read};
 use self::templates::Templates;
-use super::flockwave::{FlockwaveJudge, is_flockwave};
+use super::flockwave::{FlockwaveChecker, is_flockwave};
 use super::summary::names;
 use super::topic::{definition_of, topic_of};
-use super::{CaptureResult, Course, Describe, Kind, Line, Summary, Totals};
+use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals};
 use crate::capture::json::{Event, Reader};
 use crate::definitions::Definitions;
-use crate::json::{CUT_OFF, SyntaxError, Tree};
-use crate::model::{Channel, Extent, Message, Place};
-use crate::px4::json::{Clean, Dialects, Plans, Told};
+use crate::json::{SyntaxError, TRUNCATED, Tree};
+use crate::model::{Channel, Extent, Location, Message};
+use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
 use crate::rules::px4;
 use crate::text::{Grouped, shown};
 
@@ -36,7 +36,7 @@ const ROS: &str = "ros2msg";
 pub(super) const KIND: Kind = Kind {
     name: "JSON",
     detect: |start| !is_binary(start),
-    check: |input, of, definitions| Ok(check_json(input, of, definitions)),
+    check: |input, message_id, definitions| Ok(check_json(input, message_id, definitions)),
 };
 
 /// True if a capture starts neither like JSON nor like any text. One wrong byte may be damage.
@@ -89,81 +89,89 @@ impl Describe for JsonSummary {
     }
 }
 
-/// Checks messages as JSON: JSON Lines, an array, or a single one. They are all of one type where `of` says so;
+/// Checks messages as JSON: JSON Lines, an array, or a single one. They are all of one type where `message_id` says so;
 /// otherwise each says its type or its topic. They are checked as far as they can be read.
 pub(crate) fn check_json(
     input: impl Read,
-    of: Option<MessageId>,
+    message_id: Option<MessageId>,
     definitions: &Definitions,
 ) -> CaptureResult {
-    check_with(input, of, JsonJudge::new(of, definitions))
+    check_with(input, message_id, JsonChecker::new(message_id, definitions))
 }
 
 /// Like `check_json`, but compares no message with those before it. It is several times slower and has the same result:
 /// tests and benchmarks hold the two to each other.
 pub fn check_json_thoroughly(
     input: impl Read,
-    of: Option<MessageId>,
+    message_id: Option<MessageId>,
     definitions: &Definitions,
 ) -> CaptureResult {
-    check_with(input, of, JsonJudge { templates: Templates::none(), ..JsonJudge::new(of, definitions) })
+    check_with(
+        input,
+        message_id,
+        JsonChecker { templates: Templates::none(), ..JsonChecker::new(message_id, definitions) },
+    )
 }
 
-fn check_with(input: impl Read, of: Option<MessageId>, judge: JsonJudge<'_>) -> CaptureResult {
+fn check_with(input: impl Read, message_id: Option<MessageId>, checker: JsonChecker<'_>) -> CaptureResult {
     let mut reader = Reader::new(input);
-    let mut judge = Judge::Json { judge, is_decided: of.is_some() };
+    let mut checker = AnyChecker::Json { checker, is_decided: message_id.is_some() };
     loop {
         match reader.next() {
             Ok(Some(item)) => match item.event {
                 Event::Problem(problem) => {
-                    judge.course().damage(Place::Line(item.line), problem.to_string(), problem.extent());
+                    checker.run().corruption(
+                        Location::Line(item.line),
+                        problem.to_string(),
+                        problem.extent(),
+                    );
                 }
-                Event::Value { bytes, is_last } => judge.value(bytes, item.line, is_last),
+                Event::Value { bytes, is_last } => checker.value(bytes, item.line, is_last),
             },
             Ok(None) => break,
             // What was judged until then stays judged.
             Err(error) => {
-                judge.course().unreadable(Place::Line(reader.lines().max(1)), &error);
+                checker.run().unreadable(Location::Line(reader.lines().max(1)), &error);
                 break;
             }
         }
     }
-    match judge {
-        Judge::Json { judge, .. } => judge.finish(reader.lines(), reader.bytes()),
-        Judge::Flockwave(judge) => judge.finish(reader.bytes()),
+    match checker {
+        AnyChecker::Json { checker, .. } => checker.finish(reader.lines(), reader.bytes()),
+        AnyChecker::Flockwave(checker) => checker.finish(reader.bytes()),
     }
 }
 
 /// Who judges.
 #[allow(clippy::large_enum_variant)] // there is one of it
-enum Judge<'d> {
+enum AnyChecker<'d> {
     Json {
-        judge: JsonJudge<'d>,
+        checker: JsonChecker<'d>,
         /// Whether it stays so; the first object says whether it is Flockwave.
         is_decided: bool,
     },
-    Flockwave(FlockwaveJudge<'d>),
+    Flockwave(FlockwaveChecker<'d>),
 }
 
-impl<'d> Judge<'d> {
-    fn course(&mut self) -> &mut Course<'d> {
+impl<'d> AnyChecker<'d> {
+    fn run(&mut self) -> &mut CheckRun<'d> {
         match self {
-            Self::Json { judge, .. } => &mut judge.course,
-            Self::Flockwave(judge) => &mut judge.course,
+            Self::Json { checker, .. } => &mut checker.run,
+            Self::Flockwave(checker) => &mut checker.run,
         }
     }
 
     fn value(&mut self, bytes: &[u8], line: u64, is_last: bool) {
         self.decide(bytes);
         match self {
-            Self::Json { judge, .. } => judge.value(bytes, line, is_last),
-            Self::Flockwave(judge) => judge.line(bytes, line, is_last),
+            Self::Json { checker, .. } => checker.value(bytes, line, is_last),
+            Self::Flockwave(checker) => checker.line(bytes, line, is_last),
         }
     }
 
     /// Finds out what the source is, if this is its first object.
     fn decide(&mut self, bytes: &[u8]) {
-        let Self::Json { judge, is_decided } = self else { return };
+        let Self::Json { checker, is_decided } = self else { return };
         if *is_decided {
             return;
         }
@@ -171,15 +179,15 @@ impl<'d> Judge<'d> {
         let Some(tree) = tree.filter(|tree| matches!(tree, Tree::Object(_))) else { return };
         *is_decided = true;
         if is_flockwave(&tree) {
-            let definitions = judge.course.definitions;
-            let course = std::mem::replace(&mut judge.course, Course::new(definitions));
-            *self = Self::Flockwave(FlockwaveJudge::new(course));
+            let definitions = checker.run.definitions;
+            let run = std::mem::replace(&mut checker.run, CheckRun::new(definitions));
+            *self = Self::Flockwave(FlockwaveChecker::with_run(run));
         }
     }
 }
 
-struct JsonJudge<'d> {
-    course: Course<'d>,
+struct JsonChecker<'d> {
+    run: CheckRun<'d>,
     plans: Plans,
     channels: Channels,
     templates: Templates,
@@ -191,10 +199,10 @@ struct JsonJudge<'d> {
     values: Vec<u8>,
 }
 
-impl<'d> JsonJudge<'d> {
-    fn new(of: Option<MessageId>, definitions: &'d Definitions) -> Self {
-        let mut judge = Self {
-            course: Course::new(definitions),
+impl<'d> JsonChecker<'d> {
+    fn new(message_id: Option<MessageId>, definitions: &'d Definitions) -> Self {
+        let mut checker = Self {
+            run: CheckRun::new(definitions),
             plans: Plans::new(&definitions.schema, &px4::VALUES),
             channels: Channels {
                 only: None,
@@ -208,53 +216,53 @@ impl<'d> JsonJudge<'d> {
             dialects: Dialects::default(),
             values: Vec::new(),
         };
-        judge.channels.only = of.and_then(|id| {
+        checker.channels.only = message_id.and_then(|id| {
             let name = definitions.schema.message(id).name.clone();
-            let at = judge.open(Which::Type, &name, Some(id), 1)?;
-            judge.channels.open[at].key = None;
+            let at = checker.open(NameKind::Type, &name, Some(id), 1)?;
+            checker.channels.open[at].key = None;
             Some(at)
         });
-        judge
+        checker
     }
 
     fn value(&mut self, bytes: &[u8], line: u64, is_last: bool) {
-        let place = Place::Line(line);
+        let location = Location::Line(line);
         let text = match std::str::from_utf8(bytes) {
             Ok(text) => text,
             Err(error) => {
                 let text = format!("no UTF-8 from its byte {} on", error.valid_up_to());
-                return self.course.gap(place, text);
+                return self.run.gap(location, text);
             }
         };
         if let Some((at, clean)) = self.templates.read(text, &self.plans, &mut self.values) {
-            return self.message(at, clean, place);
+            return self.message(at, clean, location);
         }
         match read(text, &self.channels, &self.plans, &mut self.values) {
             Fast::Clean(at, clean) => {
                 if clean.dialects == Dialects::default() {
                     self.templates.learn(text, &self.channels.open[at], at, &self.plans);
                 }
-                self.message(at, clean, place);
+                self.message(at, clean, location);
             }
             Fast::Skipped => self.skipped += 1,
-            Fast::Undefined => self.course.records += 1,
+            Fast::Undefined => self.run.records += 1,
             Fast::Unclear => self.explain(text, line, is_last),
         }
     }
 
     /// Reads again what isn't clean, or is new.
     fn explain(&mut self, text: &str, line: u64, is_last: bool) {
-        let place = Place::Line(line);
+        let location = Location::Line(line);
         let tree = match Tree::read(text) {
             Ok(tree) => tree,
-            Err(SyntaxError { what: CUT_OFF, at }) if is_last => {
+            Err(SyntaxError { problem: TRUNCATED, at }) if is_last => {
                 let text = format!("the last value is cut off after {at} bytes");
-                return self.course.damage(place, text, Extent::EndsEarly);
+                return self.run.corruption(location, text, Extent::EndsEarly);
             }
-            Err(error) => return self.course.gap(place, error.to_string()),
+            Err(error) => return self.run.gap(location, error.to_string()),
         };
         let (which, name, message) = match self.channels.only {
-            Some(at) => return self.judge(at, &tree, place, false),
+            Some(at) => return self.check_message(at, &tree, location, false),
             None => match form(&tree) {
                 Form::Message(which, name, message) => (which, name, message),
                 Form::Advertised(topic, ty) => {
@@ -262,18 +270,18 @@ impl<'d> JsonJudge<'d> {
                     return self.skipped += 1;
                 }
                 Form::Skipped => return self.skipped += 1,
-                Form::Unknown(problem) => return self.course.gap(place, problem.to_owned()),
+                Form::Unknown(problem) => return self.run.gap(location, problem.to_owned()),
             },
         };
         if name.len() > MAX_NAME {
             let text = format!("a topic or type whose name has more than {MAX_NAME} bytes");
-            return self.course.gap(place, text);
+            return self.run.gap(location, text);
         }
-        let definition = |judge: &Self| match which {
-            Which::Type => judge.course.definitions.message_of_type(name),
-            Which::Topic => {
-                let guessed = || definition_of(name, None, judge.course.definitions);
-                judge.advertised.get(name).copied().unwrap_or_else(guessed)
+        let definition = |checker: &Self| match which {
+            NameKind::Type => checker.run.definitions.message_of_type(name),
+            NameKind::Topic => {
+                let guessed = || definition_of(name, None, checker.run.definitions);
+                checker.advertised.get(name).copied().unwrap_or_else(guessed)
             }
         };
         let known = self.channels.get(which, name);
@@ -281,73 +289,79 @@ impl<'d> JsonJudge<'d> {
             let definition = definition(self);
             self.open(which, name, definition, line)
         }) else {
-            return self.course.gap(place, format!("more than {MAX_CHANNELS} topics and types"));
+            return self.run.gap(location, format!("more than {MAX_CHANNELS} topics and types"));
         };
         // Now that its channel is open, a first message with which nothing is wrong is read as those that follow:
         // rules want to know what it says, too.
         if known.is_none()
             && let Fast::Clean(at, clean) = read(text, &self.channels, &self.plans, &mut self.values)
         {
-            return self.message(at, clean, place);
+            return self.message(at, clean, location);
         }
-        self.judge(at, message, place, which == Which::Topic);
+        self.check_message(at, message, location, which == NameKind::Topic);
     }
 
     /// A topic is of this type, whatever it is called.
     fn advertise(&mut self, topic: &str, ty: &str) {
         if self.advertised.len() < MAX_CHANNELS && topic.len() <= MAX_NAME {
-            let definition = definition_of(topic, Some((ty, ROS)), self.course.definitions);
+            let definition = definition_of(topic, Some((ty, ROS)), self.run.definitions);
             self.advertised.insert(topic.to_owned(), definition);
         }
     }
 
     /// Judges a message of an open channel.
-    fn judge(&mut self, at: usize, tree: &Tree<'_>, place: Place, is_rosbridge: bool) {
+    fn check_message(&mut self, at: usize, tree: &Tree<'_>, location: Location, is_rosbridge: bool) {
         let open = &self.channels.open[at];
-        let Some((id, _)) = open.defined else { return self.course.records += 1 };
-        let told = Told { id, name: &open.name, place, key: open.key, is_rosbridge };
-        let dialects = self.plans.explain(told, tree, &mut self.course.findings);
+        let Some((id, _)) = open.defined else { return self.run.records += 1 };
+        let origin = MessageOrigin { id, name: &open.name, location, key: open.key, is_rosbridge };
+        let dialects = self.plans.explain(origin, tree, &mut self.run.findings);
         let timestamp = self.plans.timestamp(id, tree);
         // What is broken somewhere may be so anywhere: nobody draws conclusions from its values.
         self.values.clear();
-        self.message(at, Clean { timestamp, dialects }, place);
+        self.message(at, Clean { timestamp, dialects }, location);
     }
 
-    fn message(&mut self, at: usize, clean: Clean, place: Place) {
-        self.course.records += 1;
+    fn message(&mut self, at: usize, clean: Clean, location: Location) {
+        self.run.records += 1;
         self.dialects.absorb(clean.dialects);
         let open = &mut self.channels.open[at];
         open.messages += 1;
         if let Some(channel) = open.channel() {
-            let definitions = self.course.definitions;
+            let definitions = self.run.definitions;
             let view = |id| definitions.types().get(id).view_uorb(&self.values).ok();
             let values = channel.definition.filter(|_| !self.values.is_empty()).and_then(view);
-            let message = Message { timestamp: clean.timestamp, values, place };
-            self.course.message(&channel, &message);
+            let message = Message { timestamp: clean.timestamp, values, location };
+            self.run.message(&channel, &message);
         }
     }
 
     /// Opens a channel; none where there are too many.
-    fn open(&mut self, which: Which, name: &str, definition: Option<MessageId>, line: u64) -> Option<usize> {
+    fn open(
+        &mut self,
+        which: NameKind,
+        name: &str,
+        definition: Option<MessageId>,
+        line: u64,
+    ) -> Option<usize> {
         let at = self.channels.open.len();
         if at >= MAX_CHANNELS {
             return None;
         }
-        let defined = definition.map(|id| (id, self.course.number_channel()));
-        let name_told = match which {
+        let defined = definition.map(|id| (id, self.run.number_channel()));
+        let shown_name = match which {
             // Whose it is says why it isn't known.
             _ if definition.is_none() => name,
-            Which::Type => name.rsplit('/').next().unwrap_or(name),
-            Which::Topic => topic_of(name),
+            NameKind::Type => name.rsplit('/').next().unwrap_or(name),
+            NameKind::Topic => topic_of(name),
         };
-        let name_told = name_told.escape_debug().to_string();
+        let shown_name = shown_name.escape_debug().to_string();
         let key = Some(which.key());
-        let mut open = Open { name: name_told, defined, key, messages: 0, kept: 0, line };
+        let mut open = Open { name: shown_name, defined, key, messages: 0, num_bytes: 0, line };
         if let Some(channel) = open.channel() {
-            self.course.opened(&channel);
-            if self.course.wants_values(channel.index) {
-                let size = definition.and_then(|id| self.course.definitions.types().get(id).size());
-                open.kept = size.map_or(0, |size| size.padded);
+            self.run.opened(&channel);
+            if self.run.wants_values(channel.index) {
+                let size = definition.and_then(|id| self.run.definitions.types().get(id).size());
+                open.num_bytes = size.map_or(0, |size| size.padded);
             }
         }
         self.channels.insert(which, name, open);
@@ -360,7 +374,7 @@ impl<'d> JsonJudge<'d> {
         for open in self.channels.open {
             match open.defined {
                 Some((id, _)) => {
-                    self.plans.count(id, open.messages, &mut self.course.findings);
+                    self.plans.count(id, open.messages, &mut self.run.findings);
                     if open.messages > 0 {
                         types.insert(id);
                     }
@@ -375,14 +389,21 @@ impl<'d> JsonJudge<'d> {
             undefined,
             dialects: self.dialects,
         };
-        self.course.finish(bytes, Summary::Json(summary))
+        self.run.finish(bytes, Summary::Json(summary))
     }
 }
 
 impl Open {
     fn channel(&self) -> Option<Channel<'_>> {
         let (id, index) = self.defined?;
-        let place = Place::Line(self.line);
-        Some(Channel { index, topic: &self.name, multi_id: None, definition: Some(id), version: None, place })
+        let location = Location::Line(self.line);
+        Some(Channel {
+            index,
+            topic: &self.name,
+            multi_id: None,
+            definition: Some(id),
+            version: None,
+            location,
+        })
     }
 }

@@ -25,15 +25,15 @@
 //! it.
 //!
 //! ```text
-//!  text ──read──▶ entries ──judge (with what came of the run)──▶ stale entries ──fix──▶ text
+//!  text ──read──▶ entries ──check (with what came of the run)──▶ stale entries ──fix──▶ text
 //!                    └───────excuse (a failure)──▶ its reason
 //! ```
 
 mod fix;
-mod judge;
 mod pattern;
 mod read;
 mod run;
+mod stale;
 #[cfg(test)]
 mod tests;
 
@@ -49,9 +49,9 @@ use uavspec_codegen::rewrite::{self, Change};
 use uavspec_codegen::source::{SourceId, Span};
 use uavspec_codegen::{Failure, SourceMap, render};
 
-pub(crate) use self::judge::{Checked, Name, Outcome, Scope, Stale, Why};
 use self::pattern::Pattern;
-pub(crate) use self::run::{excuse_findings, of_findings, of_unread};
+pub(crate) use self::run::{excuse_findings, rule_outcomes, unread_outcome};
+pub(crate) use self::stale::{Checked, Name, Outcome, Scope, Stale, StaleReason};
 use crate::model::{Excuse, Reason, Rule};
 
 /// The longest list that is read, in bytes: room for some thousand entries.
@@ -64,7 +64,7 @@ struct Entry {
     /// How the messages of its failures begin.
     message: Option<String>,
     excuse: Excuse,
-    place: Place,
+    spans: EntrySpans,
 }
 
 /// What an entry names.
@@ -76,7 +76,7 @@ enum Selector {
 
 /// Where an entry stands.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct EntrySpans {
     /// Its first line, the name of its table.
     header: Span,
     /// The rule or the pattern of cases.

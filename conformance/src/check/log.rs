@@ -8,11 +8,11 @@ use uavspec_codegen::dynamic::{FormatProblem, MessageType};
 use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
-use super::{CaptureResult, Course, Describe, Kind, Line, Summary, Totals, is_begun, timestamp_offset};
+use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, is_begun, timestamp_offset};
 use crate::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
 use crate::definitions::Definitions;
-use crate::model::{Channel, Detail, Extent, Findings, Message, Place, Rule};
+use crate::model::{Channel, Detail, Extent, Findings, Location, Message, Rule};
 use crate::px4::comparison::{Comparison, compare};
 use crate::px4::memory::Plan;
 use crate::rules::px4;
@@ -75,7 +75,7 @@ enum FormatResult {
 }
 
 impl<'f> Format<'f> {
-    fn of((topic, comparison): &'f (String, Comparison)) -> Self {
+    fn new((topic, comparison): &'f (String, Comparison)) -> Self {
         let (result, message) = match comparison {
             Comparison::Equal => (FormatResult::Equal, String::new()),
             Comparison::Undefined => (FormatResult::Undefined, String::new()),
@@ -86,7 +86,7 @@ impl<'f> Format<'f> {
 }
 
 fn format_rows<S: Serializer>(formats: &[(String, Comparison)], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(formats.iter().map(Format::of))
+    serializer.collect_seq(formats.iter().map(Format::new))
 }
 
 impl Describe for LogSummary {
@@ -101,7 +101,7 @@ impl Describe for LogSummary {
     }
 
     fn lines(&self) -> Vec<Line> {
-        let formats: Vec<Format<'_>> = self.formats.iter().map(Format::of).collect();
+        let formats: Vec<Format<'_>> = self.formats.iter().map(Format::new).collect();
         let of = |wanted| formats.iter().filter(move |format| format.result == wanted);
         let text = format!(
             "{} of {} topics equal, {} differ, {} not defined",
@@ -121,7 +121,7 @@ impl Describe for LogSummary {
 
 /// Checks a log of PX4, as far as it can be read.
 pub(crate) fn check_ulog(input: impl Read, definitions: &Definitions) -> CaptureResult {
-    let mut judge = LogJudge::new(definitions);
+    let mut checker = LogChecker::new(definitions);
     let mut reader = Reader::new(input);
     let mut log = Log::default();
     loop {
@@ -130,34 +130,34 @@ pub(crate) fn check_ulog(input: impl Read, definitions: &Definitions) -> Capture
             Ok(None) => break,
             // What was judged until then stays judged.
             Err(error) => {
-                judge.course.unreadable(Place::Byte(reader.position()), &error);
+                checker.run.unreadable(Location::Byte(reader.position()), &error);
                 break;
             }
         };
-        judge.item(&item);
+        checker.item(&item);
         let topic = match item.event {
             Event::Subscription { id, .. } => Some(id),
             _ => None,
         };
-        let record = log.take(&item, &mut |offset, problem| judge.tell(offset, &problem));
+        let record = log.take(&item, &mut |offset, problem| checker.report_problem(offset, &problem));
         if let Some(record) = record {
-            judge.record(&record, item.offset);
+            checker.record(&record, item.offset);
         }
         match topic.map(|id| (id, log.subscription(id))) {
             Some((id, Some(subscription))) => {
-                judge.open(id, &subscription.topic, subscription.multi_id, item.offset);
+                checker.open(id, &subscription.topic, subscription.multi_id, item.offset);
             }
             // There was no room for it.
-            Some((id, None)) => judge.drop_topic(id),
+            Some((id, None)) => checker.drop_topic(id),
             None => {}
         }
     }
-    if judge.open.is_empty() && judge.course.extent == Extent::Whole {
+    if checker.open.is_empty() && checker.run.extent == Extent::Whole {
         let text = "no topic is subscribed: the log ends with its definitions, or within them".to_owned();
-        judge.course.damage(Place::Byte(reader.position()), text, Extent::EndsEarly);
+        checker.run.corruption(Location::Byte(reader.position()), text, Extent::EndsEarly);
     }
-    log.finish(&mut |offset, problem| judge.tell(offset, &problem));
-    judge.finish(&log, reader.position())
+    log.finish(&mut |offset, problem| checker.report_problem(offset, &problem));
+    checker.finish(&log, reader.position())
 }
 
 /// A topic of the log and its state.
@@ -174,8 +174,8 @@ struct Open {
     messages: u64,
 }
 
-struct LogJudge<'d> {
-    course: Course<'d>,
+struct LogChecker<'d> {
+    run: CheckRun<'d>,
     /// By the id of the data.
     open: Vec<Option<Box<Open>>>,
     /// Topics that were seen to have a `timestamp` or not; the log has a format for each.
@@ -184,19 +184,19 @@ struct LogJudge<'d> {
     dropouts: u64,
 }
 
-impl<'d> LogJudge<'d> {
+impl<'d> LogChecker<'d> {
     fn new(definitions: &'d Definitions) -> Self {
         let (open, timed) = (Vec::new(), BTreeSet::new());
-        Self { course: Course::new(definitions), open, timed, firmware: None, dropouts: 0 }
+        Self { run: CheckRun::new(definitions), open, timed, firmware: None, dropouts: 0 }
     }
 
     fn item(&mut self, item: &Item<'_>) {
-        let place = Place::Byte(item.offset);
+        let location = Location::Byte(item.offset);
         match &item.event {
-            Event::Start { timestamp, .. } => self.course.started(*timestamp),
+            Event::Start { timestamp, .. } => self.run.started(*timestamp),
             Event::Unsubscription { id } => {
                 if let Some(Some(open)) = self.open.get(usize::from(*id)) {
-                    self.course.closed(&open.channel());
+                    self.run.closed(&open.channel());
                 }
             }
             Event::Information { key: "ver_sw_release" | "ver_sw_branch" | "sys_name", value, ty } => {
@@ -204,12 +204,12 @@ impl<'d> LogJudge<'d> {
             }
             Event::Dropout { milliseconds } => {
                 self.dropouts += 1;
-                self.course.dropout(*milliseconds, place);
+                self.run.dropout(*milliseconds, location);
             }
-            Event::Data { .. } => self.course.records += 1,
+            Event::Data { .. } => self.run.records += 1,
             // Logs of the first version have none.
             Event::Problem(Problem::NoFlagBits { version: 0 }) => {}
-            Event::Problem(problem) => self.course.damage(place, problem.to_string(), problem.extent()),
+            Event::Problem(problem) => self.run.corruption(location, problem.to_string(), problem.extent()),
             _ => {}
         }
     }
@@ -222,68 +222,69 @@ impl<'d> LogJudge<'d> {
         }
         let before = self.open[slot].take();
         if let Some(before) = &before {
-            self.course.closed(&before.channel());
+            self.run.closed(&before.channel());
         }
-        let index = before.as_ref().map_or_else(|| self.course.number_channel(), |before| before.index);
+        let index = before.as_ref().map_or_else(|| self.run.number_channel(), |before| before.index);
         let open = Open {
             index,
             topic: topic.to_owned(),
             multi_id,
             offset,
-            definition: self.course.definitions.message_of_topic(topic),
+            definition: self.run.definitions.message_of_topic(topic),
             plan: None,
             timestamp: None,
             messages: 0,
         };
-        self.course.opened(&open.channel());
+        self.run.opened(&open.channel());
         self.open[slot] = Some(Box::new(open));
         if let Some(before) = before {
-            before.close(&mut self.course.findings);
+            before.close(&mut self.run.findings);
         }
     }
 
     /// A topic isn't subscribed any more, and its name isn't kept.
     fn drop_topic(&mut self, id: u16) {
         if let Some(Some(open)) = self.open.get_mut(usize::from(id)) {
-            self.course.closed(&open.channel());
+            self.run.closed(&open.channel());
             open.topic = String::new();
         }
     }
 
     fn record(&mut self, record: &Record<'_>, offset: u64) {
         let Some(Some(open)) = self.open.get_mut(usize::from(record.subscription.id)) else { return };
-        let place = Place::Byte(offset);
+        let location = Location::Byte(offset);
         let plan = match &mut open.plan {
             Some(plan) => plan,
             empty => {
-                open.timestamp = timestamp_offset(record.of);
+                open.timestamp = timestamp_offset(record.message_type);
                 if self.timed.insert(open.topic.clone()) {
-                    check_timestamp(record.of, place, &mut self.course);
+                    check_timestamp(record.message_type, location, &mut self.run);
                 }
                 empty.insert(Plan::new(
-                    record.of,
+                    record.message_type,
                     open.definition,
-                    &self.course.definitions.schema,
+                    &self.run.definitions.schema,
                     &open.topic,
                     &px4::VALUES,
                 ))
             }
         };
-        plan.check(record.payload, place, &mut self.course.findings);
+        plan.check(record.payload, location, &mut self.run.findings);
         open.messages += 1;
         let bytes = open.timestamp.and_then(|at| record.payload.get(at..at + 8));
         let timestamp = bytes.and_then(|bytes| Some(u64::from_le_bytes(bytes.try_into().ok()?)));
-        let values = self.course.wants_values(open.index).then(|| record.of.view_uorb(record.payload).ok());
-        let message = Message { timestamp, values: values.flatten(), place };
-        self.course.message(&open.channel(), &message);
+        let values =
+            self.run.wants_values(open.index).then(|| record.message_type.view_uorb(record.payload).ok());
+        let message = Message { timestamp, values: values.flatten(), location };
+        self.run.message(&open.channel(), &message);
     }
 
     /// What is wrong with formats, subscriptions and sizes: a rule, where one is about that. Where something of the
     /// log is missing, a subscription or a format that isn't there may have been in it.
-    fn tell(&mut self, offset: u64, problem: &LogProblem) {
-        let place = Place::Byte(offset);
+    fn report_problem(&mut self, offset: u64, problem: &LogProblem) {
+        let location = Location::Byte(offset);
         let detail = Detail::new(problem.to_string());
-        let is_whole = self.course.extent == Extent::Whole;
+        let is_whole = self.run.extent == Extent::Whole;
         match problem {
             LogProblem::DataSize { id, padded, no_padding, found } => {
                 let expected = if padded == no_padding {
@@ -292,44 +293,44 @@ impl<'d> LogJudge<'d> {
                     format!("{padded} bytes, or {no_padding} without padding")
                 };
                 let detail = detail.expected(expected).actual(format!("{found} bytes"));
-                self.drop_data(*id, &px4::DATA_01.rule, detail, place);
+                self.drop_data(*id, &px4::DATA_01.rule, detail, location);
             }
             LogProblem::UnknownId { id } | LogProblem::Unsubscribed { id } if is_whole => {
                 let detail = detail.expected("data of an id that is subscribed").actual(format!("id {id}"));
-                self.drop_data(*id, &px4::DATA_02.rule, detail, place);
+                self.drop_data(*id, &px4::DATA_02.rule, detail, location);
             }
             LogProblem::Format { name, problem: FormatProblem::UnknownType { ty, .. } } if is_whole => {
                 let ty = ty.escape_debug();
                 let detail = detail.expected(format!("a format `{ty}`")).actual("none");
-                let definition = self.course.definition_of(name);
-                self.course.findings.report(&px4::FMT_02.rule, name, place, definition, || detail);
+                let definition = self.run.definition_of(name);
+                self.run.findings.report(&px4::FMT_02.rule, name, location, definition, || detail);
             }
-            _ => self.course.damage(place, problem.to_string(), Extent::Whole),
+            _ => self.run.corruption(location, problem.to_string(), Extent::Whole),
         }
     }
 
     /// Data can't be read, as it breaks a rule. Which topic has it is known, or else it may be any.
-    fn drop_data(&mut self, id: u16, rule: &'static Rule, detail: Detail, place: Place) {
+    fn drop_data(&mut self, id: u16, rule: &'static Rule, detail: Detail, location: Location) {
         let open = self.open.get(usize::from(id)).and_then(Option::as_ref);
         let Some(open) = open.filter(|open| !open.topic.is_empty()) else {
-            self.course.findings.report(rule, &format!("id {id}"), place, None, || detail);
-            return self.course.lost_any(place);
+            self.run.findings.report(rule, &format!("id {id}"), location, None, || detail);
+            return self.run.lost_any(location);
         };
-        let definition = open.definition.map(|id| self.course.definitions.schema.message(id).span);
-        self.course.findings.report(rule, &open.topic, place, definition, || detail);
-        self.course.lost(open.index, place);
+        let definition = open.definition.map(|id| self.run.definitions.schema.message(id).span);
+        self.run.findings.report(rule, &open.topic, location, definition, || detail);
+        self.run.lost(open.index, location);
     }
 
     fn finish(mut self, log: &Log, bytes: u64) -> CaptureResult {
         for open in std::mem::take(&mut self.open).into_iter().flatten() {
-            open.close(&mut self.course.findings);
+            open.close(&mut self.run.findings);
         }
         for rule in [&px4::DATA_01.rule, &px4::DATA_02.rule] {
-            self.course.findings.exercise(rule, self.course.records);
+            self.run.findings.cover(rule, self.run.records);
         }
-        let formats = formats(log, &self.timed, &mut self.course);
+        let formats = formats(log, &self.timed, &mut self.run);
         let summary = LogSummary { firmware: self.firmware, dropouts: self.dropouts, formats };
-        self.course.finish(bytes, Summary::Log(summary))
+        self.run.finish(bytes, Summary::Log(summary))
     }
 
     fn information(&mut self, ty: &str, value: &[u8]) {
@@ -357,7 +358,7 @@ impl Open {
             multi_id: Some(self.multi_id),
             definition: self.definition,
             version: None,
-            place: Place::Byte(self.offset),
+            location: Location::Byte(self.offset),
         }
     }
 
@@ -369,11 +370,11 @@ impl Open {
 }
 
 /// Whether messages of a format have the time that each has to have.
-fn check_timestamp(of: MessageType<'_>, place: Place, course: &mut Course<'_>) {
-    course.findings.exercise(&px4::FMT_03.rule, 1);
+fn check_timestamp(of: MessageType<'_>, location: Location, run: &mut CheckRun<'_>) {
+    run.findings.cover(&px4::FMT_03.rule, 1);
     if timestamp_offset(of).is_none() {
-        let definition = course.definition_of(of.name());
-        course.findings.report(&px4::FMT_03.rule, of.name(), place, definition, || {
+        let definition = run.definition_of(of.name());
+        run.findings.report(&px4::FMT_03.rule, of.name(), location, definition, || {
             Detail::new("its format has no `uint64_t timestamp`")
                 .expected("uint64_t timestamp")
                 .actual("no such field")
@@ -383,29 +384,29 @@ fn check_timestamp(of: MessageType<'_>, place: Place, course: &mut Course<'_>) {
 
 /// The formats of all subscribed topics, compared with the definitions. Of those that had data it was seen already
 /// whether they have a time.
-fn formats(log: &Log, timed: &BTreeSet<String>, course: &mut Course<'_>) -> Vec<(String, Comparison)> {
-    let definitions = course.definitions;
+fn formats(log: &Log, timed: &BTreeSet<String>, run: &mut CheckRun<'_>) -> Vec<(String, Comparison)> {
+    let definitions = run.definitions;
     let mut opened: BTreeMap<&str, u64> = BTreeMap::new();
     for subscription in log.subscriptions() {
         opened.entry(&subscription.topic).or_insert(subscription.offset);
     }
     let mut compared: BTreeMap<String, Comparison> = BTreeMap::new();
     for of in log.types().iter() {
-        course.findings.exercise(&px4::FMT_02.rule, 1);
-        let Some(place) = opened.get(of.name()).map(|offset| Place::Byte(*offset)) else { continue };
+        run.findings.cover(&px4::FMT_02.rule, 1);
+        let Some(location) = opened.get(of.name()).map(|offset| Location::Byte(*offset)) else { continue };
         if !timed.contains(of.name()) && of.defect().is_none() {
-            check_timestamp(of, place, course);
+            check_timestamp(of, location, run);
         }
         let comparison = match definitions.message_of_topic(of.name()) {
             None => Comparison::Undefined,
             Some(id) => compare(of, definitions.types().get(id)),
         };
         if comparison != Comparison::Undefined {
-            course.findings.exercise(&px4::FMT_01.rule, 1);
+            run.findings.cover(&px4::FMT_01.rule, 1);
         }
         if let Comparison::Differs(differences) = &comparison {
-            let definition = course.definition_of(of.name());
-            course.findings.report(&px4::FMT_01.rule, of.name(), place, definition, || differences.detail());
+            let definition = run.definition_of(of.name());
+            run.findings.report(&px4::FMT_01.rule, of.name(), location, definition, || differences.detail());
         }
         compared.insert(of.name().to_owned(), comparison);
     }

@@ -17,20 +17,20 @@ use std::io::Read;
 
 use uavspec_codegen::schema::MessageId;
 
-use self::cdr::{CdrJudge, unpacked};
-pub use self::open::{Basis, McapChannel, Standing};
+use self::cdr::{CdrChecker, unpacked};
+pub use self::open::{Basis, CheckStatus, McapChannel};
 use self::open::{Identity, Open, Reading};
 use self::schemas::Schemas;
 use self::stated::Stated;
 pub use self::summary::McapSummary;
 use super::topic::{definition_of, is_same_type};
-use super::{CaptureResult, Course, Kind, Summary, is_begun};
+use super::{CaptureResult, CheckRun, Kind, Summary, is_begun};
 use crate::capture::MCAP_MAGIC;
 use crate::capture::mcap::{Event, Reader};
 use crate::definitions::Definitions;
 use crate::json::Tree;
-use crate::model::{Detail, Findings, Message, Place};
-use crate::px4::json::{Clean, Dialects, Plans, Told};
+use crate::model::{Detail, Findings, Location, Message};
+use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
 use crate::rules::px4;
 
 /// The longest name of a topic or a schema that is kept; ROS 2 allows no longer ones either.
@@ -53,7 +53,7 @@ pub(super) const KIND: Kind = Kind {
 
 /// Checks MCAP, as far as it can be read.
 pub(crate) fn check_mcap(input: impl Read, definitions: &Definitions) -> CaptureResult {
-    let mut judge = McapJudge::new(definitions);
+    let mut check = McapChecker::new(definitions);
     let mut reader = Reader::new(input);
     loop {
         let item = match reader.next() {
@@ -61,28 +61,28 @@ pub(crate) fn check_mcap(input: impl Read, definitions: &Definitions) -> Capture
             Ok(None) => break,
             // What was judged until then stays judged.
             Err(error) => {
-                judge.course.unreadable(Place::Byte(reader.bytes()), &error);
+                check.run.unreadable(Location::Byte(reader.bytes()), &error);
                 break;
             }
         };
-        let place = Place::Byte(item.offset);
+        let location = Location::Byte(item.offset);
         match item.event {
             Event::Header { profile, library } => {
-                (judge.profile, judge.library) = (shortened(&profile), shortened(&library));
+                (check.profile, check.library) = (shortened(&profile), shortened(&library));
             }
             Event::Schema { id, name, encoding, text } => {
-                if let Err(problem) = judge.schemas.add(id, name, encoding, text) {
-                    judge.course.gap(place, problem);
+                if let Err(problem) = check.schemas.add(id, name, encoding, text) {
+                    check.run.gap(location, problem);
                 }
             }
             Event::Channel { id, schema, topic, encoding, metadata } => {
-                judge.channel(id, &Declared { schema, topic, encoding, metadata }, place);
+                check.channel(id, &Declared { schema, topic, encoding, metadata }, location);
             }
-            Event::Message { channel, payload } => judge.message(channel, payload, place),
-            Event::Problem(problem) => judge.course.damage(place, problem.to_string(), problem.extent()),
+            Event::Message { channel, payload } => check.message(channel, payload, location),
+            Event::Problem(problem) => check.run.corruption(location, problem.to_string(), problem.extent()),
         }
     }
-    judge.finish(reader.bytes())
+    check.finish(reader.bytes())
 }
 
 /// What a channel says of itself.
@@ -94,8 +94,8 @@ struct Declared {
     metadata: BTreeMap<String, String>,
 }
 
-struct McapJudge<'d> {
-    course: Course<'d>,
+struct McapChecker<'d> {
+    run: CheckRun<'d>,
     profile: String,
     library: String,
     schemas: Schemas,
@@ -111,10 +111,10 @@ struct McapJudge<'d> {
     values: Vec<u8>,
 }
 
-impl<'d> McapJudge<'d> {
+impl<'d> McapChecker<'d> {
     fn new(definitions: &'d Definitions) -> Self {
         Self {
-            course: Course::new(definitions),
+            run: CheckRun::new(definitions),
             profile: String::new(),
             library: String::new(),
             schemas: Schemas::default(),
@@ -127,28 +127,28 @@ impl<'d> McapJudge<'d> {
         }
     }
 
-    fn channel(&mut self, id: u16, declared: &Declared, place: Place) {
+    fn channel(&mut self, id: u16, declared: &Declared, location: Location) {
         let digest = digest(declared);
         if let Some(known) = self.channels.get(&id) {
             if known.digest != digest {
                 let text = format!("channel {id} is another than before; the first one is used");
-                self.course.gap(place, text);
+                self.run.gap(location, text);
             }
             return;
         }
         if declared.topic.len() > MAX_NAME || declared.encoding.len() > MAX_NAME {
             let text = format!("channel {id} has a topic or an encoding of more than {MAX_NAME} bytes");
-            return self.course.gap(place, text);
+            return self.run.gap(location, text);
         }
         let schema = self.schemas.get(declared.schema);
         if declared.schema != 0 && schema.is_none() {
             let text =
                 format!("channel {id} is of schema {}, which isn't declared before it", declared.schema);
-            self.course.gap(place, text);
+            self.run.gap(location, text);
         }
-        let definitions = self.course.definitions;
+        let definitions = self.run.definitions;
         let definition = definition_of(&declared.topic, schema, definitions);
-        let mut open = Open::new(declared, schema, definition, place, digest, self.course.number_channel());
+        let mut open = Open::new(declared, schema, definition, location, digest, self.run.number_channel());
         if let (Some(of), true) = (definition, matches!(declared.encoding.as_str(), "cdr" | "json")) {
             self.read(&mut open, declared, of);
         }
@@ -157,40 +157,40 @@ impl<'d> McapJudge<'d> {
 
     /// Opens a channel that has a definition, and finds out how its messages are read.
     fn read(&mut self, open: &mut Open, declared: &Declared, of: MessageId) {
-        let definitions = self.course.definitions;
+        let definitions = self.run.definitions;
         let is_json = declared.encoding == "json";
-        let (basis, stated, version) = self.schemas.beside(declared.schema, of, is_json, definitions);
-        (open.standing, open.identity.version) = (Standing::Judged(basis), version);
-        self.course.opened(&open.identity.channel());
+        let (basis, stated, version) = self.schemas.compared(declared.schema, of, is_json, definitions);
+        (open.status, open.identity.version) = (CheckStatus::Checked(basis), version);
+        self.run.opened(&open.identity.channel());
         if is_json {
             self.plans.get_or_insert_with(|| Plans::new(&definitions.schema, &px4::VALUES));
             open.reading = Reading::Json(of);
             return self.format(open);
         }
         if let (None, Some(defect)) = (&stated, definitions.types().get(of).defect()) {
-            open.standing = Standing::Judged(Basis::Unusable(defect.to_string()));
+            open.status = CheckStatus::Checked(Basis::Unusable(defect.to_string()));
             return;
         }
         // To make a plan takes time, too, so none is made only to be dropped.
         if self.steps >= MAX_STEPS {
-            open.standing = Standing::Judged(Basis::TooMany);
+            open.status = CheckStatus::Checked(Basis::TooMany);
             return;
         }
-        let judge = CdrJudge::new(of, stated, definitions, &open.identity.name);
-        self.steps += judge.steps();
-        if let Some(lacks) = judge.lacks_timestamp(definitions) {
-            let Identity { name, place, .. } = &open.identity;
-            self.course.findings.exercise(&px4::FMT_03.rule, 1);
+        let check = CdrChecker::new(of, stated, definitions, &open.identity.name);
+        self.steps += check.steps();
+        if let Some(lacks) = check.lacks_timestamp(definitions) {
+            let Identity { name, location, .. } = &open.identity;
+            self.run.findings.cover(&px4::FMT_03.rule, 1);
             if lacks {
                 let definition = Some(definitions.schema.message(of).span);
-                self.course.findings.report(&px4::FMT_03.rule, name, *place, definition, || {
+                self.run.findings.report(&px4::FMT_03.rule, name, *location, definition, || {
                     Detail::new("its schema has no `uint64 timestamp`")
                         .expected("uint64 timestamp")
                         .actual("no such field")
                 });
             }
         }
-        open.reading = Reading::Cdr(Box::new(judge));
+        open.reading = Reading::Cdr(Box::new(check));
         self.hash(open, declared, of);
         self.format(open);
     }
@@ -200,7 +200,7 @@ impl<'d> McapJudge<'d> {
         let Some(stated) = declared.metadata.get(HASH).filter(|hash| hash.starts_with(HASH_VERSION)) else {
             return;
         };
-        let schema = &self.course.definitions.schema;
+        let schema = &self.run.definitions.schema;
         let message = schema.message(of);
         // A hash is also one of names: that of a copy in another package is another.
         let is_of_definition =
@@ -208,18 +208,18 @@ impl<'d> McapJudge<'d> {
         if !is_of_definition {
             return;
         }
-        let (findings, is_other) = (&mut self.course.findings, *stated != message.type_hash);
+        let (findings, is_other) = (&mut self.run.findings, *stated != message.type_hash);
         if open.differences().is_some() {
             open.has_other_hash = is_other;
             return;
         }
-        findings.exercise(&px4::HASH_01.rule, 1);
+        findings.cover(&px4::HASH_01.rule, 1);
         if is_other {
             let stated: String = stated.chars().take(HASH_VERSION.len() + 64).collect();
             findings.report(
                 &px4::HASH_01.rule,
                 &open.identity.name,
-                open.identity.place,
+                open.identity.location,
                 Some(message.span),
                 || Detail::differs(&message.type_hash, stated.escape_debug()),
             );
@@ -228,13 +228,13 @@ impl<'d> McapJudge<'d> {
 
     /// Reports how the schema of a channel differs.
     fn format(&mut self, open: &Open) {
-        let Standing::Judged(Basis::Compared(_)) = &open.standing else { return };
-        self.course.findings.exercise(&px4::FMT_01.rule, 1);
+        let CheckStatus::Checked(Basis::Compared(_)) = &open.status else { return };
+        self.run.findings.cover(&px4::FMT_01.rule, 1);
         if let Some(differences) = open.differences() {
             let hash = if open.has_other_hash { "; its hash is another, too" } else { "" };
-            let Identity { name, place, definition, .. } = &open.identity;
-            let definition = definition.map(|id| self.course.definitions.schema.message(id).span);
-            self.course.findings.report(&px4::FMT_01.rule, name, *place, definition, || {
+            let Identity { name, location, definition, .. } = &open.identity;
+            let definition = definition.map(|id| self.run.definitions.schema.message(id).span);
+            self.run.findings.report(&px4::FMT_01.rule, name, *location, definition, || {
                 let mut detail = differences.detail();
                 detail.message += hash;
                 detail
@@ -242,48 +242,49 @@ impl<'d> McapJudge<'d> {
         }
     }
 
-    fn message(&mut self, id: u16, payload: &[u8], place: Place) {
-        self.course.records += 1;
+    fn message(&mut self, id: u16, payload: &[u8], location: Location) {
+        self.run.records += 1;
         let Some(open) = self.channels.get_mut(&id) else {
             if !self.undeclared.insert(id) {
                 return;
             }
             return self
-                .course
-                .gap(place, format!("a message of channel {id}, which isn't declared before it"));
+                .run
+                .gap(location, format!("a message of channel {id}, which isn't declared before it"));
         };
         open.messages += 1;
         let channel = open.identity.channel();
-        let definitions = self.course.definitions;
+        let definitions = self.run.definitions;
         match &mut open.reading {
             Reading::Skipped => {}
-            Reading::Cdr(judge) => {
+            Reading::Cdr(check) => {
                 let payload = &*match unpacked(payload) {
                     Ok(payload) => payload,
-                    Err(problem) => return self.course.gap(place, problem),
+                    Err(problem) => return self.run.gap(location, problem),
                 };
-                let wants_values = self.course.wants_values(channel.index);
-                let findings = &mut self.course.findings;
-                let judged = judge.judge(payload, wants_values, &channel, place, definitions, findings);
-                let Some(seen) = judged else { return self.course.lost(channel.index, place) };
-                let values = judge.view(&seen, definitions);
-                self.course.message(&channel, &Message { timestamp: seen.timestamp, values, place });
+                let wants_values = self.run.wants_values(channel.index);
+                let findings = &mut self.run.findings;
+                let checked = check.check(payload, wants_values, &channel, location, definitions, findings);
+                let Some(seen) = checked else { return self.run.lost(channel.index, location) };
+                let values = check.view(&seen, definitions);
+                self.run.message(&channel, &Message { timestamp: seen.timestamp, values, location });
             }
             Reading::Json(of) => {
                 let Some(plans) = &self.plans else { return };
-                let told = Told { id: *of, name: channel.topic, place, key: None, is_rosbridge: true };
+                let origin =
+                    MessageOrigin { id: *of, name: channel.topic, location, key: None, is_rosbridge: true };
                 let size =
-                    definitions.types().get(*of).size().filter(|_| self.course.wants_values(channel.index));
+                    definitions.types().get(*of).size().filter(|_| self.run.wants_values(channel.index));
                 self.values.clear();
                 self.values.resize(size.map_or(0, |size| size.padded), 0);
-                match check_message(plans, told, payload, &mut self.values, &mut self.course.findings) {
-                    Err(problem) => self.course.gap(place, problem),
+                match check_message(plans, origin, payload, &mut self.values, &mut self.run.findings) {
+                    Err(problem) => self.run.gap(location, problem),
                     Ok(Clean { timestamp, dialects }) => {
                         self.dialects.absorb(dialects);
-                        open.judged += 1;
+                        open.checked += 1;
                         let view = |of| definitions.types().get(of).view_uorb(&self.values).ok();
                         let values = (!self.values.is_empty()).then(|| view(*of)).flatten();
-                        self.course.message(&channel, &Message { timestamp, values, place });
+                        self.run.message(&channel, &Message { timestamp, values, location });
                     }
                 }
             }
@@ -293,12 +294,12 @@ impl<'d> McapJudge<'d> {
     fn finish(mut self, bytes: u64) -> CaptureResult {
         let mut channels = Vec::new();
         for (_, open) in std::mem::take(&mut self.channels) {
-            channels.push(open.close(self.plans.as_ref(), &mut self.course.findings));
+            channels.push(open.close(self.plans.as_ref(), &mut self.run.findings));
         }
         channels.sort_by(|left, right| left.topic.cmp(&right.topic));
         let summary =
             McapSummary { profile: self.profile, library: self.library, channels, dialects: self.dialects };
-        self.course.finish(bytes, Summary::Mcap(summary))
+        self.run.finish(bytes, Summary::Mcap(summary))
     }
 }
 
@@ -306,7 +307,7 @@ impl<'d> McapJudge<'d> {
 /// says why it isn't JSON.
 fn check_message(
     plans: &Plans,
-    told: Told<'_>,
+    origin: MessageOrigin<'_>,
     payload: &[u8],
     values: &mut Vec<u8>,
     findings: &mut Findings,
@@ -314,13 +315,13 @@ fn check_message(
     let text = std::str::from_utf8(payload)
         .map_err(|error| format!("no UTF-8 from its byte {} on", error.valid_up_to()))?;
     // Foxglove writes bytes as base64, as rosbridge does.
-    if let Ok(clean) = plans.read_text(told.id, text, told.is_rosbridge, values) {
+    if let Ok(clean) = plans.read_text(origin.id, text, origin.is_rosbridge, values) {
         return Ok(clean);
     }
     values.clear();
     let tree = Tree::read(text).map_err(|error| error.to_string())?;
-    let dialects = plans.explain(told, &tree, findings);
-    Ok(Clean { timestamp: plans.timestamp(told.id, &tree), dialects })
+    let dialects = plans.explain(origin, &tree, findings);
+    Ok(Clean { timestamp: plans.timestamp(origin.id, &tree), dialects })
 }
 
 /// A text of the file that is shown, harmless and not too long.

@@ -1,8 +1,8 @@
 //! What values in bodies of Flockwave messages have to look like, and whether they do.
 //!
-//! Shapes are data. Whole bodies have those that the definitions give them for each direction ([`Shapes`]), or, where
+//! Shapes are data. Whole bodies have those that the definitions give them for each direction ([`DefinedSchemas`]), or, where
 //! the definitions don't have their type, JSON Schemas of a user ([`Schemas`]); rules on single fields bring along their
-//! own (`Shape`), which may be wider than the definition.
+//! own (`ExpectedValue`), which may be wider than the definition.
 //!
 //! ```
 //! use uavspec_conformance::definitions::Definitions;
@@ -10,7 +10,7 @@
 //!
 //! let definitions = Definitions::built_in();
 //! let value = Tree::read(r#"{"percentage": 120}"#).unwrap();
-//! let mismatch = definitions.shapes().mismatch("flockwave/Progress", &value).flatten().unwrap();
+//! let mismatch = definitions.defined_schemas().mismatch("flockwave/Progress", &value).flatten().unwrap();
 //! assert_eq!((mismatch.path.as_str(), mismatch.actual.as_str()), ("/body/percentage", "120"));
 //! ```
 
@@ -24,7 +24,7 @@ mod schemas;
 use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::source::Span;
 
-pub use self::bodies::Shapes;
+pub use self::bodies::DefinedSchemas;
 pub(crate) use self::plain::Members;
 pub use self::schemas::{SchemaError, Schemas};
 use crate::json::{Tree, pointer};
@@ -33,7 +33,7 @@ use crate::json::{Tree, pointer};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BodySchemas<'s> {
     /// Those of the definitions.
-    pub shapes: &'s Shapes,
+    pub defined_schemas: &'s DefinedSchemas,
     /// Those of the user.
     pub schemas: &'s Schemas,
 }
@@ -41,7 +41,7 @@ pub(crate) struct BodySchemas<'s> {
 impl BodySchemas<'_> {
     /// True if there is a body schema of this type.
     pub(crate) fn has(&self, type_name: &str) -> bool {
-        self.shapes.has(type_name) || self.schemas.has(type_name)
+        self.defined_schemas.has(type_name) || self.schemas.has(type_name)
     }
 
     /// The violations of the schema of a body's type for its direction; none if there is no such schema.
@@ -51,8 +51,8 @@ impl BodySchemas<'_> {
         direction: Direction,
         body: &Tree<'_>,
     ) -> Option<Vec<Deviation>> {
-        if self.shapes.has(type_name) {
-            self.shapes.check(type_name, direction, body)
+        if self.defined_schemas.has(type_name) {
+            self.defined_schemas.check(type_name, direction, body)
         } else {
             self.schemas.check(type_name, direction, body)
         }
@@ -61,7 +61,7 @@ impl BodySchemas<'_> {
 
 /// What a value has to be.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Shape {
+pub(crate) enum ExpectedValue {
     /// An integer from the first to the second, however it is written: `5.0` is one.
     Integer(i128, i128),
     /// `true` or `false`.
@@ -73,19 +73,19 @@ pub(crate) enum Shape {
     /// The id of an object: 1 to 64 characters, none of them `/`.
     ObjectId,
     /// An array of values of this shape.
-    List(&'static Shape),
+    List(&'static ExpectedValue),
     /// An object whose values have this shape.
-    Map(&'static Shape),
+    Map(&'static ExpectedValue),
     /// Any object.
     Object,
     /// One of these strings.
     OneOf(&'static [&'static str]),
     /// This shape, or null.
-    Nullable(&'static Shape),
+    Nullable(&'static ExpectedValue),
 }
 
 /// Any integer.
-pub(crate) const INTEGER: Shape = Shape::Integer(i128::MIN, i128::MAX);
+pub(crate) const INTEGER: ExpectedValue = ExpectedValue::Integer(i128::MIN, i128::MAX);
 
 /// A deviation.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -137,7 +137,7 @@ pub(crate) struct Deviation {
     pub mismatch: Mismatch,
 }
 
-impl Shape {
+impl ExpectedValue {
     /// The first deviation of a value.
     pub(crate) fn mismatch(&self, value: &Tree<'_>) -> Option<Mismatch> {
         let wrong = || Some(Mismatch::new(self.to_string(), value.to_string()));
@@ -145,24 +145,24 @@ impl Shape {
             (Self::Nullable(_), Tree::Null)
             | (Self::Bool, Tree::Bool(_))
             | (Self::Object, Tree::Object(_)) => None,
-            (Self::Nullable(shape), _) => shape.mismatch(value),
+            (Self::Nullable(schema), _) => schema.mismatch(value),
             (Self::Integer(low, high), _) => match integer(value) {
                 Some(number) if (*low..=*high).contains(&number) => None,
                 _ => wrong(),
             },
-            (Self::List(shape), Tree::List(values)) => {
-                let of = |(at, value)| Some(shape.mismatch(value)?.below(&at_index(at)));
+            (Self::List(schema), Tree::List(values)) => {
+                let of = |(at, value)| Some(schema.mismatch(value)?.below(&at_index(at)));
                 values.iter().enumerate().find_map(of)
             }
-            (Self::Map(shape), Tree::Object(members)) => {
-                members.iter().find_map(|(key, value)| Some(shape.mismatch(value)?.below(key)))
+            (Self::Map(schema), Tree::Object(members)) => {
+                members.iter().find_map(|(key, value)| Some(schema.mismatch(value)?.below(key)))
             }
-            (_, Tree::Text(text)) if self.holds_text(text) => None,
+            (_, Tree::Text(text)) if self.accepts_text(text) => None,
             _ => wrong(),
         }
     }
 
-    fn holds_text(&self, text: &str) -> bool {
+    fn accepts_text(&self, text: &str) -> bool {
         match self {
             Self::Text => true,
             Self::Length(low, high) => (*low..=*high).contains(&text.chars().count()),
@@ -174,7 +174,7 @@ impl Shape {
 }
 
 /// In words.
-impl std::fmt::Display for Shape {
+impl std::fmt::Display for ExpectedValue {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Integer(i128::MIN, i128::MAX) => formatter.write_str("an integer"),
@@ -185,11 +185,11 @@ impl std::fmt::Display for Shape {
             Self::Text => formatter.write_str("a string"),
             Self::Length(low, high) => write!(formatter, "a string of {low} to {high} characters"),
             Self::ObjectId => formatter.write_str("a string of 1 to 64 characters without `/`"),
-            Self::List(shape) => write!(formatter, "a list, each entry {shape}"),
-            Self::Map(shape) => write!(formatter, "an object, each value {shape}"),
+            Self::List(schema) => write!(formatter, "a list, each entry {schema}"),
+            Self::Map(schema) => write!(formatter, "an object, each value {schema}"),
             Self::Object => formatter.write_str("an object"),
             Self::OneOf(known) => write!(formatter, "one of {}", known.join(", ")),
-            Self::Nullable(shape) => write!(formatter, "{shape}, or null"),
+            Self::Nullable(schema) => write!(formatter, "{schema}, or null"),
         }
     }
 }
@@ -225,9 +225,9 @@ fn at_index(at: usize) -> String {
 mod tests {
     use super::*;
 
-    fn mismatch(shape: Shape, text: &str) -> Option<(String, String)> {
+    fn mismatch(schema: ExpectedValue, text: &str) -> Option<(String, String)> {
         let tree = Tree::read(text).expect("JSON");
-        shape.mismatch(&tree).map(|found| (found.path, found.actual))
+        schema.mismatch(&tree).map(|found| (found.path, found.actual))
     }
 
     #[test]
@@ -235,13 +235,13 @@ mod tests {
         assert_eq!(mismatch(INTEGER, "5.0"), None);
         assert_eq!(mismatch(INTEGER, "5e3"), None);
         assert_eq!(mismatch(INTEGER, "5.5"), Some((String::new(), "5.5".to_owned())));
-        assert_eq!(mismatch(Shape::Integer(0, 9), "10"), Some((String::new(), "10".to_owned())));
+        assert_eq!(mismatch(ExpectedValue::Integer(0, 9), "10"), Some((String::new(), "10".to_owned())));
         assert!(mismatch(INTEGER, "1e400").is_some() && mismatch(INTEGER, "true").is_some());
     }
 
     #[test]
-    fn the_first_deviation_is_told_with_its_place() {
-        let map = Shape::Map(&Shape::List(&Shape::Text));
+    fn reports_the_first_deviation_with_its_location() {
+        let map = ExpectedValue::Map(&ExpectedValue::List(&ExpectedValue::Text));
         assert_eq!(mismatch(map, r#"{"a/b": ["x", 7]}"#), Some(("/a~1b/1".to_owned(), "7".to_owned())));
     }
 }

@@ -1,7 +1,7 @@
 //! The records of a session: messages between a client and a server, and events of their connections.
 
 use crate::json::Tree;
-use crate::model::{Place, Rule};
+use crate::model::{Location, Rule};
 
 /// A connection between a client and a server of Flockwave.
 #[derive(Clone, Copy, Debug)]
@@ -13,7 +13,7 @@ pub(crate) struct Connection<'c> {
     /// Whether messages come one after the other as they were sent, on the connection that is said. Otherwise nothing
     /// is certain that depends on what went over it before: the source doesn't tell connections apart, and all
     /// messages are taken to belong to one; or it is UDP, where some get lost, come twice or change places.
-    pub is_told: bool,
+    pub is_ordered: bool,
 }
 
 /// Which way something goes, seen from the client.
@@ -55,5 +55,5 @@ pub(crate) struct SessionRecord<'e> {
     /// end, and of a connection that doesn't come about, why.
     pub note: Option<&'e str>,
     /// Where it stands.
-    pub place: Place,
+    pub location: Location,
 }

@@ -28,30 +28,30 @@ pub(crate) use self::vocabulary::{OPERATION, PARTS};
 use crate::flockwave::body_schema::BodySchemas;
 use crate::flockwave::record::{Direction, SessionRecord};
 use crate::json::Tree;
-use crate::model::{Place, Rule};
+use crate::model::{Location, Rule};
 
 /// How much each memory takes, in bytes.
-const LIMIT: usize = 16 << 20;
+const MEMORY_LIMIT: usize = 16 << 20;
 
 /// The longest id that is kept, in bytes. Ids of messages have 36 characters at most and those of objects 64, each of
 /// up to four bytes.
 const MAX_ID: usize = 256;
 
 /// How many ids of a request are kept; more say nothing.
-const MAX_ASKED: usize = 10_000;
+const MAX_REQUEST_IDS: usize = 10_000;
 
 /// How many receipts of a message are looked at.
 const MAX_RECEIPTS: usize = 10_000;
 
 /// By how much time may go back and yet be sound, in seconds: several threads may write a recording.
-const JITTER: f64 = 0.5;
+const MAX_CLOCK_JITTER: f64 = 0.5;
 
 /// How long a request may have been on its way, in seconds.
-const ON_ITS_WAY: f64 = 1.0;
+const MAX_TRANSIT_TIME: f64 = 1.0;
 
 /// A request that was sent.
 #[derive(Clone, Debug)]
-pub(crate) struct Asked {
+pub(crate) struct SentRequest {
     /// Its type, where it says one.
     pub type_name: Option<String>,
     /// What it asks for, where that is a list of strings, all of them kept.
@@ -65,7 +65,7 @@ pub(crate) struct Asked {
     /// When it was sent.
     pub time: Option<f64>,
     /// Where it stands.
-    pub place: Place,
+    pub location: Location,
     /// How much later the latest message of the server came, in seconds, where this is told of a request without an
     /// answer.
     pub waited: Option<f64>,
@@ -96,7 +96,7 @@ struct State {
     /// The latest time.
     latest: f64,
     /// When the latest message of the server came.
-    heard: Option<f64>,
+    last_received: Option<f64>,
     /// Whether time went back.
     is_time_lost: bool,
     /// When the server said that the connection ends.
@@ -106,7 +106,7 @@ struct State {
     /// When that was learnt.
     clock_time: f64,
     /// Where the server was asked to adjust its clock by nothing, as long as no later request has told what came of it.
-    adjusted_by_nothing: Option<Place>,
+    adjusted_by_nothing: Option<Location>,
 }
 
 /// All connections of a source.
@@ -116,7 +116,7 @@ pub(crate) struct Sessions {
     states: Vec<State>,
     serials: u64,
     /// Requests without an answer.
-    open: Remembered<(u64, Side, String), Asked>,
+    open: Remembered<(u64, Side, String), SentRequest>,
     /// Ids of requests that were answered.
     answered: Remembered<(u64, Side, String), ()>,
     /// Ids of messages of servers, and whether each was a notification.
@@ -130,10 +130,10 @@ impl Default for Sessions {
         Self {
             states: Vec::new(),
             serials: 0,
-            open: Remembered::new(LIMIT),
-            answered: Remembered::new(LIMIT),
-            sent: Ids::new(LIMIT),
-            operations: Ids::new(LIMIT),
+            open: Remembered::new(MEMORY_LIMIT),
+            answered: Remembered::new(MEMORY_LIMIT),
+            sent: Ids::new(MEMORY_LIMIT),
+            operations: Ids::new(MEMORY_LIMIT),
         }
     }
 }
@@ -148,17 +148,17 @@ impl Sessions {
         let time = self.at(record);
         let exchange = Exchange::new(record, time);
         let deviations = exchange.deviations_from(schemas);
-        self.placed(Exchange { deviations, ..exchange })
+        self.resolve(Exchange { deviations, ..exchange })
     }
 
     /// Like [`follow`](Self::follow), for a record whose message was checked already.
     pub(crate) fn follow_checked<'t>(&mut self, record: &'t SessionRecord<'t>) -> Exchange<'t> {
         let time = self.at(record);
-        self.placed(Exchange { deviations: Some(Vec::new()), ..Exchange::new(record, time) })
+        self.resolve(Exchange { deviations: Some(Vec::new()), ..Exchange::new(record, time) })
     }
 
     /// An exchange with its place in the session.
-    fn placed<'t>(&mut self, mut exchange: Exchange<'t>) -> Exchange<'t> {
+    fn resolve<'t>(&mut self, mut exchange: Exchange<'t>) -> Exchange<'t> {
         let record = exchange.record;
         let state = &self.states[record.connection.index];
         exchange.clock = state.clock;
@@ -180,21 +180,26 @@ impl Sessions {
 
     /// The requests that got no answer until a connection ended, or began anew, with what told that connection from
     /// others. Nothing is known of what follows.
-    pub(crate) fn ended(&mut self, connection: usize) -> (u64, Vec<Asked>) {
+    pub(crate) fn ended(&mut self, connection: usize) -> (u64, Vec<SentRequest>) {
         let serial = self.next_serial();
         let Some(state) = self.states.get_mut(connection) else { return (serial, Vec::new()) };
         let state = std::mem::replace(state, State { serial, ..State::default() });
-        let (serial, heard) = (state.serial, state.heard);
+        let (serial, last_received) = (state.serial, state.last_received);
         let is_sound = !state.is_time_lost;
-        let waited = |asked: Asked| Asked {
-            waited: heard.zip(asked.time).filter(|_| is_sound).map(|(heard, time)| heard - time),
-            ..asked
+        let waited = |request: SentRequest| SentRequest {
+            waited: last_received
+                .zip(request.time)
+                .filter(|_| is_sound)
+                .map(|(last_received, time)| last_received - time),
+            ..request
         };
         let first = (serial, Side::Client, String::new());
         let is_of = |key: &(u64, Side, String)| key.0 == serial && key.1 == Side::Client;
         // Who has said farewell, needn't answer what was on its way to him.
-        let is_wanted = |asked: &Asked| {
-            state.ending.is_none_or(|ending| asked.time.is_some_and(|time| time < ending - ON_ITS_WAY))
+        let is_wanted = |request: &SentRequest| {
+            state
+                .ending
+                .is_none_or(|ending| request.time.is_some_and(|time| time < ending - MAX_TRANSIT_TIME))
         };
         let open = self.open.take(&first, is_of).into_iter();
         (serial, open.filter(is_wanted).map(waited).collect())
@@ -243,7 +248,7 @@ impl Sessions {
         self.grow(record.connection.index);
         let state = &mut self.states[record.connection.index];
         let time = record.time?;
-        if time < state.latest - JITTER {
+        if time < state.latest - MAX_CLOCK_JITTER {
             state.is_time_lost = true;
             state.clock = None;
         }
@@ -252,36 +257,36 @@ impl Sessions {
             return None;
         }
         if record.direction == Direction::In {
-            state.heard = Some(time);
+            state.last_received = Some(time);
         }
         Some(time)
     }
 
     fn request(&mut self, exchange: &mut Exchange<'_>) {
         let side = side(exchange);
-        let asked = Asked::of(exchange);
-        if side == Side::Client && asked.is_setting && exchange.type_name == Some("SYS-TIME") {
+        let request = SentRequest::new(exchange);
+        if side == Side::Client && request.is_setting && exchange.type_name == Some("SYS-TIME") {
             // Other connections may lead to the same server.
             self.states.iter_mut().for_each(|state| state.clock = None);
         }
         let state = &mut self.states[exchange.record.connection.index];
         if side == Side::Client {
             if exchange.type_name == Some("SYS-TIME") && exchange.field("adjustment") == Some(&Tree::Int(0)) {
-                state.adjusted_by_nothing = Some(asked.place);
+                state.adjusted_by_nothing = Some(request.location);
             }
-            release(&mut self.operations, state.serial, &asked);
+            release(&mut self.operations, state.serial, &request);
         }
         let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else {
             // Its answer may have any `refs`.
             return state.is_whole = false;
         };
         let key = (state.serial, side, id.to_owned());
-        exchange.is_id_in_use = exchange.record.connection.is_told && self.open.contains(&key);
+        exchange.is_id_in_use = exchange.record.connection.is_ordered && self.open.contains(&key);
         let waiting = self.open.remove(&key);
-        let count = waiting.as_ref().map_or(1, |asked| asked.count + 1);
-        let asked = Asked { is_ambiguous: waiting.is_some(), count, ..asked };
-        let room = id.len() + asked.size();
-        self.open.insert(key, asked, room);
+        let count = waiting.as_ref().map_or(1, |request| request.count + 1);
+        let request = SentRequest { is_ambiguous: waiting.is_some(), count, ..request };
+        let room = id.len() + request.size();
+        self.open.insert(key, request, room);
     }
 
     fn response(&mut self, exchange: &mut Exchange<'_>) {
@@ -302,22 +307,22 @@ impl Sessions {
         let connection = exchange.record.connection;
         let state = &self.states[connection.index];
         let is_certain = state.is_whole
-            && connection.is_told
+            && connection.is_ordered
             && !self.open.has_forgotten()
             && !self.answered.has_forgotten();
         let Some(refs) = exchange.refs.filter(|refs| refs.len() <= MAX_ID) else { return };
         let key = (state.serial, asker, refs.to_owned());
-        if let Some(asked) = self.open.remove(&key) {
+        if let Some(request) = self.open.remove(&key) {
             exchange.reference = Reference::Request;
-            let size = refs.len() + asked.size();
-            if asked.count > 1 {
-                self.open.insert(key, Asked { count: asked.count - 1, ..asked }, size);
+            let size = refs.len() + request.size();
+            if request.count > 1 {
+                self.open.insert(key, SentRequest { count: request.count - 1, ..request }, size);
                 return;
             }
             self.answered.insert(key, (), refs.len());
-            exchange.asked = Some(asked).filter(|asked| !asked.is_ambiguous);
+            exchange.request = Some(request).filter(|request| !request.is_ambiguous);
         } else if self.answered.contains(&key) {
-            exchange.reference = if connection.is_told { Reference::Answered } else { Reference::Unclear };
+            exchange.reference = if connection.is_ordered { Reference::Answered } else { Reference::Unclear };
         } else {
             let named = self.sent.get_mut(state.serial, refs).copied();
             exchange.reference = match named {
@@ -372,7 +377,7 @@ impl Sessions {
         let connection = exchange.record.connection;
         let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else { return };
         let serial = self.states[connection.index].serial;
-        exchange.is_id_in_use = connection.is_told && self.sent.contains(serial, id);
+        exchange.is_id_in_use = connection.is_ordered && self.sent.contains(serial, id);
         if !exchange.is_id_in_use {
             self.sent.insert(serial, id, is_notification, id.len());
         }
@@ -394,7 +399,7 @@ impl Sessions {
             let size = receipt.len() + type_name.as_ref().map_or(0, String::len);
             let operation = Operation { type_name, stage: Stage::Open, was_suspended: false };
             self.operations.insert(serial, &receipt, operation, size);
-            exchange.opened.push(Named { receipt, before, is_known: exchange.record.connection.is_told });
+            exchange.opened.push(Named { receipt, before, is_known: exchange.record.connection.is_ordered });
         }
     }
 
@@ -411,7 +416,11 @@ impl Sessions {
             if let Some(operation) = operation.filter(|known| known.stage == Stage::Suspended) {
                 operation.stage = Stage::Released;
             }
-            exchange.operations.push(Named { receipt, before, is_known: exchange.record.connection.is_told });
+            exchange.operations.push(Named {
+                receipt,
+                before,
+                is_known: exchange.record.connection.is_ordered,
+            });
         }
     }
 
@@ -426,17 +435,17 @@ impl Sessions {
             is_after_nothing: state.adjusted_by_nothing.is_some(),
         });
         (state.clock, state.clock_time) = (Some(now), time);
-        let asked = exchange.asked.as_ref().map(|asked| asked.place);
-        state.adjusted_by_nothing = state.adjusted_by_nothing.filter(|place| asked <= Some(*place));
+        let request = exchange.request.as_ref().map(|request| request.location);
+        state.adjusted_by_nothing = state.adjusted_by_nothing.filter(|location| request <= Some(*location));
     }
 }
 
 /// What a client resumes or cancels needn't wait any more.
-fn release(operations: &mut Ids<Operation>, serial: u64, asked: &Asked) {
-    if !matches!(asked.type_name.as_deref(), Some("ASYNC-RESUME" | "ASYNC-CANCEL")) {
+fn release(operations: &mut Ids<Operation>, serial: u64, request: &SentRequest) {
+    if !matches!(request.type_name.as_deref(), Some("ASYNC-RESUME" | "ASYNC-CANCEL")) {
         return;
     }
-    for receipt in asked.objects.iter().flatten() {
+    for receipt in request.objects.iter().flatten() {
         if let Some(operation) = operations.get_mut(serial, receipt)
             && operation.stage == Stage::Suspended
         {
@@ -449,10 +458,10 @@ fn side(exchange: &Exchange<'_>) -> Side {
     if exchange.record.direction == Direction::In { Side::Server } else { Side::Client }
 }
 
-impl Asked {
-    fn of(exchange: &Exchange<'_>) -> Self {
+impl SentRequest {
+    fn new(exchange: &Exchange<'_>) -> Self {
         let parts = exchange.type_name.and_then(parts);
-        let objects = parts.and_then(|parts| strings(exchange.field(parts.asked)));
+        let objects = parts.and_then(|parts| strings(exchange.field(parts.request_field)));
         let repeated = objects.as_deref().and_then(repeated);
         let objects: Option<BTreeSet<String>> = objects.map(BTreeSet::from_iter);
         let filter = exchange.field("filter").map(|filter| strings(Some(filter)).unwrap_or_default());
@@ -468,7 +477,7 @@ impl Asked {
             filter: filter.map(BTreeSet::from_iter),
             is_setting,
             time: exchange.time,
-            place: exchange.record.place,
+            location: exchange.record.location,
             waited: None,
             is_sound: exchange.is_sound(),
             trial: exchange.record.trial.map(|trial| (trial.rule, trial.how.to_owned())),
@@ -494,5 +503,5 @@ fn repeated(texts: &[String]) -> Option<String> {
 fn strings(list: Option<&Tree<'_>>) -> Option<Vec<String>> {
     let Some(Tree::List(values)) = list else { return None };
     let short = |value: &Tree<'_>| Some(value.as_str()?.to_owned()).filter(|text| text.len() <= MAX_ID);
-    if values.len() > MAX_ASKED { None } else { values.iter().map(short).collect() }
+    if values.len() > MAX_REQUEST_IDS { None } else { values.iter().map(short).collect() }
 }

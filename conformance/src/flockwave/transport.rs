@@ -13,14 +13,14 @@
 //! use std::time::{Duration, Instant};
 //!
 //! use uavspec_conformance::serve::{Options, Server, Transport};
-//! use uavspec_conformance::transport::{Endpoint, Heard, connect};
+//! use uavspec_conformance::transport::{Endpoint, Received, connect};
 //!
 //! let server = Server::start(Options::default(), &[(Transport::SocketIo, "127.0.0.1:0".parse().unwrap())])?;
 //! let endpoint: Endpoint = server.listening()[0].to_string().parse().unwrap();
 //! let until = Instant::now() + Duration::from_secs(60);
 //! let mut client = connect(&endpoint, until)?;
 //! client.send(br#"{"$fw.version": "1.0", "id": "42", "body": {"type": "SYS-VER"}}"#)?;
-//! assert!(matches!(client.hear(until)?, Heard::Message(_)));
+//! assert!(matches!(client.receive(until)?, Received::Message(_)));
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
@@ -31,7 +31,7 @@ pub(crate) mod http;
 pub(crate) mod lines;
 pub(crate) mod socketio;
 
-pub use self::client::{Client, Heard, connect};
+pub use self::client::{Client, Received, connect};
 pub use self::endpoint::{Carrier, Endpoint};
 pub use self::engine::Revision;
 

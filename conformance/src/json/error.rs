@@ -8,12 +8,12 @@ pub struct SyntaxError {
     /// The offset of the byte.
     pub at: usize,
     /// The problem at that byte.
-    pub what: &'static str,
+    pub problem: &'static str,
 }
 
 impl fmt::Display for SyntaxError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "no JSON: {} at byte {}", self.what, self.at)
+        write!(formatter, "no JSON: {} at byte {}", self.problem, self.at)
     }
 }
 

@@ -15,7 +15,7 @@ const MAX_DEPTH: usize = 127;
 const MAX_DIGITS: usize = 18;
 
 /// The error at the end of a text that stops too early.
-pub(crate) const CUT_OFF: &str = "it is cut off";
+pub(crate) const TRUNCATED: &str = "it is cut off";
 
 /// The tokens that are not JSON although programs write them.
 const NOT_JSON: [&str; 3] = ["NaN", "Infinity", "-Infinity"];
@@ -78,9 +78,9 @@ impl<'t> Tokens<'t> {
     }
 
     /// An error at this position.
-    pub(crate) fn error(&self, what: &'static str) -> SyntaxError {
-        let what = if self.at >= self.text.len() { CUT_OFF } else { what };
-        SyntaxError { at: self.at, what }
+    pub(crate) fn error(&self, problem: &'static str) -> SyntaxError {
+        let problem = if self.at >= self.text.len() { TRUNCATED } else { problem };
+        SyntaxError { at: self.at, problem }
     }
 
     /// Skips spaces, and returns the next byte without taking it.
@@ -153,10 +153,10 @@ impl<'t> Tokens<'t> {
         }
         self.at += 1;
         self.depth += 1;
-        let mut goes_on = !self.takes(close);
-        while goes_on {
+        let mut has_next = !self.takes(close);
+        while has_next {
             read(self)?;
-            goes_on = self.goes_on(close, expected)?;
+            has_next = self.has_next(close, expected)?;
         }
         self.depth -= 1;
         Ok(())
@@ -164,7 +164,7 @@ impl<'t> Tokens<'t> {
 
     /// Takes a comma, after which another item follows, or what closes the object or array.
     #[inline]
-    fn goes_on(&mut self, close: u8, expected: &'static str) -> Result<bool, SyntaxError> {
+    fn has_next(&mut self, close: u8, expected: &'static str) -> Result<bool, SyntaxError> {
         match self.peek() {
             Some(byte) if byte == b',' || byte == close => {
                 self.at += 1;
@@ -247,8 +247,8 @@ impl<'t> Tokens<'t> {
         if self.peek() != Some(b'"') {
             return Err(self.error("expected a string"));
         }
-        let what = "a string with a control character or a wrong escape";
-        unescaped(self.quoted()?).map(Cow::Owned).ok_or(SyntaxError { at: start, what })
+        let problem = "a string with a control character or a wrong escape";
+        unescaped(self.quoted()?).map(Cow::Owned).ok_or(SyntaxError { at: start, problem })
     }
 
     /// The text between the quotation marks of a string, escapes and all.
@@ -259,7 +259,7 @@ impl<'t> Tokens<'t> {
             let rest = self.text.as_bytes().get(end..).unwrap_or_default();
             let Some(found) = memchr::memchr2(b'"', b'\\', rest) else {
                 self.at = self.text.len();
-                return Err(self.error(CUT_OFF));
+                return Err(self.error(TRUNCATED));
             };
             end += found;
             if self.text.as_bytes()[end] == b'"' {
@@ -331,7 +331,7 @@ impl<'t> Tokens<'t> {
             }
             if !rest.is_empty() && word.as_bytes().starts_with(rest) {
                 self.at = self.text.len();
-                return Err(self.error(CUT_OFF));
+                return Err(self.error(TRUNCATED));
             }
         }
         Err(self.error("expected a value"))
@@ -359,7 +359,7 @@ impl<'t> Tokens<'t> {
             }
             loop {
                 let Some(close) = open.last().copied() else { return Ok(()) };
-                if !self.goes_on(close, "expected `,`")? {
+                if !self.has_next(close, "expected `,`")? {
                     open.pop();
                     continue;
                 }

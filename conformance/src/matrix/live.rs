@@ -25,7 +25,7 @@ const OBSERVE: Duration = Duration::from_millis(1_500);
 const LOSS: Duration = Duration::from_millis(700);
 
 /// How long a client may stay at the server that says farewell: longer than any trial on a connection of its own takes.
-const STAY: Duration = Duration::from_secs(2);
+const FAREWELL_DELAY: Duration = Duration::from_secs(2);
 
 /// How many times as fast as life the simulation goes.
 const SPEED: f64 = 10.0;
@@ -40,7 +40,7 @@ const UAVS: [&str; 2] = ["glider-1", "glider-2"];
 const LOGIN: (&str, &str) = ("pilot", "soar");
 
 /// The ways to a server without a bug: transport, and what follows host and port.
-const WAYS: [(Transport, &str); 7] = [
+const TRANSPORTS: [(Transport, &str); 7] = [
     (Transport::Tcp, ""),
     (Transport::Udp, ""),
     (Transport::Http, ""),
@@ -62,7 +62,7 @@ pub(crate) struct Case {
     /// Whether it wants a login.
     pub has_login: bool,
     /// Whether it says farewell to its clients.
-    pub is_parting: bool,
+    pub sends_farewell: bool,
 }
 
 /// What came of probing a server.
@@ -71,11 +71,11 @@ pub(crate) struct Row {
     /// How it was.
     pub case: Case,
     /// The rules that were broken.
-    pub broken: BTreeSet<&'static str>,
+    pub violated: BTreeSet<&'static str>,
     /// The rules that are broken by the recording.
     pub replayed: BTreeSet<&'static str>,
     /// The rules that were exercised.
-    pub exercised: BTreeSet<&'static str>,
+    pub covered: BTreeSet<&'static str>,
     /// Why not all could be asked.
     pub failure: Option<String>,
 }
@@ -84,7 +84,8 @@ impl Case {
     /// A name for people.
     pub(crate) fn name(&self) -> String {
         let with = |is: bool, what| if is { what } else { "" };
-        let (login, parting) = (with(self.has_login, ", with a login"), with(self.is_parting, ", parting"));
+        let (login, parting) =
+            (with(self.has_login, ", with a login"), with(self.sends_farewell, ", parting"));
         format!("{}{}{login}{parting}", self.transport.name(), self.rest)
     }
 }
@@ -98,10 +99,10 @@ impl Row {
     }
 
     /// What should have been found, and what was.
-    pub(crate) fn told(&self) -> String {
-        let (expected, found) = (list(&self.expected()), list(&self.broken));
+    pub(crate) fn mismatch_text(&self) -> String {
+        let (expected, found) = (list(&self.expected()), list(&self.violated));
         let recorded = match &self.replayed {
-            same if *same == self.broken => String::new(),
+            same if *same == self.violated => String::new(),
             other => format!(", and {} in the recording", list(other)),
         };
         let failure = self.failure.as_ref().map_or_else(String::new, |failure| format!("; {failure}"));
@@ -110,26 +111,27 @@ impl Row {
 
     /// Whether it broke what it should, and nothing else, live and recorded.
     pub(crate) fn is_right(&self) -> bool {
-        self.broken == self.expected() && self.replayed == self.broken
+        self.violated == self.expected() && self.replayed == self.violated
     }
 }
 
 /// All cases: a server without a bug over each transport, and each bug over the one that it shows on.
 pub(crate) fn cases() -> Vec<Case> {
-    let plain = |(transport, rest)| Case { bug: None, transport, rest, has_login: false, is_parting: false };
+    let plain =
+        |(transport, rest)| Case { bug: None, transport, rest, has_login: false, sends_farewell: false };
     let tcp = plain((Transport::Tcp, ""));
-    let odd = [Case { has_login: true, ..tcp }, Case { is_parting: true, ..tcp }];
+    let odd = [Case { has_login: true, ..tcp }, Case { sends_farewell: true, ..tcp }];
     let with_bug = |of: &'static FlockwaveRule| {
         let case = match of.bug.needs {
             Needs::Nothing => tcp,
             Needs::Udp => Case { transport: Transport::Udp, ..tcp },
             Needs::SocketIo => Case { transport: Transport::SocketIo, ..tcp },
             Needs::Login => Case { has_login: true, ..tcp },
-            Needs::Farewell => Case { is_parting: true, ..tcp },
+            Needs::Farewell => Case { sends_farewell: true, ..tcp },
         };
         Case { bug: Some(of), ..case }
     };
-    WAYS.into_iter().map(plain).chain(odd).chain(RULES.into_iter().map(with_bug)).collect()
+    TRANSPORTS.into_iter().map(plain).chain(odd).chain(RULES.into_iter().map(with_bug)).collect()
 }
 
 /// Probes a server for each case, and hands on what came of it, in their order.
@@ -144,16 +146,16 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
         speed: SPEED,
         rate: RATE,
         losses: vec![("glider-5".to_owned(), LOSS)],
-        stay: case.is_parting.then_some(STAY),
+        stay: case.sends_farewell.then_some(FAREWELL_DELAY),
         login: case.has_login.then(|| (LOGIN.0.to_owned(), LOGIN.1.to_owned())),
         ..serve::Options::default()
     };
     let free = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
     let server = Server::start(options, &[(case.transport, free)])?;
-    let Some(place) = server.listening().first() else {
+    let Some(listening) = server.listening().first() else {
         return Err(io::Error::other("it listens nowhere"));
     };
-    let endpoint: Endpoint = format!("{place}{}", case.rest).parse().map_err(io::Error::other)?;
+    let endpoint: Endpoint = format!("{listening}{}", case.rest).parse().map_err(io::Error::other)?;
     // Over HTTP nobody hears what comes of a command.
     let uavs = if case.transport == Transport::Http { &[][..] } else { &UAVS[..] };
     let login = case.has_login.then(|| (LOGIN.0.to_owned(), LOGIN.1.to_owned()));
@@ -165,20 +167,20 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
     let replayed = check_capture(&**recording, None, definitions)?;
     Ok(Row {
         case: *case,
-        broken: broken(&probed.result),
-        replayed: broken(&replayed),
-        exercised: exercised(&probed.result),
+        violated: violated(&probed.result),
+        replayed: violated(&replayed),
+        covered: covered(&probed.result),
         failure: probed.failure,
     })
 }
 
-fn broken(judgement: &CaptureResult) -> BTreeSet<&'static str> {
-    judgement.findings.groups().map(|group| group.rule.id).collect()
+fn violated(result: &CaptureResult) -> BTreeSet<&'static str> {
+    result.findings.groups().map(|group| group.rule.id).collect()
 }
 
-fn exercised(judgement: &CaptureResult) -> BTreeSet<&'static str> {
-    let is_exercised = |rule: &&&'static crate::model::Rule| judgement.findings.exercised(rule) > 0;
-    crate::rules::RULES.iter().filter(is_exercised).map(|rule| rule.id).collect()
+fn covered(result: &CaptureResult) -> BTreeSet<&'static str> {
+    let is_covered = |rule: &&&'static crate::model::Rule| result.findings.covered(rule) > 0;
+    crate::rules::RULES.iter().filter(is_covered).map(|rule| rule.id).collect()
 }
 
 /// A recording in memory.

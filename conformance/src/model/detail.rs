@@ -3,7 +3,7 @@
 use std::fmt;
 
 use uavspec_codegen::schema::Restriction;
-use uavspec_runtime::{Number, Rule};
+use uavspec_runtime::{Constraint, Number, Rule};
 
 /// How many documented values are listed.
 const MAX_LISTED: usize = 12;
@@ -93,21 +93,21 @@ pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
 
 impl Detail {
     /// A number breaks a rule.
-    pub(crate) fn of_number(rule: Rule, found: Number, restriction: &Restriction) -> Self {
-        let Restriction { low, high, count, known, is_flags, .. } = restriction;
+    pub(crate) fn number(rule: Rule, found: Number, restriction: &Restriction) -> Self {
+        let Constraint { low, high, count, known, is_flags, .. } = restriction.constraint();
         let expected = match (rule, low, high) {
             (Rule::Range, Some(low), Some(high)) => format!("{low} to {high}"),
             (Rule::Range, Some(low), None) => format!("{low} or more"),
             (Rule::Range, None, Some(high)) => format!("{high} at most"),
             (Rule::Count, ..) => format!("{} at most", count.unwrap_or_default()),
             (Rule::Enum, ..) => {
-                let known = known.as_deref().unwrap_or_default();
+                let known = known.unwrap_or_default();
                 let listed: Vec<String> = known.iter().take(MAX_LISTED).map(ToString::to_string).collect();
                 let more = if known.len() > MAX_LISTED { ", …" } else { "" };
-                format!("{} {}{more}", if *is_flags { "bits of" } else { "one of" }, listed.join(", "))
+                format!("{} {}{more}", if is_flags { "bits of" } else { "one of" }, listed.join(", "))
             }
             (Rule::Nan, ..) => "a number".to_owned(),
-            (Rule::Range | Rule::Bound | Rule::Text, ..) => String::new(),
+            _ => String::new(),
         };
         let text = Explained { rule, found, restriction }.to_string();
         // The rule stands beside it in any report.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use uavspec_codegen::source::Span;
 
-use crate::model::{Detail, Excuse, Level, Place, Rule};
+use crate::model::{Detail, Excuse, Level, Location, Rule};
 
 /// How many places of equal findings are kept.
 const MAX_EXAMPLES: usize = 3;
@@ -22,7 +22,7 @@ pub struct Group {
     /// How often.
     pub count: u64,
     /// The first of them: where, and what was found there.
-    pub examples: Vec<(Place, Detail)>,
+    pub examples: Vec<(Location, Detail)>,
     /// The message that has the least in common with the first one, at their beginnings; none where all are as that.
     pub farthest: Option<String>,
     /// How much all messages have in common at their beginnings, in bytes.
@@ -67,7 +67,7 @@ pub enum Verdict {
     /// It is broken, or rather shown: it judges nothing.
     Shown,
     /// Nothing was there that it could have judged.
-    NotExercised,
+    NotCovered,
 }
 
 /// All findings of a run.
@@ -82,17 +82,17 @@ pub struct Findings {
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
     /// How many groups it has.
-    kept: usize,
+    num_groups: usize,
     /// How often it was exercised.
-    exercised: u64,
+    covered: u64,
     /// How many findings belong to no group, as there are too many.
     dropped: u64,
 }
 
 impl Findings {
     /// A rule was exercised so often.
-    pub(crate) fn exercise(&mut self, rule: &'static Rule, times: u64) {
-        self.counts_of(rule).exercised += times;
+    pub(crate) fn cover(&mut self, rule: &'static Rule, times: u64) {
+        self.counts_of(rule).covered += times;
     }
 
     /// Something in `subject` breaks a rule.
@@ -100,18 +100,18 @@ impl Findings {
         &mut self,
         rule: &'static Rule,
         subject: &str,
-        place: Place,
+        location: Location,
         definition: Option<Span>,
         detail: impl FnOnce() -> Detail,
     ) {
         let key = (rule.id, subject.to_owned());
         if !self.groups.contains_key(&key) {
             let counts = self.counts_of(rule);
-            if counts.kept >= MAX_GROUPS {
+            if counts.num_groups >= MAX_GROUPS {
                 counts.dropped += 1;
                 return;
             }
-            counts.kept += 1;
+            counts.num_groups += 1;
         }
         let group = self.groups.entry(key).or_insert_with(|| Group {
             rule,
@@ -132,7 +132,7 @@ impl Findings {
         let detail = detail();
         group.compare(detail.to_string());
         if !has_examples {
-            group.examples.push((place, detail));
+            group.examples.push((location, detail));
         }
     }
 
@@ -155,7 +155,7 @@ impl Findings {
     }
 
     /// The groups of a rule.
-    pub fn of(&self, rule: &'static Rule) -> impl Iterator<Item = &Group> {
+    pub fn groups_of(&self, rule: &'static Rule) -> impl Iterator<Item = &Group> {
         let first = (rule.id, String::new());
         self.groups.range(first..).map(|(_, group)| group).take_while(|group| group.rule.id == rule.id)
     }
@@ -166,9 +166,9 @@ impl Findings {
     }
 
     /// How often a rule was exercised.
-    pub fn exercised(&self, rule: &Rule) -> u64 {
+    pub fn covered(&self, rule: &Rule) -> u64 {
         // A finding says that there was something to judge.
-        self.known_counts_of(rule).map_or(0, |counts| counts.exercised.max(u64::from(counts.kept > 0)))
+        self.known_counts_of(rule).map_or(0, |counts| counts.covered.max(u64::from(counts.num_groups > 0)))
     }
 
     /// The counts of a rule that was exercised or violated. They are looked up with each message, and an address is
@@ -195,13 +195,13 @@ impl Findings {
 
     /// What came of a rule. What was too much to be kept can't be told to be known.
     pub fn verdict(&self, rule: &'static Rule) -> Verdict {
-        let is_known = self.dropped(rule) == 0 && self.of(rule).all(|group| group.known.is_some());
-        match (self.of(rule).next().is_some(), rule.level) {
+        let is_known = self.dropped(rule) == 0 && self.groups_of(rule).all(|group| group.known.is_some());
+        match (self.groups_of(rule).next().is_some(), rule.level) {
             (true, _) if is_known => Verdict::Known,
             (true, Level::Must) => Verdict::Fail,
             (true, Level::Should) => Verdict::Warn,
             (true, Level::Info) => Verdict::Shown,
-            (false, _) if self.exercised(rule) == 0 => Verdict::NotExercised,
+            (false, _) if self.covered(rule) == 0 => Verdict::NotCovered,
             (false, _) => Verdict::Pass,
         }
     }
@@ -216,27 +216,27 @@ mod tests {
         let mut findings = Findings::default();
         for (line, message) in (1..).zip(messages) {
             let rule = rule("PX-BOOL-01").expect("a rule");
-            findings.report(rule, "glider.is_landed", Place::Line(line), None, || Detail::new(*message));
+            findings.report(rule, "glider.is_landed", Location::Line(line), None, || Detail::new(*message));
         }
         findings
     }
 
-    fn told(findings: &Findings) -> Vec<String> {
+    fn messages_of(findings: &Findings) -> Vec<String> {
         findings.groups().flat_map(Group::messages).collect()
     }
 
     #[test]
     fn a_message_that_is_no_example_is_not_forgotten() {
         let odd = ["153 is no bool", "153 is no bool", "153 is no bool", "15 is no bool", "94 is no bool"];
-        assert_eq!(told(&reported(&odd[..3])), odd[..3]);
+        assert_eq!(messages_of(&reported(&odd[..3])), odd[..3]);
         for all in [&odd[..4], &odd] {
             let findings = reported(all);
-            let messages = told(&findings);
+            let messages = messages_of(&findings);
             assert_eq!(messages.last().map(String::as_str), all.last().copied());
             for start in ["153", "15", "1", "94", ""] {
                 let begin = |messages: &[&str]| messages.iter().all(|message| message.starts_with(start));
-                let told: Vec<&str> = messages.iter().map(String::as_str).collect();
-                assert_eq!(begin(&told), begin(all), "{start} of {all:?}");
+                let reported: Vec<&str> = messages.iter().map(String::as_str).collect();
+                assert_eq!(begin(&reported), begin(all), "{start} of {all:?}");
             }
             assert_eq!(findings.groups().map(|group| group.count).sum::<u64>(), all.len() as u64);
         }

@@ -12,14 +12,14 @@ use crate::text::Grouped;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
-pub enum Place {
+pub enum Location {
     /// At a byte, from 0.
     Byte(u64),
     /// In a line, from 1.
     Line(u64),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Byte(offset) => write!(formatter, "byte {}", Grouped(*offset)),
@@ -44,7 +44,7 @@ pub enum Extent {
     WithGaps,
     /// Not to its end: reading or unpacking it failed.
     #[serde(rename = "broken off")]
-    BrokenOff,
+    Unreadable,
 }
 
 /// A stream of messages of one type: a subscription of a log, a topic of a capture.
@@ -61,7 +61,7 @@ pub(crate) struct Channel<'c> {
     /// The version that its messages have, where the source itself says that; otherwise it is that of the definition.
     pub version: Option<u32>,
     /// Where it was opened.
-    pub place: Place,
+    pub location: Location,
 }
 
 /// A message on a channel.
@@ -72,7 +72,7 @@ pub(crate) struct Message<'m> {
     /// Its fields, where a rule wants them (`Interest::Values`) and they can be read.
     pub values: Option<DynamicView<'m>>,
     /// Where it stands.
-    pub place: Place,
+    pub location: Location,
 }
 
 #[cfg(test)]
@@ -81,8 +81,8 @@ mod tests {
 
     #[test]
     fn places_are_read_easily() {
-        assert_eq!(Place::Byte(401_220).to_string(), "byte 401,220");
-        assert_eq!(Place::Line(7).to_string(), "line 7");
-        assert_eq!(Place::Byte(1_000_000).to_string(), "byte 1,000,000");
+        assert_eq!(Location::Byte(401_220).to_string(), "byte 401,220");
+        assert_eq!(Location::Line(7).to_string(), "line 7");
+        assert_eq!(Location::Byte(1_000_000).to_string(), "byte 1,000,000");
     }
 }

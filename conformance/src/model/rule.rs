@@ -63,6 +63,12 @@ pub struct Rule {
     pub source: &'static str,
     /// What it is about.
     pub applies_to: &'static str,
+    /// The harm that a violation does.
+    pub why: &'static str,
+    /// A violation: a message, or a value and its definition.
+    pub example: &'static str,
+    /// The way to correct a violation.
+    pub fix: &'static str,
 }
 
 impl Rule {

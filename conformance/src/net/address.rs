@@ -64,8 +64,8 @@ mod tests {
             ("[]:7700", "no host"),
             ("2001:db8::7:7700", "[2001:db8::7]:7700"),
         ] {
-            let said = text.parse::<Address>().expect_err(text);
-            assert!(said.contains(wrong), "{said}");
+            let text = text.parse::<Address>().expect_err(text);
+            assert!(text.contains(wrong), "{text}");
         }
     }
 }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use super::Address;
 
 /// How often a testee is looked for that may be starting again.
-const RETRY: Duration = Duration::from_millis(50);
+const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
 /// An open connection. Dropping it closes it.
 pub(crate) struct Connection(TcpStream);
@@ -41,7 +41,7 @@ impl Connection {
         loop {
             match Self::open(address, until) {
                 Err(error) if error.kind() == io::ErrorKind::ConnectionRefused && Instant::now() < until => {
-                    thread::sleep(RETRY);
+                    thread::sleep(RETRY_INTERVAL);
                 }
                 other => return other,
             }
@@ -54,7 +54,7 @@ impl Connection {
     }
 
     /// Ends it, both ways.
-    pub(crate) fn cut(&self) {
+    pub(crate) fn shut_down(&self) {
         // It may have ended by itself.
         let _ = self.0.shutdown(Shutdown::Both);
     }
@@ -62,7 +62,7 @@ impl Connection {
 
 impl Drop for Connection {
     fn drop(&mut self) {
-        self.cut();
+        self.shut_down();
     }
 }
 

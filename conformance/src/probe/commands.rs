@@ -6,24 +6,24 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::Probe;
-use super::survey::with_nobody;
-use crate::rules::flockwave::trial::NOBODY;
+use super::survey::with_unknown_id;
+use crate::rules::flockwave::trial::UNKNOWN_ID;
 use crate::rules::flockwave::{FlockwaveRule, asy_10, asy_19, env_07};
 
 /// How many steps there are, more or less.
 pub(super) const STEPS: usize = 25;
 
 /// How much longer all may take with commands.
-pub(super) const TIME: Duration = Duration::from_secs(45);
+pub(super) const EXTRA_TIME: Duration = Duration::from_secs(45);
 
 /// How long an operation may take until something is heard of it, or of its end.
-const WORD: Duration = Duration::from_secs(11);
+const PROGRESS_TIMEOUT: Duration = Duration::from_secs(11);
 
 /// How long an operation may take that takes no time.
 const END: Duration = Duration::from_secs(20);
 
 /// How long is waited for an operation to be suspended, or to go on though it is.
-const SUSPENSION: Duration = Duration::from_millis(1_500);
+const SUSPENSION_TIMEOUT: Duration = Duration::from_millis(1_500);
 
 /// How long a UAV goes on with what it does in the air.
 const FLIGHT: Duration = Duration::from_secs(1);
@@ -44,9 +44,9 @@ impl Probe<'_, '_> {
             self.note(format!("no such UAV, so no commands were sent to it: {}", missing.join(", ")));
         }
         let Some(first) = known.first().cloned() else { return };
-        self.ask(json!({ "type": "SYS-TIME" }));
-        self.ask(json!({ "type": "SYS-TIME", "adjustment": 0 }));
-        self.ask(json!({ "type": "SYS-TIME" }));
+        self.query(json!({ "type": "SYS-TIME" }));
+        self.query(json!({ "type": "SYS-TIME", "adjustment": 0 }));
+        self.query(json!({ "type": "SYS-TIME" }));
         self.suspend(&first);
         self.cancel(&first);
         self.store(&known, &first);
@@ -56,75 +56,75 @@ impl Probe<'_, '_> {
 
     /// An operation that may stop half-way until it is told to go on.
     fn suspend(&mut self, uav: &str) {
-        let calibrate = json!({ "type": "UAV-CALIB", "ids": [uav, NOBODY], "component": "compass" });
-        let Some(receipt) = receipt(self.ask(calibrate).as_ref()) else { return };
+        let calibrate = json!({ "type": "UAV-CALIB", "ids": [uav, UNKNOWN_ID], "component": "compass" });
+        let Some(receipt) = receipt(self.query(calibrate).as_ref()) else { return };
         let resume = json!({ "type": "ASYNC-RESUME", "ids": [receipt], "values": {} });
-        self.ask_trying(&asy_19::RULE, resume.clone());
+        self.query_for_trial(&asy_19::RULE, resume.clone());
         let is_word = |message: &Value| message["body"]["suspended"] == true || is_end(message, &receipt);
-        let word = self.wait(WORD, is_word);
+        let word = self.wait(PROGRESS_TIMEOUT, is_word);
         // Whoever is suspended has to stay so; and of whom nothing is heard may be suspended, too.
         let is_stopped = word.is_none_or(|message| !is_end(&message, &receipt))
-            && self.wait(SUSPENSION, |message| is_end(message, &receipt)).is_none();
+            && self.wait(SUSPENSION_TIMEOUT, |message| is_end(message, &receipt)).is_none();
         if is_stopped {
-            self.ask(resume);
-            self.wait(WORD, |message| is_end(message, &receipt));
+            self.query(resume);
+            self.wait(PROGRESS_TIMEOUT, |message| is_end(message, &receipt));
         }
     }
 
     /// An operation that is cancelled on the way.
     fn cancel(&mut self, uav: &str) {
         let calibrate = json!({ "type": "UAV-CALIB", "ids": [uav], "component": "baro" });
-        let Some(receipt) = receipt(self.ask(calibrate).as_ref()) else { return };
-        self.ask(json!({ "type": "ASYNC-CANCEL", "ids": [receipt, NOBODY] }));
-        self.wait(WORD, |message| is_end(message, &receipt));
+        let Some(receipt) = receipt(self.query(calibrate).as_ref()) else { return };
+        self.query(json!({ "type": "ASYNC-CANCEL", "ids": [receipt, UNKNOWN_ID] }));
+        self.wait(PROGRESS_TIMEOUT, |message| is_end(message, &receipt));
     }
 
     /// Parameters and logs.
     fn store(&mut self, uavs: &[String], first: &str) {
-        let ids = with_nobody(uavs);
-        self.ask(json!({ "type": "PRM-GET", "ids": ids, "name": "PROBE_NONE" }));
-        self.ask(json!({ "type": "PRM-SET-MANY", "ids": ids, "parameters": { "PROBE_NONE": 1 } }));
-        self.ask(json!({ "type": "LOG-INF", "ids": ids }));
-        self.ask(json!({ "type": "LOG-DATA", "uavId": first, "logId": "1" }));
+        let ids = with_unknown_id(uavs);
+        self.query(json!({ "type": "PRM-GET", "ids": ids, "name": "PROBE_NONE" }));
+        self.query(json!({ "type": "PRM-SET-MANY", "ids": ids, "parameters": { "PROBE_NONE": 1 } }));
+        self.query(json!({ "type": "LOG-INF", "ids": ids }));
+        self.query(json!({ "type": "LOG-DATA", "uavId": first, "logId": "1" }));
     }
 
     /// A short flight.
     fn fly(&mut self, uavs: &[String], first: &str) {
-        let ids = with_nobody(uavs);
+        let ids = with_unknown_id(uavs);
         let test = json!({ "type": "UAV-TEST", "ids": ids, "component": "led" });
         self.operate(&asy_10::RULE, END, test);
-        self.ask(json!({ "type": "UAV-SIGNAL", "ids": ids, "signals": ["light"], "duration": 500 }));
-        self.operate(&env_07::RULE, WORD, json!({ "type": "UAV-TAKEOFF", "ids": ids }));
+        self.query(json!({ "type": "UAV-SIGNAL", "ids": ids, "signals": ["light"], "duration": 500 }));
+        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-TAKEOFF", "ids": ids }));
         self.listen(FLIGHT);
-        let state = self.ask(json!({ "type": "UAV-INF", "ids": [first] }));
+        let state = self.query(json!({ "type": "UAV-INF", "ids": [first] }));
         let position = state.map(|answer| answer["body"]["status"][first]["position"].clone());
         if let Some([latitude, longitude, ..]) =
             position.as_ref().and_then(Value::as_array).map(Vec::as_slice)
         {
             let target = json!([latitude, longitude, null, HEIGHT]);
-            self.ask(json!({ "type": "UAV-FLY", "ids": [first], "target": target }));
+            self.query(json!({ "type": "UAV-FLY", "ids": [first], "target": target }));
             self.listen(FLIGHT);
         }
         for kind in ["UAV-HOVER", "UAV-RTH"] {
-            self.ask(json!({ "type": kind, "ids": ids }));
+            self.query(json!({ "type": kind, "ids": ids }));
         }
-        self.operate(&env_07::RULE, WORD, json!({ "type": "UAV-LAND", "ids": ids }));
+        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-LAND", "ids": ids }));
     }
 
     /// UAVs that sleep answer nothing, which has to be told as well.
     fn sleep(&mut self, uavs: &[String]) {
-        self.operate(&env_07::RULE, WORD, json!({ "type": "UAV-SLEEP", "ids": uavs }));
+        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-SLEEP", "ids": uavs }));
         self.operate(
             &env_07::RULE,
-            WORD,
+            PROGRESS_TIMEOUT,
             json!({ "type": "UAV-SIGNAL", "ids": uavs, "signals": ["light"], "duration": 500 }),
         );
-        self.operate(&env_07::RULE, WORD, json!({ "type": "UAV-WAKEUP", "ids": uavs }));
+        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-WAKEUP", "ids": uavs }));
     }
 
     /// A command, and the end of the first operation that it starts.
     fn operate(&mut self, of: &'static FlockwaveRule, limit: Duration, body: Value) {
-        if let Some(receipt) = receipt(self.ask_trying(of, body).as_ref()) {
+        if let Some(receipt) = receipt(self.query_for_trial(of, body).as_ref()) {
             self.wait(limit, |message| is_end(message, &receipt));
         }
     }

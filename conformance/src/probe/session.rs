@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::tape::Tape;
 use crate::flockwave::record::{Direction, Trial};
-use crate::flockwave::transport::client::{Client, Heard, connect};
+use crate::flockwave::transport::client::{Client, Received, connect};
 use crate::flockwave::transport::endpoint::Endpoint;
 
 /// How many ids of requests without an answer are kept.
@@ -19,7 +19,7 @@ const MAX_WAITING: usize = 1_000;
 const CLOSED: &str = "eof";
 
 /// How long is listened for what a server said before it closed the connection.
-const LAST_WORDS: Duration = Duration::from_millis(200);
+const DRAIN_TIMEOUT: Duration = Duration::from_millis(200);
 
 /// A connection.
 pub(super) struct Session {
@@ -30,7 +30,7 @@ pub(super) struct Session {
     client: Box<dyn Client>,
     waiting: BTreeSet<String>,
     /// The last request.
-    asked: Option<String>,
+    last_request: Option<String>,
     /// How many answers came without an envelope.
     bare: u64,
     is_over: bool,
@@ -55,7 +55,7 @@ impl Session {
             is_stream,
             client,
             waiting: BTreeSet::new(),
-            asked: None,
+            last_request: None,
             bare: 0,
             is_over: false,
         })
@@ -102,7 +102,7 @@ impl Session {
             }
             sent => {
                 self.end_with(tape, sent);
-                self.asked = id.map(str::to_owned);
+                self.last_request = id.map(str::to_owned);
             }
         }
     }
@@ -128,10 +128,10 @@ impl Session {
     }
 
     /// Waits for the next message that is JSON.
-    pub(super) fn hear(&mut self, tape: &mut Tape<'_>, until: Instant) -> Option<Value> {
+    pub(super) fn receive(&mut self, tape: &mut Tape<'_>, until: Instant) -> Option<Value> {
         while !self.is_over {
-            match self.client.hear(until) {
-                Ok(Heard::Message(bytes)) => match self.enveloped(bytes) {
+            match self.client.receive(until) {
+                Ok(Received::Message(bytes)) => match self.enveloped(bytes) {
                     Ok(bytes) => {
                         tape.message(&self.name, Direction::In, &bytes, None);
                         if let Ok(message) = serde_json::from_slice::<Value>(&bytes) {
@@ -141,9 +141,9 @@ impl Session {
                     }
                     Err(bytes) => tape.failed(&self.name, &String::from_utf8_lossy(&bytes)),
                 },
-                Ok(Heard::TooLong) => tape.too_long(&self.name),
-                Ok(Heard::Silence) => return None,
-                Ok(Heard::End) => self.over(tape, CLOSED),
+                Ok(Received::TooLong) => tape.too_long(&self.name),
+                Ok(Received::Silence) => return None,
+                Ok(Received::End) => self.over(tape, CLOSED),
                 Err(error) => self.fail(tape, &error),
             }
             if Instant::now() >= until {
@@ -155,7 +155,7 @@ impl Session {
 
     /// Listens until all requests have their answers, or the time is over.
     pub(super) fn settle(&mut self, tape: &mut Tape<'_>, until: Instant) {
-        while self.is_waiting() && Instant::now() < until && self.hear(tape, until).is_some() {}
+        while self.is_waiting() && Instant::now() < until && self.receive(tape, until).is_some() {}
     }
 
     /// Waits for the answer to a request.
@@ -170,7 +170,7 @@ impl Session {
         until: Instant,
         is_wanted: impl Fn(&Value) -> bool,
     ) -> Option<Value> {
-        while let Some(message) = self.hear(tape, until) {
+        while let Some(message) = self.receive(tape, until) {
             if is_wanted(&message) {
                 return Some(message);
             }
@@ -192,9 +192,9 @@ impl Session {
     /// has no id, it is an error.
     fn enveloped(&mut self, bytes: Vec<u8>) -> Result<Vec<u8>, Vec<u8>> {
         let Some(body) = bare(&bytes).filter(|_| self.is_one_shot) else { return Ok(bytes) };
-        let Some(asked) = &self.asked else { return Err(bytes) };
+        let Some(last_request) = &self.last_request else { return Err(bytes) };
         self.bare += 1;
-        let (id, refs) = (format!("bare-{}", self.bare), Value::from(asked.as_str()));
+        let (id, refs) = (format!("bare-{}", self.bare), Value::from(last_request.as_str()));
         Ok(format!(r#"{{"$fw.version":"1.0","id":"{id}","refs":{refs},"body":{}}}"#, body.get()).into_bytes())
     }
 
@@ -216,8 +216,8 @@ impl Session {
         let Err(error) = sent else { return };
         if is_end(&error) {
             // What was said before stays said.
-            let until = Instant::now() + LAST_WORDS;
-            while self.hear(tape, until).is_some() {}
+            let until = Instant::now() + DRAIN_TIMEOUT;
+            while self.receive(tape, until).is_some() {}
             self.over(tape, CLOSED);
         } else {
             self.fail(tape, &error);

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::Probe;
-use crate::rules::flockwave::trial::{self, NOBODY};
+use crate::rules::flockwave::trial::{self, UNKNOWN_ID};
 use crate::rules::flockwave::{ack_06, env_24, sys_ping_01};
 
 /// How many steps there are, more or less.
@@ -22,7 +22,7 @@ const MAX_OBJECTS: usize = 50;
 const UAVS: Duration = Duration::from_secs(5);
 
 /// How long it waits from one look to the next.
-const LOOK: Duration = Duration::from_millis(400);
+const POLL_INTERVAL: Duration = Duration::from_millis(400);
 
 impl Probe<'_, '_> {
     /// Asks all that can be asked without changing anything.
@@ -33,107 +33,110 @@ impl Probe<'_, '_> {
         let uavs = self.fleet();
         self.lists(&uavs);
         self.trials(&uavs);
-        self.ask(json!({ "type": "SYS-TIME" }));
+        self.query(json!({ "type": "SYS-TIME" }));
         self.observe();
         self.command(&uavs);
-        self.ask(json!({ "type": "UAV-LIST" }));
-        self.ask(json!({ "type": "OBJ-LIST" }));
+        self.query(json!({ "type": "UAV-LIST" }));
+        self.query(json!({ "type": "OBJ-LIST" }));
     }
 
     /// The server itself; whether it serves at all.
     fn server(&mut self) -> bool {
-        let login = self.ask_trying(&env_24::RULE, json!({ "type": "AUTH-INF" }));
+        let login = self.query_for_trial(&env_24::RULE, json!({ "type": "AUTH-INF" }));
         let is_required = login.is_some_and(|answer| answer["body"]["required"] == true);
         if is_required {
-            self.ask_trying(&ack_06::RULE, json!({ "type": "UAV-LIST" }));
+            self.query_for_trial(&ack_06::RULE, json!({ "type": "UAV-LIST" }));
             if self.options.login.is_none() {
                 self.fail("it wants a login: give one with --login".to_owned());
                 return false;
             }
         }
         self.log_in();
-        self.ask(json!({ "type": "AUTH-WHOAMI" }));
-        self.ask_trying(&sys_ping_01::RULE, json!({ "type": "SYS-PING" }));
-        self.ask_trying(&env_24::RULE, json!({ "type": "SYS-VER" }));
-        self.ask(json!({ "type": "SYS-VER" }));
+        self.query(json!({ "type": "AUTH-WHOAMI" }));
+        self.query_for_trial(&sys_ping_01::RULE, json!({ "type": "SYS-PING" }));
+        self.query_for_trial(&env_24::RULE, json!({ "type": "SYS-VER" }));
+        self.query(json!({ "type": "SYS-VER" }));
         for _ in 0..2 {
-            self.ask(json!({ "type": "SYS-TIME" }));
+            self.query(json!({ "type": "SYS-TIME" }));
         }
-        self.ask(json!({ "type": "SYS-PORTS" }));
-        self.ask(json!({ "type": NOTHING }));
+        self.query(json!({ "type": "SYS-PORTS" }));
+        self.query(json!({ "type": NOTHING }));
         !self.is_late() && self.failure.is_none()
     }
 
     /// Which UAVs there are, how they are, and what else there is.
     fn fleet(&mut self) -> Vec<String> {
         let began = Instant::now();
-        let mut uavs = ids(self.ask_trying(&env_24::RULE, json!({ "type": "UAV-LIST" })).as_ref());
-        while uavs.is_empty() && began.elapsed() < UAVS && !self.is_late() && self.standing() {
-            self.listen(LOOK);
-            uavs = ids(self.ask(json!({ "type": "UAV-LIST" })).as_ref());
+        let mut uavs = ids(self.query_for_trial(&env_24::RULE, json!({ "type": "UAV-LIST" })).as_ref());
+        while uavs.is_empty() && began.elapsed() < UAVS && !self.is_late() && self.ensure_connected() {
+            self.listen(POLL_INTERVAL);
+            uavs = ids(self.query(json!({ "type": "UAV-LIST" })).as_ref());
         }
         if uavs.is_empty() {
             self.note(format!("no UAV has appeared within {} s", UAVS.as_secs()));
-        } else if began.elapsed() > LOOK {
+        } else if began.elapsed() > POLL_INTERVAL {
             self.note(format!("the first UAV appeared after {:.1} s", began.elapsed().as_secs_f64()));
             // The others are on their way.
-            self.listen(LOOK * 4);
+            self.listen(POLL_INTERVAL * 4);
         }
-        self.ask(json!({ "type": "UAV-LIST" }));
-        self.ask_trying(&env_24::RULE, json!({ "type": "OBJ-LIST", "filter": ["uav"] }));
-        uavs = ids(self.ask(json!({ "type": "UAV-LIST" })).as_ref());
-        self.ask(json!({ "type": "OBJ-LIST" }));
+        self.query(json!({ "type": "UAV-LIST" }));
+        self.query_for_trial(&env_24::RULE, json!({ "type": "OBJ-LIST", "filter": ["uav"] }));
+        uavs = ids(self.query(json!({ "type": "UAV-LIST" })).as_ref());
+        self.query(json!({ "type": "OBJ-LIST" }));
         for kind in ["uav", "beacon", "weatherStation", "dock"] {
-            self.ask(json!({ "type": "OBJ-LIST", "filter": [kind] }));
+            self.query(json!({ "type": "OBJ-LIST", "filter": [kind] }));
         }
-        self.ask(json!({ "type": "OBJ-LIST" }));
+        self.query(json!({ "type": "OBJ-LIST" }));
         uavs.truncate(MAX_OBJECTS);
         if !uavs.is_empty() {
             for kind in ["UAV-INF", "UAV-VER", "UAV-PREFLT"] {
-                self.ask(json!({ "type": kind, "ids": with_nobody(&uavs) }));
+                self.query(json!({ "type": kind, "ids": with_unknown_id(&uavs) }));
             }
-            self.ask(json!({ "type": "UAV-LIST" }));
+            self.query(json!({ "type": "UAV-LIST" }));
         }
         uavs
     }
 
     /// What else there is, family by family.
     fn lists(&mut self, uavs: &[String]) {
-        let connections = ids(self.ask_trying(&env_24::RULE, json!({ "type": "CONN-LIST" })).as_ref());
-        self.ask(json!({ "type": "CONN-INF", "ids": with_nobody(&connections) }));
-        let clocks = ids(self.ask(json!({ "type": "CLK-LIST" })).as_ref());
-        self.ask(json!({ "type": "CLK-INF", "ids": with_nobody(&clocks) }));
-        let beacons = ids(self.ask(json!({ "type": "OBJ-LIST", "filter": ["beacon"] })).as_ref());
+        let connections = ids(self.query_for_trial(&env_24::RULE, json!({ "type": "CONN-LIST" })).as_ref());
+        self.query(json!({ "type": "CONN-INF", "ids": with_unknown_id(&connections) }));
+        let clocks = ids(self.query(json!({ "type": "CLK-LIST" })).as_ref());
+        self.query(json!({ "type": "CLK-INF", "ids": with_unknown_id(&clocks) }));
+        let beacons = ids(self.query(json!({ "type": "OBJ-LIST", "filter": ["beacon"] })).as_ref());
         for kind in ["BCN-INF", "BCN-PROPS"] {
-            self.ask(json!({ "type": kind, "ids": with_nobody(&beacons) }));
+            self.query(json!({ "type": kind, "ids": with_unknown_id(&beacons) }));
         }
-        let stations = ids(self.ask(json!({ "type": "WTH-LIST" })).as_ref());
-        self.ask(json!({ "type": "WTH-INF", "ids": with_nobody(&stations) }));
-        self.ask(json!({ "type": "WTH-AT", "position": [474_863_000, 189_151_000] }));
-        let presets = ids(self.ask_trying(&env_24::RULE, json!({ "type": "RTK-LIST" })).as_ref());
-        self.ask(json!({ "type": "RTK-INF", "ids": with_nobody(&presets) }));
+        let stations = ids(self.query(json!({ "type": "WTH-LIST" })).as_ref());
+        self.query(json!({ "type": "WTH-INF", "ids": with_unknown_id(&stations) }));
+        self.query(json!({ "type": "WTH-AT", "position": [474_863_000, 189_151_000] }));
+        let presets = ids(self.query_for_trial(&env_24::RULE, json!({ "type": "RTK-LIST" })).as_ref());
+        self.query(json!({ "type": "RTK-INF", "ids": with_unknown_id(&presets) }));
         for kind in ["RTK-SOURCE", "RTK-STAT", "RTK-SURVEY"] {
-            self.ask(json!({ "type": kind }));
+            self.query(json!({ "type": kind }));
         }
-        let extensions = self.ask_trying(&env_24::RULE, json!({ "type": "EXT-LIST" }));
+        let extensions = self.query_for_trial(&env_24::RULE, json!({ "type": "EXT-LIST" }));
         let extensions = strings(extensions.as_ref().map(|answer| &answer["body"]["loaded"]));
-        self.ask_trying(&env_24::RULE, json!({ "type": "EXT-INF", "ids": with_nobody(&extensions) }));
+        self.query_for_trial(
+            &env_24::RULE,
+            json!({ "type": "EXT-INF", "ids": with_unknown_id(&extensions) }),
+        );
         self.devices(uavs);
     }
 
     /// The devices of a UAV, and a channel of one.
     fn devices(&mut self, uavs: &[String]) {
-        let asked = with_nobody(&uavs[..uavs.len().min(2)]);
-        let trees = self.ask_trying(&env_24::RULE, json!({ "type": "DEV-LIST", "ids": asked }));
+        let ids = with_unknown_id(&uavs[..uavs.len().min(2)]);
+        let trees = self.query_for_trial(&env_24::RULE, json!({ "type": "DEV-LIST", "ids": ids }));
         let channel = trees.as_ref().and_then(|answer| {
             let trees = answer["body"]["devices"].as_object()?;
             trees.iter().find_map(|(id, tree)| channel(&format!("/{id}"), tree, 0))
         });
-        let paths: Vec<String> = channel.into_iter().chain([format!("/{NOBODY}")]).collect();
+        let paths: Vec<String> = channel.into_iter().chain([format!("/{UNKNOWN_ID}")]).collect();
         for kind in ["DEV-INF", "DEV-SUB", "DEV-UNSUB"] {
-            self.ask(json!({ "type": kind, "paths": paths }));
+            self.query(json!({ "type": kind, "paths": paths }));
         }
-        self.ask_trying(&env_24::RULE, json!({ "type": "DEV-LISTSUB", "pathFilter": ["/"] }));
+        self.query_for_trial(&env_24::RULE, json!({ "type": "DEV-LISTSUB", "pathFilter": ["/"] }));
     }
 
     /// The requests that try rules.
@@ -141,15 +144,15 @@ impl Probe<'_, '_> {
         for (rule, request) in trial::requests(uavs) {
             self.request(rule, request);
         }
-        let resume = json!({ "type": "ASYNC-RESUME", "ids": [NOBODY], "values": {} });
-        self.ask_trying(&env_24::RULE, resume);
+        let resume = json!({ "type": "ASYNC-RESUME", "ids": [UNKNOWN_ID], "values": {} });
+        self.query_for_trial(&env_24::RULE, resume);
     }
 
     /// Listens for what comes by itself.
     fn observe(&mut self) {
         let until = (Instant::now() + self.options.observe).min(self.end);
-        while Instant::now() < until && self.standing() {
-            self.listen(until.saturating_duration_since(Instant::now()).min(LOOK));
+        while Instant::now() < until && self.ensure_connected() {
+            self.listen(until.saturating_duration_since(Instant::now()).min(POLL_INTERVAL));
         }
         self.step();
     }
@@ -158,7 +161,7 @@ impl Probe<'_, '_> {
     pub(super) fn listen(&mut self, time: Duration) {
         let until = Instant::now() + time;
         let Some(session) = &mut self.session else { return };
-        while session.hear(&mut self.tape, until).is_some() && Instant::now() < until {}
+        while session.receive(&mut self.tape, until).is_some() && Instant::now() < until {}
     }
 }
 
@@ -174,8 +177,8 @@ fn strings(list: Option<&Value>) -> Vec<String> {
 }
 
 /// Some of these ids, and one that nobody has.
-pub(super) fn with_nobody(ids: &[String]) -> Vec<&str> {
-    ids.iter().take(MAX_OBJECTS).map(String::as_str).chain([NOBODY]).collect()
+pub(super) fn with_unknown_id(ids: &[String]) -> Vec<&str> {
+    ids.iter().take(MAX_OBJECTS).map(String::as_str).chain([UNKNOWN_ID]).collect()
 }
 
 /// The path of the first channel in a tree of devices.

@@ -6,7 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::Value;
 
-use crate::check::{CaptureResult, FlockwaveJudge};
+use crate::check::{CaptureResult, FlockwaveChecker};
 use crate::definitions::Definitions;
 use crate::flockwave::record::{Direction, Trial};
 use crate::json::Tree;
@@ -16,7 +16,7 @@ const TOO_LONG: &[u8] = b"(more than 16 MiB)";
 
 /// A recording under way.
 pub(super) struct Tape<'d> {
-    judge: FlockwaveJudge<'d>,
+    checker: FlockwaveChecker<'d>,
     file: Option<Box<dyn Write + 'd>>,
     failure: Option<io::Error>,
     lines: u64,
@@ -26,7 +26,7 @@ pub(super) struct Tape<'d> {
 impl<'d> Tape<'d> {
     /// Starts one, which is also written to `file`.
     pub(super) fn new(definitions: &'d Definitions, file: Option<Box<dyn Write + 'd>>) -> Self {
-        Self { judge: FlockwaveJudge::of(definitions), file, failure: None, lines: 0, bytes: 0 }
+        Self { checker: FlockwaveChecker::new(definitions), file, failure: None, lines: 0, bytes: 0 }
     }
 
     /// Something went over a connection.
@@ -92,7 +92,7 @@ impl<'d> Tape<'d> {
         );
         self.lines += 1;
         self.bytes += line.len() as u64 + 1;
-        self.judge.line(line.as_bytes(), self.lines, false);
+        self.checker.line(line.as_bytes(), self.lines, false);
         if let Some(file) = &mut self.file
             && let Err(error) = writeln!(file, "{line}")
         {
@@ -103,7 +103,7 @@ impl<'d> Tape<'d> {
     /// What came of it all; or why the recording couldn't be written to its end.
     pub(super) fn finish(mut self) -> (CaptureResult, Option<io::Error>) {
         let flushed = self.file.as_mut().map_or(Ok(()), Write::flush);
-        (self.judge.finish(self.bytes), self.failure.or(flushed.err()))
+        (self.checker.finish(self.bytes), self.failure.or(flushed.err()))
     }
 }
 

@@ -46,7 +46,7 @@ pub struct Differences {
 }
 
 /// Fields that are told at most of each kind.
-const MAX_TOLD: usize = 8;
+const MAX_LISTED_ITEMS: usize = 8;
 
 impl Differences {
     /// What is said of them.
@@ -62,10 +62,10 @@ impl fmt::Display for Differences {
             if fields.is_empty() {
                 return Ok(());
             }
-            let told = fields[..fields.len().min(MAX_TOLD)].join(", ");
-            let more = fields.len().saturating_sub(MAX_TOLD);
+            let reported = fields[..fields.len().min(MAX_LISTED_ITEMS)].join(", ");
+            let more = fields.len().saturating_sub(MAX_LISTED_ITEMS);
             let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-            write!(formatter, "{separator}{what} {told}{more}")?;
+            write!(formatter, "{separator}{what} {reported}{more}")?;
             separator = "; ";
             Ok(())
         };

@@ -17,6 +17,6 @@ mod value;
 
 pub(crate) use self::clean::Clean;
 pub(crate) use self::dialect::Dialects;
-pub(crate) use self::explain::Told;
+pub(crate) use self::explain::MessageOrigin;
 pub(crate) use self::template::Template;
 pub(crate) use super::values::Plans;

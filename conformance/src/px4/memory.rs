@@ -17,7 +17,7 @@ use uavspec_runtime::Scalar;
 use self::healthy::{Healthy, integer};
 use super::ValueRules;
 use super::values::{Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan};
-use crate::model::{Findings, Place, hexadecimal};
+use crate::model::{Findings, Location, hexadecimal};
 
 /// Most steps of a plan: nested arrays of nested arrays could have any number.
 const MAX_STEPS: usize = 4_096;
@@ -105,10 +105,10 @@ struct Compiler<'c> {
 }
 
 impl Plan {
-    /// The plan for payloads laid out as `of`, which are messages of the definition `message`. Without a definition only
+    /// The plan for payloads laid out as `message_type`, which are messages of the definition `message`. Without a definition only
     /// the constraints of types are checked. Findings name the topic.
     pub(crate) fn new(
-        of: MessageType<'_>,
+        message_type: MessageType<'_>,
         message: Option<MessageId>,
         schema: &Schema,
         topic: &str,
@@ -117,7 +117,12 @@ impl Plan {
         let (messages, coverage) = (HashMap::new(), Coverage::default());
         let mut compiler = Compiler { schema, rules, messages, size: 0, coverage };
         let mut steps = Vec::new();
-        compiler.add(of, message, Within { base: 0, path: "", subject: topic, entries: &[] }, &mut steps);
+        compiler.add(
+            message_type,
+            message,
+            Within { base: 0, path: "", subject: topic, entries: &[] },
+            &mut steps,
+        );
         Self { rules, steps, size: compiler.size, coverage: compiler.coverage }
     }
 
@@ -127,8 +132,8 @@ impl Plan {
     }
 
     /// Checks a payload that has all fields of its format.
-    pub(crate) fn check(&self, payload: &[u8], place: Place, findings: &mut Findings) {
-        Run { payload, place, rules: self.rules, findings }.steps(&self.steps, 0, None);
+    pub(crate) fn check(&self, payload: &[u8], location: Location, findings: &mut Findings) {
+        Run { payload, location, rules: self.rules, findings }.steps(&self.steps, 0, None);
     }
 
     /// Counts what so many messages cover.
@@ -140,7 +145,7 @@ impl Plan {
 impl Compiler<'_> {
     fn add(
         &mut self,
-        of: MessageType<'_>,
+        message_type: MessageType<'_>,
         message: Option<MessageId>,
         within: Within<'_>,
         steps: &mut Vec<Step>,
@@ -150,20 +155,23 @@ impl Compiler<'_> {
             Rc::clone(self.messages.entry(id).or_insert_with(plan))
         });
         let defined = defined.as_deref();
-        for placed in of.layout() {
+        for placed in message_type.layout() {
             if self.size >= MAX_STEPS {
                 return;
             }
             let index =
                 defined.and_then(|message| message.fields.iter().position(|field| field.name == placed.name));
             let field = defined.zip(index).map(|(message, index)| (message, &message.fields[index]));
-            let counter = field.and_then(|(message, field)| Counter::of(field, message, of, within.base));
+            let counter =
+                field.and_then(|(message, field)| Counter::new(field, message, message_type, within.base));
             let field = field.filter(|(message, field)| is_same(placed, field, message));
             match placed.shape {
                 Shape::Bounded(_) | Shape::Sequence => {
-                    self.sequence(placed, of, field, counter, within, steps);
+                    self.sequence(placed, message_type, field, counter, within, steps);
                 }
-                Shape::Single | Shape::Array(_) => self.field(placed, of, field, counter, within, steps),
+                Shape::Single | Shape::Array(_) => {
+                    self.field(placed, message_type, field, counter, within, steps);
+                }
             }
         }
     }
@@ -172,7 +180,7 @@ impl Compiler<'_> {
     fn field(
         &mut self,
         placed: Placed<'_>,
-        of: MessageType<'_>,
+        message_type: MessageType<'_>,
         field: Option<(&MessagePlan, &FieldPlan)>,
         counter: Option<Counter>,
         within: Within<'_>,
@@ -180,7 +188,7 @@ impl Compiler<'_> {
     ) {
         let offset = within.base + placed.offset;
         let PlacedElement::Message(nested) = placed.element else {
-            let Some(values) = Values::of(placed, of, field) else { return };
+            let Some(values) = Values::new(placed, message_type, field) else { return };
             let (path, subject) = within.names(placed.name);
             let count = if matches!(values.element, Element::Text(_)) { 1 } else { count(placed.shape) };
             for rule in values.constraint().rules(Encoding::Memory, self.rules) {
@@ -219,7 +227,7 @@ impl Compiler<'_> {
     fn sequence(
         &mut self,
         placed: Placed<'_>,
-        of: MessageType<'_>,
+        message_type: MessageType<'_>,
         field: Option<(&MessagePlan, &FieldPlan)>,
         counter: Option<Counter>,
         within: Within<'_>,
@@ -230,7 +238,7 @@ impl Compiler<'_> {
         let element = Within { base: 0, path: "", subject: &subject, entries: &[] };
         match placed.element {
             PlacedElement::Message(nested) => self.add(nested, nested_id(field), element, &mut inner),
-            _ => inner.extend(Values::of(placed, of, field).map(|values| Step {
+            _ => inner.extend(Values::new(placed, message_type, field).map(|values| Step {
                 path: String::new(),
                 subject: subject.clone(),
                 offset: 0,
@@ -298,10 +306,17 @@ fn count(shape: Shape) -> usize {
 }
 
 impl Counter {
-    /// The field that counts the entries of an array, in a message of the format `of` that starts at `base`.
-    fn of(array: &FieldPlan, message: &MessagePlan, of: MessageType<'_>, base: usize) -> Option<Self> {
+    /// The field that counts the entries of an array, in a message of the format `message_type` that starts at `base`.
+    fn new(
+        array: &FieldPlan,
+        message: &MessagePlan,
+        message_type: MessageType<'_>,
+        base: usize,
+    ) -> Option<Self> {
         let field = &message.fields[array.counted_by?];
-        let placed = of.layout().find(|placed| placed.name == field.name && placed.shape == Shape::Single)?;
+        let placed = message_type
+            .layout()
+            .find(|placed| placed.name == field.name && placed.shape == Shape::Single)?;
         match placed.element {
             PlacedElement::Scalar(scalar) => Some(Self { offset: base + placed.offset, scalar }),
             PlacedElement::Text(_) | PlacedElement::String | PlacedElement::Message(_) => None,
@@ -320,10 +335,10 @@ impl Counter {
 }
 
 impl Values {
-    /// The constraints on a field of the format `of`, for which the definition has this one.
-    fn of(
+    /// The constraints on a field of the format `message_type`, for which the definition has this one.
+    fn new(
         placed: Placed<'_>,
-        of: MessageType<'_>,
+        message_type: MessageType<'_>,
         field: Option<(&MessagePlan, &FieldPlan)>,
     ) -> Option<Self> {
         let definition = field.map(|(_, field)| field.span);
@@ -338,7 +353,7 @@ impl Values {
                 let mut restriction = Box::new(field.restriction.clone()?);
                 let counted = field.counts.map(|array| &message.fields[array]);
                 // The array has the length of the format; another length than the definition's is no violation.
-                restriction.count = counted.and_then(|array| most(&array.name, of));
+                restriction.limits.count = counted.and_then(|array| most(&array.name, message_type));
                 (Element::Scalar(scalar), Some(restriction))
             }
             PlacedElement::String | PlacedElement::Message(_) => return None,
@@ -349,7 +364,7 @@ impl Values {
             Element::String { .. } | Element::Message(_) => return None,
         };
         let mut values = Self { element, width, restriction, healthy: Healthy::Unknown, definition };
-        values.healthy = Healthy::of(values.constraint())?;
+        values.healthy = Healthy::new(values.constraint())?;
         Some(values)
     }
 
@@ -359,8 +374,8 @@ impl Values {
 }
 
 /// The number of entries that the array of a name can have in a format.
-fn most(array: &str, of: MessageType<'_>) -> Option<u32> {
-    let placed = of.layout().find(|placed| placed.name == array)?;
+fn most(array: &str, message_type: MessageType<'_>) -> Option<u32> {
+    let placed = message_type.layout().find(|placed| placed.name == array)?;
     match (placed.element, placed.shape) {
         (PlacedElement::Text(length), _) | (_, Shape::Array(length) | Shape::Bounded(length)) => Some(length),
         (_, Shape::Single | Shape::Sequence) => None,
@@ -370,7 +385,7 @@ fn most(array: &str, of: MessageType<'_>) -> Option<u32> {
 /// The check of one payload.
 struct Run<'r> {
     payload: &'r [u8],
-    place: Place,
+    location: Location,
     rules: &'static ValueRules,
     findings: &'r mut Findings,
 }
@@ -390,7 +405,7 @@ impl Run<'_> {
         let (payload, mut start) = (self.payload, base + step.offset);
         for index in 0..step.count {
             if let Some(bytes) = payload.get(start..start + values.width)
-                && !values.healthy.holds(bytes)
+                && !values.healthy.accepts(bytes)
                 && step.is_in_use(index, values, base, payload)
             {
                 self.explain(step, values, bytes, index, trail);
@@ -429,7 +444,7 @@ impl Run<'_> {
         // Without an index the subject says it all.
         let detail = if path.contains('[') { detail.at(path) } else { detail.located(path) };
         let rule = violation.rule(self.rules);
-        self.findings.report(rule, &step.subject, self.place, values.definition, || {
+        self.findings.report(rule, &step.subject, self.location, values.definition, || {
             detail.excerpt(hexadecimal(bytes))
         });
     }

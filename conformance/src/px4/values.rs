@@ -18,14 +18,8 @@ pub(crate) struct ValueRules {
     pub bool: &'static Rule,
     /// Text is UTF-8.
     pub text: &'static Rule,
-    /// A field that counts the entries of an array is at most its length.
-    pub count: &'static Rule,
-    /// A value lies in its range.
-    pub range: &'static Rule,
-    /// A value is a documented one.
-    pub documented: &'static Rule,
-    /// A value is NaN only where that has a meaning.
-    pub nan: &'static Rule,
+    /// A number meets a demand of its restriction.
+    pub number: fn(Demand) -> &'static Rule,
     /// A JSON object has each field of its message once, and no others.
     pub members: &'static Rule,
     /// A JSON value has the type of its field.
@@ -143,7 +137,7 @@ impl Coverage {
     /// Counts what so many messages cover.
     pub(super) fn count(&self, messages: u64, findings: &mut Findings) {
         for (rule, values) in &self.0 {
-            findings.exercise(rule, values.saturating_mul(messages));
+            findings.cover(rule, values.saturating_mul(messages));
         }
     }
 }
@@ -158,18 +152,15 @@ impl<'c> Constraint<'c> {
         let is_json = encoding == Encoding::Json;
         let is_bounded = matches!(self.shape, Shape::Array(_) | Shape::Bounded(_))
             || matches!(self.element, Element::Text(_) | Element::String { bound: Some(_) });
-        let asks = |what: fn(&Restriction) -> bool| self.restriction.is_some_and(what);
-        let asked = [
+        let restriction = self.restriction.map(|restriction| restriction.constraint().rules());
+        let applicable = [
             (is_json, rules.json_type),
             (is_json && is_bounded, rules.length),
             (!is_json && self.element == Element::Scalar(Scalar::Bool), rules.bool),
             (matches!(self.element, Element::Text(_)), rules.text),
-            (asks(|asked| asked.count.is_some()), rules.count),
-            (asks(|asked| asked.low.is_some() || asked.high.is_some()), rules.range),
-            (asks(|asked| asked.known.is_some()), rules.documented),
-            (asks(|asked| asked.forbids_nan), rules.nan),
         ];
-        asked.into_iter().filter(|(is_asked, _)| *is_asked).map(|(_, rule)| rule)
+        let applicable = applicable.into_iter().filter(|(applies, _)| *applies).map(|(_, rule)| rule);
+        applicable.chain(restriction.into_iter().flatten().map(rules.number))
     }
 
     /// Checks the bytes of a value in memory, little-endian.
@@ -210,13 +201,7 @@ impl Violation<'_> {
         match self {
             Self::Bool(_) => rules.bool,
             Self::Type | Self::TooLarge(_) => rules.json_type,
-            Self::Number(demand, ..) => match demand {
-                Demand::Count => rules.count,
-                Demand::Enum => rules.documented,
-                Demand::Nan => rules.nan,
-                // No restriction of numbers has bounds or text.
-                Demand::Range | Demand::Bound | Demand::Text => rules.range,
-            },
+            Self::Number(demand, ..) => (rules.number)(*demand),
             Self::Length { .. } => rules.length,
             Self::Nul(_) | Self::NotUtf8(_) => rules.text,
         }
@@ -240,7 +225,7 @@ impl Violation<'_> {
                     .expected(expected.to_string())
                     .actual(found)
             }
-            Self::Number(demand, number, restriction) => Detail::of_number(*demand, *number, restriction),
+            Self::Number(demand, number, restriction) => Detail::number(*demand, *number, restriction),
             Self::Length { found, of, shape } => {
                 let expected = match shape {
                     Shape::Array(length) => format!("{length} {of}"),
@@ -338,7 +323,7 @@ impl FieldPlan {
     }
 
     /// True if it holds bytes, which rosbridge writes as base64.
-    pub(super) fn holds_bytes(&self) -> bool {
+    pub(super) fn is_byte_array(&self) -> bool {
         let is_byte = matches!(self.element, Element::Scalar(Scalar::UInt8 | Scalar::Byte | Scalar::Char));
         is_byte && self.shape != Shape::Single
     }

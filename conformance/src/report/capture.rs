@@ -5,7 +5,7 @@ use crate::definitions::Definitions;
 use crate::model::{self, Findings, Group, Rule};
 use crate::rules::{RULES, px4};
 
-use super::{About, Conclusion, Damage, Definition, Example, Finding, Known, RuleVerdict, Subject, Verdict};
+use super::{About, Corruption, Definition, Example, Finding, Known, Outcome, RuleVerdict, Subject, Verdict};
 
 /// A capture that was checked.
 #[derive(Debug)]
@@ -63,14 +63,14 @@ impl From<model::Verdict> for Verdict {
             model::Verdict::Fail => Self::Fail,
             model::Verdict::Shown => Self::Shown,
             model::Verdict::Known => Self::Known,
-            model::Verdict::NotExercised => Self::NotExercised,
+            model::Verdict::NotCovered => Self::NotCovered,
         }
     }
 }
 
 impl Subject {
     /// The subject for a capture that was checked.
-    pub fn of_capture(checked: CheckedCapture, definitions: &Definitions, settings: &Settings) -> Self {
+    pub fn from_capture(checked: CheckedCapture, definitions: &Definitions, settings: &Settings) -> Self {
         let CheckedCapture { path, result, notes, elapsed } = checked;
         let findings = &result.findings;
         // Rules for other kinds of captures aren't listed.
@@ -78,60 +78,62 @@ impl Subject {
         let rules: Vec<RuleVerdict> = RULES
             .iter()
             .filter(|rule| rule.is_on_flockwave() == is_session)
-            .map(|rule| of_rule(rule, findings, settings.verdict(findings, rule)))
+            .map(|rule| rule_verdict(rule, findings, settings.verdict(findings, rule)))
             .collect();
         let command = settings.command(&path);
         let finding =
             |group: &Group| finding(group, settings.verdict(findings, group.rule), &command, definitions);
-        let damage = result.damage.iter();
+        let corruption = result.corruption.iter();
         let mut subject = Self {
             path,
             about: About::Capture(result.summary),
             records: result.records,
-            judged: result.judged,
+            checked: result.checked,
             duration_us: result.duration,
-            conclusion: Conclusion::of_capture(0, 0, 0, Vec::new()),
+            outcome: Outcome::for_capture(0, 0, 0, Vec::new()),
             findings: findings.groups().map(finding).collect(),
             more_findings: RULES.iter().map(|rule| findings.dropped(rule)).sum(),
             rules,
-            damage: damage.map(|(place, text)| Damage { place: *place, message: text.clone() }).collect(),
-            more_damage: result.more_damage,
+            corruption: corruption
+                .map(|(location, text)| Corruption { location: *location, message: text.clone() })
+                .collect(),
+            more_corruption: result.more_corruption,
             extent: result.extent,
             notes,
             elapsed,
         };
-        subject.conclude();
+        subject.set_outcome();
         subject
     }
 
     /// Says of a source what its verdicts come to.
-    pub(crate) fn conclude(&mut self) {
-        let remarks = match self.damages() {
+    pub(crate) fn set_outcome(&mut self) {
+        let remarks = match self.corrupt_count() {
             0 => Vec::new(),
             1 => vec!["One place of the file can't be read".to_owned()],
             count => vec![format!("{count} places of the file can't be read")],
         };
         let (failed, warned) = (self.count(Verdict::Fail), self.count(Verdict::Warn));
-        let conclusion = Conclusion::of_capture(self.judged, failed, warned, remarks);
-        self.conclusion = conclusion.read_so_far(self.extent);
+        let outcome = Outcome::for_capture(self.checked, failed, warned, remarks);
+        self.outcome = outcome.with_extent(self.extent);
     }
 }
 
-fn of_rule(rule: &'static Rule, findings: &Findings, verdict: Verdict) -> RuleVerdict {
-    let kept: u64 = findings.of(rule).map(|group| group.count).sum();
+fn rule_verdict(rule: &'static Rule, findings: &Findings, verdict: Verdict) -> RuleVerdict {
+    let kept: u64 = findings.groups_of(rule).map(|group| group.count).sum();
     RuleVerdict {
         id: rule.id,
         level: rule.level,
         verdict,
-        exercised: findings.exercised(rule),
+        covered: findings.covered(rule),
         findings: kept + findings.dropped(rule),
     }
 }
 
 fn finding(group: &Group, verdict: Verdict, command: &str, definitions: &Definitions) -> Finding {
     let Group { rule, subject, count, examples, definition, known, .. } = group;
-    let example = |(place, detail): &(_, crate::model::Detail)| Example {
-        place: *place,
+    let example = |(location, detail): &(_, crate::model::Detail)| Example {
+        location: *location,
         path: detail.path.clone(),
         part: detail.part.clone(),
         message: detail.message.clone(),
@@ -149,7 +151,7 @@ fn finding(group: &Group, verdict: Verdict, command: &str, definitions: &Definit
         subject: subject.clone(),
         count: *count,
         examples: examples.iter().map(example).collect(),
-        definition: definition.map(|span| Definition::of(definitions.line(span))),
+        definition: definition.map(|span| Definition::new(definitions.line(span))),
         reproduce: command.to_owned(),
         known: known.as_ref().map(Known::from),
     }

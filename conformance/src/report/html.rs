@@ -9,7 +9,7 @@ mod testee;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::{About, Action, Conclusion, Counts, Outcome, Report, RuleReport, Subject, Verdict};
+use super::{About, Action, Counts, Outcome, OutcomeKind, Report, RuleReport, Subject, Verdict};
 use crate::text::Grouped;
 use crate::text::shown;
 
@@ -23,11 +23,11 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'n
 const MAX_SUBJECTS: usize = 100;
 
 pub(super) fn write(report: &Report) -> String {
-    let Report { conclusion, subjects, .. } = report;
+    let Report { outcome, subjects, .. } = report;
     // Those that need no more words stand in the list above only.
-    let is_told = |subject: &&Subject| subjects.len() == 1 || subject::has_more_to_tell(subject);
-    let told: Vec<&Subject> = subjects.iter().filter(is_told).collect();
-    let shown_first = &told[..told.len().min(MAX_SUBJECTS)];
+    let has_own_section = |subject: &&Subject| subjects.len() == 1 || subject::has_details(subject);
+    let listed: Vec<&Subject> = subjects.iter().filter(has_own_section).collect();
+    let shown_first = &listed[..listed.len().min(MAX_SUBJECTS)];
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -37,7 +37,7 @@ pub(super) fn write(report: &Report) -> String {
                 meta name="color-scheme" content="light dark";
                 meta http-equiv="Content-Security-Policy" content=(POLICY);
                 meta name="generator" content={ "uavspec " (report.uavspec) };
-                title { (shown(&conclusion.text)) " – uavspec" }
+                title { (shown(&outcome.text)) " – uavspec" }
                 style { (PreEscaped(STYLE)) }
             }
             body {
@@ -46,7 +46,7 @@ pub(super) fn write(report: &Report) -> String {
                     @if subjects.len() + report.unreadable.len() > 1 { (subject::list(report)) }
                     @if !report.rules.is_empty() { (rules(&report.rules, shown_first)) }
                     @for (index, subject) in shown_first.iter().enumerate() { (subject::section(subject, index)) }
-                    @let more = told.len() - shown_first.len();
+                    @let more = listed.len() - shown_first.len();
                     @if more > 0 { p.more { "… and " (more) " more; the JSON report tells of all." } }
                 }
                 footer {
@@ -62,7 +62,7 @@ pub(super) fn write(report: &Report) -> String {
 
 /// What it comes to, and the figures that say how much that is worth.
 fn head(report: &Report) -> Markup {
-    let Conclusion { outcome, text, remarks, .. } = &report.conclusion;
+    let Outcome { kind: outcome, text, remarks, .. } = &report.outcome;
     let what = match report.action {
         Action::Check => "Conformance of recorded data",
         Action::Test => "Conformance of a codec",
@@ -91,25 +91,25 @@ fn figures(report: &Report) -> Markup {
     let of = |verdict| report.count(verdict) as u64;
     let parts = match counts(report) {
         Some(counts) => vec![
-            Part { class: "fail", what: "cases failed", count: counts.fail },
-            Part { class: "info", what: "known failures", count: counts.known },
-            Part { class: "pass", what: "cases passed", count: counts.pass },
-            Part { class: "none", what: "unsupported", count: counts.unsupported },
-            Part { class: "none", what: "not asked", count: counts.not_run },
+            Part { class: "fail", label: "cases failed", count: counts.fail },
+            Part { class: "info", label: "known failures", count: counts.known },
+            Part { class: "pass", label: "cases passed", count: counts.pass },
+            Part { class: "none", label: "unsupported", count: counts.unsupported },
+            Part { class: "none", label: "not asked", count: counts.not_run },
         ],
         None => vec![
-            Part { class: "fail", what: "rules broken", count: of(Verdict::Fail) },
-            Part { class: "warn", what: "rules to look at", count: of(Verdict::Warn) },
-            Part { class: "info", what: "shown, not judged", count: of(Verdict::Shown) },
-            Part { class: "info", what: "known breaches", count: of(Verdict::Known) },
-            Part { class: "pass", what: "rules hold", count: of(Verdict::Pass) },
-            Part { class: "none", what: "not exercised", count: of(Verdict::NotExercised) },
+            Part { class: "fail", label: "rules broken", count: of(Verdict::Fail) },
+            Part { class: "warn", label: "rules to look at", count: of(Verdict::Warn) },
+            Part { class: "info", label: "shown, not judged", count: of(Verdict::Shown) },
+            Part { class: "info", label: "known breaches", count: of(Verdict::Known) },
+            Part { class: "pass", label: "rules hold", count: of(Verdict::Pass) },
+            Part { class: "none", label: "not exercised", count: of(Verdict::NotCovered) },
         ],
     };
     // What nobody listed needs no figure.
     let parts: Vec<Part> =
-        parts.into_iter().filter(|part| part.count > 0 || !part.what.starts_with("known")).collect();
-    let judged: u64 = report.subjects.iter().map(|subject| subject.judged).sum();
+        parts.into_iter().filter(|part| part.count > 0 || !part.label.starts_with("known")).collect();
+    let checked: u64 = report.subjects.iter().map(|subject| subject.checked).sum();
     let records: u64 = report.subjects.iter().map(|subject| subject.records).sum();
     html! {
         div.bar aria-hidden="true" {
@@ -120,14 +120,14 @@ fn figures(report: &Report) -> Markup {
         dl.figures {
             @for part in &parts {
                 div.(if part.count > 0 { part.class } else { "zero" }) {
-                    dt { (part.what) }
+                    dt { (part.label) }
                     dd { (Grouped(part.count)) }
                 }
             }
             @if counts(report).is_none() {
                 div {
-                    dt { "messages judged" @if records > judged { ", of " (Grouped(records)) } }
-                    dd { (Grouped(judged)) }
+                    dt { "messages judged" @if records > checked { ", of " (Grouped(records)) } }
+                    dd { (Grouped(checked)) }
                 }
             }
         }
@@ -137,7 +137,7 @@ fn figures(report: &Report) -> Markup {
 /// A part of a whole: a figure, and a stretch of the bar.
 struct Part {
     class: &'static str,
-    what: &'static str,
+    label: &'static str,
     count: u64,
 }
 
@@ -172,13 +172,13 @@ fn rules(rules: &[RuleReport], subjects: &[&Subject]) -> Markup {
                         th.number scope="col" role="columnheader" { "Findings" }
                     }
                 }
-                tbody role="rowgroup" { @for rule in rules { (of_rule(rule, subjects)) } }
+                tbody role="rowgroup" { @for rule in rules { (rule_row(rule, subjects)) } }
             }
         }
     }
 }
 
-fn of_rule(rule: &RuleReport, subjects: &[&Subject]) -> Markup {
+fn rule_row(rule: &RuleReport, subjects: &[&Subject]) -> Markup {
     let mut anchors = subjects
         .iter()
         .enumerate()
@@ -196,10 +196,10 @@ fn of_rule(rule: &RuleReport, subjects: &[&Subject]) -> Markup {
             td.number role="cell" {
                 @match first {
                     Some(anchor) => a href={ "#" (anchor) } { (Grouped(rule.findings)) },
-                    None if rule.exercised == 0 => span.aside title="nothing was there to judge" { "–" },
+                    None if rule.covered == 0 => span.aside title="nothing was there to judge" { "–" },
                     None => (Grouped(rule.findings)),
                 }
-                @if rule.exercised > 0 { span.aside { " in " (Grouped(rule.exercised)) " judged" } }
+                @if rule.covered > 0 { span.aside { " in " (Grouped(rule.covered)) " judged" } }
             }
         }
     }
@@ -212,16 +212,16 @@ fn badge(verdict: Verdict) -> Markup {
         Verdict::Warn | Verdict::Inconclusive => "warn",
         Verdict::Pass => "pass",
         Verdict::Shown | Verdict::Known => "info",
-        Verdict::Unsupported | Verdict::NotExercised => "none",
+        Verdict::Unsupported | Verdict::NotCovered => "none",
     };
     html! { span.badge.(class) { (verdict.name()) } }
 }
 
-fn class(outcome: Outcome) -> &'static str {
+fn class(outcome: OutcomeKind) -> &'static str {
     match outcome {
-        Outcome::Conforms => "pass",
-        Outcome::Nothing | Outcome::Stale => "warn",
-        Outcome::Breaks | Outcome::Broken => "fail",
+        OutcomeKind::Conforms => "pass",
+        OutcomeKind::Nothing | OutcomeKind::Stale => "warn",
+        OutcomeKind::DoesNotConform | OutcomeKind::Incomplete => "fail",
     }
 }
 

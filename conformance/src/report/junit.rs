@@ -38,9 +38,9 @@ pub(super) fn write(report: &Report) -> String {
 
 /// What fails the run, and belongs to no source.
 fn whole(name: &str, reasons: &[crate::model::Reason]) -> Option<Suite> {
-    let told: Vec<String> = reasons.iter().map(|reason| shown(&reason.to_string())).collect();
-    let (kind, message) = ("run".to_owned(), told.first()?.clone());
-    let outcome = Outcome::Failed(Reason { kind, message, text: told.join("\n") });
+    let findings_text: Vec<String> = reasons.iter().map(|reason| shown(&reason.to_string())).collect();
+    let (kind, message) = ("run".to_owned(), findings_text.first()?.clone());
+    let outcome = Outcome::Failed(Reason { kind, message, text: findings_text.join("\n") });
     let case = junit::Case { outcome, ..junit::Case::passed(name, "as a whole") };
     Some(Suite { name: name.to_owned(), cases: vec![case] })
 }
@@ -50,11 +50,11 @@ const READABLE: &str = "can be read";
 
 fn suite(subject: &Subject, rules: &[RuleReport]) -> Suite {
     let cases = match &subject.about {
-        About::Testee(testee) => of_testee(subject, testee),
+        About::Testee(testee) => testee_cases(subject, testee),
         About::Capture(_) => {
             let of_rules = subject.rules.iter().filter_map(|found| {
                 let rule = rules.iter().find(|rule| rule.id == found.id)?;
-                Some(of_rule(subject, rule, found))
+                Some(rule_case(subject, rule, found))
             });
             std::iter::once(readable(subject)).chain(of_rules).collect()
         }
@@ -67,23 +67,23 @@ fn suite(subject: &Subject, rules: &[RuleReport]) -> Suite {
 /// is an error.
 fn readable(subject: &Subject) -> junit::Case {
     let mut case = junit::Case::passed(shown(&subject.path), READABLE);
-    let mut damage = String::new();
-    for found in &subject.damage {
+    let mut corruption = String::new();
+    for found in &subject.corruption {
         // Writing to a string can't fail.
-        let _ = writeln!(damage, "{}: {}", found.place, shown(&found.message));
+        let _ = writeln!(corruption, "{}: {}", found.location, shown(&found.message));
     }
-    if subject.more_damage > 0 {
-        let _ = writeln!(damage, "… and {} more", subject.more_damage);
+    if subject.more_corruption > 0 {
+        let _ = writeln!(corruption, "… and {} more", subject.more_corruption);
     }
     let (kind, message) = match subject.extent {
         Extent::Whole | Extent::EndsEarly => ("", ""),
         Extent::WithGaps => ("damaged", "parts of it can't be read, and were passed over"),
-        Extent::BrokenOff => ("unreadable", "it can't be read to its end"),
+        Extent::Unreadable => ("unreadable", "it can't be read to its end"),
     };
     if message.is_empty() {
-        case.output = damage;
+        case.output = corruption;
     } else {
-        let text = damage.trim_end().to_owned();
+        let text = corruption.trim_end().to_owned();
         case.outcome = Outcome::Error(Reason { kind: kind.to_owned(), message: message.to_owned(), text });
     }
     for note in &subject.notes {
@@ -92,14 +92,14 @@ fn readable(subject: &Subject) -> junit::Case {
     case
 }
 
-fn of_rule(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::Case {
+fn rule_case(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::Case {
     let mut case = junit::Case::passed(shown(&subject.path), format!("{} {}", rule.id, rule.statement));
     let findings: Vec<&Finding> = subject.findings.iter().filter(|finding| finding.rule == rule.id).collect();
-    let text = told(&findings, found.findings);
+    let text = findings_text(&findings, found.findings);
     match found.verdict {
         Verdict::Pass => {}
         Verdict::Warn | Verdict::Shown | Verdict::Known => case.output = text,
-        Verdict::NotExercised => {
+        Verdict::NotCovered => {
             case.outcome = Outcome::Skipped("nothing was there that it could have judged".to_owned());
         }
         Verdict::Unsupported | Verdict::Inconclusive => {
@@ -107,7 +107,7 @@ fn of_rule(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::
         }
         Verdict::Fail => {
             let message = findings.first().and_then(|finding| {
-                Some(shown(&format!("{}: {}", finding.subject, finding.examples.first()?.told())))
+                Some(shown(&format!("{}: {}", finding.subject, finding.examples.first()?.text())))
             });
             let message = message.unwrap_or_else(|| rule.statement.to_owned());
             case.outcome = Outcome::Failed(Reason { kind: rule.id.to_owned(), message, text });
@@ -115,9 +115,9 @@ fn of_rule(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::
     }
     if found.findings > 0 {
         let first = findings.first().and_then(|finding| finding.examples.first());
-        let region = match first.map(|example| example.place) {
-            Some(crate::model::Place::Line(line)) => Region::Line(line),
-            Some(crate::model::Place::Byte(offset)) => Region::Byte(offset),
+        let region = match first.map(|example| example.location) {
+            Some(crate::model::Location::Line(line)) => Region::Line(line),
+            Some(crate::model::Location::Byte(offset)) => Region::Byte(offset),
             None => Region::Whole,
         };
         case.place = Some(Place { path: subject.path.clone(), region });
@@ -126,7 +126,7 @@ fn of_rule(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::
 }
 
 /// All that is known of the findings of a rule.
-fn told(findings: &[&Finding], count: u64) -> String {
+fn findings_text(findings: &[&Finding], count: u64) -> String {
     let mut text = String::new();
     let mut line = |depth: usize, label: &str, value: &str| {
         if !value.is_empty() {
@@ -138,7 +138,7 @@ fn told(findings: &[&Finding], count: u64) -> String {
         let times = if finding.count == 1 { "once".to_owned() } else { format!("{} times", finding.count) };
         line(0, "", &format!("{}: {times}", finding.subject));
         for example in &finding.examples {
-            line(2, "", &format!("{}: {}", example.place, example.told()));
+            line(2, "", &format!("{}: {}", example.location, example.text()));
             line(4, "at: ", example.at());
             line(4, "expected: ", &example.expected);
             line(4, "found: ", &example.actual);
@@ -153,18 +153,18 @@ fn told(findings: &[&Finding], count: u64) -> String {
         line(0, "to find it again: ", &first.reproduce);
         line(0, "see: ", &first.url);
     }
-    let told: u64 = findings.iter().take(MAX_FINDINGS).map(|finding| finding.count).sum();
-    if count > told {
-        line(0, "", &format!("… and {} more", count - told));
+    let findings_text: u64 = findings.iter().take(MAX_FINDINGS).map(|finding| finding.count).sum();
+    if count > findings_text {
+        line(0, "", &format!("… and {} more", count - findings_text));
     }
     text.truncate(text.trim_end().len());
     text
 }
 
-fn of_testee(subject: &Subject, testee: &Testee) -> Vec<junit::Case> {
-    let mut cases: Vec<junit::Case> = testee.cases.iter().map(of_case).collect();
+fn testee_cases(subject: &Subject, testee: &Testee) -> Vec<junit::Case> {
+    let mut cases: Vec<junit::Case> = testee.cases.iter().map(testee_case).collect();
     let protocol = |name: &str, outcome| junit::Case { outcome, ..junit::Case::passed("protocol", name) };
-    let remarks = testee.manners.iter();
+    let remarks = testee.protocol_remarks.iter();
     let remarks: Vec<String> =
         remarks.map(|remark| format!("{} ({} times)", shown(&remark.message), remark.count)).collect();
     cases.push(match remarks.first() {
@@ -182,7 +182,7 @@ fn of_testee(subject: &Subject, testee: &Testee) -> Vec<junit::Case> {
     cases
 }
 
-fn of_case(case: &Case) -> junit::Case {
+fn testee_case(case: &Case) -> junit::Case {
     let outcome = match case.verdict {
         CaseVerdict::Pass => Outcome::Passed,
         CaseVerdict::Unsupported => Outcome::Skipped("the testee doesn't do this".to_owned()),

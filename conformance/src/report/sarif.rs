@@ -4,21 +4,21 @@ use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::report::{self as shared, Entry, Place, Region, RuleInfo};
 
 use super::{
-    About, Action, Case, CaseVerdict, Damage, Definition, Finding, Report, RuleReport, Subject, Testee,
+    About, Action, Case, CaseVerdict, Corruption, Definition, Finding, Report, RuleReport, Subject, Testee,
     Verdict,
 };
 use crate::model::{self, Extent};
 use crate::text::shown;
 
 /// The id under which damage is told, and what it is.
-const DAMAGE: (&str, &str) = ("damage", "A file can be read from its start to its end.");
+const CORRUPTION: (&str, &str) = ("damage", "A file can be read from its start to its end.");
 
 /// The id of what fails a run as a whole, and what that asks.
 const RUN: (&str, &str) =
     ("run", "Rules that are required are exercised, and lists of known failures hold true.");
 
 /// The id of what is against the protocol of testees, and what that asks.
-const MANNERS: (&str, &str) = ("protocol", "A testee keeps to the protocol.");
+const PROTOCOL: (&str, &str) = ("protocol", "A testee keeps to the protocol.");
 
 pub(super) fn write(report: &Report) -> String {
     let command = match report.action {
@@ -28,17 +28,17 @@ pub(super) fn write(report: &Report) -> String {
     };
     let mut entries = Vec::new();
     for subject in &report.subjects {
-        entries.extend(subject.findings.iter().filter_map(|finding| of_finding(subject, finding)));
-        entries.extend(subject.damage.iter().map(|damage| of_damage(subject, damage)));
+        entries.extend(subject.findings.iter().filter_map(|finding| finding_entry(subject, finding)));
+        entries.extend(subject.corruption.iter().map(|corruption| corruption_entry(subject, corruption)));
         if let About::Testee(testee) = &subject.about {
             let failures = testee.cases.iter().filter(|case| case.verdict.is_failure());
-            entries.extend(failures.map(|case| of_case(subject, case)));
-            entries.extend(of_manners(subject, testee));
+            entries.extend(failures.map(|case| case_entry(subject, case)));
+            entries.extend(protocol_entries(subject, testee));
         }
     }
     entries.extend(report.unreadable.iter().map(|unreadable| Entry {
         level: Level::Error,
-        ..entry(DAMAGE.0, Level::Error, &unreadable.message, whole(&unreadable.path))
+        ..entry(CORRUPTION.0, Level::Error, &unreadable.message, whole(&unreadable.path))
     }));
     entries.extend(report.reasons.iter().map(|reason| {
         // What belongs to no file has to stand at one.
@@ -53,9 +53,9 @@ pub(super) fn write(report: &Report) -> String {
             rules.push(RuleInfo { id: id.into(), purpose: purpose.into(), level, url: String::new() });
         }
     };
-    other(DAMAGE, Level::Note);
+    other(CORRUPTION, Level::Note);
     other(RUN, Level::Error);
-    other(MANNERS, Level::Error);
+    other(PROTOCOL, Level::Error);
     for case in report.subjects.iter().flat_map(cases) {
         if rules.iter().all(|rule| rule.id != case.op) {
             let purpose = format!("Answers to `{}` are right.", case.op);
@@ -88,7 +88,7 @@ fn rule(rule: &RuleReport) -> RuleInfo {
     RuleInfo { id: rule.id.into(), purpose: rule.statement.into(), level, url: rule.url.clone() }
 }
 
-fn of_finding(subject: &Subject, finding: &Finding) -> Option<Entry> {
+fn finding_entry(subject: &Subject, finding: &Finding) -> Option<Entry> {
     let (first, others) = finding.examples.split_first()?;
     let level = match finding.verdict {
         _ if finding.known.is_some() => Level::Note,
@@ -97,13 +97,13 @@ fn of_finding(subject: &Subject, finding: &Finding) -> Option<Entry> {
         _ => Level::Note,
     };
     let times = if finding.count == 1 { String::new() } else { format!("found {} times; ", finding.count) };
-    let at = |place| Place { path: subject.path.clone(), region: region(place) };
+    let at = |location| Place { path: subject.path.clone(), region: region(location) };
     let mut related: Vec<(Place, String)> = others
         .iter()
-        .map(|example| (at(example.place), format!("also: {}", shown(&example.told()))))
+        .map(|example| (at(example.location), format!("also: {}", shown(&example.text()))))
         .collect();
     related.extend(finding.definition.iter().map(defined));
-    let message = format!("{}: {}", finding.subject, first.told());
+    let message = format!("{}: {}", finding.subject, first.text());
     let facts = [("expected", &first.expected), ("actual", &first.actual), ("excerpt", &first.excerpt)];
     let facts = facts.into_iter().filter(|(_, fact)| !fact.is_empty());
     Some(Entry {
@@ -112,21 +112,21 @@ fn of_finding(subject: &Subject, finding: &Finding) -> Option<Entry> {
         help: format!("{times}to find it again: {}", shown(&finding.reproduce)),
         related,
         url: finding.url.clone(),
-        ..entry(finding.rule, level, &message, at(first.place))
+        ..entry(finding.rule, level, &message, at(first.location))
     })
 }
 
-fn of_damage(subject: &Subject, damage: &Damage) -> Entry {
-    let place = Place { path: subject.path.clone(), region: region(damage.place) };
+fn corruption_entry(subject: &Subject, corruption: &Corruption) -> Entry {
+    let location = Place { path: subject.path.clone(), region: region(corruption.location) };
     let level = match subject.extent {
         Extent::Whole | Extent::EndsEarly => Level::Note,
         Extent::WithGaps => Level::Warning,
-        Extent::BrokenOff => Level::Error,
+        Extent::Unreadable => Level::Error,
     };
-    entry(DAMAGE.0, level, &damage.message, place)
+    entry(CORRUPTION.0, level, &corruption.message, location)
 }
 
-fn of_case(subject: &Subject, case: &Case) -> Entry {
+fn case_entry(subject: &Subject, case: &Case) -> Entry {
     let message = match case.verdict {
         CaseVerdict::Fail if case.path.is_empty() => {
             format!("{}: expected {}, got {}", case.name, case.expected, case.actual)
@@ -138,20 +138,20 @@ fn of_case(subject: &Subject, case: &Case) -> Entry {
     };
     let level = if case.known.is_some() { Level::Note } else { Level::Error };
     // A testee has no file: what it got wrong is the definition.
-    let place = case.definition.as_ref().map_or_else(|| whole(&subject.path), |line| defined(line).0);
+    let location = case.definition.as_ref().map_or_else(|| whole(&subject.path), |line| defined(line).0);
     Entry {
         help: format!("{}; to ask it again: {}", case.description, shown(&case.reproduce)),
-        ..entry(&case.op, level, &message, place)
+        ..entry(&case.op, level, &message, location)
     }
 }
 
-fn of_manners(subject: &Subject, testee: &Testee) -> Vec<Entry> {
-    let remarks = testee.manners.iter().map(|remark| remark.message.clone());
+fn protocol_entries(subject: &Subject, testee: &Testee) -> Vec<Entry> {
+    let remarks = testee.protocol_remarks.iter().map(|remark| remark.message.clone());
     let gave_up = testee.gave_up.iter().map(|why| format!("the testee broke: {why}"));
-    remarks.chain(gave_up).map(|text| entry(MANNERS.0, Level::Error, &text, whole(&subject.path))).collect()
+    remarks.chain(gave_up).map(|text| entry(PROTOCOL.0, Level::Error, &text, whole(&subject.path))).collect()
 }
 
-fn entry(rule: &str, level: Level, message: &str, place: Place) -> Entry {
+fn entry(rule: &str, level: Level, message: &str, location: Place) -> Entry {
     Entry {
         rule: rule.to_owned().into(),
         category: None,
@@ -159,7 +159,7 @@ fn entry(rule: &str, level: Level, message: &str, place: Place) -> Entry {
         // Editors show it beside the code: there it must feign nothing, and be short.
         message: shown(message),
         help: String::new(),
-        place,
+        place: location,
         part: String::new(),
         facts: Vec::new(),
         sides: None,
@@ -173,14 +173,14 @@ fn whole(path: &str) -> Place {
     Place { path: path.to_owned(), region: Region::Whole }
 }
 
-fn region(place: model::Place) -> Region {
-    match place {
-        model::Place::Byte(offset) => Region::Byte(offset),
-        model::Place::Line(line) => Region::Line(line),
+fn region(location: model::Location) -> Region {
+    match location {
+        model::Location::Byte(offset) => Region::Byte(offset),
+        model::Location::Line(line) => Region::Line(line),
     }
 }
 
 fn defined(line: &Definition) -> (Place, String) {
-    let place = Place { path: line.file.clone(), region: Region::Line(line.line) };
-    (place, format!("defined as: {}", shown(line.text.trim())))
+    let location = Place { path: line.file.clone(), region: Region::Line(line.line) };
+    (location, format!("defined as: {}", shown(line.text.trim())))
 }

@@ -69,8 +69,8 @@ fn everything_in_the_form_is_described() {
         for (name, member) in schema["properties"].as_object().into_iter().flatten() {
             let is_described = |value: &Value| value.get("description").is_some();
             // What is one of several is described as a whole, and what tells which it is says so itself.
-            let is_told = is_variant && is_described(schema) || member.get("const").is_some();
-            assert!(is_described(member) || is_told, "{at}.{name}");
+            let is_shown = is_variant && is_described(schema) || member.get("const").is_some();
+            assert!(is_described(member) || is_shown, "{at}.{name}");
         }
         for one in schema["oneOf"].as_array().into_iter().flatten() {
             check(at, one, true);
@@ -85,16 +85,16 @@ fn everything_in_the_form_is_described() {
 }
 
 #[test]
-fn a_report_with_every_rule_broken_keeps_to_it() {
+fn a_report_with_every_rule_violated_matches_the_schema() {
     let definitions = Definitions::built_in();
     let flight = Flight::new(&definitions);
     let mutants = mutants().flat_map(|mutant| mutant.captures(&flight));
     let subject = |bytes: Vec<u8>| {
-        let judgement = check_capture(&bytes[..], None, &definitions).expect("bytes can be read");
-        Subject::of_capture(
+        let result = check_capture(&bytes[..], None, &definitions).expect("bytes can be read");
+        Subject::from_capture(
             CheckedCapture {
                 path: "a\nb".to_owned(),
-                result: judgement,
+                result,
                 notes: vec!["the wind turned".to_owned()],
                 elapsed: 7,
             },

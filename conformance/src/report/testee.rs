@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Serialize, Serializer};
 
 use super::{
-    About, Case, CaseVerdict, Conclusion, Counts, Definition, Known, Remark, Row, RuleVerdict, Subject,
-    Testee, TesteeKind, Verdict,
+    About, Case, CaseVerdict, Counts, Definition, Known, Outcome, Remark, Row, RuleVerdict, Subject, Testee,
+    TesteeKind, Verdict,
 };
 use crate::definitions::Definitions;
 use crate::model::Extent;
@@ -15,21 +15,21 @@ use crate::testee::{case, outcome};
 
 impl Subject {
     /// Of a testee that was asked. `again` is the command that asks one case alone.
-    pub fn of_testee(
-        outcome: &outcome::Outcome<'_>,
+    pub fn from_testee(
+        run: &outcome::Outcome<'_>,
         definitions: &Definitions,
         again: &dyn Fn(&str) -> String,
     ) -> Self {
-        let verdicts = outcome.verdicts.iter();
+        let verdicts = run.verdicts.iter();
         let cases: Vec<Case> =
-            verdicts.map(|(case, verdict)| of_case(case, verdict, definitions, again)).collect();
-        let counts = counts(outcome.counts());
-        let manners = &outcome.manners;
-        let remarks = manners.remarks.len() + manners.more;
-        let gave_up = outcome.gave_up.clone();
-        let conclusion =
-            Conclusion::of_testee(counts.pass + counts.known, counts.fail, remarks, gave_up.as_deref());
-        let (name, version) = match &outcome.hello {
+            verdicts.map(|(case, verdict)| case_report(case, verdict, definitions, again)).collect();
+        let counts = counts(run.counts());
+        let protocol_remarks = &run.protocol_remarks;
+        let remarks = protocol_remarks.remarks.len() + protocol_remarks.more;
+        let gave_up = run.gave_up.clone();
+        let outcome =
+            Outcome::for_testee(counts.pass + counts.known, counts.fail, remarks, gave_up.as_deref());
+        let (name, version) = match &run.hello {
             Some(hello) => (hello.name.clone(), hello.version.clone()),
             None => ("testee".to_owned(), String::new()),
         };
@@ -44,25 +44,25 @@ impl Subject {
             kind: TesteeKind::Testee,
             version,
             counts,
-            table: outcome.table().into_iter().map(row).collect(),
+            table: run.table().into_iter().map(row).collect(),
             cases,
-            manners: manners.remarks.iter().map(remark).collect(),
-            more_manners: manners.more as u64,
-            restarts: outcome.restarts,
+            protocol_remarks: protocol_remarks.remarks.iter().map(remark).collect(),
+            more_protocol_remarks: protocol_remarks.more as u64,
+            restarts: run.restarts,
             gave_up,
         };
         Self {
             path: name,
             about: About::Testee(testee),
-            records: outcome.verdicts.len() as u64,
-            judged: counts.pass + counts.fail + counts.known,
+            records: run.verdicts.len() as u64,
+            checked: counts.pass + counts.fail + counts.known,
             duration_us: 0,
-            conclusion,
+            outcome,
             rules,
             findings: Vec::new(),
             more_findings: 0,
-            damage: Vec::new(),
-            more_damage: 0,
+            corruption: Vec::new(),
+            more_corruption: 0,
             extent: Extent::Whole,
             notes: Vec::new(),
             elapsed: 0,
@@ -80,26 +80,27 @@ fn counts(counts: outcome::Counts) -> Counts {
     }
 }
 
-fn of_case(
-    asked: &case::Case,
+fn case_report(
+    requested: &case::Case,
     verdict: &outcome::Verdict,
     definitions: &Definitions,
     again: &dyn Fn(&str) -> String,
 ) -> Case {
-    let name = asked.name();
-    let span = definitions.message_of_type(&asked.type_name).map(|id| definitions.schema.message(id).span);
+    let name = requested.name();
+    let span =
+        definitions.message_of_type(&requested.type_name).map(|id| definitions.schema.message(id).span);
     let mut found = Case {
-        op: asked.action(),
-        type_name: asked.type_name.clone(),
-        description: asked.description.clone(),
-        rule: asked.rule.clone(),
+        op: requested.action(),
+        type_name: requested.type_name.clone(),
+        description: requested.description.clone(),
+        rule: requested.rule.clone(),
         verdict: CaseVerdict::Pass,
         path: String::new(),
         expected: String::new(),
         actual: String::new(),
         message: String::new(),
         stderr: String::new(),
-        definition: span.map(|span| Definition::of(definitions.line(span))),
+        definition: span.map(|span| Definition::new(definitions.line(span))),
         reproduce: again(&name),
         known: None,
         name,
@@ -146,7 +147,7 @@ fn rules(cases: &[Case]) -> Vec<RuleVerdict> {
             id,
             level,
             verdict: Verdict::Unsupported,
-            exercised: 0,
+            covered: 0,
             findings: 0,
         });
         let verdict = match case.verdict {
@@ -157,7 +158,7 @@ fn rules(cases: &[Case]) -> Vec<RuleVerdict> {
             CaseVerdict::Fail | CaseVerdict::Crashed | CaseVerdict::TimedOut => Verdict::Fail,
         };
         found.verdict = found.verdict.max(verdict);
-        found.exercised += u64::from(matches!(verdict, Verdict::Pass | Verdict::Fail | Verdict::Known));
+        found.covered += u64::from(matches!(verdict, Verdict::Pass | Verdict::Fail | Verdict::Known));
         found.findings += u64::from(verdict == Verdict::Fail);
     }
     rules.into_values().collect()

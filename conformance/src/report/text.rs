@@ -50,7 +50,7 @@ fn capture(subject: &Subject, summary: &dyn Describe, text: &mut String) -> fmt:
     let (facts, elapsed) = (summary.facts(subject.totals()).join(", "), subject.elapsed);
     writeln!(text, "{}  {facts} ({elapsed} ms)\n", shown(&subject.path))?;
     lines(&summary.lines(), text)?;
-    damage(subject, text)?;
+    corruption(subject, text)?;
     for note in &subject.notes {
         writeln!(text, "note         {}", shown(note))?;
     }
@@ -84,15 +84,15 @@ fn lines(lines: &[Line], text: &mut String) -> fmt::Result {
     if lines.is_empty() { Ok(()) } else { writeln!(text) }
 }
 
-fn damage(subject: &Subject, text: &mut String) -> fmt::Result {
-    for damage in subject.damage.iter().take(MAX_SHOWN) {
-        writeln!(text, "{WARN}damage{WARN:#}       {}: {}", damage.place, shown(&damage.message))?;
+fn corruption(subject: &Subject, text: &mut String) -> fmt::Result {
+    for corruption in subject.corruption.iter().take(MAX_SHOWN) {
+        writeln!(text, "{WARN}damage{WARN:#}       {}: {}", corruption.location, shown(&corruption.message))?;
     }
-    let more = subject.damages().saturating_sub(MAX_SHOWN as u64);
+    let more = subject.corrupt_count().saturating_sub(MAX_SHOWN as u64);
     if more > 0 {
         writeln!(text, "             … and {} more", Grouped(more))?;
     }
-    if subject.damage.is_empty() { Ok(()) } else { writeln!(text) }
+    if subject.corruption.is_empty() { Ok(()) } else { writeln!(text) }
 }
 
 /// `width` is that of the column of rules.
@@ -112,11 +112,11 @@ fn finding(finding: &Finding, width: usize, text: &mut String) -> fmt::Result {
         finding.rule,
         finding.level,
         shown(&finding.subject),
-        shown(&first.told())
+        shown(&first.text())
     )?;
     let defined = finding.definition.as_ref().map(|line| format!("   {line}")).unwrap_or_default();
     let indent = width + 15;
-    writeln!(text, "{:indent$}{times}, first at {}{defined}", "", first.place)?;
+    writeln!(text, "{:indent$}{times}, first at {}{defined}", "", first.location)?;
     let known = finding.known.as_ref();
     known.map_or(Ok(()), |known| writeln!(text, "{:indent$}{known}", ""))
 }
@@ -134,7 +134,7 @@ impl fmt::Display for Known {
 
 fn verdicts(subject: &Subject, noun: &str, text: &mut String) -> fmt::Result {
     let of = |verdict| subject.rules.iter().filter(move |rule| rule.verdict == verdict);
-    let idle: Vec<&str> = of(Verdict::NotExercised).map(|rule| rule.id).collect();
+    let idle: Vec<&str> = of(Verdict::NotCovered).map(|rule| rule.id).collect();
     let idle = match idle.len() {
         0 => String::new(),
         count if count > MAX_SHOWN => format!("   not exercised {count}"),
@@ -142,18 +142,18 @@ fn verdicts(subject: &Subject, noun: &str, text: &mut String) -> fmt::Result {
     };
     writeln!(text, "{PASS}pass{PASS:#}  {} rules{idle}\n", subject.count(Verdict::Pass))?;
     let (failed, warned) = (subject.count(Verdict::Fail), subject.count(Verdict::Warn));
-    let damaged = match subject.extent {
-        Extent::Whole if subject.damage.is_empty() => String::new(),
+    let corrupt = match subject.extent {
+        Extent::Whole if subject.corruption.is_empty() => String::new(),
         Extent::Whole => format!(", and the {noun} is damaged"),
         Extent::EndsEarly | Extent::WithGaps => ", and not all can be read".to_owned(),
-        Extent::BrokenOff => "; it could not be read to its end".to_owned(),
+        Extent::Unreadable => "; it could not be read to its end".to_owned(),
     };
     let known = subject.findings.iter().filter(|finding| finding.known.is_some()).count();
     let known = if known > 0 { format!(", {known} known") } else { String::new() };
     match (failed, warned) {
-        (0, _) if subject.judged == 0 => writeln!(text, "nothing was judged{damaged}"),
-        (0, 0) => writeln!(text, "conforms{known}{damaged}"),
-        (0, _) => writeln!(text, "conforms, {warned} SHOULD to be looked at{known}{damaged}"),
-        _ => writeln!(text, "does not conform: {failed} MUST, {warned} SHOULD{known}{damaged}"),
+        (0, _) if subject.checked == 0 => writeln!(text, "nothing was judged{corrupt}"),
+        (0, 0) => writeln!(text, "conforms{known}{corrupt}"),
+        (0, _) => writeln!(text, "conforms, {warned} SHOULD to be looked at{known}{corrupt}"),
+        _ => writeln!(text, "does not conform: {failed} MUST, {warned} SHOULD{known}{corrupt}"),
     }
 }

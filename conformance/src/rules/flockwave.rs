@@ -154,13 +154,13 @@ use self::lines::Lines;
 use self::malformed::Malformed;
 use self::per_connection::PerConnection;
 use self::sample::Session;
-use self::trial::{Attempt, Request, SOON, Sent, Step, Strain, Trial};
+use self::trial::{Attempt, Request, SHORT_PAUSE, Sent, Step, Strain, Trial};
 pub(crate) use self::view::{Message, StatusReport};
 use super::RuleContext;
-use crate::flockwave::body_schema::{Fault, INTEGER, Shape};
+use crate::flockwave::body_schema::{ExpectedValue, Fault, INTEGER};
 use crate::flockwave::session::{Exchange, OPERATIONS, Reference, Role, Stage};
 use crate::json::Tree;
-use crate::model::{Detail, Level, Place, Rule, Status};
+use crate::model::{Detail, Level, Location, Rule, Status};
 
 /// The rules on Flockwave, by id.
 pub static RULES: [&FlockwaveRule; 128] = [
@@ -339,7 +339,7 @@ pub(crate) trait SessionCheck {
     fn status_report(&mut self, _report: &StatusReport<'_>, _context: &mut RuleContext<'_>) {}
 
     /// Records may be missing here, since something is unreadable.
-    fn damage(&mut self, _place: Place) {}
+    fn corruption(&mut self, _place: Location) {}
 
     /// The session ends.
     fn end(&mut self, _context: &mut RuleContext<'_>) {}

@@ -30,9 +30,11 @@ mod time_01;
 mod time_02;
 mod ver_01;
 
+use uavspec_runtime::Rule as Demand;
+
 use super::RuleContext;
 use super::sample::{Bag, Encoding, Flight, Lines, Log};
-use crate::model::{Channel, Detail, Level, Message, Place, Rule, Status};
+use crate::model::{Channel, Detail, Level, Location, Message, Rule, Status};
 use crate::px4::ValueRules;
 
 /// The rules that sources of messages report violations of while they read them.
@@ -77,10 +79,14 @@ pub(crate) static RULES: [&Px4Rule; 28] = [
 pub(crate) static VALUES: ValueRules = ValueRules {
     bool: &bool_01::RULE.rule,
     text: &str_01::RULE.rule,
-    count: &len_01::RULE.rule,
-    range: &range_01::RULE.rule,
-    documented: &enum_01::RULE.rule,
-    nan: &nan_01::RULE.rule,
+    number: |demand| match demand {
+        Demand::Count => &len_01::RULE.rule,
+        Demand::Enum => &enum_01::RULE.rule,
+        Demand::Nan => &nan_01::RULE.rule,
+        Demand::Range => &range_01::RULE.rule,
+        Demand::Bound => &cdr_02::RULE.rule,
+        Demand::Text => &str_01::RULE.rule,
+    },
     members: &json_01::RULE.rule,
     json_type: &json_02::RULE.rule,
     length: &arr_01::RULE.rule,
@@ -193,10 +199,10 @@ pub(crate) trait Checker {
     fn message(&mut self, _channel: &Channel<'_>, _message: &Message<'_>, _context: &mut RuleContext<'_>) {}
 
     /// Records were lost, for so many milliseconds.
-    fn dropout(&mut self, _milliseconds: u16, _place: Place) {}
+    fn dropout(&mut self, _milliseconds: u16, _place: Location) {}
 
     /// Something can't be read, and records may be lost with it; or it is a message of a channel that is of interest.
-    fn damage(&mut self, _place: Place) {}
+    fn corruption(&mut self, _place: Location) {}
 
     /// The source ends.
     fn end(&mut self, _context: &mut RuleContext<'_>) {}
@@ -215,7 +221,7 @@ impl<T: Default + Clone> PerChannel<T> {
     }
 
     /// The state of a channel that was opened.
-    fn of(&mut self, channel: &Channel<'_>) -> Option<&mut T> {
+    fn get(&mut self, channel: &Channel<'_>) -> Option<&mut T> {
         self.0.get_mut(channel.index)
     }
 }
@@ -232,10 +238,10 @@ impl RuleContext<'_> {
         &mut self,
         channel: &Channel<'_>,
         name: &str,
-        place: Place,
+        location: Location,
         detail: impl FnOnce() -> Detail,
     ) {
         let definition = self.field(channel.definition, name);
-        self.violation_of(&format!("{}.{name}", channel.topic), place, definition, detail);
+        self.violation_of(&format!("{}.{name}", channel.topic), location, definition, detail);
     }
 }

@@ -17,7 +17,7 @@ use uavspec_codegen::dynamic::{DynamicMessage, MessageType, Placed};
 use uavspec_codegen::emit::vectors;
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::{Element, Field, Form, Message, MessageId, Restriction, Shape};
-use uavspec_runtime::{Number, Rule};
+use uavspec_runtime::{Constraint, Number, Rule};
 
 pub(crate) use self::bag::Bag;
 pub(crate) use self::encoding::Encoding;
@@ -90,7 +90,7 @@ impl<'d> Flight<'d> {
         for round in 0..ROUNDS {
             for topic in flight.in_order() {
                 let name = &definitions.schema.message(flight.topics[topic].message).name;
-                let values = told(name, round, &first[topic]);
+                let values = messages_of_round(name, round, &first[topic]);
                 flight.messages.extend(values.into_iter().map(|value| Sent { topic, value }));
             }
         }
@@ -102,7 +102,7 @@ impl<'d> Flight<'d> {
         let mut order: Vec<usize> = (0..self.topics.len()).collect();
         order.sort_by_key(|topic| {
             let name = &self.definitions.schema.message(self.topics[*topic].message).name;
-            STORY.iter().position(|known| known == name)
+            SESSION_TOPICS.iter().position(|known| known == name)
         });
         order
     }
@@ -130,19 +130,22 @@ impl<'d> Flight<'d> {
 
     /// Changes a value in the last message of some topic so that it breaks a rule on numbers; of arrays the first
     /// element.
-    pub(crate) fn breaking(&self, rule: Rule) -> Option<Self> {
+    pub(crate) fn violating(&self, rule: Rule) -> Option<Self> {
         let schema = &self.definitions.schema;
         for topic in 0..self.topics.len() {
             let message = schema.message(self.topics[topic].message);
             for field in &message.fields {
                 let restriction = schema.restriction(message, field);
-                let Some(value) = restriction.and_then(|asked| broken(rule, field, &asked)) else { continue };
+                let Some(value) = restriction.and_then(|requested| violating_value(rule, field, &requested))
+                else {
+                    continue;
+                };
                 let mut changed = self.clone();
                 let last = self.last_of(topic)?;
-                let place = &mut changed.messages[last].value[&field.name];
+                let location = &mut changed.messages[last].value[&field.name];
                 match field.ty.shape {
-                    Shape::Single => *place = value,
-                    _ => *place.get_mut(0)? = value,
+                    Shape::Single => *location = value,
+                    _ => *location.get_mut(0)? = value,
                 }
                 return Some(changed);
             }
@@ -151,7 +154,7 @@ impl<'d> Flight<'d> {
     }
 
     /// The first topic that has a field like this, and where in a payload the field starts.
-    pub(crate) fn place(&self, is_wanted: impl Fn(&Placed<'_>) -> bool) -> Option<(usize, usize)> {
+    pub(crate) fn find_field(&self, is_wanted: impl Fn(&Placed<'_>) -> bool) -> Option<(usize, usize)> {
         let find = |topic| Some((topic, self.type_of(topic).layout().find(&is_wanted)?.offset));
         (0..self.topics.len()).find_map(find)
     }
@@ -201,12 +204,12 @@ impl<'d> Flight<'d> {
 
     /// As a log of PX4.
     pub(crate) fn log(&self) -> Log {
-        Log::of(self)
+        Log::from_flight(self)
     }
 
     /// As MCAP.
     pub(crate) fn bag(&self) -> Bag {
-        Bag::of(self)
+        Bag::from_flight(self)
     }
 
     /// As JSON Lines that name the type of each message.
@@ -230,25 +233,23 @@ impl<'d> Flight<'d> {
 }
 
 /// A value that breaks this rule in this field, and no other; none where the field has nothing to do with it.
-fn broken(rule: Rule, field: &Field, asked: &Restriction) -> Option<Value> {
+fn violating_value(rule: Rule, field: &Field, requested: &Restriction) -> Option<Value> {
     let Element::Scalar(scalar) = field.ty.element else { return None };
     let beyond = |bound: Option<Number>, by: i32| match bound? {
         Number::Int(value) => Some(Number::Int(value + i128::from(by))),
         Number::Float(value) => Some(Number::Float(value + f64::from(by))),
     };
-    let candidates: Vec<Number> = match rule {
-        Rule::Range => [beyond(asked.high, 1), beyond(asked.low, -1)].into_iter().flatten().collect(),
-        Rule::Count => asked.count.map(|count| Number::Int(i128::from(count) + 1)).into_iter().collect(),
-        Rule::Enum => (0..256).map(Number::Int).collect(),
-        Rule::Nan => vec![Number::Float(f64::NAN)],
-        Rule::Bound | Rule::Text => Vec::new(),
-    };
+    let Constraint { low, high, count, .. } = requested.constraint();
+    let beyond = [beyond(high, 1), beyond(low, -1)].into_iter().flatten();
+    let beyond = beyond.chain(count.map(|count| Number::Int(i128::from(count) + 1)));
+    let others = [Number::Float(0.1), Number::Float(f64::NAN)];
+    let candidates = beyond.chain((0..256).map(Number::Int)).chain(others);
     let fits = |number: &Number| match (*number, scalar.integer_bounds()) {
         (Number::Int(value), Some((low, high))) => (low..=high).contains(&value),
         (_, bounds) => bounds.is_none(),
     };
-    let breaks = |number: &Number| asked.constraint().broken_by(*number) == Some(rule);
-    Some(match candidates.into_iter().filter(fits).find(breaks)? {
+    let breaks = |number: &Number| requested.constraint().broken_by(*number) == Some(rule);
+    Some(match candidates.filter(fits).find(breaks)? {
         Number::Int(value) => i64::try_from(value).ok()?.into(),
         // NaN is null.
         Number::Float(value) => value.into(),
@@ -261,7 +262,7 @@ fn is_published(message: &Message, definitions: &Definitions) -> bool {
 }
 
 /// Messages of a session, in the order in which a round has them.
-const STORY: [&str; 5] = [
+const SESSION_TOPICS: [&str; 5] = [
     "RegisterExtComponentRequest",
     "RegisterExtComponentReply",
     "ArmingCheckRequest",
@@ -270,7 +271,7 @@ const STORY: [&str; 5] = [
 ];
 
 /// The messages that a round has of a topic, made of a typical one.
-fn told(message: &str, round: u64, typical: &Value) -> Vec<Value> {
+fn messages_of_round(message: &str, round: u64, typical: &Value) -> Vec<Value> {
     let typical = with(typical, &[("timestamp", (START + round * PERIOD).into())]);
     let there = || COMPONENTS.iter().filter(|(_, last)| round <= *last);
     match message {
@@ -327,8 +328,8 @@ fn answer(typical: &Value, round: u64) -> Value {
 fn with(message: &Value, fields: &[(&str, Value)]) -> Value {
     let mut message = message.clone();
     for (field, new) in fields {
-        if let Some(place) = message.get_mut(field) {
-            *place = new.clone();
+        if let Some(location) = message.get_mut(field) {
+            *location = new.clone();
         }
     }
     message

@@ -47,9 +47,9 @@ pub(super) trait Sink: Send + Sync {
 
 /// What a connection is, as far as it makes a difference here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Manner {
+pub(super) enum ConnectionKind {
     /// It stands until somebody ends it.
-    Standing,
+    Persistent,
     /// Datagrams: nobody knows how long the other side is there.
     Datagrams,
     /// A single request: notifications that it didn't cause aren't for it.
@@ -61,14 +61,14 @@ pub(super) type SessionId = u64;
 
 /// What the server knows of a connection.
 pub(super) struct Session {
-    pub(super) manner: Manner,
+    pub(super) kind: ConnectionKind,
     sink: Arc<dyn Sink>,
     /// Who has logged in.
     pub(super) user: Option<String>,
     /// Paths of the device tree that the client has subscribed to, and how often.
     pub(super) subscriptions: BTreeMap<String, usize>,
     /// The values that the client was told last, by path.
-    pub(super) told: BTreeMap<String, Value>,
+    pub(super) last_sent: BTreeMap<String, Value>,
     operations: Vec<Operation>,
     /// When the client came.
     since: Duration,
@@ -145,22 +145,22 @@ impl Hub {
     }
 
     /// A client has connected.
-    pub(super) fn open(&mut self, manner: Manner, sink: Arc<dyn Sink>) -> SessionId {
+    pub(super) fn open(&mut self, kind: ConnectionKind, sink: Arc<dyn Sink>) -> SessionId {
         let id = self.next_session;
         self.next_session += 1;
         let session = Session {
-            manner,
+            kind,
             sink,
             user: None,
             subscriptions: BTreeMap::new(),
-            told: BTreeMap::new(),
+            last_sent: BTreeMap::new(),
             operations: Vec::new(),
             since: self.elapsed,
             sent: 0,
             answered: Vec::new(),
         };
         self.sessions.insert(id, session);
-        if self.may_hear(id) {
+        if self.may_receive(id) {
             self.greet(id);
         }
         id
@@ -173,7 +173,7 @@ impl Hub {
 
     /// Tells a client which server this is.
     pub(super) fn greet(&mut self, id: SessionId) {
-        if self.sessions.get(&id).is_some_and(|session| session.manner == Manner::Standing) {
+        if self.sessions.get(&id).is_some_and(|session| session.kind == ConnectionKind::Persistent) {
             let item = LogMessage {
                 message: format!("a simulated fleet of {} UAVs", self.world.uavs.len()),
                 severity: Some(LogSeverity::Info),
@@ -203,7 +203,7 @@ impl Hub {
                     self.greet(id);
                 }
             }
-            Incoming::Malformed { .. } if self.has_bug(&env_22::RULE) => self.cut(id),
+            Incoming::Malformed { .. } if self.has_bug(&env_22::RULE) => self.disconnect(id),
             Incoming::Malformed { id: request, reason } => {
                 self.send(id, Some((&request, &Value::Null)), &refusal(reason));
             }
@@ -299,7 +299,7 @@ impl Hub {
             // It is told once, and closes when all that was to be said is on its way.
             session.since = Duration::MAX;
             self.notify(id, &farewell("the time is over"));
-            self.cut(id);
+            self.disconnect(id);
         }
     }
 
@@ -361,12 +361,13 @@ impl Hub {
 
     /// The connections that hear what happens.
     fn listeners(&self) -> Vec<SessionId> {
-        let is_standing = |id: &SessionId| self.sessions.get(id).is_some_and(|s| s.manner != Manner::OneShot);
-        self.sessions.keys().copied().filter(|id| is_standing(id) && self.may_hear(*id)).collect()
+        let is_persistent =
+            |id: &SessionId| self.sessions.get(id).is_some_and(|s| s.kind != ConnectionKind::OneShot);
+        self.sessions.keys().copied().filter(|id| is_persistent(id) && self.may_receive(*id)).collect()
     }
 
     /// Whether a client needs no login, or has logged in.
-    fn may_hear(&self, id: SessionId) -> bool {
+    fn may_receive(&self, id: SessionId) -> bool {
         self.options.login.is_none() || self.is_logged_in(id)
     }
 
@@ -376,7 +377,7 @@ impl Hub {
 
     fn answer(&mut self, id: SessionId, name: &str, body: &Value) -> Answer {
         let request = read(body)?;
-        if !is_open(&request) && !self.may_hear(id) && !self.has_bug(&ack_06::RULE) {
+        if !is_open(&request) && !self.may_receive(id) && !self.has_bug(&ack_06::RULE) {
             return Err("log in first".to_owned());
         }
         let is_known = |session: &Session| session.answered.iter().any(|known| known == name);
@@ -414,13 +415,13 @@ impl Hub {
     }
 
     fn notify_of_uavs(&mut self) {
-        let is_heard = |uav: &&Uav| !uav.is_sleeping() && !self.ghosts.contains(&uav.id);
-        let heard: Vec<&Uav> = self.world.uavs.iter().filter(is_heard).collect();
+        let is_reachable = |uav: &&Uav| !uav.is_sleeping() && !self.ghosts.contains(&uav.id);
+        let received: Vec<&Uav> = self.world.uavs.iter().filter(is_reachable).collect();
         let of_some = |uavs: &[&Uav]| {
             let status = uavs.iter().map(|uav| (uav.id.clone(), uav.status())).collect();
             uav_inf::Notification { status: Some(status) }.into()
         };
-        let bodies: Vec<Notification> = heard.chunks(UAVS_AT_ONCE).map(of_some).collect();
+        let bodies: Vec<Notification> = received.chunks(UAVS_AT_ONCE).map(of_some).collect();
         for body in &bodies {
             self.notify_all(body);
         }
@@ -432,8 +433,8 @@ impl Hub {
             let mut changed = BTreeMap::new();
             for path in session.subscriptions.keys() {
                 let Ok(value) = self.world.values_at(path) else { continue };
-                if session.told.get(path) != Some(&value) {
-                    session.told.insert(path.clone(), value.clone());
+                if session.last_sent.get(path) != Some(&value) {
+                    session.last_sent.insert(path.clone(), value.clone());
                     changed.insert(path.clone(), value);
                 }
             }
@@ -461,7 +462,7 @@ impl Hub {
     }
 
     /// Ends a connection without a word.
-    fn cut(&mut self, id: SessionId) {
+    fn disconnect(&mut self, id: SessionId) {
         if let Some(session) = self.sessions.get(&id) {
             session.sink.close();
         }

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use self::engine::Sessions;
 use super::family;
-use super::hub::{Hub, Manner, SessionId, Sink};
+use super::hub::{ConnectionKind, Hub, SessionId, Sink};
 use super::{Listening, Options, Transport};
 use crate::flockwave::transport::http::is_silence;
 use crate::rules::flockwave::FlockwaveRule;
@@ -27,7 +27,7 @@ const CONNECTION_LIMIT: usize = 256;
 const TICK: Duration = Duration::from_millis(20);
 
 /// How long whoever waits for a socket looks away from it.
-const LOOK: Duration = Duration::from_millis(100);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// How often it is seen whether somebody connects.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(5);
@@ -39,7 +39,7 @@ const SEND_LIMIT: Duration = Duration::from_secs(10);
 const LAST_POLL: Duration = Duration::from_millis(500);
 
 /// How long connections have to end.
-const FAREWELL: Duration = Duration::from_secs(2);
+const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// What all threads share.
 pub(super) struct Shared {
@@ -56,8 +56,11 @@ impl Shared {
     pub(super) fn new(options: Options, listening: &[Listening]) -> Self {
         let bug = options.bug;
         let mut hub = Hub::new(options, family::answer);
-        hub.ports =
-            listening.iter().rev().map(|place| (place.transport.name(), place.address.port())).collect();
+        hub.ports = listening
+            .iter()
+            .rev()
+            .map(|location| (location.transport.name(), location.address.port()))
+            .collect();
         Self {
             hub: Mutex::new(hub),
             sessions: Sessions::default(),
@@ -77,7 +80,7 @@ impl Shared {
 
     /// Waits until connections have ended, but not for ever.
     pub(super) fn wait_for_connections(&self) {
-        let until = Instant::now() + FAREWELL;
+        let until = Instant::now() + SHUTDOWN_TIMEOUT;
         while self.connections.load(Ordering::Relaxed) > 0 && Instant::now() < until {
             thread::sleep(ACCEPT_PAUSE);
         }
@@ -105,8 +108,8 @@ impl Shared {
         self.bug.is_some_and(|bug| std::ptr::eq(bug, of))
     }
 
-    fn open(&self, manner: Manner, sink: Arc<dyn Sink>) -> SessionId {
-        self.hub().open(manner, sink)
+    fn open(&self, kind: ConnectionKind, sink: Arc<dyn Sink>) -> SessionId {
+        self.hub().open(kind, sink)
     }
 
     fn close(&self, id: SessionId) {
@@ -170,9 +173,9 @@ impl Bound {
         thread::spawn(move || match self.socket {
             Socket::Datagram(socket) => udp::serve(&shared, &socket),
             Socket::Stream(listener) if transport == Transport::Tcp => {
-                accept(&shared, &listener, tcp::converse);
+                accept(&shared, &listener, tcp::serve_connection);
             }
-            Socket::Stream(listener) => accept(&shared, &listener, web::converse),
+            Socket::Stream(listener) => accept(&shared, &listener, web::serve_connection),
         })
     }
 }
@@ -181,14 +184,14 @@ impl Bound {
 fn accept(
     shared: &Arc<Shared>,
     listener: &TcpListener,
-    converse: fn(&Arc<Shared>, TcpStream) -> io::Result<()>,
+    serve_connection: fn(&Arc<Shared>, TcpStream) -> io::Result<()>,
 ) {
     while !shared.is_ending() {
         let stream = match listener.accept() {
             Ok((stream, _)) => stream,
             Err(error) => {
                 // A client that gave up before it was taken is no reason to end, nor is a lack of descriptors.
-                thread::sleep(if is_silence(&error) { ACCEPT_PAUSE } else { LOOK });
+                thread::sleep(if is_silence(&error) { ACCEPT_PAUSE } else { POLL_INTERVAL });
                 continue;
             }
         };
@@ -198,20 +201,20 @@ fn accept(
             continue;
         }
         thread::spawn(move || {
-            let _leaving = Leaving(&shared);
+            let _leaving = ConnectionGuard(&shared);
             // On some systems a connection takes after its listener.
             if stream.set_nonblocking(false).is_ok() {
                 // A connection that breaks is the client's affair.
-                let _ = converse(&shared, stream);
+                let _ = serve_connection(&shared, stream);
             }
         });
     }
 }
 
 /// Counts a connection out, however its thread ends.
-struct Leaving<'s>(&'s Shared);
+struct ConnectionGuard<'s>(&'s Shared);
 
-impl Drop for Leaving<'_> {
+impl Drop for ConnectionGuard<'_> {
     fn drop(&mut self) {
         self.0.connections.fetch_sub(1, Ordering::Relaxed);
     }

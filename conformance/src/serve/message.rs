@@ -84,13 +84,13 @@ impl<T> Outcomes<T> {
     }
 
     /// What becomes of each thing that was asked for.
-    pub(super) fn of<I: Into<String>>(
-        asked: Vec<I>,
-        mut ask: impl FnMut(&str) -> Result<T, String>,
+    pub(super) fn collect<I: Into<String>>(
+        requested: Vec<I>,
+        mut apply: impl FnMut(&str) -> Result<T, String>,
     ) -> Result<Self, String> {
         let mut outcomes = Self::new();
-        for id in each_once(asked)? {
-            let outcome = ask(&id);
+        for id in each_once(requested)? {
+            let outcome = apply(&id);
             outcomes.put(id, outcome);
         }
         Ok(outcomes)

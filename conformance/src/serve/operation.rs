@@ -3,13 +3,13 @@
 use serde_json::Value;
 
 /// How long an operation without an answer is waited for, in seconds of the simulation.
-const PATIENCE: f64 = 5.0;
+const ANSWER_TIMEOUT: f64 = 5.0;
 
 /// At what percentages a client is told how an operation is getting on.
 const MILESTONES: [u8; 3] = [25, 50, 75];
 
 /// Where an operation stops until the client says that it may go on.
-const SUSPENSION: u8 = 50;
+const SUSPEND_AT: u8 = 50;
 
 /// An operation.
 #[derive(Debug)]
@@ -21,7 +21,7 @@ pub(super) struct Operation {
     length: f64,
     passed: f64,
     /// The last percentage that the client was told.
-    told: u8,
+    last_reported: u8,
     /// Whether it has to wait for the client half-way.
     is_suspending: bool,
     is_suspended: bool,
@@ -64,7 +64,7 @@ impl Operation {
             ending: Ending::Result(result),
             length: seconds,
             passed: 0.0,
-            told: 0,
+            last_reported: 0,
             is_suspending: false,
             is_suspended: false,
             is_cancelled: false,
@@ -78,7 +78,7 @@ impl Operation {
 
     /// An operation that nothing is ever heard of.
     pub(super) fn unanswered(receipt: String) -> Self {
-        Self { ending: Ending::Silence, ..Self::lasting(receipt, PATIENCE, Value::Null) }
+        Self { ending: Ending::Silence, ..Self::lasting(receipt, ANSWER_TIMEOUT, Value::Null) }
     }
 
     /// Cancels it; it still comes to its end.
@@ -114,12 +114,12 @@ impl Operation {
             return (self.passed >= self.length).then_some(Report::Timeout);
         }
         let reached = MILESTONES.into_iter().find(|milestone| {
-            *milestone > self.told && self.passed >= self.length * f64::from(*milestone) / 100.0
+            *milestone > self.last_reported && self.passed >= self.length * f64::from(*milestone) / 100.0
         });
         match (reached, &self.ending) {
             (Some(milestone), _) => {
-                self.told = milestone;
-                self.is_suspended = self.is_suspending && milestone == SUSPENSION;
+                self.last_reported = milestone;
+                self.is_suspended = self.is_suspending && milestone == SUSPEND_AT;
                 Some(if self.is_suspended {
                     Report::Suspension(milestone)
                 } else {
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn it_tells_how_it_gets_on_and_how_it_ends() {
+    fn reports_progress_and_result() {
         let mut operation = Operation::lasting("r1".to_owned(), 4.0, json!(true));
         let [first, second, third] = [25, 50, 75].map(Report::Progress);
         assert_eq!(reports(&mut operation, 9), [first, second, third, Report::Result(json!(true))]);

@@ -5,7 +5,7 @@ use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Instant;
 
 /// How many bytes may wait. A client that doesn't read so much is cut off: nobody else shall suffer for it.
-const LIMIT: usize = 64 << 20;
+const MAX_BYTES: usize = 64 << 20;
 
 /// A queue between the server and a connection.
 #[derive(Debug, Default)]
@@ -41,7 +41,7 @@ impl Outbox {
         }
         state.bytes += text.len();
         state.texts.push_back(text);
-        if state.bytes > LIMIT {
+        if state.bytes > MAX_BYTES {
             *state = State { is_closed: true, ..State::default() };
         }
         self.has_news.notify_all();
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn who_does_not_read_is_cut_off() {
+    fn disconnects_a_client_that_does_not_read() {
         let outbox = Outbox::default();
         for _ in 0..70 {
             outbox.push("x".repeat(1 << 20));

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::Options;
 use super::family;
-use super::hub::{Hub, Manner, SessionId, Sink};
+use super::hub::{ConnectionKind, Hub, SessionId, Sink};
 use crate::model::Rule;
 use crate::rules::flockwave::{
     FlockwaveRule, RULES, ack_06, env_25, sio_01, sio_02, sio_03, tcp_01, tcp_02, tcp_03, tcp_04, udp_01,
@@ -33,9 +33,9 @@ static ELSEWHERE: [&Rule; 12] = [
 ];
 
 #[derive(Default)]
-struct Heard(Mutex<Vec<String>>);
+struct RecordingSink(Mutex<Vec<String>>);
 
-impl Sink for Heard {
+impl Sink for RecordingSink {
     fn send(&self, text: &str) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_owned());
     }
@@ -48,7 +48,7 @@ impl Sink for Heard {
 struct Rehearsal {
     hub: Hub,
     session: SessionId,
-    heard: Arc<Heard>,
+    received: Arc<RecordingSink>,
     time: Duration,
 }
 
@@ -60,9 +60,9 @@ impl Rehearsal {
             family::answer,
         );
         hub.ports = [("tcp", 5001), ("udp", 5001)].into();
-        let heard = Arc::new(Heard::default());
-        let session = hub.open(Manner::Standing, Arc::<Heard>::clone(&heard));
-        Self { hub, session, heard, time: Duration::ZERO }
+        let received = Arc::new(RecordingSink::default());
+        let session = hub.open(ConnectionKind::Persistent, Arc::<RecordingSink>::clone(&received));
+        Self { hub, session, received, time: Duration::ZERO }
     }
 
     fn wait(&mut self, seconds: u32) {
@@ -76,13 +76,13 @@ impl Rehearsal {
         self.hub.receive(self.session, text.as_bytes(), self.time);
     }
 
-    fn ask(&mut self, id: &str, body: &Value) {
+    fn send_request(&mut self, id: &str, body: &Value) {
         self.raw(&json!({ "$fw.version": "1.0", "id": id, "body": body }).to_string());
     }
 
     /// What was said since this was asked last.
-    fn said(&mut self) -> Vec<String> {
-        std::mem::take(&mut *self.heard.0.lock().unwrap_or_else(PoisonError::into_inner))
+    fn take_received(&mut self) -> Vec<String> {
+        std::mem::take(&mut *self.received.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
@@ -133,18 +133,18 @@ fn transcript(bug: Option<&'static FlockwaveRule>) -> Vec<String> {
         json!({ "type": "UAV-SIGNAL", "ids": ["glider-4"] }),
     ];
     for (number, body) in requests.iter().enumerate() {
-        stage.ask(&format!("höh {number}"), body);
+        stage.send_request(&format!("höh {number}"), body);
     }
-    stage.ask("höh 1", &json!({ "type": "SYS-PING" }));
+    stage.send_request("höh 1", &json!({ "type": "SYS-PING" }));
     stage.wait(1);
     // The calibration of the barometer, by its receipt: a bug may have made it another.
-    stage.ask("cancel", &json!({ "type": "ASYNC-CANCEL", "ids": ["r4", "nobody-1"] }));
+    stage.send_request("cancel", &json!({ "type": "ASYNC-CANCEL", "ids": ["r4", "nobody-1"] }));
     stage.wait(7);
-    stage.ask("lose", &json!({ "type": "OBJ-CMD", "ids": ["glider-5"], "command": "lose" }));
-    stage.ask("list", &json!({ "type": "UAV-LIST" }));
+    stage.send_request("lose", &json!({ "type": "OBJ-CMD", "ids": ["glider-5"], "command": "lose" }));
+    stage.send_request("list", &json!({ "type": "UAV-LIST" }));
     stage.raw(r#"{"$fw.version":"1.0","id":"broken"}"#);
     stage.hub.end();
-    stage.said()
+    stage.take_received()
 }
 
 /// The bodies of a type.
@@ -222,17 +222,17 @@ fn without_login_only_the_way_to_it_is_answered() {
     for (bug, expected) in [(None, "ACK-NAK"), (Some(&ack_06::RULE), "UAV-LIST")] {
         let mut stage = Rehearsal::new(bug, login());
         stage.wait(2);
-        assert!(stage.said().is_empty(), "notifications are for those who have logged in");
-        stage.ask("a", &json!({ "type": "UAV-LIST" }));
-        assert_eq!(bodies(&stage.said(), expected).len(), 1);
+        assert!(stage.take_received().is_empty(), "notifications are for those who have logged in");
+        stage.send_request("a", &json!({ "type": "UAV-LIST" }));
+        assert_eq!(bodies(&stage.take_received(), expected).len(), 1);
     }
     let mut stage = Rehearsal::new(None, login());
-    stage.ask("a", &json!({ "type": "AUTH-REQ", "method": "basic", "data": "cGlsb3Q6d3Jvbmc=" }));
-    assert_eq!(bodies(&stage.said(), "AUTH-RESP")[0]["result"], json!(false));
-    stage.ask("b", &json!({ "type": "AUTH-REQ", "method": "basic", "data": "cGlsb3Q6c29hcg==" }));
-    assert_eq!(bodies(&stage.said(), "AUTH-RESP")[0]["user"], json!("pilot"));
-    stage.ask("c", &json!({ "type": "UAV-LIST" }));
-    assert_eq!(bodies(&stage.said(), "UAV-LIST").len(), 1);
+    stage.send_request("a", &json!({ "type": "AUTH-REQ", "method": "basic", "data": "cGlsb3Q6d3Jvbmc=" }));
+    assert_eq!(bodies(&stage.take_received(), "AUTH-RESP")[0]["result"], json!(false));
+    stage.send_request("b", &json!({ "type": "AUTH-REQ", "method": "basic", "data": "cGlsb3Q6c29hcg==" }));
+    assert_eq!(bodies(&stage.take_received(), "AUTH-RESP")[0]["user"], json!("pilot"));
+    stage.send_request("c", &json!({ "type": "UAV-LIST" }));
+    assert_eq!(bodies(&stage.take_received(), "UAV-LIST").len(), 1);
 }
 
 /// Types of requests, and some that are none.
@@ -374,18 +374,18 @@ fn body() -> impl Strategy<Value = Value> {
 
 proptest! {
     #[test]
-    fn whatever_is_asked_is_answered_once(
+    fn answers_each_request_once(
         bodies in prop::collection::vec(body(), 1..12),
         bug in prop::option::of(prop::sample::select(&RULES[..])),
     ) {
         let mut stage = Rehearsal::new(bug, None);
         for (number, body) in bodies.iter().enumerate() {
-            stage.ask(&number.to_string(), body);
+            stage.send_request(&number.to_string(), body);
             stage.wait(1);
         }
-        let said = stage.said();
+        let take_received = stage.take_received();
         if bug.is_none() {
-            let messages = said.iter().map(|text| serde_json::from_str::<Value>(text).expect("JSON"));
+            let messages = take_received.iter().map(|text| serde_json::from_str::<Value>(text).expect("JSON"));
             let refs: Vec<Value> = messages.filter_map(|message| message.get("refs").cloned()).collect();
             let expected: Vec<Value> = (0..bodies.len()).map(|number| json!(number.to_string())).collect();
             prop_assert_eq!(refs, expected);

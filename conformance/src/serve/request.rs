@@ -38,11 +38,11 @@ pub(super) enum Incoming {
 impl Incoming {
     /// Reads what came in.
     pub(super) fn parse(bytes: &[u8]) -> Self {
-        serde_json::from_slice(bytes).map_or(Self::Ignored, Self::of)
+        serde_json::from_slice(bytes).map_or(Self::Ignored, Self::from_value)
     }
 
     /// The same of a message that was read.
-    pub(super) fn of(message: Value) -> Self {
+    pub(super) fn from_value(message: Value) -> Self {
         let Value::Object(mut message) = message else { return Self::Ignored };
         let Some(Value::String(id)) = message.remove("id") else { return Self::Ignored };
         if message.contains_key("refs") {
@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn requests_are_told_from_what_is_none() {
+    fn distinguishes_requests_from_other_messages() {
         let good = r#"{"$fw.version":"1.0","id":"a","body":{"type":"SYS-VER"},"extra":1}"#;
         assert!(
             matches!(Incoming::parse(good.as_bytes()), Incoming::Request { id, kind, .. } if id == "a" && kind == "SYS-VER")

@@ -41,7 +41,7 @@ type Position = [f64; 3];
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Activity {
     Sleeping,
-    Standing,
+    OnGround,
     MotorsOn,
     TakingOff,
     Hovering,
@@ -97,7 +97,7 @@ pub(super) struct Uav {
     signal: f64,
     random: Random,
     /// When the server last heard of it, in milliseconds since 1970.
-    heard: u64,
+    last_received: u64,
 }
 
 impl Uav {
@@ -112,12 +112,12 @@ impl Uav {
             position: home,
             velocity: [0.0; 3],
             heading: 45.0,
-            activity: Activity::Standing,
+            activity: Activity::OnGround,
             charge,
             errors: Vec::new(),
             signal: 0.0,
             random,
-            heard: now,
+            last_received: now,
         }
     }
 
@@ -126,7 +126,7 @@ impl Uav {
     }
 
     fn is_flying(&self) -> bool {
-        !matches!(self.activity, Activity::Sleeping | Activity::Standing | Activity::MotorsOn)
+        !matches!(self.activity, Activity::Sleeping | Activity::OnGround | Activity::MotorsOn)
     }
 
     /// Tells it to do something: what speaks against it.
@@ -137,15 +137,15 @@ impl Uav {
             Command::Sleep => self.activity = Activity::Sleeping,
             Command::WakeUp => {
                 if self.is_sleeping() {
-                    self.activity = Activity::Standing;
+                    self.activity = Activity::OnGround;
                 }
             }
             Command::Signal { seconds } => self.signal = seconds,
             Command::Halt => {
-                self.activity = if is_flying { Activity::Falling } else { Activity::Standing };
+                self.activity = if is_flying { Activity::Falling } else { Activity::OnGround };
             }
             Command::Restart => {
-                self.activity = Activity::Standing;
+                self.activity = Activity::OnGround;
                 self.errors.clear();
             }
             Command::Motors { is_start: false, is_forced: false } if is_flying => {
@@ -166,7 +166,7 @@ impl Uav {
     fn turn_motors(&mut self, is_start: bool) {
         match (is_start, self.is_flying()) {
             (true, false) => self.activity = Activity::MotorsOn,
-            (false, false) => self.activity = Activity::Standing,
+            (false, false) => self.activity = Activity::OnGround,
             (false, true) => self.activity = Activity::Falling,
             (true, true) => {}
         }
@@ -205,7 +205,7 @@ impl Uav {
             self.velocity = [0.0; 3];
             return;
         }
-        self.heard = self.heard.max(now);
+        self.last_received = self.last_received.max(now);
         self.signal = (self.signal - seconds).max(0.0);
         let drain = match self.activity {
             Activity::MotorsOn => IDLE_DRAIN,
@@ -213,7 +213,7 @@ impl Uav {
             _ => STANDBY_DRAIN,
         };
         self.charge = (self.charge - drain * seconds).max(0.0);
-        self.heed_battery();
+        self.react_to_battery();
         let before = self.position;
         self.fly(seconds);
         for (axis, velocity) in self.velocity.iter_mut().enumerate() {
@@ -225,7 +225,7 @@ impl Uav {
     }
 
     /// What a low battery makes it do by itself.
-    fn heed_battery(&mut self) {
+    fn react_to_battery(&mut self) {
         let is_busy = matches!(
             self.activity,
             Activity::TakingOff | Activity::Hovering | Activity::FlyingTo(_) | Activity::Returning
@@ -239,7 +239,7 @@ impl Uav {
 
     fn fly(&mut self, seconds: f64) {
         match self.activity {
-            Activity::Sleeping | Activity::Standing | Activity::MotorsOn | Activity::Hovering => {}
+            Activity::Sleeping | Activity::OnGround | Activity::MotorsOn | Activity::Hovering => {}
             Activity::TakingOff => {
                 let target = [self.position[0], self.position[1], TAKEOFF_ALTITUDE];
                 if self.approach(target, seconds) {
@@ -270,7 +270,7 @@ impl Uav {
     fn sink(&mut self, distance: f64) {
         self.position[2] = (self.position[2] - distance).max(0.0);
         if self.position[2] <= 0.0 {
-            self.activity = Activity::Standing;
+            self.activity = Activity::OnGround;
         }
     }
 

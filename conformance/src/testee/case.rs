@@ -49,14 +49,14 @@ pub enum Input {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
     /// What may stand in `ok`.
-    pub ok: Want,
+    pub ok: ExpectedAnswer,
     /// Whether a rejection is right.
     pub rejection: bool,
 }
 
 /// What may stand in `ok`.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Want {
+pub enum ExpectedAnswer {
     /// Nothing: it must not come to that.
     Nothing,
     /// Anything.
@@ -111,15 +111,15 @@ impl Case {
 }
 
 impl Expected {
-    const fn ok(want: Want) -> Self {
+    const fn ok(want: ExpectedAnswer) -> Self {
         Self { ok: want, rejection: false }
     }
 
-    const fn either(want: Want) -> Self {
+    const fn either(want: ExpectedAnswer) -> Self {
         Self { ok: want, rejection: true }
     }
 
-    const REJECTED: Self = Self { ok: Want::Nothing, rejection: true };
+    const REJECTED: Self = Self { ok: ExpectedAnswer::Nothing, rejection: true };
 }
 
 /// All cases of the definitions, type by type.
@@ -129,11 +129,11 @@ pub fn cases(definitions: &Definitions, types: &Types) -> Vec<Case> {
     // The emitter writes JSON, and this says so once more: what can't be read has no cases.
     files
         .filter_map(|file| serde_json::from_str(&file.text).ok())
-        .flat_map(|file| of_file(&file, types))
+        .flat_map(|file| cases_in_file(&file, types))
         .collect()
 }
 
-fn of_file(file: &Value, types: &Types) -> Vec<Case> {
+fn cases_in_file(file: &Value, types: &Types) -> Vec<Case> {
     let Some(type_name) = file["type"].as_str() else { return Vec::new() };
     let message = type_name.split_once('/').and_then(|(package, name)| types.find(package, name));
     let maker = Maker { type_name, message };
@@ -155,7 +155,7 @@ impl Maker<'_, '_> {
     fn facts(&self, file: &Value) -> Vec<Case> {
         let fact = |op: Op, format, value| {
             let head = json!({ "id": op.name(), "description": "of the type itself" });
-            self.case(&head, op, Some(format), Input::Nothing, Expected::ok(Want::Exactly(value)))
+            self.case(&head, op, Some(format), Input::Nothing, Expected::ok(ExpectedAnswer::Exactly(value)))
         };
         let mut cases = Vec::new();
         for (name, format) in [("hash", Format::Uorb), ("type_hash", Format::Cdr)] {
@@ -202,11 +202,18 @@ impl Maker<'_, '_> {
         }
         if let Some(json) = json {
             let input = Input::Value(to_wire(json, self.message));
-            let expected = if rule.is_none() { Expected::ok(Want::Anything) } else { Expected::REJECTED };
+            let expected =
+                if rule.is_none() { Expected::ok(ExpectedAnswer::Anything) } else { Expected::REJECTED };
             cases.push(self.case(vector, Op::Validate, None, input.clone(), expected));
             if let Some(class) = vector.get("class") {
                 let class = json!({ "class": class, "severity": vector["severity"] });
-                cases.push(self.case(vector, Op::Severity, None, input, Expected::ok(Want::Exactly(class))));
+                cases.push(self.case(
+                    vector,
+                    Op::Severity,
+                    None,
+                    input,
+                    Expected::ok(ExpectedAnswer::Exactly(class)),
+                ));
             }
         }
     }
@@ -226,7 +233,7 @@ impl Maker<'_, '_> {
         }
         let mut right = vec![bytes.to_vec(), other];
         right.dedup();
-        Expected { ok: Want::Bytes(right), rejection: rule.is_some() }
+        Expected { ok: ExpectedAnswer::Bytes(right), rejection: rule.is_some() }
     }
 
     fn case(&self, vector: &Value, op: Op, format: Option<Format>, input: Input, expected: Expected) -> Case {
@@ -246,7 +253,7 @@ impl Maker<'_, '_> {
 
 /// What decoding should give.
 fn decoded(rule: Option<&str>, wanted: Option<&Value>) -> Expected {
-    let want = wanted.map_or(Want::Anything, |value| Want::Message(value.clone()));
+    let want = wanted.map_or(ExpectedAnswer::Anything, |value| ExpectedAnswer::Message(value.clone()));
     match rule {
         None => Expected::ok(want),
         Some(id) if PAYLOAD_RULES.iter().any(|known| known.rule.id == id) => Expected::REJECTED,
@@ -298,7 +305,7 @@ mod tests {
         let case = find("encode-cdr/px4/BatteryStatus/voltage_v-nan");
         assert_eq!(case.request(0)["value"]["voltage_v"], json!({ "$f": "NaN" }));
         assert_eq!(find("severity/flockwave/ErrorCode/code-66").expected.ok, {
-            Want::Exactly(json!({ "class": "warning", "severity": "warning" }))
+            ExpectedAnswer::Exactly(json!({ "class": "warning", "severity": "warning" }))
         });
         let least = serde_json::from_str("[{\"x\": -9223372036854775809}]").expect("JSON");
         assert!(is_blurred(&least) && !is_blurred(&json!([i64::MIN, u64::MAX, 0.5])));

@@ -10,7 +10,7 @@ use uavspec_codegen::dynamic::{MessageType, PlacedElement, Types};
 use uavspec_codegen::schema::Shape;
 use uavspec_runtime::Scalar;
 
-use super::case::{Case, Want};
+use super::case::{Case, ExpectedAnswer};
 use super::protocol::Answer;
 use super::wire::{float, from_base64, integer};
 
@@ -46,8 +46,8 @@ pub(crate) fn compare(case: &Case, answer: &Answer, types: &Types) -> Result<(),
     let expected = &case.expected;
     match (answer, &expected.ok) {
         (Answer::Rejected(_), _) if expected.rejection => Ok(()),
-        (Answer::Ok(_), Want::Anything) => Ok(()),
-        (Answer::Ok(value), Want::Message(wanted)) => {
+        (Answer::Ok(_), ExpectedAnswer::Anything) => Ok(()),
+        (Answer::Ok(value), ExpectedAnswer::Message(wanted)) => {
             let message =
                 case.type_name.split_once('/').and_then(|(package, name)| types.find(package, name));
             match message {
@@ -55,25 +55,27 @@ pub(crate) fn compare(case: &Case, answer: &Answer, types: &Types) -> Result<(),
                 None => compare_json(wanted, value, ""),
             }
         }
-        (Answer::Ok(value), Want::Bytes(right)) => compare_bytes(right, value),
-        (Answer::Ok(value), Want::Exactly(wanted)) => compare_json(wanted, value, ""),
-        (other, _) => Err(Difference::new("", describe(case), told(other))),
+        (Answer::Ok(value), ExpectedAnswer::Bytes(right)) => compare_bytes(right, value),
+        (Answer::Ok(value), ExpectedAnswer::Exactly(wanted)) => compare_json(wanted, value, ""),
+        (other, _) => Err(Difference::new("", describe(case), describe_answer(other))),
     }
 }
 
 /// What is expected, in words.
 fn describe(case: &Case) -> String {
     let or = if case.expected.rejection { ", or a rejection" } else { "" };
-    let broken = case.rule.as_ref().map(|rule| format!(" ({rule})")).unwrap_or_default();
+    let violated = case.rule.as_ref().map(|rule| format!(" ({rule})")).unwrap_or_default();
     match &case.expected.ok {
-        Want::Nothing => format!("a rejection{broken}"),
-        Want::Anything => "acceptance".to_owned() + or,
-        Want::Message(value) | Want::Exactly(value) => format!("{value}{or}"),
-        Want::Bytes(right) => format!("{}{or}", right.first().map_or_else(String::new, |bytes| hex(bytes))),
+        ExpectedAnswer::Nothing => format!("a rejection{violated}"),
+        ExpectedAnswer::Anything => "acceptance".to_owned() + or,
+        ExpectedAnswer::Message(value) | ExpectedAnswer::Exactly(value) => format!("{value}{or}"),
+        ExpectedAnswer::Bytes(right) => {
+            format!("{}{or}", right.first().map_or_else(String::new, |bytes| hex(bytes)))
+        }
     }
 }
 
-fn told(answer: &Answer) -> String {
+fn describe_answer(answer: &Answer) -> String {
     match answer {
         Answer::Ok(value) => format!("ok: {value}"),
         Answer::Rejected(reason) => format!("rejected: {reason}"),
@@ -101,13 +103,13 @@ fn compare_bytes(right: &[Vec<u8>], actual: &Value) -> Result<(), Difference> {
 }
 
 fn compare_message(
-    of: MessageType<'_>,
+    message_type: MessageType<'_>,
     wanted: &Value,
     actual: &Value,
     path: &str,
 ) -> Result<(), Difference> {
     compare_members(wanted, actual, path, |name, wanted, actual, path| {
-        let field = of.layout().find(|field| field.name == name);
+        let field = message_type.layout().find(|field| field.name == name);
         field.map_or_else(
             || compare_json(wanted, actual, path),
             |field| compare_shaped(field.element, field.shape, wanted, actual, path),
@@ -254,12 +256,12 @@ mod tests {
 
     #[test]
     fn objects_have_exactly_their_members() {
-        let place =
+        let location =
             |wanted: Value, actual: Value| compare_json(&wanted, &actual, "").expect_err("a difference").path;
-        assert_eq!(place(json!({ "a": { "b": 1 } }), json!({ "a": {} })), "/a/b");
-        assert_eq!(place(json!({ "a": 1 }), json!({ "a": 1, "c": 1 })), "/c");
-        assert_eq!(place(json!([1, 2]), json!([1, 3])), "/1");
-        assert_eq!(place(json!([1, 2]), json!([1])), "");
+        assert_eq!(location(json!({ "a": { "b": 1 } }), json!({ "a": {} })), "/a/b");
+        assert_eq!(location(json!({ "a": 1 }), json!({ "a": 1, "c": 1 })), "/c");
+        assert_eq!(location(json!([1, 2]), json!([1, 3])), "/1");
+        assert_eq!(location(json!([1, 2]), json!([1])), "");
     }
 
     #[test]

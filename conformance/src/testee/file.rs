@@ -5,11 +5,11 @@ use std::io::{self, BufRead, Read as _, Write};
 use serde_json::{Value, json};
 use uavspec_codegen::dynamic::Types;
 
-use super::case::{Case, Want};
+use super::case::{Case, ExpectedAnswer};
 use super::options::{LINE_LIMIT, excerpt};
-use super::outcome::{Manners, Outcome, Verdict};
+use super::outcome::{Outcome, ProtocolRemarks, Verdict};
 use super::protocol::{Answer, Hello};
-use super::run::judge;
+use super::run::check_answer;
 use super::wire::{to_base64, to_wire};
 
 /// Writes the selected cases, a line each: what is sent, and beside it the name, the description and what is right.
@@ -34,14 +34,13 @@ pub(crate) fn dump(
 
 /// `ok` is a list of right answers; without it, anything is right where `accepted` is true.
 fn expected(case: &Case, types: &Types) -> Value {
-    let mut expected =
-        json!({ "rejected": case.expected.rejection, "accepted": case.expected.ok != Want::Nothing });
+    let mut expected = json!({ "rejected": case.expected.rejection, "accepted": case.expected.ok != ExpectedAnswer::Nothing });
     let message = || case.type_name.split_once('/').and_then(|(package, name)| types.find(package, name));
     match &case.expected.ok {
-        Want::Nothing | Want::Anything => {}
-        Want::Message(value) => expected["ok"] = json!([to_wire(value, message())]),
-        Want::Exactly(value) => expected["ok"] = json!([to_wire(value, None)]),
-        Want::Bytes(right) => expected["ok"] = right.iter().map(|bytes| to_base64(bytes)).collect(),
+        ExpectedAnswer::Nothing | ExpectedAnswer::Anything => {}
+        ExpectedAnswer::Message(value) => expected["ok"] = json!([to_wire(value, message())]),
+        ExpectedAnswer::Exactly(value) => expected["ok"] = json!([to_wire(value, None)]),
+        ExpectedAnswer::Bytes(right) => expected["ok"] = right.iter().map(|bytes| to_base64(bytes)).collect(),
     }
     expected
 }
@@ -54,7 +53,7 @@ pub(crate) fn replay<'c>(
     types: &Types,
     input: &mut dyn BufRead,
 ) -> io::Result<Outcome<'c>> {
-    let (mut hello, mut manners) = (None, Manners::default());
+    let (mut hello, mut protocol_remarks) = (None, ProtocolRemarks::default());
     let mut verdicts: Vec<Option<Verdict>> = vec![None; cases.len()];
     let mut lines = Lines { input, line: Vec::new(), number: 0 };
     while let Some(line) = lines.next()? {
@@ -65,15 +64,15 @@ pub(crate) fn replay<'c>(
         let (id, answer) = match Answer::read_or_blame(line.trim_ascii()) {
             Ok(answer) => answer,
             Err(wrong) => {
-                manners.remark(format!("{wrong}: {}", excerpt(line)));
+                protocol_remarks.remark(format!("{wrong}: {}", excerpt(line)));
                 continue;
             }
         };
         let found = usize::try_from(id).ok().and_then(|id| Some((cases.get(id)?, verdicts.get_mut(id)?)));
         match found {
-            None => manners.remark(format!("an answer without a question: id {id}")),
-            Some((_, Some(_))) => manners.remark(format!("a second answer to id {id}")),
-            Some((case, verdict)) => *verdict = Some(judge(case, &answer, types)),
+            None => protocol_remarks.remark(format!("an answer without a question: id {id}")),
+            Some((_, Some(_))) => protocol_remarks.remark(format!("a second answer to id {id}")),
+            Some((case, verdict)) => *verdict = Some(check_answer(case, &answer, types)),
         }
     }
     let absent = |case: &Case| match &hello {
@@ -87,7 +86,7 @@ pub(crate) fn replay<'c>(
     let verdicts: Vec<_> = verdicts.collect();
     let missing = verdicts.iter().filter(|(_, verdict)| *verdict == Verdict::NotRun).count();
     let gave_up = (missing > 0).then(|| format!("{missing} answers are absent"));
-    Ok(Outcome { hello, verdicts, manners, restarts: 0, gave_up })
+    Ok(Outcome { hello, verdicts, protocol_remarks, restarts: 0, gave_up })
 }
 
 /// The lines of a file, which keep to a limit.
@@ -127,6 +126,10 @@ mod tests {
         assert_eq!(error.to_string(), "line 2 has more than 16777216 bytes");
         let longest = [&vec![b'a'; LINE_LIMIT][..], b"\n"].concat();
         let outcome = replay(&[], &[], definitions.types(), &mut &longest[..]).expect("a line");
-        assert!(outcome.manners.remarks[0].0.starts_with("no JSON"), "{:?}", outcome.manners);
+        assert!(
+            outcome.protocol_remarks.remarks[0].0.starts_with("no JSON"),
+            "{:?}",
+            outcome.protocol_remarks
+        );
     }
 }

@@ -9,11 +9,11 @@ use crate::check::known::{Checked, Lists, Name, Outcome};
 
 /// What came of cases: of those that were asked, as `answers` says, and of all others, which were not. `names` are
 /// the names of all cases.
-pub(crate) fn of_cases<'r>(names: &'r [(&'r Case, String)], answers: &Answers<'r>) -> Vec<Checked<'r>> {
-    let asked: BTreeMap<*const Case, &Verdict> =
+pub(crate) fn case_outcomes<'r>(names: &'r [(&'r Case, String)], answers: &Answers<'r>) -> Vec<Checked<'r>> {
+    let requested: BTreeMap<*const Case, &Verdict> =
         answers.verdicts.iter().map(|(case, verdict)| (ptr::from_ref(*case), verdict)).collect();
     let checked = names.iter().map(|(case, name)| {
-        let outcome = match asked.get(&ptr::from_ref(*case)) {
+        let outcome = match requested.get(&ptr::from_ref(*case)) {
             Some(Verdict::Pass) => Outcome::Passed,
             Some(Verdict::Unsupported) => Outcome::Idle,
             None | Some(Verdict::NotRun) => Outcome::NotRun,

@@ -18,14 +18,14 @@ use super::target::Target;
 use crate::net::Connection;
 
 /// How many lines may wait to be judged; then the testee waits. Few, since each may be as long as the limit allows.
-const BACKLOG: usize = 8;
+const MAX_QUEUED_LINES: usize = 8;
 
 /// How often is looked whether a process that says nothing has ended.
-const GLANCE: Duration = Duration::from_millis(100);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// What comes from a testee.
 #[derive(Debug)]
-pub(super) enum Said {
+pub(super) enum Received {
     /// A line without its end.
     Line(Vec<u8>),
     /// A line longer than the limit. What follows can't be read.
@@ -42,7 +42,7 @@ pub(super) enum Said {
 pub(super) struct Link {
     peer: Peer,
     to: Option<Sender<Vec<u8>>>,
-    from: Receiver<Said>,
+    from: Receiver<Received>,
 }
 
 enum Peer {
@@ -55,7 +55,7 @@ impl Link {
     pub(super) fn open(options: &Options, is_again: bool) -> Result<Self, String> {
         let until = Instant::now() + options.start_timeout;
         let (to, questions) = channel();
-        let (lines, from) = sync_channel(BACKLOG);
+        let (lines, from) = sync_channel(MAX_QUEUED_LINES);
         let limit = options.line_limit;
         let peer = match &options.target {
             Target::Command(command) => {
@@ -86,17 +86,17 @@ impl Link {
     pub(super) fn introduction(&mut self, options: &Options) -> Result<(Hello, Vec<u8>), String> {
         self.send(Hello::request());
         let until = Instant::now() + options.start_timeout;
-        let wrong = match self.hear(until) {
-            Said::Line(line) => match Hello::read(&line) {
+        let wrong = match self.receive(until) {
+            Received::Line(line) => match Hello::read(&line) {
                 Ok(hello) => return Ok((hello, line)),
                 Err(wrong) => format!("{wrong}: {}", excerpt(&line)),
             },
-            Said::TooLong => "a line that is too long".to_owned(),
-            Said::Closed => self.ending(until),
-            Said::Lost(how) => how,
-            Said::Nothing => format!("nothing within {} s", options.start_timeout.as_secs_f32()),
+            Received::TooLong => "a line that is too long".to_owned(),
+            Received::Closed => self.ending(until),
+            Received::Lost(how) => how,
+            Received::Nothing => format!("nothing within {} s", options.start_timeout.as_secs_f32()),
         };
-        Err(wrong + &last_words(&self.kill()))
+        Err(wrong + &remaining_stderr(&self.kill()))
     }
 
     /// Sends a line, sooner or later; if it can't be sent, the testee has ended, and that is seen elsewhere.
@@ -116,13 +116,13 @@ impl Link {
         self.to = None;
     }
 
-    pub(super) fn hear(&mut self, until: Instant) -> Said {
+    pub(super) fn receive(&mut self, until: Instant) -> Received {
         loop {
             let left = until.saturating_duration_since(Instant::now());
-            match self.from.recv_timeout(left.min(GLANCE)) {
-                Ok(said) => return said,
-                Err(RecvTimeoutError::Disconnected) => return Said::Closed,
-                Err(RecvTimeoutError::Timeout) if left <= GLANCE => return Said::Nothing,
+            match self.from.recv_timeout(left.min(POLL_INTERVAL)) {
+                Ok(text) => return text,
+                Err(RecvTimeoutError::Disconnected) => return Received::Closed,
+                Err(RecvTimeoutError::Timeout) if left <= POLL_INTERVAL => return Received::Nothing,
                 Err(RecvTimeoutError::Timeout) => {}
             }
             // What it left behind may hold its output open, and ends with it.
@@ -145,23 +145,23 @@ impl Link {
     }
 
     /// Closes its input, hands on the lines that it still says, and tells what is wrong with how it ends.
-    pub(super) fn part(&mut self, within: Duration, mut hear: impl FnMut(&[u8])) -> Result<(), String> {
+    pub(super) fn part(&mut self, within: Duration, mut receive: impl FnMut(&[u8])) -> Result<(), String> {
         self.close();
         let until = Instant::now() + within;
-        let mut said = self.hear(until);
-        while let Said::Line(line) = &said {
-            hear(line);
+        let mut text = self.receive(until);
+        while let Received::Line(line) = &text {
+            receive(line);
             // Lines without end don't win time.
-            said = if Instant::now() < until { self.hear(until) } else { Said::Nothing };
+            text = if Instant::now() < until { self.receive(until) } else { Received::Nothing };
         }
-        match (&mut self.peer, said) {
+        match (&mut self.peer, text) {
             (Peer::Process(process), _) => match process.ended(until) {
                 None => Err("it doesn't end when its standard input does".to_owned()),
                 Some(how) if !how.is_empty() => Err(format!("it ends with {how}")),
                 Some(_) => Ok(()),
             },
-            (Peer::Connection(_), Said::Closed) => Ok(()),
-            (Peer::Connection(_), Said::Lost(how)) => Err(how),
+            (Peer::Connection(_), Received::Closed) => Ok(()),
+            (Peer::Connection(_), Received::Lost(how)) => Err(how),
             (Peer::Connection(_), _) => {
                 Err("it doesn't close the connection when this side has closed its half".to_owned())
             }
@@ -173,7 +173,7 @@ impl Link {
         match &mut self.peer {
             Peer::Process(process) => process.kill(),
             Peer::Connection(connection) => {
-                connection.cut();
+                connection.shut_down();
                 String::new()
             }
         }
@@ -192,7 +192,7 @@ fn advice(error: &io::Error) -> &'static str {
 }
 
 /// What to add to a message of something that the end of standard error may explain.
-pub(super) fn last_words(stderr: &str) -> String {
+pub(super) fn remaining_stderr(stderr: &str) -> String {
     if stderr.is_empty() { String::new() } else { format!("\nIts standard error ends:\n{stderr}") }
 }
 
@@ -221,7 +221,7 @@ fn write(mut input: impl Input, questions: &Receiver<Vec<u8>>) {
     input.close();
 }
 
-fn read(output: impl Read, lines: &SyncSender<Said>, limit: usize) {
+fn read(output: impl Read, lines: &SyncSender<Received>, limit: usize) {
     let mut output = BufReader::with_capacity(1 << 16, output);
     loop {
         let mut line = Vec::new();
@@ -229,16 +229,16 @@ fn read(output: impl Read, lines: &SyncSender<Said>, limit: usize) {
         let most = u64::try_from(limit).unwrap_or(u64::MAX).saturating_add(1);
         let read = output.by_ref().take(most).read_until(b'\n', &mut line);
         let is_whole = line.pop_if(|byte| *byte == b'\n').is_some();
-        let said = match read {
-            Ok(_) if is_whole => Said::Line(line),
-            Ok(_) if line.len() > limit => Said::TooLong,
+        let text = match read {
+            Ok(_) if is_whole => Received::Line(line),
+            Ok(_) if line.len() > limit => Received::TooLong,
             // The last line may lack its end.
-            Ok(_) if !line.is_empty() => Said::Line(line),
-            Ok(_) => Said::Closed,
-            Err(error) => Said::Lost(format!("reading from it failed: {error}")),
+            Ok(_) if !line.is_empty() => Received::Line(line),
+            Ok(_) => Received::Closed,
+            Err(error) => Received::Lost(format!("reading from it failed: {error}")),
         };
-        let is_last = matches!(said, Said::TooLong | Said::Closed | Said::Lost(_));
-        if lines.send(said).is_err() || is_last {
+        let is_last = matches!(text, Received::TooLong | Received::Closed | Received::Lost(_));
+        if lines.send(text).is_err() || is_last {
             return;
         }
     }

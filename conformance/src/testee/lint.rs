@@ -3,9 +3,9 @@
 //! Every check has a process or a connection of its own, so that what one of them breaks is no other's fault.
 
 mod answers;
-mod damage;
 mod introduction;
 mod leaving;
+mod malformed;
 mod numbers;
 pub(crate) mod report;
 mod session;
@@ -27,12 +27,12 @@ pub struct Check {
     pub statement: &'static str,
     /// What to do where it fails.
     pub help: &'static str,
-    attempt: fn(&mut Bench<'_>) -> Manner,
+    attempt: fn(&mut Bench<'_>) -> CheckOutcome,
 }
 
 /// What came of a check.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Manner {
+pub enum CheckOutcome {
     /// The testee does it.
     Good,
     /// It doesn't, and what it does.
@@ -41,7 +41,7 @@ pub enum Manner {
     NotApplicable(String),
 }
 
-impl Manner {
+impl CheckOutcome {
     /// Its name.
     pub const fn name(&self) -> &'static str {
         match self {
@@ -60,7 +60,7 @@ impl Manner {
     }
 }
 
-impl From<Result<(), String>> for Manner {
+impl From<Result<(), String>> for CheckOutcome {
     fn from(result: Result<(), String>) -> Self {
         result.map_or_else(Self::Bad, |()| Self::Good)
     }
@@ -81,9 +81,9 @@ pub const CHECKS: &[Check] = &[
     unknown::UNKNOWN_TYPE,
     unknown::UNKNOWN_FORMAT,
     unknown::MISSING_MEMBER,
-    damage::EMPTY_LINE,
-    damage::NOT_JSON,
-    damage::NOT_UTF8,
+    malformed::EMPTY_LINE,
+    malformed::NOT_JSON,
+    malformed::NOT_UTF8,
     numbers::TAGGED_INTEGERS,
     numbers::TAGGED_FLOATS,
     leaving::ANSWERS_BEFORE_END,
@@ -97,13 +97,13 @@ pub struct Found {
     /// Who was asked; none where it doesn't introduce itself.
     pub hello: Option<Hello>,
     /// The checks, and what came of each.
-    pub manners: Vec<(&'static Check, Manner)>,
+    pub outcomes: Vec<(&'static Check, CheckOutcome)>,
 }
 
 impl Found {
     /// Whether no check failed.
     pub fn are_good(&self) -> bool {
-        self.manners.iter().all(|(_, manner)| !matches!(manner, Manner::Bad(_)))
+        self.outcomes.iter().all(|(_, manner)| !matches!(manner, CheckOutcome::Bad(_)))
     }
 }
 
@@ -129,17 +129,17 @@ pub fn lint(
     let is_asked =
         |check: &&Check| only.is_empty() || is_first(check) || only.iter().any(|other| other.id == check.id);
     let checks: Vec<&Check> = CHECKS.iter().filter(is_asked).collect();
-    let mut manners = Vec::new();
+    let mut outcomes = Vec::new();
     for check in &checks {
         let manner = if is_first(check) || bench.introduced.is_some() {
             (check.attempt)(&mut bench)
         } else {
-            Manner::NotApplicable("it doesn't introduce itself".to_owned())
+            CheckOutcome::NotApplicable("it doesn't introduce itself".to_owned())
         };
-        manners.push((*check, manner));
-        progress(manners.len(), checks.len());
+        outcomes.push((*check, manner));
+        progress(outcomes.len(), checks.len());
     }
-    Ok(Found { hello: bench.introduced.map(|(hello, _)| hello), manners })
+    Ok(Found { hello: bench.introduced.map(|(hello, _)| hello), outcomes })
 }
 
 /// What checks work with.
@@ -157,10 +157,10 @@ struct Bench<'b> {
 
 impl Bench<'_> {
     /// Tries something in a session of its own, and keeps what was heard there that answers nothing.
-    fn attempt(&mut self, act: impl FnOnce(&Self, &mut Session<'_>) -> Result<(), String>) -> Manner {
+    fn attempt(&mut self, act: impl FnOnce(&Self, &mut Session<'_>) -> Result<(), String>) -> CheckOutcome {
         let mut session = match Session::start(self.options) {
             Ok(session) => session,
-            Err(wrong) => return Manner::Bad(wrong),
+            Err(wrong) => return CheckOutcome::Bad(wrong),
         };
         let result = act(self, &mut session);
         self.strays.append(session.into_strays());

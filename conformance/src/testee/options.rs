@@ -44,8 +44,8 @@ impl Options {
 
 /// The beginning of a line, as text.
 pub(super) fn excerpt(line: &[u8]) -> String {
-    const MOST: usize = 80;
-    let part = line.get(..MOST).unwrap_or(line);
-    let end = if line.len() > MOST { "…" } else { "" };
+    const MAX_LENGTH: usize = 80;
+    let part = line.get(..MAX_LENGTH).unwrap_or(line);
+    let end = if line.len() > MAX_LENGTH { "…" } else { "" };
     format!("`{}{end}`", String::from_utf8_lossy(part).trim_end())
 }

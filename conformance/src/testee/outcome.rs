@@ -83,14 +83,14 @@ impl fmt::Display for Verdict {
 
 /// What a testee did against the protocol, each remark once with how often it applied.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Manners {
+pub struct ProtocolRemarks {
     /// What, and how often; by text.
     pub remarks: Vec<(String, usize)>,
     /// How many others there were.
     pub more: usize,
 }
 
-impl Manners {
+impl ProtocolRemarks {
     pub(super) fn remark(&mut self, what: String) {
         match self.remarks.binary_search_by(|(known, _)| known.cmp(&what)) {
             Ok(at) => self.remarks[at].1 += 1,
@@ -116,7 +116,7 @@ pub struct Outcome<'c> {
     /// The cases with their verdicts.
     pub verdicts: Vec<(&'c Case, Verdict)>,
     /// What was against the protocol.
-    pub manners: Manners,
+    pub protocol_remarks: ProtocolRemarks,
     /// How often the process had to be started again.
     pub restarts: u32,
     /// Why the run ended early.
@@ -190,15 +190,15 @@ mod tests {
     fn remarks_are_the_same_in_whatever_order_they_come() {
         let all: Vec<String> =
             (0..90).map(|number| format!("an answer without a question: id {}", number % 30)).collect();
-        let told = |remarks: &mut dyn Iterator<Item = &String>| {
-            let mut manners = Manners::default();
-            remarks.for_each(|remark| manners.remark(remark.clone()));
-            manners
+        let reported = |remarks: &mut dyn Iterator<Item = &String>| {
+            let mut protocol_remarks = ProtocolRemarks::default();
+            remarks.for_each(|remark| protocol_remarks.remark(remark.clone()));
+            protocol_remarks
         };
-        let first = told(&mut all.iter());
+        let first = reported(&mut all.iter());
         assert_eq!((first.remarks.len(), first.more), (MAX_REMARKS, 30));
         assert!(first.remarks.iter().all(|(_, count)| *count == 3) && first.remarks.is_sorted());
-        assert_eq!(told(&mut all.iter().rev()), first);
-        assert_eq!(told(&mut all[7..].iter().chain(&all[..7])), first);
+        assert_eq!(reported(&mut all.iter().rev()), first);
+        assert_eq!(reported(&mut all[7..].iter().chain(&all[..7])), first);
     }
 }

@@ -14,13 +14,13 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// How much of what it said last on standard error is kept, in bytes.
-const EVIDENCE: usize = 8 << 10;
+const MAX_STDERR: usize = 8 << 10;
 
 /// How long is waited for the end of standard error once the process has ended.
-const LAST_WORDS: Duration = Duration::from_millis(500);
+const STDERR_TIMEOUT: Duration = Duration::from_millis(500);
 
 /// How often is looked whether it has ended.
-const POLL: Duration = Duration::from_millis(5);
+const POLL_INTERVAL: Duration = Duration::from_millis(5);
 
 /// What a shell says of a program that was interrupted.
 const INTERRUPTED: i32 = 130;
@@ -69,7 +69,7 @@ impl Process {
                 Ok(Some(status)) if status.success() => String::new(),
                 Ok(Some(status)) => status.to_string(),
                 Ok(None) if Instant::now() < until => {
-                    thread::sleep(POLL);
+                    thread::sleep(POLL_INTERVAL);
                     continue;
                 }
                 Ok(None) => return None,
@@ -83,7 +83,7 @@ impl Process {
     /// Kills it, and gives what it said last on standard error.
     pub(super) fn kill(&mut self) -> String {
         self.end();
-        let _ = self.errors_end.recv_timeout(LAST_WORDS);
+        let _ = self.errors_end.recv_timeout(STDERR_TIMEOUT);
         let bytes: Vec<u8> =
             self.errors.lock().unwrap_or_else(PoisonError::into_inner).iter().copied().collect();
         String::from_utf8_lossy(&bytes).trim_end().to_owned()
@@ -144,7 +144,7 @@ fn drain(mut output: ChildStderr, errors: &Mutex<VecDeque<u8>>, end: &Sender<()>
     while let Ok(count @ 1..) = output.read(&mut chunk) {
         let mut errors = errors.lock().unwrap_or_else(PoisonError::into_inner);
         errors.extend(&chunk[..count]);
-        let excess = errors.len().saturating_sub(EVIDENCE);
+        let excess = errors.len().saturating_sub(MAX_STDERR);
         errors.drain(..excess);
     }
     // Nobody may be waiting any more.

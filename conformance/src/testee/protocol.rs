@@ -223,7 +223,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hello_says_what_is_understood() {
+    fn reads_the_capabilities_of_a_hello() {
         let line =
             r#"{"op":"hello","name":"x","ops":["decode","dance"],"types":["px4/Event"],"formats":["cdr"]}"#;
         let hello = Hello::read(line.as_bytes()).expect("a hello");
@@ -240,8 +240,8 @@ mod tests {
             (r#"{"op":"hello","name":"x","ops":[1],"types":[]}"#, "strings"),
             (r#"{"op":"hello","protocol":2}"#, "version 2"),
         ] {
-            let said = Hello::read(line.as_bytes()).expect_err(line);
-            assert!(said.contains(wrong), "{said}");
+            let text = Hello::read(line.as_bytes()).expect_err(line);
+            assert!(text.contains(wrong), "{text}");
         }
     }
 
@@ -256,8 +256,8 @@ mod tests {
             assert!(matches!(read(wrong), Ok((1, Answer::Error(_)))), "{wrong}");
         }
         for wrong in ["false", "null", "1", "\"no\""] {
-            let (_, said) = read(&format!("{{\"id\":5,\"unsupported\":{wrong}}}")).expect("an answer");
-            assert!(matches!(&said, Answer::Error(why) if why.contains(wrong)), "{said:?}");
+            let (_, text) = read(&format!("{{\"id\":5,\"unsupported\":{wrong}}}")).expect("an answer");
+            assert!(matches!(&text, Answer::Error(why) if why.contains(wrong)), "{text:?}");
         }
         // Not every writer of JSON tells whole floats and integers apart.
         assert_eq!(read(r#"{"id":-5.0,"ok":null}"#), Ok((-5, Answer::Ok(Value::Null))));

@@ -17,9 +17,9 @@ use uavspec_codegen::dynamic::Types;
 
 use super::case::Case;
 use super::compare::compare;
-use super::link::{Link, Said};
+use super::link::{Link, Received};
 use super::options::{Options, excerpt};
-use super::outcome::{Manners, Outcome, Verdict};
+use super::outcome::{Outcome, ProtocolRemarks, Verdict};
 use super::protocol::{Answer, Hello};
 
 /// Asks a testee the selected cases (indices, which are the ids on the wire); an error where it can't be started or
@@ -32,10 +32,10 @@ pub fn run<'c>(
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Outcome<'c>, String> {
     let (first, hello) = start(options, false)?;
-    let (asked, others): (Vec<usize>, Vec<usize>) =
+    let (num_sent, others): (Vec<usize>, Vec<usize>) =
         selected.iter().partition(|id| cases.get(**id).is_some_and(|case| case.is_for(&hello)));
-    let total = asked.len();
-    let state = State { queue: asked.into(), ..State::default() };
+    let total = num_sent.len();
+    let state = State { queue: num_sent.into(), ..State::default() };
     let shared = Shared { cases, types, options, progress, total, state: Mutex::new(state) };
     let mut first = Some(first);
     thread::scope(|scope| {
@@ -52,7 +52,7 @@ pub fn run<'c>(
     Ok(Outcome {
         hello: Some(hello),
         verdicts: verdicts.collect(),
-        manners: state.manners,
+        protocol_remarks: state.protocol_remarks,
         restarts: state.restarts,
         gave_up: state.gave_up,
     })
@@ -80,7 +80,7 @@ struct Shared<'r> {
 struct State {
     queue: VecDeque<usize>,
     verdicts: Vec<(usize, Verdict)>,
-    manners: Manners,
+    protocol_remarks: ProtocolRemarks,
     restarts: u32,
     /// Those since the last case that was found to be to blame.
     futile: u32,
@@ -99,7 +99,7 @@ impl Shared<'_> {
     }
 
     fn remark(&self, what: String) {
-        self.state().manners.remark(what);
+        self.state().protocol_remarks.remark(what);
     }
 }
 
@@ -117,7 +117,7 @@ struct Worker<'s, 'r> {
     /// Questions without an answer, the oldest first.
     open: VecDeque<usize>,
     /// How many questions this process was asked.
-    asked: usize,
+    num_sent: usize,
     /// How many questions may be on their way.
     window: usize,
     answered: BTreeSet<usize>,
@@ -135,7 +135,7 @@ impl<'s, 'r> Worker<'s, 'r> {
             shared,
             link,
             open: VecDeque::new(),
-            asked: 0,
+            num_sent: 0,
             window: shared.options.window.max(1),
             answered: BTreeSet::new(),
             last: Instant::now(),
@@ -152,9 +152,9 @@ impl<'s, 'r> Worker<'s, 'r> {
                 break;
             }
             is_restart = true;
-            self.ask();
+            self.send_requests();
             if !self.open.is_empty() {
-                self.hear();
+                self.receive();
             }
         }
         self.end();
@@ -183,7 +183,7 @@ impl<'s, 'r> Worker<'s, 'r> {
         match start(self.shared.options, true) {
             Ok((link, _)) => {
                 self.link = Some(link);
-                self.asked = 0;
+                self.num_sent = 0;
                 self.answered.clear();
                 true
             }
@@ -197,7 +197,7 @@ impl<'s, 'r> Worker<'s, 'r> {
     }
 
     /// Sends what may be sent: suspects one by one.
-    fn ask(&mut self) {
+    fn send_requests(&mut self) {
         if self.suspicion.is_some() {
             if self.open.is_empty()
                 && let Some(id) = self.suspects.pop_front()
@@ -219,29 +219,29 @@ impl<'s, 'r> Worker<'s, 'r> {
         if let (Some(link), Some(case)) = (&self.link, self.shared.cases.get(id)) {
             link.send(case.request(id as u64).to_string());
             self.open.push_back(id);
-            self.asked += 1;
+            self.num_sent += 1;
         }
     }
 
-    fn hear(&mut self) {
+    fn receive(&mut self) {
         let until = self.last + self.shared.options.timeout;
         let Some(testee) = &mut self.link else { return };
-        match testee.hear(until) {
-            Said::Line(line) => self.line(&line),
-            Said::Nothing => return self.broken(End::Silent),
-            Said::TooLong => {
+        match testee.receive(until) {
+            Received::Line(line) => self.line(&line),
+            Received::Nothing => return self.process_ended(End::Silent),
+            Received::TooLong => {
                 let limit = self.shared.options.line_limit;
-                return self.broken(End::Ended(format!("a line of more than {limit} bytes")));
+                return self.process_ended(End::Ended(format!("a line of more than {limit} bytes")));
             }
-            Said::Closed => {
+            Received::Closed => {
                 let how = testee.ending(until);
-                return self.broken(End::Ended(how));
+                return self.process_ended(End::Ended(how));
             }
-            Said::Lost(how) => return self.broken(End::Ended(how)),
+            Received::Lost(how) => return self.process_ended(End::Ended(how)),
         }
         // Lines that are no answers don't win time.
         if !self.open.is_empty() && Instant::now() >= self.last + self.shared.options.timeout {
-            self.broken(End::Silent);
+            self.process_ended(End::Silent);
         }
     }
 
@@ -250,9 +250,9 @@ impl<'s, 'r> Worker<'s, 'r> {
             Ok(answer) => answer,
             Err(wrong) => return self.shared.remark(format!("{wrong}: {}", excerpt(line))),
         };
-        let place = self.open.iter().position(|open| i64::try_from(*open) == Ok(id));
-        let Some((id, case)) = place.and_then(|place| {
-            let id = self.open.remove(place)?;
+        let location = self.open.iter().position(|open| i64::try_from(*open) == Ok(id));
+        let Some((id, case)) = location.and_then(|location| {
+            let id = self.open.remove(location)?;
             Some((id, self.shared.cases.get(id)?))
         }) else {
             let is_repeated = usize::try_from(id).is_ok_and(|id| self.answered.contains(&id));
@@ -262,7 +262,7 @@ impl<'s, 'r> Worker<'s, 'r> {
         self.answered.insert(id);
         self.last = Instant::now();
         self.window = (2 * self.window).min(self.shared.options.window.max(1));
-        self.shared.decide(id, judge(case, &answer, self.shared.types));
+        self.shared.decide(id, check_answer(case, &answer, self.shared.types));
         if self.suspects.is_empty()
             && self.open.is_empty()
             && let Some(what) = self.suspicion.take()
@@ -272,10 +272,10 @@ impl<'s, 'r> Worker<'s, 'r> {
     }
 
     /// Ends the process, and finds out over which question that happened.
-    fn broken(&mut self, end: End) {
+    fn process_ended(&mut self, end: End) {
         let Some(mut link) = self.link.take() else { return };
         let stderr = link.kill();
-        if let (1, 1, Some(id)) = (self.open.len(), self.asked, self.open.front().copied()) {
+        if let (1, 1, Some(id)) = (self.open.len(), self.num_sent, self.open.front().copied()) {
             self.open.clear();
             let after = self.shared.options.timeout;
             self.shared.decide(
@@ -311,7 +311,7 @@ impl<'s, 'r> Worker<'s, 'r> {
     }
 }
 
-pub(super) fn judge(case: &Case, answer: &Answer, types: &Types) -> Verdict {
+pub(super) fn check_answer(case: &Case, answer: &Answer, types: &Types) -> Verdict {
     if *answer == Answer::Unsupported {
         return Verdict::Unsupported;
     }

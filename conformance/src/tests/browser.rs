@@ -32,8 +32,8 @@ fn look(name: &str, report: &Report, folder: &Path) -> Vec<Value> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/tests/browser/look.py");
     let run = Command::new("python3").arg(script).arg(browser()).arg(&page).arg(folder).output();
     let output = run.expect("Python runs");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{message}");
     let lines = String::from_utf8(output.stdout).expect("UTF-8");
     lines.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
 }
@@ -50,16 +50,16 @@ fn reports_fit_every_screen_in_both_schemes() {
         let seen = look(name, &report, &folder);
         assert_eq!(seen.len(), 4, "two widths, two schemes");
         for one in &seen {
-            let told = format!("{name}: {one}");
-            assert_eq!((&one["told"], &one["requests"]), (&Value::Array(vec![]), &1.into()), "{told}");
+            let reported = format!("{name}: {one}");
+            assert_eq!((&one["told"], &one["requests"]), (&Value::Array(vec![]), &1.into()), "{reported}");
             for state in ["closed", "open"] {
                 let measured = &one[state];
-                assert_eq!(measured["window"], one["width"], "{told}");
-                assert!(measured["content"].as_u64() <= one["width"].as_u64(), "{told}");
+                assert_eq!(measured["window"], one["width"], "{reported}");
+                assert!(measured["content"].as_u64() <= one["width"].as_u64(), "{reported}");
                 assert_eq!(
                     (&measured["beyond"], &measured["scripts"]),
                     (&Value::Array(vec![]), &0.into()),
-                    "{told}"
+                    "{reported}"
                 );
             }
             let picture = format!("{name}-{}-{}.png", one["width"], one["scheme"].as_str().expect("a name"));

@@ -121,45 +121,48 @@ fn what_was_lost_with_a_part_of_the_log_breaks_no_rule() {
     let whole = log_with(&Glider::at(60 * PERIOD)).bytes;
     let found = |bytes: &[u8]| {
         let (_folder, definitions) = definitions();
-        let judgement = check_ulog(bytes, &definitions);
-        let found: Vec<&str> = broken(&judgement).iter().map(|(rule, _)| *rule).collect();
-        assert_ne!(judgement.extent, Extent::Whole);
-        (found, judgement.damage.into_iter().map(|(_, text)| text).collect::<Vec<_>>())
+        let result = check_ulog(bytes, &definitions);
+        let found: Vec<&str> = violated(&result).iter().map(|(rule, _)| *rule).collect();
+        assert_ne!(result.extent, Extent::Whole);
+        (found, result.corruption.into_iter().map(|(_, text)| text).collect::<Vec<_>>())
     };
     let position = |what: &[u8]| whole.windows(what.len()).position(|part| part == what).expect("a part");
     // The subscription, which is the last before the data.
     let subscription = position(b"\x00\x05\x00glider") - 3;
     let mut torn = whole.clone();
     torn[subscription..subscription + 3].copy_from_slice(&[0xff, 0xff, 0]);
-    let (rules, damage) = found(&torn);
+    let (rules, corruption) = found(&torn);
     assert_eq!(rules, [""; 0]);
-    assert!(damage.iter().any(|text| text.starts_with("data of id 5, which isn't subscribed")), "{damage:?}");
+    assert!(
+        corruption.iter().any(|text| text.starts_with("data of id 5, which isn't subscribed")),
+        "{corruption:?}"
+    );
     // Behind the format of the glider, and within that of the mark.
     let mark = position(b"mark:uint64_t") - 3;
     for cut in [mark, mark + 2, mark + 20] {
-        let (rules, damage) = found(&whole[..cut]);
+        let (rules, corruption) = found(&whole[..cut]);
         assert_eq!(rules, [""; 0], "cut at {cut}");
-        assert!(!damage.is_empty(), "cut at {cut}");
+        assert!(!corruption.is_empty(), "cut at {cut}");
     }
 }
 
-fn judge(log: &Writer) -> CaptureResult {
+fn run_check(log: &Writer) -> CaptureResult {
     let (_folder, definitions) = definitions();
     check_ulog(&log.bytes[..], &definitions)
 }
 
-fn as_log(judgement: &CaptureResult) -> &LogSummary {
-    match &judgement.summary {
+fn as_log(result: &CaptureResult) -> &LogSummary {
+    match &result.summary {
         Summary::Log(log) => log,
         Summary::Json(_) | Summary::Mcap(_) | Summary::Flockwave(_) => panic!("a log"),
     }
 }
 
 /// The rules that are broken, each with its subject and what is said of the first breach.
-fn broken(judgement: &CaptureResult) -> Vec<(&'static str, String)> {
-    let said =
+fn violated(result: &CaptureResult) -> Vec<(&'static str, String)> {
+    let message =
         |group: &crate::model::Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
-    judgement.findings.groups().map(said).collect()
+    result.findings.groups().map(message).collect()
 }
 
 fn conforming() -> Writer {
@@ -167,19 +170,19 @@ fn conforming() -> Writer {
 }
 
 #[test]
-fn a_log_that_conforms_breaks_nothing_and_exercises_what_it_can() {
-    let judgement = judge(&conforming());
-    assert_eq!(broken(&judgement), []);
-    assert_eq!(judgement.damage, []);
-    assert_eq!((judgement.records, judgement.judged), (60, 60));
-    assert_eq!(judgement.duration, 59 * PERIOD);
-    let log = as_log(&judgement);
+fn a_conforming_log_has_no_violations_and_covers_its_rules() {
+    let result = run_check(&conforming());
+    assert_eq!(violated(&result), []);
+    assert_eq!(result.corruption, []);
+    assert_eq!((result.records, result.checked), (60, 60));
+    assert_eq!(result.duration, 59 * PERIOD);
+    let log = as_log(&result);
     assert_eq!(log.formats, [("glider".to_owned(), Comparison::Equal)]);
     assert_eq!(log.firmware.as_deref(), Some("PX4"));
     let idle: Vec<&str> = RULES
         .iter()
         .filter(|rule| !rule.is_on_flockwave())
-        .filter(|rule| judgement.findings.verdict(rule) == Verdict::NotExercised)
+        .filter(|rule| result.findings.verdict(rule) == Verdict::NotCovered)
         .map(|rule| rule.id)
         .collect();
     // No external component talks, the topic has no version behind its name, and the log is neither JSON nor MCAP.
@@ -280,58 +283,59 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
 }
 
 /// Rules that a mutant breaks beside its own, as it can't be otherwise.
-const ALSO: [(&str, &str); 1] = [("PX-FMT-03", "PX-FMT-01")];
+const ALSO_VIOLATED: [(&str, &str); 1] = [("PX-FMT-03", "PX-FMT-01")];
 
 #[test]
-fn what_is_said_of_a_breach_tells_what_and_where() {
+fn a_violation_has_a_message_and_a_location() {
     let mutants = mutants();
-    for (id, log, said) in mutants {
-        let judgement = judge(&log);
-        let found = broken(&judgement);
+    for (id, log, message) in mutants {
+        let result = run_check(&log);
+        let found = violated(&result);
         let own: Vec<&String> = found.iter().filter(|(rule, _)| *rule == id).map(|(_, text)| text).collect();
-        assert!(own.len() == 1 && own[0].starts_with(said), "{id}: {found:?}");
+        assert!(own.len() == 1 && own[0].starts_with(message), "{id}: {found:?}");
         let others: Vec<&str> = found.iter().map(|(rule, _)| *rule).filter(|rule| *rule != id).collect();
-        let allowed: Vec<&str> = ALSO.iter().filter(|(of, _)| *of == id).map(|(_, also)| *also).collect();
+        let allowed: Vec<&str> =
+            ALSO_VIOLATED.iter().filter(|(of, _)| *of == id).map(|(_, also)| *also).collect();
         assert_eq!(others, allowed, "{id}: {found:?}");
     }
 }
 
 #[test]
 fn a_topic_may_be_subscribed_again_once_nothing_subscribes_it() {
-    let judged = |change: &dyn Fn(&mut Writer)| {
+    let checked = |change: &dyn Fn(&mut Writer)| {
         let mut log = conforming();
         change(&mut log);
-        let judgement = judge(&log);
-        broken(&judgement).iter().map(|(rule, _)| *rule).collect::<Vec<_>>()
+        let result = run_check(&log);
+        violated(&result).iter().map(|(rule, _)| *rule).collect::<Vec<_>>()
     };
     // As the same id; as another, once the first is unsubscribed, or means something else.
     let again = |log: &mut Writer, id| _ = log.subscribe(id, 0, "glider");
-    assert_eq!(judged(&|log| again(log, 5)), NONE);
+    assert_eq!(checked(&|log| again(log, 5)), NONE);
     let moved = |log: &mut Writer| {
         log.unsubscribe(5);
         again(log, 6);
     };
-    assert_eq!(judged(&moved), NONE);
+    assert_eq!(checked(&moved), NONE);
     let renamed = |log: &mut Writer| {
         log.subscribe(5, 0, "mark");
         again(log, 6);
     };
-    assert_eq!(judged(&renamed), NONE);
+    assert_eq!(checked(&renamed), NONE);
     // What was unsubscribed for good doesn't take the place of what came after it.
     let twice = |log: &mut Writer| {
         moved(log);
         log.subscribe(5, 0, "mark");
         again(log, 7);
     };
-    assert_eq!(judged(&twice), ["PX-DATA-03"]);
-    assert_eq!(judged(&|log| _ = log.subscribe(6, 1, "glider")), NONE);
+    assert_eq!(checked(&twice), ["PX-DATA-03"]);
+    assert_eq!(checked(&|log| _ = log.subscribe(6, 1, "glider")), NONE);
 }
 
 const NONE: [&str; 0] = [];
 
 #[test]
 fn topics_without_data_have_a_time_all_the_same() {
-    let judged = |data: bool| {
+    let checked = |data: bool| {
         let mut log = start();
         log.format("sonde:float x;");
         log.subscribe(6, 0, "sonde");
@@ -340,30 +344,30 @@ fn topics_without_data_have_a_time_all_the_same() {
             log.data(6, &[0; 4]);
             log.data(7, &[0; 4]);
         }
-        let judgement = judge(&log);
+        let result = run_check(&log);
         let rule = rule("PX-FMT-03").expect("a rule");
-        assert_eq!(judgement.findings.exercised(rule), 2, "each topic once");
-        broken(&judgement)
+        assert_eq!(result.findings.covered(rule), 2, "each topic once");
+        violated(&result)
     };
     for data in [false, true] {
-        let said = "sonde: its format has no `uint64_t timestamp`";
-        assert_eq!(judged(data), [("PX-FMT-03", said.to_owned())]);
+        let message = "sonde: its format has no `uint64_t timestamp`";
+        assert_eq!(checked(data), [("PX-FMT-03", message.to_owned())]);
     }
     // What nothing subscribes is nested, and a format that can't be used has no size.
     let mut log = start();
     log.format("sonde:float x;");
     log.format("rope:sail sails;");
     log.subscribe(6, 0, "rope");
-    assert_eq!(broken(&judge(&log)).iter().map(|(rule, _)| *rule).collect::<Vec<_>>(), ["PX-FMT-02"]);
+    assert_eq!(violated(&run_check(&log)).iter().map(|(rule, _)| *rule).collect::<Vec<_>>(), ["PX-FMT-02"]);
 }
 
 /// What a definition says of it stands beside each finding that has to do with one.
 #[test]
-fn a_finding_tells_where_it_is_defined_and_what_was_expected() {
+fn findings_have_a_definition_and_the_expected_value() {
     let (_folder, definitions) = definitions();
     for (id, log, _) in mutants() {
-        let judgement = check_ulog(&log.bytes[..], &definitions);
-        let group = judgement.findings.of(rule(id).expect("a rule")).next().expect("a finding");
+        let result = check_ulog(&log.bytes[..], &definitions);
+        let group = result.findings.groups_of(rule(id).expect("a rule")).next().expect("a finding");
         let line = group.definition.map(|span| definitions.line(span));
         let line = line.map(|line| line.text.split('#').next().unwrap_or_default().trim().to_owned());
         let expected = match id {
@@ -382,7 +386,7 @@ fn a_finding_tells_where_it_is_defined_and_what_was_expected() {
 }
 
 #[test]
-fn what_is_allowed_beside_the_range_breaks_nothing() {
+fn allowed_values_outside_the_range_pass() {
     for change in [
         |glider: &mut Glider| glider.speed = -1.0,
         |glider: &mut Glider| glider.speed = 60.0,
@@ -393,7 +397,7 @@ fn what_is_allowed_beside_the_range_breaks_nothing() {
     ] {
         let mut glider = Glider::at(60 * PERIOD);
         change(&mut glider);
-        assert_eq!(broken(&judge(&log_with(&glider))), []);
+        assert_eq!(violated(&run_check(&log_with(&glider))), []);
     }
 }
 
@@ -401,7 +405,7 @@ fn what_is_allowed_beside_the_range_breaks_nothing() {
 fn values_in_nested_messages_are_named_by_their_way() {
     let mut glider = Glider::at(60 * PERIOD);
     glider.heights[1] = 9001;
-    let found = broken(&judge(&log_with(&glider)));
+    let found = violated(&run_check(&log_with(&glider)));
     assert_eq!(
         found,
         [(
@@ -417,9 +421,8 @@ fn findings_on_values_have_the_path_of_their_field() {
     let mut glider = Glider { is_landed: 2, mode: 8, ..Glider::at(60 * PERIOD) };
     glider.flaps[1] = 1.5;
     glider.heights[1] = 9001;
-    let judgement = judge(&log_with(&glider));
-    let paths: Vec<&str> =
-        judgement.findings.groups().map(|group| group.examples[0].1.path.as_str()).collect();
+    let result = run_check(&log_with(&glider));
+    let paths: Vec<&str> = result.findings.groups().map(|group| group.examples[0].1.path.as_str()).collect();
     assert_eq!(paths, ["is_landed", "mode", "flaps[1]", "marks[1].height"]);
 }
 
@@ -431,9 +434,9 @@ fn a_pause_with_a_dropout_nearby_has_its_reason() {
     }
     log.dropout(400);
     log.data(5, &Glider::at(80 * PERIOD).bytes());
-    let judgement = judge(&log);
-    assert_eq!(broken(&judgement), []);
-    assert_eq!(as_log(&judgement).dropouts, 1);
+    let result = run_check(&log);
+    assert_eq!(violated(&result), []);
+    assert_eq!(as_log(&result).dropouts, 1);
 }
 
 #[test]
@@ -442,25 +445,25 @@ fn equal_findings_are_counted() {
     for number in 1..=5 {
         log.data(5, &Glider { is_landed: 2, ..Glider::at(number * PERIOD) }.bytes());
     }
-    let judgement = judge(&log);
+    let result = run_check(&log);
     let rule = rule("PX-BOOL-01").expect("a rule");
-    let groups: Vec<_> = judgement.findings.of(rule).collect();
+    let groups: Vec<_> = result.findings.groups_of(rule).collect();
     assert_eq!((groups.len(), groups[0].count, groups[0].examples.len()), (1, 5, 3));
-    assert_eq!(judgement.findings.verdict(rule), Verdict::Fail);
+    assert_eq!(result.findings.verdict(rule), Verdict::Fail);
 }
 
 /// Real logs conform to all that must hold, and what is known to be odd is found.
 #[test]
-fn real_logs_are_judged_as_they_are_known() {
+fn real_logs_have_the_known_results() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
     let mut odd = 0;
     for release in ["1.15", "1.16", "main"] {
         let definitions = Definitions::load(&corpus.join(release)).expect("definitions");
         for entry in fs::read_dir(&logs).expect("a folder") {
             let path = entry.expect("an entry").path();
-            let judgement = check_ulog(fs::File::open(&path).expect("a log"), &definitions);
-            assert_eq!(judgement.records, judgement.judged, "{}", path.display());
-            for group in judgement.findings.groups() {
+            let result = check_ulog(fs::File::open(&path).expect("a log"), &definitions);
+            assert_eq!(result.records, result.checked, "{}", path.display());
+            for group in result.findings.groups() {
                 let is_known = group.rule.id.starts_with("PX-FMT-01")
                     || group.subject == "battery_status.max_error"
                     || matches!(group.rule.id, "PX-TIME-02" | "PX-QUEUE-01");
@@ -497,13 +500,13 @@ fn which_formats_equal_agrees_with_the_reference_tools() {
                     Some((name, _)) if is_same(topic, name, &found["formats"], &defined) => 1,
                     Some(_) => 2,
                 };
-                let judged = match comparison {
+                let checked = match comparison {
                     Comparison::Undefined => 0,
                     Comparison::Equal => 1,
                     Comparison::Differs(_) => 2,
                 };
-                assert_eq!(judged, expected, "{release}, {log}: {topic}, {comparison:?}");
-                seen[judged] += 1;
+                assert_eq!(checked, expected, "{release}, {log}: {topic}, {comparison:?}");
+                seen[checked] += 1;
             }
         }
     }

@@ -32,12 +32,12 @@ struct Script<'d> {
 
 impl Script<'static> {
     fn new() -> Self {
-        Self::of(&FLIGHT)
+        Self::with_flight(&FLIGHT)
     }
 }
 
 impl<'d> Script<'d> {
-    fn of(typical: &'d Flight<'d>) -> Self {
+    fn with_flight(typical: &'d Flight<'d>) -> Self {
         Self { typical, flight: Flight { messages: Vec::new(), ..typical.clone() } }
     }
 
@@ -52,8 +52,8 @@ impl<'d> Script<'d> {
         let mut value = sent.value.clone();
         value["timestamp"] = (ms * 1000).into();
         for (field, new) in fields.as_object().expect("fields") {
-            if let Some(place) = value.get_mut(field) {
-                *place = new.clone();
+            if let Some(location) = value.get_mut(field) {
+                *location = new.clone();
             }
         }
         self.flight.messages.push(Sent { topic, value });
@@ -92,24 +92,24 @@ impl<'d> Script<'d> {
 
     /// What the rules on external components find, in a log as well as in JSON and in MCAP.
     fn found(&self) -> Vec<String> {
-        let log = self.judge(&self.flight.log().to_bytes());
+        let log = self.run_check(&self.flight.log().to_bytes());
         for other in [self.flight.rosbridge().to_bytes(), self.flight.bag().to_bytes()] {
-            let other = self.judge(&other);
-            assert_eq!(told(&log), told(&other));
+            let other = self.run_check(&other);
+            assert_eq!(reported(&log), reported(&other));
             for id in ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03"] {
                 let rule = rule(id).expect("a rule");
-                assert_eq!(log.findings.exercised(rule), other.findings.exercised(rule), "{id}");
+                assert_eq!(log.findings.covered(rule), other.findings.covered(rule), "{id}");
             }
         }
-        told(&log)
+        reported(&log)
     }
 
-    fn judge(&self, bytes: &[u8]) -> CaptureResult {
+    fn run_check(&self, bytes: &[u8]) -> CaptureResult {
         check_capture(bytes, None, self.flight.definitions).expect("bytes can be read")
     }
 
-    fn exercised(&self, id: &str) -> u64 {
-        self.judge(&self.flight.log().to_bytes()).findings.exercised(rule(id).expect("a rule"))
+    fn covered(&self, id: &str) -> u64 {
+        self.run_check(&self.flight.log().to_bytes()).findings.covered(rule(id).expect("a rule"))
     }
 }
 
@@ -119,12 +119,12 @@ fn id(number: u64) -> u8 {
 }
 
 /// What is found by these rules: the rule, where, how often, and what is said of the first.
-fn told(judgement: &CaptureResult) -> Vec<String> {
-    let groups = judgement.findings.groups().filter(|group| group.rule.id.starts_with("PX-EXT"));
+fn reported(result: &CaptureResult) -> Vec<String> {
+    let groups = result.findings.groups().filter(|group| group.rule.id.starts_with("PX-EXT"));
     groups
         .map(|group| {
-            let Value::String(said) = json!(group.examples[0].1.to_string()) else { unreachable!() };
-            format!("{} {} {}: {said}", group.rule.id, group.subject, group.count)
+            let Value::String(message) = json!(group.examples[0].1.to_string()) else { unreachable!() };
+            format!("{} {} {}: {message}", group.rule.id, group.subject, group.count)
         })
         .collect()
 }
@@ -143,10 +143,10 @@ fn numbers_of_requests_begin_anew_and_all_is_well() {
     script.unregister(260 * PERIOD, 5);
     script.talk(261, 270, &[3]);
     assert_eq!(script.found(), NOTHING);
-    assert_eq!(script.exercised("PX-EXT-01"), 29);
-    assert_eq!(script.exercised("PX-EXT-02"), 29);
+    assert_eq!(script.covered("PX-EXT-01"), 29);
+    assert_eq!(script.covered("PX-EXT-02"), 29);
     // The last two requests of each part aren't judged, and before the second a request is missing.
-    assert_eq!(script.exercised("PX-EXT-03"), 2 * 8 + 7);
+    assert_eq!(script.covered("PX-EXT-03"), 2 * 8 + 7);
 }
 
 #[test]
@@ -169,10 +169,10 @@ fn an_answer_to_any_other_request_is_wrong() {
         script.talk(100, 106, &[3]);
         script.reply(105 * PERIOD + 20, answered, 3);
         script.talk(106, 109, &[3]);
-        let said = format!(
+        let message = format!(
             "PX-EXT-01 arming_check_reply.request_id 1: registration 3 answers request {answered}, where 105 is the latest"
         );
-        let expected = if is_wrong { vec![said] } else { vec![] };
+        let expected = if is_wrong { vec![message] } else { vec![] };
         assert_eq!(script.found(), expected);
     }
 }
@@ -228,22 +228,22 @@ fn the_clock_of_a_component_may_be_another() {
             script.reply(2_000_000 + number * PERIOD - offset, id(number), 3);
         }
         assert_eq!(script.found(), NOTHING);
-        assert!(script.exercised("PX-EXT-03") > 0);
+        assert!(script.covered("PX-EXT-03") > 0);
     }
 }
 
 #[test]
-fn nothing_is_said_before_a_request_is_seen() {
+fn reports_nothing_before_the_first_request() {
     let mut script = Script::new();
     script.reply(5, 17, 3);
     script.talk(100, 103, &[3]);
     assert_eq!(script.found(), NOTHING);
-    assert_eq!(script.exercised("PX-EXT-01"), 3);
+    assert_eq!(script.covered("PX-EXT-01"), 3);
 }
 
 /// A log begins with the latest message of each topic.
 #[test]
-fn nothing_is_said_of_an_answer_that_is_older_than_all_requests() {
+fn ignores_an_answer_older_than_all_requests() {
     for is_first in [false, true] {
         let mut script = Script::new();
         if is_first {
@@ -282,10 +282,13 @@ fn after_a_dropout_nothing_is_known() {
     after.talk(105, 106, &[]);
     after.reply(105 * PERIOD + 5, 105, 3);
     after.talk(106, 108, &[]);
-    let wrong = before.judge(&interrupted(&before, vec![], &after));
+    let wrong = before.run_check(&interrupted(&before, vec![], &after));
     let rules: Vec<&str> = wrong.findings.groups().map(|group| group.rule.id).collect();
     assert_eq!(rules, ["PX-EXT-01", "PX-EXT-02"]);
-    assert_eq!(told(&before.judge(&interrupted(&before, vec![Entry::Dropout(100)], &after))), NOTHING);
+    assert_eq!(
+        reported(&before.run_check(&interrupted(&before, vec![Entry::Dropout(100)], &after))),
+        NOTHING
+    );
 }
 
 #[test]
@@ -294,12 +297,12 @@ fn an_answer_that_was_lost_is_not_missed() {
     before.talk(100, 105, &[3]);
     before.request(105 * PERIOD, 105, &[3]);
     after.talk(106, 110, &[3]);
-    let missing = before.judge(&interrupted(&before, vec![], &after));
-    let said = "request 105: registration 3 doesn't answer it";
-    assert_eq!(told(&missing), [format!("PX-EXT-03 arming_check_request 1: {said}")]);
-    let lost = before.judge(&interrupted(&before, vec![Entry::Dropout(9)], &after));
-    assert_eq!(told(&lost), NOTHING);
-    assert!(lost.findings.exercised(rule("PX-EXT-03").expect("a rule")) > 0);
+    let missing = before.run_check(&interrupted(&before, vec![], &after));
+    let message = "request 105: registration 3 doesn't answer it";
+    assert_eq!(reported(&missing), [format!("PX-EXT-03 arming_check_request 1: {message}")]);
+    let lost = before.run_check(&interrupted(&before, vec![Entry::Dropout(9)], &after));
+    assert_eq!(reported(&lost), NOTHING);
+    assert!(lost.findings.covered(rule("PX-EXT-03").expect("a rule")) > 0);
 
     // As JSON, with a mistake in it, or as what is no JSON at all.
     let mut whole = before.clone();
@@ -313,7 +316,11 @@ fn an_answer_that_was_lost_is_not_missed() {
             "mistake" => lines[at].replace("\"registration_id\":3", "\"registration_id\":3.5"),
             _ => wrong.to_owned(),
         };
-        assert_eq!(told(&whole.judge(lines.join("\n").as_bytes())).len(), usize::from(is_missed), "{wrong}");
+        assert_eq!(
+            reported(&whole.run_check(lines.join("\n").as_bytes())).len(),
+            usize::from(is_missed),
+            "{wrong}"
+        );
     }
 }
 
@@ -331,16 +338,16 @@ fn recordings_that_begin_in_the_middle_know_registrations_by_masks_only() {
     assert_eq!(script.found(), NOTHING);
     script.reply(106 * PERIOD + 5, 106, 3);
     script.talk(107, 109, &[]);
-    let said = "3 as the id of who answers, which was given back before this was asked";
-    let expected = [format!("PX-EXT-02 arming_check_reply.registration_id 1: {said}")];
+    let message = "3 as the id of who answers, which was given back before this was asked";
+    let expected = [format!("PX-EXT-02 arming_check_reply.registration_id 1: {message}")];
     assert_eq!(script.found(), expected);
 }
 
 #[test]
 fn an_id_that_was_never_given_out_is_wrong_where_the_beginning_is_recorded() {
-    let said = |id: u8| {
-        let said = format!("{id} as the id of who answers, which was never given out");
-        vec![format!("PX-EXT-02 arming_check_reply.registration_id 1: {said}")]
+    let message = |id: u8| {
+        let message = format!("{id} as the id of who answers, which was never given out");
+        vec![format!("PX-EXT-02 arming_check_reply.registration_id 1: {message}")]
     };
     let stranger = |begin: fn(&mut Script<'static>), mask: &[u8]| {
         let mut script = Script::new();
@@ -350,7 +357,7 @@ fn an_id_that_was_never_given_out_is_wrong_where_the_beginning_is_recorded() {
         script.talk(102, 104, mask);
         script.found()
     };
-    assert_eq!(stranger(|script| script.register(SHORTLY, 3), &[3]), said(9));
+    assert_eq!(stranger(|script| script.register(SHORTLY, 3), &[3]), message(9));
     assert_eq!(stranger(|_| {}, &[3]), NOTHING);
     assert_eq!(stranger(|script| script.register(SHORTLY, 3), &[3, 5]), NOTHING, "5 was there before");
     assert_eq!(stranger(|script| script.register(SHORTLY, 3), &[3, 9]), NOTHING);
@@ -377,12 +384,12 @@ fn an_id_that_was_never_given_out_is_wrong_where_the_beginning_is_recorded() {
         },
         &[3],
     );
-    assert_eq!(failed, said(9));
+    assert_eq!(failed, message(9));
 }
 
 /// Who was slow is no longer asked, and answers all the same: nobody knows when it was registered.
 #[test]
-fn a_registration_of_long_ago_does_not_tell_the_beginning() {
+fn an_old_registration_does_not_mark_the_start() {
     let late = |registered: u64| {
         let mut script = Script::new();
         script.register(registered, 1);
@@ -403,15 +410,15 @@ fn a_registration_of_long_ago_does_not_tell_the_beginning() {
 
 /// The header of a log tells its first second as the time of its start.
 #[test]
-fn a_registration_before_the_log_does_not_tell_the_beginning() {
+fn a_registration_before_the_log_does_not_mark_the_start() {
     for (registered, is_wrong) in [(999, false), (1_000, true)] {
         let mut script = Script::new();
         script.register(registered, 3);
         script.talk(4, 6, &[3]);
         script.reply(5 * PERIOD + 8, 5, 9);
         script.talk(6, 8, &[3]);
-        let log = script.judge(&script.flight.log().to_bytes());
-        assert_eq!(told(&log).len(), usize::from(is_wrong), "{registered}");
+        let log = script.run_check(&script.flight.log().to_bytes());
+        assert_eq!(reported(&log).len(), usize::from(is_wrong), "{registered}");
     }
 }
 
@@ -423,12 +430,15 @@ fn nor_does_one_after_a_dropout() {
     after.talk(100, 102, &[3]);
     after.reply(101 * PERIOD + 8, 101, 9);
     after.talk(102, 104, &[3]);
-    assert_eq!(told(&before.judge(&interrupted(&before, vec![Entry::Dropout(100)], &after))), NOTHING);
+    assert_eq!(
+        reported(&before.run_check(&interrupted(&before, vec![Entry::Dropout(100)], &after))),
+        NOTHING
+    );
     assert_eq!(after.found().len(), 1);
 }
 
 #[test]
-fn a_mask_tells_that_an_id_was_given_out_again() {
+fn a_mask_shows_that_an_id_was_reused() {
     let mut script = Script::new();
     script.register(SHORTLY, 3);
     script.talk(100, 105, &[3]);
@@ -446,18 +456,18 @@ fn a_mask_tells_that_an_id_was_given_out_again() {
 }
 
 #[test]
-fn without_times_the_order_of_arrival_says_who_has_left() {
+fn without_times_uses_the_order_of_arrival() {
     let mut script = Script::new();
     script.talk(100, 103, &[3]);
     script.unregister(0, 3);
     script.talk(103, 104, &[]);
     script.reply(0, 103, 3);
-    let said = "3 as the id of who answers, which was given back before this was asked";
-    assert_eq!(script.found(), [format!("PX-EXT-02 arming_check_reply.registration_id 1: {said}")]);
+    let message = "3 as the id of who answers, which was given back before this was asked";
+    assert_eq!(script.found(), [format!("PX-EXT-02 arming_check_reply.registration_id 1: {message}")]);
 }
 
 #[test]
-fn an_answer_to_what_was_asked_before_somebody_left_may_be_under_way() {
+fn accepts_a_late_answer_after_an_unregistration() {
     let mut script = Script::new();
     script.talk(100, 103, &[3]);
     script.unregister(103 * PERIOD - 50, 3);
@@ -475,7 +485,7 @@ fn answers_that_stand_far_behind_are_looked_up_among_eight_requests() {
         script.reply(100 * PERIOD + 5, 99, 3);
         script.talk(100 + requests, 102 + requests, &[]);
         assert_eq!(script.found(), NOTHING, "{requests}");
-        assert_eq!(script.exercised("PX-EXT-01"), u64::from(is_found), "{requests}");
+        assert_eq!(script.covered("PX-EXT-01"), u64::from(is_found), "{requests}");
     }
 }
 
@@ -493,10 +503,10 @@ fn answers_without_a_time_are_late_if_several_in_a_row_stand_behind_the_next_req
                 script.reply(0, id(number), 3);
             }
         }
-        let said = "request 107: registration 3 answers it only after the next one";
+        let message = "request 107: registration 3 answers it only after the next one";
         let expected: Vec<String> = match found {
             0 => vec![],
-            _ => vec![format!("PX-EXT-03 arming_check_request {found}: {said}")],
+            _ => vec![format!("PX-EXT-03 arming_check_request {found}: {message}")],
         };
         assert_eq!(script.found(), expected, "{late}");
     }
@@ -525,7 +535,7 @@ fn an_answer_that_can_not_be_read_is_not_missed() {
         let mut log = script.flight.log();
         let at = log.entries.iter().rposition(|entry| matches!(entry, Entry::Data(of, _) if *of == reply));
         log.entries[at.expect("a reply") - 8] = Entry::Data(id, b"abc".to_vec());
-        assert_eq!(rules_broken(&script.judge(&log.to_bytes())), found);
+        assert_eq!(rules_violated(&script.run_check(&log.to_bytes())), found);
 
         let mut bag = script.flight.bag();
         let message = bag.messages.iter_mut().rev().filter(|message| message.0 == reply).nth(4);
@@ -533,16 +543,16 @@ fn an_answer_that_can_not_be_read_is_not_missed() {
         (*channel, *payload) = (id, payload[..8].to_vec());
         let found: Vec<&str> =
             found.iter().map(|id| if *id == "PX-DATA-01" { "PX-CDR-02" } else { id }).collect();
-        assert_eq!(rules_broken(&script.judge(&bag.to_bytes())), found);
+        assert_eq!(rules_violated(&script.run_check(&bag.to_bytes())), found);
     }
 }
 
-fn rules_broken(judgement: &CaptureResult) -> Vec<&'static str> {
-    judgement.findings.groups().map(|group| group.rule.id).collect()
+fn rules_violated(result: &CaptureResult) -> Vec<&'static str> {
+    result.findings.groups().map(|group| group.rule.id).collect()
 }
 
 #[test]
-fn json_in_mcap_is_heard_as_any() {
+fn checks_sessions_in_json_of_mcap() {
     let mut script = Script::new();
     script.talk(100, 110, &[3]);
     script.reply(109 * PERIOD + 9, 50, 3);
@@ -556,9 +566,9 @@ fn json_in_mcap_is_heard_as_any() {
         let id = (1..).zip(topics).find(|(_, topic)| *topic == sent.topic).map(|(id, _)| id);
         records.extend(file::message(id.expect("a channel"), sent.value.to_string().as_bytes()));
     }
-    let judgement = script.judge(&file::file(&records));
-    assert_eq!(rules_broken(&judgement), ["PX-EXT-01"]);
-    assert_eq!(judgement.findings.exercised(rule("PX-EXT-03").expect("a rule")), 8);
+    let result = script.run_check(&file::file(&records));
+    assert_eq!(rules_violated(&result), ["PX-EXT-01"]);
+    assert_eq!(result.findings.covered(rule("PX-EXT-03").expect("a rule")), 8);
 }
 
 /// A topic may be unsubscribed, and subscribed again with another id.
@@ -584,7 +594,7 @@ fn a_talk_may_go_on_with_other_ids() {
     log.entries.insert(0, Entry::Subscription(900, 0, "arming_check_request".to_owned()));
     // Behind the header.
     bytes.extend(&log.to_bytes()[16..]);
-    assert_eq!(rules_broken(&before.judge(&bytes)), ["PX-EXT-01"]);
+    assert_eq!(rules_violated(&before.run_check(&bytes)), ["PX-EXT-01"]);
 }
 
 #[test]
@@ -684,7 +694,7 @@ fn recordings_with_some_of_the_replies_are_left_alone() {
             }
         }
         assert_eq!(script.found(), NOTHING);
-        assert_eq!(script.exercised("PX-EXT-03"), 28);
+        assert_eq!(script.covered("PX-EXT-03"), 28);
     }
 }
 
@@ -698,8 +708,8 @@ fn of_several_components_the_silent_one_is_named() {
     }
     // The flight controller no longer counts on it.
     script.talk(107, 112, &[3]);
-    let said = "request 103: registration 5 doesn't answer it";
-    assert_eq!(script.found(), [format!("PX-EXT-03 arming_check_request 3: {said}")]);
+    let message = "request 103: registration 5 doesn't answer it";
+    assert_eq!(script.found(), [format!("PX-EXT-03 arming_check_request 3: {message}")]);
 }
 
 #[test]
@@ -742,8 +752,8 @@ fn requests_of_one_time_follow_each_other() {
     script.request(100 * PERIOD, 100, &[3]);
     script.request(100 * PERIOD, 101, &[3]);
     script.reply(100 * PERIOD + 5, 90, 3);
-    let said = "registration 3 answers request 90, where 101 is the latest";
-    assert_eq!(script.found(), [format!("PX-EXT-01 arming_check_reply.request_id 1: {said}")]);
+    let message = "registration 3 answers request 90, where 101 is the latest";
+    assert_eq!(script.found(), [format!("PX-EXT-01 arming_check_reply.request_id 1: {message}")]);
 }
 
 #[test]
@@ -773,15 +783,15 @@ fn components_may_share_a_topic_by_instances() {
         _ => None,
     });
     replies.step_by(2).for_each(|id| *id = 900);
-    let judgement = script.judge(&log.to_bytes());
-    let rules: Vec<&str> = judgement.findings.groups().map(|group| group.rule.id).collect();
+    let result = script.run_check(&log.to_bytes());
+    let rules: Vec<&str> = result.findings.groups().map(|group| group.rule.id).collect();
     assert_eq!(rules, ["PX-EXT-01"]);
-    assert_eq!(judgement.findings.exercised(rule("PX-EXT-03").expect("a rule")), 16);
+    assert_eq!(result.findings.covered(rule("PX-EXT-03").expect("a rule")), 16);
 
     // A logger subscribes to instances that nobody publishes.
     let at = last_subscription.expect("a subscription") + 1;
     log.entries.insert(at, Entry::Subscription(901, 1, "arming_check_request".to_owned()));
-    assert_eq!(told(&script.judge(&log.to_bytes())).len(), 1);
+    assert_eq!(reported(&script.run_check(&log.to_bytes())).len(), 1);
 
     // But where two ask, nobody knows who is meant.
     let request = u16::try_from(script.topic(REQUEST)).expect("an id");
@@ -790,27 +800,27 @@ fn components_may_share_a_topic_by_instances() {
         _ => None,
     });
     log.entries.insert(at + 2, of_another.expect("a request"));
-    let judgement = script.judge(&log.to_bytes());
-    assert_eq!(told(&judgement), NOTHING);
-    assert_eq!(judgement.findings.exercised(rule("PX-EXT-01").expect("a rule")), 0);
+    let result = script.run_check(&log.to_bytes());
+    assert_eq!(reported(&result), NOTHING);
+    assert_eq!(result.findings.covered(rule("PX-EXT-01").expect("a rule")), 0);
 }
 
 #[test]
-fn vehicles_that_can_not_be_told_apart_are_left_alone() {
+fn does_not_check_indistinguishable_vehicles() {
     let mut script = Script::new();
     script.talk(100, 104, &[3]);
     script.reply(103 * PERIOD + 9, 50, 3);
     script.talk(104, 106, &[3]);
     let mut lines = script.flight.rosbridge().lines;
-    assert_eq!(told(&script.judge(lines.join("\n").as_bytes())).len(), 1);
+    assert_eq!(reported(&script.run_check(lines.join("\n").as_bytes())).len(), 1);
     for topic in ["arming_check_request", "arming_check_reply"] {
         let mut lines = lines.clone();
         let of_another = lines.iter().find(|line| line.contains(topic)).expect("a line");
         lines.insert(0, of_another.replace("/fmu/", "/second/fmu/"));
-        assert_eq!(told(&script.judge(lines.join("\n").as_bytes())), NOTHING, "{topic}");
+        assert_eq!(reported(&script.run_check(lines.join("\n").as_bytes())), NOTHING, "{topic}");
     }
     lines.insert(0, r#"{"op":"publish","topic":"/second/wind","msg":{"timestamp":1}}"#.to_owned());
-    assert_eq!(told(&script.judge(lines.join("\n").as_bytes())).len(), 1);
+    assert_eq!(reported(&script.run_check(lines.join("\n").as_bytes())).len(), 1);
 }
 
 #[test]
@@ -820,7 +830,7 @@ fn a_message_that_is_recorded_twice_is_one() {
     let messages = std::mem::take(&mut script.flight.messages);
     script.flight.messages = messages.into_iter().flat_map(|sent| [sent.clone(), sent]).collect();
     assert_eq!(script.found(), NOTHING);
-    assert_eq!(script.exercised("PX-EXT-03"), 8);
+    assert_eq!(script.covered("PX-EXT-03"), 8);
 }
 
 #[test]
@@ -831,8 +841,8 @@ fn many_replies_that_wait_are_let_go() {
         script.reply(101 * PERIOD + 9, 50, 9);
     }
     script.talk(102, 104, &[3]);
-    let said = "registration 9 answers request 50, where 101 is the latest";
-    assert_eq!(script.found(), [format!("PX-EXT-01 arming_check_reply.request_id 64: {said}")]);
+    let message = "registration 9 answers request 50, where 101 is the latest";
+    assert_eq!(script.found(), [format!("PX-EXT-01 arming_check_reply.request_id 64: {message}")]);
 }
 
 const TALK: [(&str, &str); 4] = [
@@ -846,14 +856,14 @@ const TALK: [(&str, &str); 4] = [
 ];
 
 #[test]
-fn without_masks_registrations_say_who_is_asked() {
+fn without_masks_uses_registrations() {
     let folder = TempDir::new().expect("a folder");
     for (name, text) in TALK {
         fs::write(folder.path().join(format!("{name}.msg")), text).expect("a file");
     }
     let definitions = Definitions::load(folder.path()).expect("definitions");
     let flight = Flight::new(&definitions);
-    let mut script = Script::of(&flight);
+    let mut script = Script::with_flight(&flight);
     script.register(10, 3);
     script.talk(100, 105, &[3, 5]);
     script.request(105 * PERIOD, 105, &[]);
@@ -861,11 +871,11 @@ fn without_masks_registrations_say_who_is_asked() {
     script.talk(106, 109, &[3]);
     script.unregister(109 * PERIOD - 5, 3);
     script.talk(109, 114, &[]);
-    let said = "request 105: registration 3 doesn't answer it";
-    let expected = [format!("PX-EXT-03 arming_check_request 1: {said}")];
+    let message = "request 105: registration 3 doesn't answer it";
+    let expected = [format!("PX-EXT-03 arming_check_request 1: {message}")];
     assert_eq!(script.found(), expected, "nobody knows of 5, which was there before, or wasn't");
     // Those from 100 to 107: the answer to 108 isn't asked of who has left before 109.
-    assert_eq!(script.exercised("PX-EXT-03"), 8);
+    assert_eq!(script.covered("PX-EXT-03"), 8);
     script.reply(113 * PERIOD + 5, 113, 3);
     assert_eq!(script.found().len(), 1, "it may have been registered again, and go on");
     script.talk(114, 116, &[]);
@@ -883,13 +893,13 @@ fn without_masks_who_goes_on_to_answer_was_registered_again() {
     let definitions = Definitions::load(folder.path()).expect("definitions");
     let flight = Flight::new(&definitions);
     let left = |after: &dyn Fn(&mut Script<'_>)| {
-        let mut script = Script::of(&flight);
+        let mut script = Script::with_flight(&flight);
         script.register(10, 3);
         script.talk(100, 105, &[3]);
         script.unregister(105 * PERIOD - 100, 3);
         after(&mut script);
         script.talk(110, 116, &[]);
-        script.found().iter().filter(|said| said.starts_with("PX-EXT-02")).count()
+        script.found().iter().filter(|message| message.starts_with("PX-EXT-02")).count()
     };
     let once = left(&|script| {
         script.talk(105, 106, &[3]);
@@ -911,7 +921,7 @@ fn without_masks_who_goes_on_to_answer_was_registered_again() {
     });
     assert_eq!(missing, 0);
     // Topics aren't in order among each other: it came again after it had left.
-    let mut script = Script::of(&flight);
+    let mut script = Script::with_flight(&flight);
     script.register(10, 3);
     script.talk(100, 105, &[3]);
     script.register(105 * PERIOD - 100, 3);
@@ -922,7 +932,7 @@ fn without_masks_who_goes_on_to_answer_was_registered_again() {
 }
 
 #[test]
-fn fields_that_a_release_lacks_are_not_judged() {
+fn does_not_check_fields_that_a_release_lacks() {
     let folder = TempDir::new().expect("a folder");
     for (name, text) in TALK {
         let text = text.replace("uint8 request_id\n", "").replace("bool success\n", "");
@@ -931,18 +941,18 @@ fn fields_that_a_release_lacks_are_not_judged() {
     }
     let definitions = Definitions::load(folder.path()).expect("definitions");
     let flight = Flight::new(&definitions);
-    let mut script = Script::of(&flight);
+    let mut script = Script::with_flight(&flight);
     script.register(10, 3);
     script.talk(100, 105, &[3]);
     script.reply(105 * PERIOD, 9, 200);
     assert_eq!(script.found(), NOTHING);
     for id in ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-04", "PX-EXT-05"] {
-        assert_eq!(script.exercised(id), 0, "{id}");
+        assert_eq!(script.covered(id), 0, "{id}");
     }
 }
 
 /// What is said of a reply with these values, whose events have these ids.
-fn said_of(can_arm: bool, in_use: u8, ids: [u32; 5]) -> (Vec<String>, u64) {
+fn reported_for(can_arm: bool, in_use: u8, ids: [u32; 5]) -> (Vec<String>, u64) {
     let mut script = Script::new();
     script.reply(5, 17, 3);
     let reply = &mut script.flight.messages[0].value;
@@ -951,26 +961,29 @@ fn said_of(can_arm: bool, in_use: u8, ids: [u32; 5]) -> (Vec<String>, u64) {
     for (at, id) in ids.into_iter().enumerate() {
         reply["events"][at]["id"] = id.into();
     }
-    (script.found(), script.exercised("PX-EXT-04"))
+    (script.found(), script.covered("PX-EXT-04"))
 }
 
 #[test]
 fn events_in_use_have_an_id() {
-    assert_eq!(said_of(true, 0, [0; 5]), (vec![], 0));
-    assert_eq!(said_of(true, 2, [1, 2, 0, 0, 0]), (vec![], 2));
-    assert_eq!(said_of(false, 5, [1; 5]), (vec![], 5));
-    let said =
+    assert_eq!(reported_for(true, 0, [0; 5]), (vec![], 0));
+    assert_eq!(reported_for(true, 2, [1, 2, 0, 0, 0]), (vec![], 2));
+    assert_eq!(reported_for(false, 5, [1; 5]), (vec![], 5));
+    let message =
         "PX-EXT-04 arming_check_reply.events 1: events[1].id: an event without an id, where 2 are in use";
-    assert_eq!(said_of(true, 2, [1, 0, 0, 0, 0]).0, [said]);
-    assert!(said_of(true, 5, [0; 5]).0[0].starts_with("PX-EXT-04 arming_check_reply.events 5: events[0].id"));
+    assert_eq!(reported_for(true, 2, [1, 0, 0, 0, 0]).0, [message]);
+    assert!(
+        reported_for(true, 5, [0; 5]).0[0].starts_with("PX-EXT-04 arming_check_reply.events 5: events[0].id")
+    );
 }
 
 #[test]
-fn who_refuses_says_why() {
-    let said = "PX-EXT-05 arming_check_reply.num_events 1: can_arm_and_run is false, and no event says why";
-    assert_eq!(said_of(false, 0, [1; 5]).0, [said]);
-    assert_eq!(said_of(false, 1, [1; 5]).0, NOTHING);
-    assert_eq!(said_of(true, 0, [1; 5]).0, NOTHING);
+fn refusals_have_a_reason() {
+    let message =
+        "PX-EXT-05 arming_check_reply.num_events 1: can_arm_and_run is false, and no event says why";
+    assert_eq!(reported_for(false, 0, [1; 5]).0, [message]);
+    assert_eq!(reported_for(false, 1, [1; 5]).0, NOTHING);
+    assert_eq!(reported_for(true, 0, [1; 5]).0, NOTHING);
 }
 
 #[test]
@@ -991,20 +1004,20 @@ fn flags_that_no_mode_requires_are_shown_each_with_its_count() {
     }));
     let shown = rule("PX-FSF-03").expect("a rule");
     for bytes in [script.flight.log().to_bytes(), script.flight.lines().to_bytes()] {
-        let judgement = script.judge(&bytes);
+        let result = script.run_check(&bytes);
         let found: Vec<(String, u64)> =
-            judgement.findings.groups().map(|group| (group.subject.clone(), group.count)).collect();
+            result.findings.groups().map(|group| (group.subject.clone(), group.count)).collect();
         let of = |flag: &str| {
             let name = if bytes.starts_with(b"{") { "FailsafeFlags" } else { "failsafe_flags" };
             (format!("{name}.{flag}"), 5)
         };
         let expected = ["attitude_invalid", "flight_time_limit_exceeded", "wind_limit_exceeded"].map(of);
         assert_eq!(found, expected);
-        assert_eq!(judgement.findings.verdict(shown), Verdict::Shown);
-        let group = judgement.findings.of(shown).next().expect("a group");
+        assert_eq!(result.findings.verdict(shown), Verdict::Shown);
+        let group = result.findings.groups_of(shown).next().expect("a group");
         assert_eq!(group.examples[0].1.to_string(), "set, and mode_req_attitude is 0: no mode requires it");
     }
     // Twelve flags of this release have a requirement.
     let script = flags(&json!({ "attitude_invalid": true, "mode_req_attitude": 1 }));
-    assert_eq!(script.exercised("PX-FSF-03"), 12 * 5);
+    assert_eq!(script.covered("PX-FSF-03"), 12 * 5);
 }

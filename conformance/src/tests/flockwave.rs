@@ -16,34 +16,34 @@ use support::shared;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
-fn judged(bytes: &[u8]) -> CaptureResult {
+fn checked(bytes: &[u8]) -> CaptureResult {
     check_capture(bytes, None, &DEFINITIONS).expect("bytes can be read")
 }
 
 /// How often each rule is broken.
-fn broken(judgement: &CaptureResult) -> BTreeMap<&'static str, u64> {
+fn violated(result: &CaptureResult) -> BTreeMap<&'static str, u64> {
     let mut counts = BTreeMap::new();
-    for group in judgement.findings.groups() {
+    for group in result.findings.groups() {
         *counts.entry(group.rule.id).or_default() += group.count;
     }
     counts
 }
 
-fn broken_by(session: &Session) -> Vec<(&'static str, u64)> {
-    let judgement = judged(&session.to_bytes());
-    assert_eq!(judgement.damage, vec![]);
-    broken(&judgement).into_iter().collect()
+fn violated_by(session: &Session) -> Vec<(&'static str, u64)> {
+    let result = checked(&session.to_bytes());
+    assert_eq!(result.corruption, vec![]);
+    violated(&result).into_iter().collect()
 }
 
-fn source(judgement: &CaptureResult) -> &FlockwaveSummary {
-    match &judgement.summary {
+fn source(result: &CaptureResult) -> &FlockwaveSummary {
+    match &result.summary {
         Summary::Flockwave(source) => source,
         Summary::Log(_) | Summary::Json(_) | Summary::Mcap(_) => panic!("Flockwave"),
     }
 }
 
-fn exercised(judgement: &CaptureResult, id: &str) -> u64 {
-    judgement.findings.exercised(rule(id).expect("a rule"))
+fn covered(result: &CaptureResult, id: &str) -> u64 {
+    result.findings.covered(rule(id).expect("a rule"))
 }
 
 fn done() -> Value {
@@ -82,8 +82,8 @@ fn answers_may_come_in_any_order() {
     session.answers(&third, json!({ "body": { "type": "UAV-INF", "error": { "kite": "Lost" } } }));
     session.answers(&first, done());
     session.answers(&second, json!({ "body": { "type": "UAV-LIST", "ids": ["kite"] } }));
-    assert_eq!(broken_by(&session), []);
-    assert_eq!(exercised(&judged(&session.to_bytes()), "FW-ENV-16"), 3);
+    assert_eq!(violated_by(&session), []);
+    assert_eq!(covered(&checked(&session.to_bytes()), "FW-ENV-16"), 3);
 }
 
 #[test]
@@ -96,14 +96,14 @@ fn an_id_may_be_used_again_once_it_is_answered() {
         assert_ne!(id, "again");
         session.answers("again", done());
     }
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
     session.answers("again", done());
-    assert_eq!(broken_by(&session), [("FW-ENV-08", 1)]);
+    assert_eq!(violated_by(&session), [("FW-ENV-08", 1)]);
 }
 
 /// Nobody can tell which of two requests an answer is about, so its contents aren't judged by either.
 #[test]
-fn of_two_requests_with_the_same_id_only_that_is_told() {
+fn reports_only_the_reuse_of_a_request_id() {
     for is_swapped in [false, true] {
         let mut session = Session::opened();
         let id = session.sends(land(&["kite"]));
@@ -119,39 +119,39 @@ fn of_two_requests_with_the_same_id_only_that_is_told() {
         for answer in answers {
             session.answers(&id, answer);
         }
-        assert_eq!(broken_by(&session), [("FW-ENV-19", 1)]);
+        assert_eq!(violated_by(&session), [("FW-ENV-19", 1)]);
     }
 }
 
 #[test]
-fn connections_are_told_apart() {
+fn distinguishes_connections() {
     let (hill, dale) = (on("hill", &Session::new()), on("dale", &Session::new()));
     // Line by line, and one after the other: the ids of both are the same.
     let mixed = hill.iter().cloned().zip(dale.iter().cloned()).flat_map(|(one, other)| [one, other]);
     let mixed = with_lines(mixed.collect());
-    assert_eq!(broken_by(&mixed), []);
-    assert_eq!(source(&judged(&mixed.to_bytes())).connections, 2);
-    assert_eq!(broken_by(&with_lines([hill, dale].concat())), []);
+    assert_eq!(violated_by(&mixed), []);
+    assert_eq!(source(&checked(&mixed.to_bytes())).connections, 2);
+    assert_eq!(violated_by(&with_lines([hill, dale].concat())), []);
 
     let mut session = Session::opened();
     let id = session.sends(ping());
     let mut other = Session::opened();
     other.answers(&id, done());
     let lines = [on("hill", &session), on("dale", &other)].concat();
-    assert_eq!(broken_by(&with_lines(lines)), [("FW-ENV-06", 1)], "the answer comes on another connection");
+    assert_eq!(violated_by(&with_lines(lines)), [("FW-ENV-06", 1)], "the answer comes on another connection");
 }
 
 #[test]
 fn a_connection_that_is_opened_again_begins_anew() {
     let session = Session::new();
     let twice = with_lines([session.lines.clone(), session.lines.clone()].concat());
-    assert_eq!(broken_by(&twice), []);
+    assert_eq!(violated_by(&twice), []);
     // Even if its end isn't told; what was asked before belongs to the one before.
     let mut session = Session::opened();
     let id = session.sends(ping());
     session.event("connect");
     session.answers(&id, done());
-    assert_eq!(broken_by(&session), [("FW-ENV-06", 1)]);
+    assert_eq!(violated_by(&session), [("FW-ENV-06", 1)]);
 }
 
 #[test]
@@ -160,13 +160,13 @@ fn a_recording_may_begin_and_end_anywhere() {
     for at in 0..=session.lines.len() {
         let (before, after) = session.lines.split_at(at);
         for part in [before, after] {
-            assert_eq!(broken_by(&with_lines(part.to_vec())), [], "cut before line {}", at + 1);
+            assert_eq!(violated_by(&with_lines(part.to_vec())), [], "cut before line {}", at + 1);
         }
     }
 }
 
 #[test]
-fn what_is_lost_is_told_and_nothing_else() {
+fn reports_only_what_is_lost() {
     let session = Session::new();
     let lines: Vec<String> = session.lines.iter().map(ToString::to_string).collect();
     let junk = [
@@ -178,9 +178,9 @@ fn what_is_lost_is_told_and_nothing_else() {
     for (at, junk) in (1..lines.len()).zip(junk.into_iter().cycle()) {
         let mut lines = lines.clone();
         lines[at] = junk.to_owned();
-        let judgement = judged(lines.join("\n").as_bytes());
-        assert_eq!(broken(&judgement), BTreeMap::new(), "line {} is `{junk}`", at + 1);
-        assert_eq!(judgement.damage.len(), 1, "line {} is `{junk}`", at + 1);
+        let result = checked(lines.join("\n").as_bytes());
+        assert_eq!(violated(&result), BTreeMap::new(), "line {} is `{junk}`", at + 1);
+        assert_eq!(result.corruption.len(), 1, "line {} is `{junk}`", at + 1);
     }
 }
 
@@ -189,23 +189,23 @@ fn a_request_counts_as_unanswered_only_where_the_server_spoke_long_after() {
     let mut session = Session::opened();
     session.sends(ping());
     session.wait(20.0);
-    session.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+    session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
     session.wait(600.0);
     session.event("closed");
-    assert_eq!(broken_by(&session), [], "20 s after the request the server fell silent");
+    assert_eq!(violated_by(&session), [], "20 s after the request the server fell silent");
 
     let mut session = Session::opened();
     session.sends(ping());
     let answered_late = session.sends(ping());
     session.wait(60.0);
-    session.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+    session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
     session.answers(&answered_late, done());
-    assert_eq!(broken_by(&session), [("FW-ENV-07", 1)], "also where the end isn't told");
-    let place = judged(&session.to_bytes()).findings.groups().next().expect("a finding").examples[0].0;
-    assert_eq!(place.to_string(), "line 2", "it stands where the request does");
+    assert_eq!(violated_by(&session), [("FW-ENV-07", 1)], "also where the end isn't told");
+    let location = checked(&session.to_bytes()).findings.groups().next().expect("a finding").examples[0].0;
+    assert_eq!(location.to_string(), "line 2", "it stands where the request does");
 
     session.lines[3]["t"] = 0.into();
-    assert_eq!(broken_by(&session), [], "where time goes back nobody knows how long it was");
+    assert_eq!(violated_by(&session), [], "where time goes back nobody knows how long it was");
 }
 
 /// What is no request of Flockwave needn't be answered, and times may be in other units than they should.
@@ -220,58 +220,58 @@ fn what_is_not_certain_to_be_a_request_that_waits_is_left_alone() {
     let mut session = Session::opened();
     session.sends(ping());
     session.wait(60.0);
-    session.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
-    assert_eq!(broken_by(&session), [("FW-ENV-07", 1)]);
+    session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+    assert_eq!(violated_by(&session), [("FW-ENV-07", 1)]);
     for change in changes {
         let mut session = session.clone();
         change(&mut session.lines[1]);
-        assert_eq!(broken_by(&session), []);
+        assert_eq!(violated_by(&session), []);
     }
 }
 
 /// Datagrams get lost, come twice and change places.
 #[test]
-fn over_udp_nothing_is_said_of_order() {
+fn does_not_check_order_over_udp() {
     let session = Session::new();
     let mut lines = on("udp#1", &session);
-    assert_eq!(broken_by(&with_lines(lines.clone())), []);
+    assert_eq!(violated_by(&with_lines(lines.clone())), []);
     lines[1..].reverse();
-    assert_eq!(broken_by(&with_lines(lines.clone())), []);
+    assert_eq!(violated_by(&with_lines(lines.clone())), []);
     lines.extend(lines.clone());
-    assert_eq!(broken_by(&with_lines(lines)), []);
+    assert_eq!(violated_by(&with_lines(lines)), []);
     let thinned = on("udp#1", &session).into_iter().enumerate().filter(|(at, _)| at % 3 > 0);
-    assert_eq!(broken_by(&with_lines(thinned.map(|(_, line)| line).collect())), []);
+    assert_eq!(violated_by(&with_lines(thinned.map(|(_, line)| line).collect())), []);
     let changed = session.errors(&[0]).expect("a report");
-    assert_eq!(broken_by(&with_lines(on("UDP", &changed))), [("FW-ERR-02", 1)]);
+    assert_eq!(violated_by(&with_lines(on("UDP", &changed))), [("FW-ERR-02", 1)]);
 }
 
 #[test]
 fn receipts_end_once_by_a_result_or_by_a_timeout() {
     let mut session = Session::opened();
     let receipts = json!({ "receipt": { "kite": "r-1", "swift": "r-2", "owl": "r-3" } });
-    session.asks(land(&["kite", "swift", "owl"]), receipts);
-    session.tells(json!({ "type": "ASYNC-RESP", "id": "r-2", "result": true }));
-    session.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["r-1", "r-3"] }));
-    assert_eq!(broken_by(&session), []);
+    session.exchange(land(&["kite", "swift", "owl"]), receipts);
+    session.notify(json!({ "type": "ASYNC-RESP", "id": "r-2", "result": true }));
+    session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["r-1", "r-3"] }));
+    assert_eq!(violated_by(&session), []);
 
     // What has ended may be used anew.
     let mut again = session.clone();
-    again.asks(land(&["kite"]), json!({ "receipt": { "kite": "r-1" } }));
-    again.tells(json!({ "type": "ASYNC-RESP", "id": "r-1", "error": "A thermal carries it" }));
-    assert_eq!(broken_by(&again), []);
+    again.exchange(land(&["kite"]), json!({ "receipt": { "kite": "r-1" } }));
+    again.notify(json!({ "type": "ASYNC-RESP", "id": "r-1", "error": "A thermal carries it" }));
+    assert_eq!(violated_by(&again), []);
 
-    session.tells(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {} }));
-    session.tells(json!({ "type": "ASYNC-RESP", "id": "r-3", "result": true }));
-    session.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["r-2"] }));
-    assert_eq!(broken_by(&session), [("FW-ASY-10", 2), ("FW-ASY-11", 1)]);
+    session.notify(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {} }));
+    session.notify(json!({ "type": "ASYNC-RESP", "id": "r-3", "result": true }));
+    session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["r-2"] }));
+    assert_eq!(violated_by(&session), [("FW-ASY-10", 2), ("FW-ASY-11", 1)]);
 }
 
 #[test]
 fn suspended_operations_wait_for_the_client() {
     let suspended = || {
         let mut session = Session::opened();
-        session.asks(land(&["kite"]), json!({ "receipt": { "kite": "r-1" } }));
-        session.tells(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {}, "suspended": true }));
+        session.exchange(land(&["kite"]), json!({ "receipt": { "kite": "r-1" } }));
+        session.notify(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {}, "suspended": true }));
         session
     };
     let ended = json!({ "type": "ASYNC-RESP", "id": "r-1", "result": true });
@@ -279,52 +279,52 @@ fn suspended_operations_wait_for_the_client() {
         // The end may come before the answer to the request that allows it.
         let mut session = suspended();
         let id = session.sends(json!({ "type": request, "ids": ["r-1"] }));
-        session.tells(ended.clone());
+        session.notify(ended.clone());
         session.answers(&id, json!({ "body": { "type": request, "success": ["r-1"] } }));
-        assert_eq!(broken_by(&session), [], "{request}");
+        assert_eq!(violated_by(&session), [], "{request}");
     }
     let mut session = suspended();
-    session.tells(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": { "percentage": null } }));
-    session.tells(ended);
-    assert_eq!(broken_by(&session), [("FW-ASY-14", 1)]);
+    session.notify(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": { "percentage": null } }));
+    session.notify(ended);
+    assert_eq!(violated_by(&session), [("FW-ASY-14", 1)]);
     let mut session = suspended();
-    session.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["r-1"] }));
-    assert_eq!(broken_by(&session), [("FW-ASY-14", 1)]);
+    session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["r-1"] }));
+    assert_eq!(violated_by(&session), [("FW-ASY-14", 1)]);
 }
 
 #[test]
 fn results_are_those_of_the_command_that_the_receipt_belongs_to() {
     let mut session = Session::opened();
     let value = json!({ "type": "PRM-GET", "ids": ["kite"], "name": "FLAPS" });
-    session.asks(value, json!({ "receipt": { "kite": "r-1" } }));
-    session.tells(json!({ "type": "ASYNC-RESP", "id": "r-1", "result": null }));
-    assert_eq!(broken_by(&session), [], "parameters may have any value");
-    session.asks(land(&["kite"]), json!({ "receipt": { "kite": "r-2" } }));
-    session.tells(json!({ "type": "ASYNC-RESP", "id": "r-2", "result": null }));
-    session.tells(json!({ "type": "ASYNC-RESP", "id": "r-3", "result": null }));
-    assert_eq!(broken_by(&session), [("FW-ASY-09", 1), ("FW-ASY-22", 1)]);
+    session.exchange(value, json!({ "receipt": { "kite": "r-1" } }));
+    session.notify(json!({ "type": "ASYNC-RESP", "id": "r-1", "result": null }));
+    assert_eq!(violated_by(&session), [], "parameters may have any value");
+    session.exchange(land(&["kite"]), json!({ "receipt": { "kite": "r-2" } }));
+    session.notify(json!({ "type": "ASYNC-RESP", "id": "r-2", "result": null }));
+    session.notify(json!({ "type": "ASYNC-RESP", "id": "r-3", "result": null }));
+    assert_eq!(violated_by(&session), [("FW-ASY-09", 1), ("FW-ASY-22", 1)]);
 }
 
 #[test]
 fn a_refusal_is_no_answer_that_could_be_incomplete() {
     let mut session = Session::opened();
-    session.asks_other(land(&["kite"]), json!({ "type": "ACK-NAK", "reason": "Log in first" }));
+    session.exchange_with(land(&["kite"]), json!({ "type": "ACK-NAK", "reason": "Log in first" }));
     let id = session.sends(land(&["kite"]));
     session.answers(&id, json!({ "error": { "message": "Too windy" } }));
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
 }
 
 /// Types that nobody knows are counted; nothing says what their messages have to be.
 #[test]
 fn unknown_types_are_unsupported_and_no_failure() {
     let mut session = Session::opened();
-    session.asks(json!({ "type": "SOAR-LIST" }), json!({ "ids": 7, "receipt": 9 }));
-    session.tells(json!({ "type": "SOAR-INF", "status": 7 }));
-    session.asks_other(json!({ "type": "SOAR-NOW" }), json!({ "type": "SOAR-DONE" }));
-    let judgement = judged(&session.to_bytes());
-    assert_eq!(broken(&judgement), BTreeMap::new());
-    assert_eq!((judgement.records, judgement.judged), (3, 0));
-    let source = source(&judgement);
+    session.exchange(json!({ "type": "SOAR-LIST" }), json!({ "ids": 7, "receipt": 9 }));
+    session.notify(json!({ "type": "SOAR-INF", "status": 7 }));
+    session.exchange_with(json!({ "type": "SOAR-NOW" }), json!({ "type": "SOAR-DONE" }));
+    let result = checked(&session.to_bytes());
+    assert_eq!(violated(&result), BTreeMap::new());
+    assert_eq!((result.records, result.checked), (3, 0));
+    let source = source(&result);
     assert_eq!((source.requests, source.responses, source.notifications), (2, 2, 1));
     assert_eq!(source.unknown["SOAR-LIST"], TypeCount { out: 1, incoming: 1 });
     assert_eq!(source.unknown.len(), 4);
@@ -333,41 +333,41 @@ fn unknown_types_are_unsupported_and_no_failure() {
 
 /// Bare messages don't say over which connection they went.
 #[test]
-fn bare_messages_are_judged_by_themselves_and_with_their_requests() {
+fn checks_bare_messages_alone_and_with_their_requests() {
     let session = Session::new();
     let bare = |session: &Session| -> Vec<u8> {
         let messages = session.lines.iter().filter_map(|line| line.get("msg"));
         messages.map(|message| format!("{message}\n")).collect::<String>().into_bytes()
     };
-    let judgement = judged(&bare(&session));
-    assert_eq!(broken(&judgement), BTreeMap::new());
-    assert_eq!((exercised(&judgement, "FW-ENV-06"), exercised(&judgement, "FW-ENV-04")), (0, 0));
-    assert!(exercised(&judgement, "FW-UST-ID") > 0 && exercised(&judgement, "FW-ASY-02") > 0);
-    let recorded = judged(&session.to_bytes());
+    let result = checked(&bare(&session));
+    assert_eq!(violated(&result), BTreeMap::new());
+    assert_eq!((covered(&result, "FW-ENV-06"), covered(&result, "FW-ENV-04")), (0, 0));
+    assert!(covered(&result, "FW-UST-ID") > 0 && covered(&result, "FW-ASY-02") > 0);
+    let recorded = checked(&session.to_bytes());
     // The request of the server and the answer to it can't be told from those of a client.
-    assert_eq!(judgement.records, recorded.records);
+    assert_eq!(result.records, recorded.records);
     let changed =
         session.errors(&[0]).expect("a report").reply("UAV-TAKEOFF", |body| body["error"] = json!({}));
     let changed = changed.expect("an answer");
-    assert_eq!(broken(&judged(&bare(&changed))), BTreeMap::from([("FW-ASY-02", 1), ("FW-ERR-02", 1)]));
+    assert_eq!(violated(&checked(&bare(&changed))), BTreeMap::from([("FW-ASY-02", 1), ("FW-ERR-02", 1)]));
     // Two recordings in one file: ids of the one and the other may be the same.
-    assert_eq!(broken(&judged(&[bare(&Session::new()), bare(&Session::new())].concat())), BTreeMap::new());
+    assert_eq!(violated(&checked(&[bare(&Session::new()), bare(&Session::new())].concat())), BTreeMap::new());
 }
 
 #[test]
 fn a_recording_is_known_by_its_first_object() {
     let session = Session::new();
     let text = String::from_utf8(session.to_bytes()).expect("text");
-    assert!(matches!(judged(format!("half a li\n{text}").as_bytes()).summary, Summary::Flockwave(_)));
+    assert!(matches!(checked(format!("half a li\n{text}").as_bytes()).summary, Summary::Flockwave(_)));
     let array = Value::Array(session.lines.clone()).to_string();
-    let judgement = judged(array.as_bytes());
-    assert_eq!((source(&judgement).connections, broken(&judgement)), (8, BTreeMap::new()));
+    let result = checked(array.as_bytes());
+    assert_eq!((source(&result).connections, violated(&result)), (8, BTreeMap::new()));
     let pretty = serde_json::to_string_pretty(&session.lines).expect("JSON");
-    assert_eq!(judged(pretty.as_bytes()).judged, judgement.judged);
+    assert_eq!(checked(pretty.as_bytes()).checked, result.checked);
     for other in
         ["{\"type\":\"px4/Event\",\"message\":{}}", "{\"op\":\"publish\",\"dir\":7,\"msg\":{}}", "[7]"]
     {
-        assert!(matches!(judged(other.as_bytes()).summary, Summary::Json(_)), "{other}");
+        assert!(matches!(checked(other.as_bytes()).summary, Summary::Json(_)), "{other}");
     }
 }
 
@@ -381,16 +381,20 @@ fn raw_text_is_a_message_where_it_can_be_read() {
     );
     let line = json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "raw": raw });
     session.lines.push(line);
-    assert_eq!(broken_by(&session), [("FW-ACK-03", 1), ("FW-ENV-23", 1)]);
+    assert_eq!(violated_by(&session), [("FW-ACK-03", 1), ("FW-ENV-23", 1)]);
     let line = json!({ "t": 1.8e9, "conn": "hill", "dir": "out", "raw": "who is there?" });
     session.lines.push(line);
-    assert_eq!(broken_by(&session), [("FW-ACK-03", 1), ("FW-ENV-23", 1)], "what a client sends isn't judged");
+    assert_eq!(
+        violated_by(&session),
+        [("FW-ACK-03", 1), ("FW-ENV-23", 1)],
+        "what a client sends isn't judged"
+    );
 }
 
 #[test]
 fn integers_may_be_written_with_a_fraction_of_zero() {
     let session = Session::new().state(|kite| kite["heading"] = json!(2710.0)).expect("a report");
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
 }
 
 #[test]
@@ -398,8 +402,8 @@ fn hostile_recordings_are_survived() {
     let session = Session::new();
     let bytes = session.to_bytes();
     for end in (0..bytes.len()).step_by(211) {
-        let judgement = judged(&bytes[..end]);
-        assert_eq!(broken(&judgement), BTreeMap::new(), "cut after {end} bytes");
+        let result = checked(&bytes[..end]);
+        assert_eq!(violated(&result), BTreeMap::new(), "cut after {end} bytes");
     }
     let mut random = 0x9e37_79b9_u64;
     for _ in 0..200 {
@@ -409,7 +413,7 @@ fn hostile_recordings_are_survived() {
             let at = usize::try_from(random >> 33).expect("31 bits") % changed.len();
             changed[at] = random.to_be_bytes()[3];
         }
-        judged(&changed);
+        checked(&changed);
     }
     let long = "x".repeat(100_000);
     let mut session = Session::opened();
@@ -420,8 +424,8 @@ fn hostile_recordings_are_survived() {
         json!({ "type": "ASYNC-RESP", "id": long, "result": vec![7; 100_000] }),
         json!({ "type": "UAV-LAND", "receipt": { "a": long, "b": { "c": 7 } } }),
     ] {
-        session.tells(body.clone());
-        session.asks(body.clone(), body);
+        session.notify(body.clone());
+        session.exchange(body.clone(), body);
     }
     let mut lines = session.lines.clone();
     for line in &mut lines {
@@ -431,10 +435,13 @@ fn hostile_recordings_are_survived() {
     session.lines.push(json!({ "dir": "in", "msg": null }));
     session.lines.push(json!({ "dir": "event", "event": long, "conn": ["a"], "t": "now" }));
     session.lines.push(json!({ "dir": "in", "conn": long, "msg": {} }));
-    let judgement = judged(&session.to_bytes());
-    assert!(judgement.findings.groups().count() > 5);
-    let told = judgement.findings.groups().flat_map(|group| &group.examples);
-    assert!(told.map(|(_, detail)| detail.to_string().len()).max() < Some(2_000), "what is told is short");
+    let result = checked(&session.to_bytes());
+    assert!(result.findings.groups().count() > 5);
+    let reported = result.findings.groups().flat_map(|group| &group.examples);
+    assert!(
+        reported.map(|(_, detail)| detail.to_string().len()).max() < Some(2_000),
+        "what is told is short"
+    );
 }
 
 /// Of what was forgotten for lack of room nothing is said.
@@ -454,29 +461,28 @@ fn requests_without_end_take_bounded_room() {
     let long = [("FW-ENV-05", 2), ("FW-ENV-06", 1)];
     // The first has been forgotten, the last has not.
     text.push_str(&line("in", answer(1)));
-    let judgement = judged(text.as_bytes());
-    assert_eq!(broken(&judgement).into_iter().collect::<Vec<_>>(), long);
+    let result = checked(text.as_bytes());
+    assert_eq!(violated(&result).into_iter().collect::<Vec<_>>(), long);
     text.push_str(&line("in", answer(39_999)));
-    let judgement = judged(text.as_bytes());
-    assert_eq!(exercised(&judgement, "FW-ENV-16"), 1);
+    let result = checked(text.as_bytes());
+    assert_eq!(covered(&result, "FW-ENV-16"), 1);
     // Their number is bounded, too.
     let many: String = (0..11_000)
         .map(|number| format!("{}\n", json!({ "conn": number, "dir": "event", "event": "connect" })))
         .collect();
-    let judgement = judged(many.as_bytes());
-    assert_eq!(source(&judgement).connections, 10_000);
-    assert_eq!(judgement.damage.len(), 1);
+    let result = checked(many.as_bytes());
+    assert_eq!(source(&result).connections, 10_000);
+    assert_eq!(result.corruption.len(), 1);
 }
 
 #[test]
 fn reports_say_what_a_recording_is() {
     let definitions = Definitions::built_in();
     let mut session = Session::new();
-    session = session.then(|session| session.asks(json!({ "type": "SOAR-LIST" }), json!({ "ids": [] })));
-    let judgement = judged(&session.to_bytes());
-    let judged =
-        CheckedCapture { path: "hill.jsonl".to_owned(), result: judgement, notes: Vec::new(), elapsed: 1 };
-    let subject = Subject::of_capture(judged, &definitions, &Settings::default());
+    session = session.then(|session| session.exchange(json!({ "type": "SOAR-LIST" }), json!({ "ids": [] })));
+    let result = checked(&session.to_bytes());
+    let checked = CheckedCapture { path: "hill.jsonl".to_owned(), result, notes: Vec::new(), elapsed: 1 };
+    let subject = Subject::from_capture(checked, &definitions, &Settings::default());
     let text = subject_text(&subject);
     for part in ["Flockwave, 8 connections, 1 min", "UAV-INF 24", "SOAR-LIST", "conforms"] {
         assert!(text.contains(part), "{part}: {text}");
@@ -495,13 +501,13 @@ fn reports_say_what_a_recording_is() {
 /// writes numbers for purposes of connections, 0 among the error codes, seconds for milliseconds, tells nothing of an
 /// operation that was cancelled, and sends the error codes that the client has told its gliders to have.
 #[test]
-fn of_real_servers_the_deviations_are_told_that_they_have() {
+fn reports_the_deviations_of_real_servers() {
     let Some(corpus) = shared("corpus/flockwave") else { return };
     let found = |name: &str| {
         let bytes = std::fs::read(corpus.join(name)).expect("a recording");
-        let judgement = judged(&bytes);
-        assert_eq!(judgement.damage, vec![], "{name}");
-        broken(&judgement).into_iter().collect::<Vec<_>>()
+        let result = checked(&bytes);
+        assert_eq!(result.corruption, vec![], "{name}");
+        violated(&result).into_iter().collect::<Vec<_>>()
     };
     assert_eq!(
         found("clean.jsonl"),

@@ -8,7 +8,7 @@ use crate::rules::mutants;
 use crate::rules::sample::Flight;
 use crate::testee::case::cases;
 use crate::testee::compare::Difference;
-use crate::testee::outcome::{Manners, Outcome, Verdict};
+use crate::testee::outcome::{Outcome, ProtocolRemarks, Verdict};
 use serde_json::{Value, json};
 
 /// What ends, opens or escapes something in one of the kinds of reports, or fools the eye.
@@ -51,16 +51,16 @@ fn lines() -> Vec<u8> {
 /// A report of `check` in which there is everything.
 pub(crate) fn checked(definitions: &Definitions) -> Report {
     let subject = |(path, bytes): (String, Vec<u8>)| {
-        let judgement = check_capture(&bytes[..], None, definitions).expect("bytes can be read");
+        let result = check_capture(&bytes[..], None, definitions).expect("bytes can be read");
         // The time that it took is no part of what is compared.
-        let judged = CheckedCapture {
+        let checked = CheckedCapture {
             path,
-            result: judgement,
+            result,
             notes: vec!["the <b>wind</b>\u{1b}[1m turned".to_owned()],
             elapsed: 7,
         };
         let arguments = vec!["--definitions".to_owned(), HOSTILE.to_owned()];
-        Subject::of_capture(judged, definitions, &Settings { arguments, ..Settings::default() })
+        Subject::from_capture(checked, definitions, &Settings { arguments, ..Settings::default() })
     };
     let mut subjects: Vec<Subject> = sources(definitions).into_iter().map(subject).collect();
     let last = subjects.last_mut().expect("subjects");
@@ -95,12 +95,12 @@ pub(crate) fn tested(definitions: &Definitions) -> Report {
     let outcome = Outcome {
         hello: None,
         verdicts: cases.iter().enumerate().map(|(at, case)| (case, verdict(at))).collect(),
-        manners: Manners { remarks: vec![(text.clone(), 3)], more: 2 },
+        protocol_remarks: ProtocolRemarks { remarks: vec![(text.clone(), 3)], more: 2 },
         restarts: 4,
         gave_up: Some(text.clone()),
     };
     let mut subject =
-        Subject::of_testee(&outcome, definitions, &|case| format!("uavspec test --filter {case}"));
+        Subject::from_testee(&outcome, definitions, &|case| format!("uavspec test --filter {case}"));
     subject.path.clone_from(&text);
     let command = "uavspec test -- ./codec".to_owned();
     Report::new(Action::Test, command, definitions, vec![subject], Vec::new(), Vec::new())

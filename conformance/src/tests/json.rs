@@ -8,7 +8,7 @@ use std::fs;
 
 use crate::check::{CaptureResult, JsonSummary, Summary, check_capture, check_json, check_json_thoroughly};
 use crate::definitions::Definitions;
-use crate::model::{Place, Verdict};
+use crate::model::{Location, Verdict};
 use crate::rules::sample::Flight;
 use crate::rules::{self, RULES, rule};
 use serde_json::{Value, json};
@@ -67,33 +67,33 @@ fn type_name() -> String {
     format!("{}/Glider", definitions.schema.packages[0].name)
 }
 
-fn judge_bytes(bytes: &[u8]) -> CaptureResult {
+fn check_bytes(bytes: &[u8]) -> CaptureResult {
     let (_folder, definitions) = definitions();
     check_capture(bytes, None, &definitions).expect("bytes can be read")
 }
 
-fn judge_bare(text: &str) -> CaptureResult {
+fn check_bare(text: &str) -> CaptureResult {
     let (_folder, definitions) = definitions();
     let of = definitions.message_of_topic("glider");
     assert!(of.is_some());
     check_capture(text.as_bytes(), of, &definitions).expect("bytes can be read")
 }
 
-fn source(judgement: &CaptureResult) -> &JsonSummary {
-    match &judgement.summary {
+fn source(result: &CaptureResult) -> &JsonSummary {
+    match &result.summary {
         Summary::Json(source) => source,
         Summary::Log(_) | Summary::Mcap(_) | Summary::Flockwave(_) => panic!("JSON"),
     }
 }
 
-fn broken(judgement: &CaptureResult) -> Vec<(&'static str, String)> {
-    let said =
+fn violated(result: &CaptureResult) -> Vec<(&'static str, String)> {
+    let message =
         |group: &crate::model::Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
-    judgement.findings.groups().map(said).collect()
+    result.findings.groups().map(message).collect()
 }
 
-fn damage(judgement: &CaptureResult) -> Vec<String> {
-    judgement.damage.iter().map(|(place, what)| format!("{place}: {what}")).collect()
+fn corruption(result: &CaptureResult) -> Vec<String> {
+    result.corruption.iter().map(|(location, what)| format!("{location}: {what}")).collect()
 }
 
 /// Lines that conform, with another at the end.
@@ -103,17 +103,17 @@ fn lines_with(last: &str) -> String {
 }
 
 #[test]
-fn json_that_conforms_breaks_nothing_and_exercises_what_it_can() {
-    let judgement = judge_bytes(lines_with(&typed(&glider(60 * PERIOD))).as_bytes());
-    assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]));
-    assert_eq!((judgement.records, judgement.judged, judgement.duration), (60, 60, 59 * PERIOD));
-    let found = source(&judgement);
+fn conforming_json_has_no_violations_and_covers_its_rules() {
+    let result = check_bytes(lines_with(&typed(&glider(60 * PERIOD))).as_bytes());
+    assert_eq!((violated(&result), corruption(&result)), (vec![], vec![]));
+    assert_eq!((result.records, result.checked, result.duration), (60, 60, 59 * PERIOD));
+    let found = source(&result);
     assert_eq!((found.lines, found.types, found.skipped), (60, 1, 0));
     assert_eq!(found.dialects.iter().count(), 0);
     let idle: Vec<&str> = RULES
         .iter()
         .filter(|rule| !rule.is_on_flockwave())
-        .filter(|rule| judgement.findings.verdict(rule) == Verdict::NotExercised)
+        .filter(|rule| result.findings.verdict(rule) == Verdict::NotCovered)
         .map(|rule| rule.id)
         .collect();
     let data = ["PX-BOOL-01", "PX-CDR-01", "PX-CDR-02", "PX-DATA-01", "PX-DATA-02", "PX-DATA-03"];
@@ -121,7 +121,7 @@ fn json_that_conforms_breaks_nothing_and_exercises_what_it_can() {
     let formats = ["PX-FMT-01", "PX-FMT-02", "PX-FMT-03"];
     // No external component talks, and a type has no version behind its name.
     assert_eq!(idle, [&data[..], &talk, &formats, &["PX-FSF-03", "PX-HASH-01", "PX-VER-01"]].concat());
-    assert_eq!(judgement.findings.exercised(rule("PX-JSON-01").expect("a rule")), 60 * 4);
+    assert_eq!(result.findings.covered(rule("PX-JSON-01").expect("a rule")), 60 * 4);
 }
 
 /// The rule, what follows messages that conform, and what is said.
@@ -246,28 +246,28 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
 }
 
 #[test]
-fn what_is_said_of_a_breach_tells_what_and_where() {
+fn a_violation_has_a_message_and_a_location() {
     let mutants = mutants();
-    for (id, last, said) in mutants {
-        let judgement = judge_bytes(lines_with(&last).as_bytes());
-        let found = broken(&judgement);
-        assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(said), "{id}: {found:?}");
-        assert_eq!(damage(&judgement), Vec::<String>::new(), "{id}");
-        let group = judgement.findings.groups().next().expect("a finding");
-        assert!(group.examples[0].0 >= Place::Line(60), "{id}: {group:?}");
+    for (id, last, message) in mutants {
+        let result = check_bytes(lines_with(&last).as_bytes());
+        let found = violated(&result);
+        assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(message), "{id}: {found:?}");
+        assert_eq!(corruption(&result), Vec::<String>::new(), "{id}");
+        let group = result.findings.groups().next().expect("a finding");
+        assert!(group.examples[0].0 >= Location::Line(60), "{id}: {group:?}");
         assert!(group.definition.is_some(), "{id}");
     }
 }
 
 #[test]
-fn everything_that_is_wrong_with_a_message_is_told() {
+fn reports_every_problem_of_a_message() {
     let mut message = glider(PERIOD);
     message["speed"] = json!(61);
     message["marks"][2] = json!({"timestamp": -1, "height": "high", "depth": 0});
     message["raw"] = json!([1, 2, 3, 4, 5, 600]);
     message.as_object_mut().expect("an object").remove("serial");
-    let judgement = judge_bytes(typed(&message).as_bytes());
-    let ids: Vec<(&str, String)> = broken(&judgement)
+    let result = check_bytes(typed(&message).as_bytes());
+    let ids: Vec<(&str, String)> = violated(&result)
         .into_iter()
         .map(|(id, text)| (id, text[..text.find(':').unwrap_or(0)].to_owned()))
         .collect();
@@ -295,9 +295,9 @@ fn findings_point_into_the_record() {
     let published_record = published("/glider", &message);
     let bare = message.to_string();
     for (record, around) in [(&typed_record, "/message"), (&published_record, "/msg"), (&bare, "")] {
-        let judgement = if around.is_empty() { judge_bare(record) } else { judge_bytes(record.as_bytes()) };
+        let result = if around.is_empty() { check_bare(record) } else { check_bytes(record.as_bytes()) };
         let value: Value = serde_json::from_str(record).expect("JSON");
-        let found: Vec<(&str, &str)> = judgement
+        let found: Vec<(&str, &str)> = result
             .findings
             .groups()
             .map(|group| (group.rule.id, group.examples[0].1.path.as_str()))
@@ -322,8 +322,8 @@ fn findings_show_what_was_written_and_not_too_much_of_it() {
     message.as_object_mut().expect("an object").remove("serial");
     message["raw"] = json!([1, {"a": [true, "\u{1b}"]}]);
     message["name"] = json!("x".repeat(10_000));
-    let judgement = judge_bare(&message.to_string());
-    let groups: Vec<_> = judgement.findings.groups().collect();
+    let result = check_bare(&message.to_string());
+    let groups: Vec<_> = result.findings.groups().collect();
     for group in &groups {
         let excerpt = &group.examples[0].1.excerpt;
         assert!(!excerpt.is_empty() && excerpt.len() < 300, "{} {excerpt}", group.rule.id);
@@ -364,10 +364,10 @@ fn entries_that_are_not_in_use_are_ignored() {
         let behind = before.replace(&count, "");
         let behind = format!("{},{}}}", behind.trim_end_matches('}'), count.trim_end_matches(','));
         for text in [before, behind] {
-            let judgement = judge_bare(&format!("{text}\n{}", glider(2 * PERIOD)));
-            let found: Vec<&str> = broken(&judgement).iter().map(|(rule, _)| *rule).collect();
+            let result = check_bare(&format!("{text}\n{}", glider(2 * PERIOD)));
+            let found: Vec<&str> = violated(&result).iter().map(|(rule, _)| *rule).collect();
             assert_eq!(found, Vec::from_iter(id), "{text}");
-            assert_eq!((judgement.judged, damage(&judgement)), (2, vec![]), "{text}");
+            assert_eq!((result.checked, corruption(&result)), (2, vec![]), "{text}");
         }
     }
 }

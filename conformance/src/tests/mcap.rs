@@ -1,6 +1,6 @@
 //! MCAP judged: whatever packs it, each rule finds what breaks it, and reading goes on after damage.
 
-mod damage;
+mod corruption;
 pub(crate) mod file;
 mod schemas;
 mod varying;
@@ -10,7 +10,7 @@ use std::fs;
 use std::io::Cursor;
 use std::sync::{Arc, LazyLock};
 
-use crate::check::{Basis, CaptureResult, McapSummary, Standing, Summary, check_capture};
+use crate::check::{Basis, CaptureResult, CheckStatus, McapSummary, Summary, check_capture};
 use crate::definitions::Definitions;
 use crate::model::{Group, Verdict};
 use crate::px4::comparison::Comparison;
@@ -158,54 +158,54 @@ fn good() -> Glider {
     Glider::at(60 * PERIOD)
 }
 
-fn judged(bytes: &[u8]) -> CaptureResult {
+fn checked(bytes: &[u8]) -> CaptureResult {
     check_capture(bytes, None, &DEFINITIONS).expect("bytes can be read")
 }
 
-fn source(judgement: &CaptureResult) -> &McapSummary {
-    match &judgement.summary {
+fn source(result: &CaptureResult) -> &McapSummary {
+    match &result.summary {
         Summary::Mcap(source) => source,
         Summary::Log(_) | Summary::Json(_) | Summary::Flockwave(_) => panic!("MCAP"),
     }
 }
 
 /// The rules that are broken, each with its subject and what is said of the first breach.
-fn broken(judgement: &CaptureResult) -> Vec<(&'static str, String)> {
-    let said = |group: &Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
-    judgement.findings.groups().map(said).collect()
+fn violated(result: &CaptureResult) -> Vec<(&'static str, String)> {
+    let message = |group: &Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
+    result.findings.groups().map(message).collect()
 }
 
-fn damages(judgement: &CaptureResult) -> Vec<String> {
-    judgement.damage.iter().map(|(place, what)| format!("{place}: {what}")).collect()
+fn corrupt_count(result: &CaptureResult) -> Vec<String> {
+    result.corruption.iter().map(|(location, what)| format!("{location}: {what}")).collect()
 }
 
 /// Nothing is broken or damaged, and all of sixty messages are judged.
-fn assert_conforms(judgement: &CaptureResult, what: &dyn std::fmt::Debug) {
-    assert_eq!((broken(judgement), damages(judgement)), (vec![], vec![]), "{what:?}");
-    assert_eq!((judgement.records, judgement.judged, judgement.duration), (60, 60, 59 * PERIOD), "{what:?}");
-    let channels = &source(judgement).channels;
+fn assert_conforms(result: &CaptureResult, what: &dyn std::fmt::Debug) {
+    assert_eq!((violated(result), corrupt_count(result)), (vec![], vec![]), "{what:?}");
+    assert_eq!((result.records, result.checked, result.duration), (60, 60, 59 * PERIOD), "{what:?}");
+    let channels = &source(result).channels;
     assert_eq!(channels.len(), 1, "{what:?}");
-    assert_eq!(channels[0].standing, Standing::Judged(equal()), "{what:?}");
+    assert_eq!(channels[0].status, CheckStatus::Checked(equal()), "{what:?}");
 }
 
 #[test]
 fn whatever_packs_it_what_conforms_breaks_nothing() {
     for form in FORMS {
         for last in [good().cdr(), good().big_cdr()] {
-            let judgement = judged(&file(&chunked(form, &records_with(&last))));
-            assert_conforms(&judgement, &form);
-            let found = source(&judgement);
+            let result = checked(&file(&chunked(form, &records_with(&last))));
+            assert_conforms(&result, &form);
+            let found = source(&result);
             assert_eq!((found.profile.as_str(), found.library.as_str()), ("ros2", "glider club"));
             let channel = &found.channels[0];
             assert_eq!((channel.topic.as_str(), channel.encoding.as_str()), ("/fmu/out/glider", "cdr"));
             assert_eq!(channel.messages, 60);
         }
     }
-    let judgement = judged(&file(&chunked(Form::Plain, &records_with(&good().cdr()))));
+    let result = checked(&file(&chunked(Form::Plain, &records_with(&good().cdr()))));
     let idle: Vec<&str> = RULES
         .iter()
         .filter(|rule| !rule.is_on_flockwave())
-        .filter(|rule| judgement.findings.verdict(rule) == Verdict::NotExercised)
+        .filter(|rule| result.findings.verdict(rule) == Verdict::NotCovered)
         .map(|rule| rule.id)
         .collect();
     // No external component talks, the topic has no version behind its name, and nothing is a log or JSON.
@@ -265,7 +265,7 @@ fn files_of_another_writer_conform() {
         writer.write_metadata(&metadata).expect("memory");
         writer.finish().expect("memory");
         let bytes = writer.into_inner().into_inner();
-        assert_conforms(&judged(&bytes), &(use_chunks, disable_seeking));
+        assert_conforms(&checked(&bytes), &(use_chunks, disable_seeking));
     }
 }
 
@@ -376,22 +376,22 @@ fn mutants() -> Vec<(&'static str, Vec<u8>, &'static str)> {
 }
 
 #[test]
-fn what_is_said_of_a_breach_tells_what_and_where() {
+fn a_violation_has_a_message_and_a_location() {
     let mutants = mutants();
-    for (id, bytes, said) in mutants {
-        let judgement = judged(&bytes);
-        let found = broken(&judgement);
-        assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(said), "{id}: {found:#?}");
-        assert_eq!(damages(&judgement), Vec::<String>::new(), "{id}");
+    for (id, bytes, message) in mutants {
+        let result = checked(&bytes);
+        let found = violated(&result);
+        assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(message), "{id}: {found:#?}");
+        assert_eq!(corrupt_count(&result), Vec::<String>::new(), "{id}");
     }
 }
 
 #[test]
 fn json_that_conforms_breaks_nothing() {
-    let judgement = judged(&json_with(|_| ()));
-    assert_eq!((broken(&judgement), damages(&judgement)), (vec![], vec![]));
-    assert_eq!((judgement.records, judgement.judged, judgement.duration), (60, 60, 59 * PERIOD));
-    assert_eq!(source(&judgement).channels[0].standing, Standing::Judged(Basis::NoSchema));
+    let result = checked(&json_with(|_| ()));
+    assert_eq!((violated(&result), corrupt_count(&result)), (vec![], vec![]));
+    assert_eq!((result.records, result.checked, result.duration), (60, 60, 59 * PERIOD));
+    assert_eq!(source(&result).channels[0].status, CheckStatus::Checked(Basis::NoSchema));
 }
 
 /// rosbag2 can pack each message by itself, of which the file says nothing.
@@ -411,17 +411,17 @@ fn messages_that_are_packed_by_themselves_are_unpacked() {
         message(3, &packed[..20]),
         message(3, &bomb),
     ];
-    let judgement = judged(&file(&records.concat()));
+    let result = checked(&file(&records.concat()));
     let expected = [("PX-BOOL-01", "glider.is_landed: 3 where a bool is 0 or 1".to_owned())];
-    assert_eq!((broken(&judgement), judgement.judged), (expected.to_vec(), 2));
-    let said = damages(&judgement);
-    assert!(said.len() == 2 && said[0].contains("that can't be unpacked: "), "{said:?}");
-    assert!(said[1].ends_with("a packed message of more than 67108864 bytes"), "{said:?}");
+    assert_eq!((violated(&result), result.checked), (expected.to_vec(), 2));
+    let message = corrupt_count(&result);
+    assert!(message.len() == 2 && message[0].contains("that can't be unpacked: "), "{message:?}");
+    assert!(message[1].ends_with("a packed message of more than 67108864 bytes"), "{message:?}");
 }
 
 /// Foxglove writes bytes as base64, and what isn't JSON at all is damage.
 #[test]
-fn json_has_its_dialects_and_its_damage() {
+fn reads_json_dialects_and_reports_corrupt_json() {
     let (name, _) = ros("Glider");
     let mut numbers = good().json();
     numbers["name"] = json!([68, 45, 49, 0]);
@@ -433,16 +433,15 @@ fn json_has_its_dialects_and_its_damage() {
         message(3, b"\xff"),
         message(3, b""),
     ];
-    let judgement = judged(&file(&records.concat()));
-    assert_eq!((broken(&judgement), judgement.records, judgement.judged), (vec![], 4, 1));
-    assert_eq!(damages(&judgement).len(), 3, "{:?}", judgement.damage);
-    let dialects: Vec<String> =
-        source(&judgement).dialects.iter().map(|dialect| dialect.to_string()).collect();
+    let result = checked(&file(&records.concat()));
+    assert_eq!((violated(&result), result.records, result.checked), (vec![], 4, 1));
+    assert_eq!(corrupt_count(&result).len(), 3, "{:?}", result.corruption);
+    let dialects: Vec<String> = source(&result).dialects.iter().map(|dialect| dialect.to_string()).collect();
     assert_eq!(dialects, ["numbers for char[N] (ROS 2)"]);
 }
 
 #[test]
-fn what_is_judged_by_nothing_says_why() {
+fn unchecked_channels_have_a_reason() {
     let records = [
         schema(1, "std_msgs/msg/String", "ros2msg", b"string data\n"),
         schema(2, "Glider", "protobuf", b"\0\x01"),
@@ -455,20 +454,20 @@ fn what_is_judged_by_nothing_says_why() {
     let mut version_2 = good().cdr();
     version_2[1] = 7;
     let messages: Vec<u8> = (1..=5).flat_map(|id| message(id, &version_2)).collect();
-    let judgement = judged(&file(&[records.concat(), messages].concat()));
-    assert_eq!((broken(&judgement), damages(&judgement)), (vec![], vec![]));
-    assert_eq!((judgement.records, judgement.judged), (5, 0));
-    let found: Vec<_> = source(&judgement)
+    let result = checked(&file(&[records.concat(), messages].concat()));
+    assert_eq!((violated(&result), corrupt_count(&result)), (vec![], vec![]));
+    assert_eq!((result.records, result.checked), (5, 0));
+    let found: Vec<_> = source(&result)
         .channels
         .iter()
-        .map(|channel| (channel.topic.as_str(), channel.standing.clone(), channel.other_cdr))
+        .map(|channel| (channel.topic.as_str(), channel.status.clone(), channel.other_cdr))
         .collect();
     let expected = [
-        ("/club/glider", Standing::Unsupported, 0),
-        ("/glider", Standing::Undefined, 0),
-        ("/glider", Standing::Unsupported, 0),
-        ("/glider/0", Standing::Judged(Basis::NoSchema), 1),
-        ("/talk", Standing::Undefined, 0),
+        ("/club/glider", CheckStatus::Unsupported, 0),
+        ("/glider", CheckStatus::Undefined, 0),
+        ("/glider", CheckStatus::Unsupported, 0),
+        ("/glider/0", CheckStatus::Checked(Basis::NoSchema), 1),
+        ("/talk", CheckStatus::Undefined, 0),
     ];
     assert_eq!(found, expected);
 }

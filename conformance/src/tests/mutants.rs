@@ -16,19 +16,18 @@ use support::shared;
 
 /// Nothing breaks a rule in the flights of these definitions; the rules that something exercised.
 fn check_conforming(definitions: &Definitions) -> BTreeSet<&'static str> {
-    let mut exercised = BTreeSet::new();
-    for (name, judgement) in conforming(definitions) {
-        let found: Vec<String> = judgement
+    let mut covered = BTreeSet::new();
+    for (name, result) in conforming(definitions) {
+        let found: Vec<String> = result
             .findings
             .groups()
             .map(|group| format!("{} {}: {}", group.rule.id, group.subject, group.examples[0].1))
             .collect();
-        assert_eq!((found, judgement.damage), (vec![], vec![]), "{name}");
-        assert!(judgement.judged > 0 && judgement.judged == judgement.records, "{name}");
-        exercised
-            .extend(RULES.iter().filter(|rule| judgement.findings.exercised(rule) > 0).map(|rule| rule.id));
+        assert_eq!((found, result.corruption), (vec![], vec![]), "{name}");
+        assert!(result.checked > 0 && result.checked == result.records, "{name}");
+        covered.extend(RULES.iter().filter(|rule| result.findings.covered(rule) > 0).map(|rule| rule.id));
     }
-    exercised
+    covered
 }
 
 /// All mutants that can be made of these definitions break what they should; the rules that have one.
@@ -37,27 +36,27 @@ fn check_mutants(definitions: &Definitions) -> BTreeSet<&'static str> {
     let wrong: Vec<String> = rows
         .iter()
         .filter(|row| !row.is_right())
-        .map(|row| format!("{}, {}: {:?}", row.rule.id, row.title, row.broken))
+        .map(|row| format!("{}, {}: {:?}", row.rule.id, row.title, row.violated))
         .collect();
     assert_eq!(wrong, Vec::<String>::new());
-    rows.iter().filter(|row| row.broken.is_some()).map(|row| row.rule.id).collect()
+    rows.iter().filter(|row| row.violated.is_some()).map(|row| row.rule.id).collect()
 }
 
 #[test]
 fn the_definitions_of_this_program_show_every_rule() {
     let definitions = Definitions::built_in();
     let all: BTreeSet<&str> = RULES.iter().map(|rule| rule.id).collect();
-    let mut exercised = check_conforming(&definitions);
+    let mut covered = check_conforming(&definitions);
     // Only a topic that has a version behind its name can have a wrong one.
-    exercised.insert("PX-VER-01");
-    assert_eq!(exercised, all);
+    covered.insert("PX-VER-01");
+    assert_eq!(covered, all);
     assert_eq!(check_mutants(&definitions), all);
-    assert!(matrix(&definitions).iter().all(|row| row.broken.is_some()));
+    assert!(matrix(&definitions).iter().all(|row| row.violated.is_some()));
 }
 
 /// Of a session, too.
 #[test]
-fn findings_tell_where_it_is_defined_and_what_was_expected() {
+fn findings_have_a_definition_and_the_expected_value() {
     let definitions = Definitions::built_in();
     let flight = Flight::new(&definitions);
     let fields = [
@@ -74,8 +73,8 @@ fn findings_tell_where_it_is_defined_and_what_was_expected() {
             let captures = mutant.captures(&flight);
             assert_eq!(captures.len(), Encoding::ALL.len(), "{id}: {}", mutant.name);
             for (title, bytes) in captures {
-                let judgement = check_capture(&bytes[..], None, &definitions).expect("bytes");
-                let group = judgement.findings.of(rule).next().expect("a finding");
+                let result = check_capture(&bytes[..], None, &definitions).expect("bytes");
+                let group = result.findings.groups_of(rule).next().expect("a finding");
                 let detail = &group.examples[0].1;
                 assert!(
                     !detail.expected.is_empty() && !detail.actual.is_empty(),

@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use crate::check::check_capture;
 use crate::definitions::Definitions;
-use crate::report::{Action, CheckedCapture, Kind, Outcome, Report, Settings, Subject, Verdict};
+use crate::report::{Action, CheckedCapture, Kind, OutcomeKind, Report, Settings, Subject, Verdict};
 use crate::rules::RULES;
 use html5gum::{Token, Tokenizer};
 use quick_junit::{NonSuccessKind, Report as Junit, TestCase, TestCaseStatus};
@@ -27,12 +27,12 @@ fn both() -> &'static [Report; 2] {
 }
 
 #[test]
-fn the_value_says_what_it_comes_to() {
+fn the_report_has_the_outcome() {
     let [checked, tested] = both();
-    assert_eq!(checked.conclusion.outcome, Outcome::Broken, "a file can't be read");
-    assert_eq!(checked.conclusion.text, "One file could not be read");
-    assert!(checked.conclusion.remarks[0].starts_with("Does not conform: "), "{:?}", checked.conclusion);
-    assert_eq!((tested.conclusion.outcome, tested.conclusion.status), (Outcome::Broken, 3));
+    assert_eq!(checked.outcome.kind, OutcomeKind::Incomplete, "a file can't be read");
+    assert_eq!(checked.outcome.text, "One file could not be read");
+    assert!(checked.outcome.remarks[0].starts_with("Does not conform: "), "{:?}", checked.outcome);
+    assert_eq!((tested.outcome.kind, tested.outcome.status), (OutcomeKind::Incomplete, 3));
     // Every rule has its worst verdict: that of its mutants.
     assert_eq!(checked.rules.len(), RULES.len());
     for rule in &checked.rules {
@@ -148,10 +148,7 @@ fn html_is_well_formed_and_nothing_of_the_input_acts() {
             character.is_control() && character != '\n' || matches!(character, '\u{202a}'..='\u{202e}')
         };
         assert!(!page.contains(is_invisible));
-        assert!(
-            page.contains(&format!("<h1>{}</h1>", page_escaped(&report.conclusion.text))),
-            "the headline"
-        );
+        assert!(page.contains(&format!("<h1>{}</h1>", page_escaped(&report.outcome.text))), "the headline");
     }
 }
 
@@ -219,7 +216,7 @@ fn junit_has_a_case_for_each_rule_or_question() {
                 }
                 (TestCaseStatus::Success { .. }, Verdict::Warn | Verdict::Shown) => case.system_out.is_some(),
                 (TestCaseStatus::Success { .. }, Verdict::Pass) => case.system_out.is_none(),
-                (TestCaseStatus::Skipped { .. }, Verdict::NotExercised) => true,
+                (TestCaseStatus::Skipped { .. }, Verdict::NotCovered) => true,
                 _ => false,
             };
             assert!(is_right, "{} {:?}: {:?}", rule.id, rule.verdict, case.status);
@@ -231,8 +228,8 @@ fn junit_has_a_case_for_each_rule_or_question() {
     assert!(is(&whole.test_cases[0], NonSuccessKind::Failure), "{whole:?}");
     let junit = read(tested);
     let [suite] = &junit.test_suites[..] else { panic!("{junit:?}") };
-    let asked = usize::try_from(tested.subjects[0].records).expect("small");
-    assert_eq!(suite.test_cases.len(), asked + 2, "the cases, their manners, and the run itself");
+    let requested = usize::try_from(tested.subjects[0].records).expect("small");
+    assert_eq!(suite.test_cases.len(), requested + 2, "the cases, their manners, and the run itself");
     assert!(
         suite.test_cases.iter().filter(|case| is_error(case)).count() > 2,
         "crashes and hangs are errors"
@@ -278,20 +275,19 @@ fn sarif_has_rules_with_help_and_places_that_editors_open() {
     let is_of_event =
         |result: &&Value| result["message"]["text"].as_str().is_some_and(|text| text.contains("/px4/Event/"));
     let result = results.iter().find(is_of_event).expect("a result");
-    let place = &result["locations"][0]["physicalLocation"];
-    assert_eq!(place["artifactLocation"]["uri"], "definitions/px4/Event.msg");
-    assert!(place["region"]["startLine"].as_u64() > Some(0), "{place}");
+    let location = &result["locations"][0]["physicalLocation"];
+    assert_eq!(location["artifactLocation"]["uri"], "definitions/px4/Event.msg");
+    assert!(location["region"]["startLine"].as_u64() > Some(0), "{location}");
 }
 
 /// Where in its record something is wrong, what was found there and how to see it again: each kind tells it.
 #[test]
-fn each_kind_tells_where_in_the_record_and_what_stood_there() {
+fn each_format_reports_the_path_and_the_value_found() {
     let definitions = Definitions::built_in();
     let of = |path: &str, bytes: &[u8]| {
-        let judgement = check_capture(bytes, None, &definitions).expect("bytes can be read");
-        let judged =
-            CheckedCapture { path: path.to_owned(), result: judgement, notes: Vec::new(), elapsed: 0 };
-        let subject = Subject::of_capture(judged, &definitions, &Settings::default());
+        let result = check_capture(bytes, None, &definitions).expect("bytes can be read");
+        let checked = CheckedCapture { path: path.to_owned(), result, notes: Vec::new(), elapsed: 0 };
+        let subject = Subject::from_capture(checked, &definitions, &Settings::default());
         Report::new(Action::Check, String::new(), &definitions, vec![subject], Vec::new(), Vec::new())
     };
     let line = json!({"op": "publish", "topic": "/fmu/in/unregister_ext_component", "msg": {"timestamp": 1}});
@@ -336,7 +332,7 @@ fn each_kind_tells_where_in_the_record_and_what_stood_there() {
 }
 
 #[test]
-fn a_terminal_is_told_nothing_by_the_input() {
+fn escapes_terminal_sequences_of_the_input() {
     for report in both() {
         let text = report.to_text(Kind::Text);
         let text = anstream::adapter::strip_str(&text).to_string();

@@ -4,7 +4,7 @@ use crate::tests::support;
 
 use std::sync::LazyLock;
 
-use crate::check::FlockwaveJudge;
+use crate::check::FlockwaveChecker;
 use crate::definitions::Definitions;
 use crate::rules::flockwave::sample::Session;
 use crate::rules::mutants;
@@ -18,20 +18,20 @@ use support::{extent, shared};
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
 /// All that came of a recording, as text; and how many reports were seen at once.
-fn judged(mut judge: FlockwaveJudge<'_>, recording: &[u8]) -> (String, u64) {
+fn checked(mut run_check: FlockwaveChecker<'_>, recording: &[u8]) -> (String, u64) {
     let mut number = 0;
     for line in recording.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()) {
         number += 1;
-        judge.line(line, number, false);
+        run_check.line(line, number, false);
     }
-    let at_once = judge.seen_at_once();
-    (format!("{:#?}", judge.finish(recording.len() as u64)), at_once)
+    let at_once = run_check.num_known_reports();
+    (format!("{:#?}", run_check.finish(recording.len() as u64)), at_once)
 }
 
 /// Judges a recording in both ways, which come to the same, and says how many reports were seen at once.
 fn compare(recording: &[u8], definitions: &Definitions) -> u64 {
-    let (quick, at_once) = judged(FlockwaveJudge::of(definitions), recording);
-    let (thorough, none) = judged(FlockwaveJudge::of(definitions).thorough(), recording);
+    let (quick, at_once) = checked(FlockwaveChecker::new(definitions), recording);
+    let (thorough, none) = checked(FlockwaveChecker::new(definitions).thorough(), recording);
     // The first line that differs says more than both texts.
     let difference = quick.lines().zip(thorough.lines()).find(|(one, other)| one != other);
     assert_eq!(difference, None, "{}", String::from_utf8_lossy(recording));
@@ -61,7 +61,7 @@ fn recordings_of_a_real_server_come_to_the_same() {
 }
 
 #[test]
-fn definitions_with_other_states_are_judged_by_those() {
+fn checks_states_by_the_given_definitions() {
     let folder = tempfile::TempDir::new().expect("a folder");
     std::fs::write(folder.path().join("Glider.msg"), "uint64 timestamp # [us] Time\n").expect("a file");
     let definitions = Definitions::load(folder.path()).expect("definitions");
@@ -195,7 +195,7 @@ struct Style {
     id: Option<String>,
     version: &'static str,
     event: Option<&'static str>,
-    damage: Option<(prop::sample::Index, u8)>,
+    corruption: Option<(prop::sample::Index, u8)>,
 }
 
 fn style() -> impl Strategy<Value = Style> {
@@ -206,19 +206,12 @@ fn style() -> impl Strategy<Value = Style> {
         .prop_map(|id| Some(id.to_owned())), 1 => "[xä]{30,40}".prop_map(Some)];
     let version = prop_oneof![20 => Just("1.0"), 1 => Just("2"), 1 => Just("first")];
     let event = prop_oneof![40 => Just(None), 1 => Just(Some("connect")), 1 => Just(Some("closed"))];
-    let damage = (any::<prop::sample::Index>(), prop::sample::select(b"\"\\{}[],:0-.eE \x07\xffaN".to_vec()));
-    let damage = prop_oneof![20 => Just(None), 1 => damage.prop_map(Some)];
-    (any::<[bool; 3]>(), connection, after, id, version, event, damage).prop_map(
-        |([is_type_first, is_body_first, is_wide], connection, after, id, version, event, damage)| Style {
-            is_type_first,
-            is_body_first,
-            is_wide,
-            connection,
-            after,
-            id,
-            version,
-            event,
-            damage,
+    let corruption =
+        (any::<prop::sample::Index>(), prop::sample::select(b"\"\\{}[],:0-.eE \x07\xffaN".to_vec()));
+    let corruption = prop_oneof![20 => Just(None), 1 => corruption.prop_map(Some)];
+    (any::<[bool; 3]>(), connection, after, id, version, event, corruption).prop_map(
+        |([is_type_first, is_body_first, is_wide], connection, after, id, version, event, corruption)| {
+            Style { is_type_first, is_body_first, is_wide, connection, after, id, version, event, corruption }
         },
     )
 }
@@ -226,7 +219,7 @@ fn style() -> impl Strategy<Value = Style> {
 /// What a recording begins with: the server tells its time, so that it is known when a state is ahead of it, and begins an
 /// operation, which is cancelled.
 fn beginning() -> Vec<u8> {
-    let asked = [
+    let requested = [
         (json!({ "type": "SYS-TIME" }), json!({ "type": "SYS-TIME", "timestamp": 1_790_000_000_000_u64 })),
         (
             json!({ "type": "UAV-RTH", "ids": ["kite"] }),
@@ -243,7 +236,7 @@ fn beginning() -> Vec<u8> {
         format!("{line}\n")
     };
     let mut text = line("event", "event", "connect".into());
-    for (number, (request, answer)) in asked.into_iter().enumerate() {
+    for (number, (request, answer)) in requested.into_iter().enumerate() {
         let (ask, say) = (format!("first-{number}"), format!("then-{number}"));
         text += &line("out", "msg", json!({ "$fw.version": "1.0", "id": ask, "body": request }));
         text += &line("in", "msg", json!({ "$fw.version": "1.0", "id": say, "refs": ask, "body": answer }));
@@ -255,7 +248,7 @@ fn beginning() -> Vec<u8> {
 fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
     let mut recording = beginning();
     let mut time = 1_790_000_000.0;
-    for (number, ((mut body, is_of_server, refs), style)) in lines.into_iter().enumerate() {
+    for (number, ((mut body, is_from_server, refs), style)) in lines.into_iter().enumerate() {
         time += style.after;
         if let Some(event) = style.event {
             let line = json!({ "t": time, "conn": style.connection, "dir": "event", "event": event });
@@ -268,7 +261,8 @@ fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
         {
             body.insert("type".to_owned(), of);
         }
-        let id = style.id.unwrap_or_else(|| format!("{}-{number}", if is_of_server { "say" } else { "ask" }));
+        let id =
+            style.id.unwrap_or_else(|| format!("{}-{number}", if is_from_server { "say" } else { "ask" }));
         let mut message = json!({ "$fw.version": style.version });
         if style.is_body_first {
             message["body"] = body;
@@ -280,13 +274,13 @@ fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
         if let Some(refs) = refs {
             message["refs"] = refs.into();
         }
-        let direction = if is_of_server { "in" } else { "out" };
+        let direction = if is_from_server { "in" } else { "out" };
         let line = json!({ "t": time, "conn": style.connection, "dir": direction, "msg": message });
         let mut line = line.to_string().into_bytes();
         if style.is_wide {
             line = String::from_utf8_lossy(&line).replace("\":", "\": ").replace(",\"", ", \"").into_bytes();
         }
-        if let Some((at, byte)) = style.damage {
+        if let Some((at, byte)) = style.corruption {
             let at = at.index(line.len());
             line[at] = byte;
         }
@@ -307,7 +301,7 @@ proptest! {
 
 /// Keys that a tree of `serde_json` can't repeat.
 #[test]
-fn what_stands_twice_is_found() {
+fn finds_duplicate_members() {
     let definitions = Definitions::built_in();
     let line = |message: &str| format!(r#"{{"t":1790000000,"conn":"tcp#1","dir":"in","msg":{message}}}"#);
     let state = r#"{"id":"kite","timestamp":1790000000000}"#;

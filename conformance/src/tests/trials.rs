@@ -7,23 +7,23 @@ use crate::rules::flockwave::sample::Session;
 use crate::rules::rule;
 use serde_json::{Value, json};
 
-fn judged(session: &Session) -> CaptureResult {
+fn checked(session: &Session) -> CaptureResult {
     check_capture(&session.to_bytes()[..], None, &Definitions::built_in()).expect("bytes can be read")
 }
 
 /// How often each rule is broken.
-fn broken_by(session: &Session) -> Vec<(&'static str, u64)> {
-    let judgement = judged(session);
-    assert_eq!(judgement.damage, vec![]);
+fn violated_by(session: &Session) -> Vec<(&'static str, u64)> {
+    let result = checked(session);
+    assert_eq!(result.corruption, vec![]);
     let mut counts = std::collections::BTreeMap::new();
-    for group in judgement.findings.groups() {
+    for group in result.findings.groups() {
         *counts.entry(group.rule.id).or_default() += group.count;
     }
     counts.into_iter().collect()
 }
 
-fn exercised(session: &Session, id: &str) -> u64 {
-    judged(session).findings.exercised(rule(id).expect("a rule"))
+fn covered(session: &Session, id: &str) -> u64 {
+    checked(session).findings.covered(rule(id).expect("a rule"))
 }
 
 /// A connection over TCP, over which this is said.
@@ -42,7 +42,7 @@ fn ping() -> Value {
 }
 
 fn uavs(session: &mut Session, ids: &[&str]) {
-    session.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": ids }));
+    session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": ids }));
 }
 
 fn objects(session: &mut Session, filter: &[&str], ids: &[&str]) {
@@ -50,7 +50,7 @@ fn objects(session: &mut Session, filter: &[&str], ids: &[&str]) {
     if !filter.is_empty() {
         request["filter"] = filter.into();
     }
-    session.asks(request, json!({ "ids": ids }));
+    session.exchange(request, json!({ "ids": ids }));
 }
 
 fn cancel(session: &mut Session, receipt: &str) -> String {
@@ -66,17 +66,17 @@ fn cancelled(session: &mut Session, id: &str, receipt: &str) {
 fn trials_without_an_answer_count_once_their_connection_has_ended() {
     for rule in ["FW-TCP-02", "FW-ENV-07", "FW-ENV-21", "FW-ENV-24", "FW-UAV-INF-06"] {
         let mut session = over("tcp#2", |session| _ = session.tries(of(rule), "", ping()));
-        assert_eq!(broken_by(&session), [(rule, 1)]);
+        assert_eq!(violated_by(&session), [(rule, 1)]);
         session.lines.pop();
-        assert_eq!(broken_by(&session), [], "{rule}: the end of the connection isn't shown");
+        assert_eq!(violated_by(&session), [], "{rule}: the end of the connection isn't shown");
     }
     let session = over("tcp#2", |session| session.refused(of("FW-SIO-02"), "", "No such transport"));
-    assert_eq!(broken_by(&session), [("FW-SIO-02", 1)]);
+    assert_eq!(violated_by(&session), [("FW-SIO-02", 1)]);
     let session = over("tcp#2", |session| {
         session.refused(of("FW-SIO-02"), "", "No such rule");
         session.lines.last_mut().expect("a line")["trial"] = "FW-NONE-01".into();
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
 }
 
 /// Datagrams get lost.
@@ -86,7 +86,7 @@ fn over_udp_one_answer_will_do() {
     for rule in rules {
         for answered in [None, Some(0), Some(1), Some(2)] {
             let session = over("udp#1", |session| {
-                session.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": [] }));
+                session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": [] }));
                 for attempt in 0..3 {
                     let id = session.tries(of(rule), "three times", ping());
                     if answered == Some(attempt) {
@@ -95,16 +95,16 @@ fn over_udp_one_answer_will_do() {
                 }
             });
             let expected = if answered.is_none() { vec![(rule, 1)] } else { vec![] };
-            assert_eq!(broken_by(&session), expected, "{rule}, {answered:?}");
+            assert_eq!(violated_by(&session), expected, "{rule}, {answered:?}");
         }
     }
     // Where no answer finds its way, nobody knows what ends the service.
     let silence =
         over("udp#1", |session| rules.iter().for_each(|rule| _ = session.tries(of(rule), "", ping())));
-    assert_eq!(broken_by(&silence), [("FW-UDP-02", 1)]);
+    assert_eq!(violated_by(&silence), [("FW-UDP-02", 1)]);
     // What else is tried over UDP may be lost as well.
     for rule in ["FW-ENV-07", "FW-ENV-21", "FW-SYS-PING-01"] {
-        assert_eq!(broken_by(&over("udp#1", |session| _ = session.tries(of(rule), "", ping()))), []);
+        assert_eq!(violated_by(&over("udp#1", |session| _ = session.tries(of(rule), "", ping()))), []);
     }
 }
 
@@ -114,47 +114,48 @@ fn an_error_in_the_place_of_a_body_is_no_service_either() {
         let id = session.tries(of("FW-TCP-03"), "after a line that is no JSON", ping());
         session.answers(&id, json!({ "error": { "message": "No JSON" } }));
     });
-    assert_eq!(broken_by(&session), [("FW-TCP-03", 1)]);
+    assert_eq!(violated_by(&session), [("FW-TCP-03", 1)]);
 }
 
 #[test]
 fn before_a_login_a_ping_may_be_refused_that_tries_nothing() {
     let refused = || json!({ "type": "ACK-NAK", "reason": "Log in first" });
-    let session = over("tcp#2", |session| session.asks_other(ping(), refused()));
-    assert_eq!((broken_by(&session), exercised(&session, "FW-SYS-PING-01")), (vec![], 1));
+    let session = over("tcp#2", |session| session.exchange_with(ping(), refused()));
+    assert_eq!((violated_by(&session), covered(&session, "FW-SYS-PING-01")), (vec![], 1));
 }
 
 /// Before a login a server may refuse all alike, whatever it knows.
 #[test]
-fn families_are_judged_by_what_is_refused_otherwise() {
+fn checks_families_by_other_refusals() {
     let asks = |login: Option<bool>, reasons: [&str; 3]| {
         over("tcp#2", |session| {
             if let Some(is_needed) = login {
-                session.asks(json!({ "type": "AUTH-INF" }), json!({ "methods": [], "required": is_needed }));
+                session
+                    .exchange(json!({ "type": "AUTH-INF" }), json!({ "methods": [], "required": is_needed }));
             }
             let kinds = [("FW-ENV-07", "UAV-SOAR"), ("FW-ENV-24", "DEV-LIST"), ("FW-ENV-24", "DEV-SUB")];
             for ((rule, kind), reason) in kinds.into_iter().zip(reasons) {
                 let refused = json!({ "type": "ACK-NAK", "reason": reason });
-                session.tries_and_hears(of(rule), "", json!({ "type": kind }), refused);
+                session.tries_and_receives(of(rule), "", json!({ "type": kind }), refused);
             }
         })
     };
     let alike = ["No UAV-SOAR here", "No DEV-LIST here", "No DEV-SUB here"];
     let other = ["No UAV-SOAR here", "No DEV-LIST here", "DEV-SUB has no paths"];
-    assert_eq!(broken_by(&asks(None, alike)), [("FW-ENV-24", 1)]);
-    assert_eq!(broken_by(&asks(Some(false), alike)), [("FW-ENV-24", 1)]);
-    assert_eq!(broken_by(&asks(Some(true), alike)), []);
-    assert_eq!(broken_by(&asks(None, other)), []);
+    assert_eq!(violated_by(&asks(None, alike)), [("FW-ENV-24", 1)]);
+    assert_eq!(violated_by(&asks(Some(false), alike)), [("FW-ENV-24", 1)]);
+    assert_eq!(violated_by(&asks(Some(true), alike)), []);
+    assert_eq!(violated_by(&asks(None, other)), []);
 }
 
 #[test]
 fn answers_may_be_pipelined() {
     let in_order = over("tcp#2", |session| session.pipelines(of("FW-ENV-25"), &[0, 1, 2]));
-    assert_eq!((broken_by(&in_order), exercised(&in_order, "FW-ENV-25")), (vec![], 3));
+    assert_eq!((violated_by(&in_order), covered(&in_order, "FW-ENV-25")), (vec![], 3));
     let reversed = over("tcp#2", |session| session.pipelines(of("FW-ENV-25"), &[2, 1, 0]));
-    assert_eq!(broken_by(&reversed), [("FW-ENV-25", 1)], "once a connection");
+    assert_eq!(violated_by(&reversed), [("FW-ENV-25", 1)], "once a connection");
     let untried = over("tcp#2", |session| session.pipelines(of("FW-TCP-02"), &[2, 1, 0]));
-    assert_eq!(broken_by(&untried), []);
+    assert_eq!(violated_by(&untried), []);
 }
 
 #[test]
@@ -167,26 +168,26 @@ fn objects_may_come_and_go() {
             objects(session, &["beacon"], &["mast"]);
             objects(session, &[], after);
         });
-        assert_eq!(broken_by(&session), []);
+        assert_eq!(violated_by(&session), []);
     }
     // One that comes and goes, as the server tells.
     let session = over("tcp#2", |session| {
         objects(session, &[], &["kite"]);
         objects(session, &["beacon"], &["mast"]);
-        session.tells(json!({ "type": "OBJ-DEL", "ids": ["mast"] }));
+        session.notify(json!({ "type": "OBJ-DEL", "ids": ["mast"] }));
         objects(session, &[], &["kite"]);
         let state = json!({ "id": "mast", "timestamp": 1_790_000_000_000_u64 });
-        session.tells(json!({ "type": "UAV-INF", "status": { "mast": state } }));
+        session.notify(json!({ "type": "UAV-INF", "status": { "mast": state } }));
         objects(session, &["uav"], &["mast"]);
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
     // Filters of several types have objects in common.
     let session = over("tcp#2", |session| {
         objects(session, &["uav", "beacon"], &mast);
         objects(session, &["uav"], &["kite"]);
         objects(session, &["beacon"], &["mast"]);
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
 }
 
 #[test]
@@ -199,21 +200,24 @@ fn uavs_may_come_and_go() {
         let session = over("tcp#2", |session| {
             uavs(session, before);
             objects(session, &["uav"], between);
-            session
-                .asks(json!({ "type": "UAV-INF", "ids": ["owl"] }), json!({ "error": { "owl": "Unknown" } }));
+            session.exchange(
+                json!({ "type": "UAV-INF", "ids": ["owl"] }),
+                json!({ "error": { "owl": "Unknown" } }),
+            );
             uavs(session, after);
         });
-        assert_eq!(broken_by(&session), [], "{before:?} {between:?} {after:?}");
+        assert_eq!(violated_by(&session), [], "{before:?} {between:?} {after:?}");
     }
     let session = over("tcp#2", |session| {
         uavs(session, &["kite"]);
-        session.tells(json!({ "type": "OBJ-DEL", "ids": ["kite"] }));
-        session.asks(json!({ "type": "UAV-INF", "ids": ["kite"] }), json!({ "error": { "kite": "Gone" } }));
+        session.notify(json!({ "type": "OBJ-DEL", "ids": ["kite"] }));
+        session
+            .exchange(json!({ "type": "UAV-INF", "ids": ["kite"] }), json!({ "error": { "kite": "Gone" } }));
         objects(session, &["uav"], &[]);
-        session.tells(json!({ "type": "UAV-INF", "status": { "kite": { "id": "kite", "timestamp": 1_790_000_000_000_u64 } } }));
+        session.notify(json!({ "type": "UAV-INF", "status": { "kite": { "id": "kite", "timestamp": 1_790_000_000_000_u64 } } }));
         uavs(session, &["kite"]);
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
 }
 
 #[test]
@@ -227,38 +231,38 @@ fn what_was_cancelled_may_take_a_while_to_end() {
         session.command("r-1");
         let id = cancel(session, "r-1");
         cancelled(session, &id, "r-1");
-        session.tells(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {} }));
+        session.notify(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {} }));
         session.wait(8.0);
-        session.tells(report());
-        session.tells(ended(true));
+        session.notify(report());
+        session.notify(ended(true));
         session.wait(60.0);
-        session.tells(report());
+        session.notify(report());
     });
-    assert_eq!((broken_by(&slow), exercised(&slow, "FW-ASY-17")), (vec![], 1));
+    assert_eq!((violated_by(&slow), covered(&slow, "FW-ASY-17")), (vec![], 1));
     // Without its end, and where time goes back.
     slow.lines.retain(|line| line["msg"]["body"]["type"] != "ASYNC-RESP");
-    assert_eq!(broken_by(&slow), [("FW-ASY-17", 1)]);
+    assert_eq!(violated_by(&slow), [("FW-ASY-17", 1)]);
     slow.lines[2]["t"] = json!(1.85e9);
-    assert_eq!(broken_by(&slow), []);
+    assert_eq!(violated_by(&slow), []);
     // The end comes before the answer, and the receipt is used again.
     let session = over("tcp#2", |session| {
         session.command("r-1");
         let id = cancel(session, "r-1");
-        session.tells(ended(false));
+        session.notify(ended(false));
         cancelled(session, &id, "r-1");
         session.command("r-1");
         session.wait(60.0);
-        session.tells(report());
-        session.tells(ended(false));
+        session.notify(report());
+        session.notify(ended(false));
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
     // The server falls silent.
     let session = over("tcp#2", |session| {
         session.command("r-1");
         let id = cancel(session, "r-1");
         cancelled(session, &id, "r-1");
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
 }
 
 #[test]
@@ -267,10 +271,10 @@ fn an_operation_that_is_suspended_meanwhile_may_be_resumed() {
         session.command("r-1");
         let resume = json!({ "type": "ASYNC-RESUME", "ids": ["r-1"] });
         let id = session.tries(of("FW-ASY-19"), "an operation that goes on", resume);
-        session.tells(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {}, "suspended": true }));
+        session.notify(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {}, "suspended": true }));
         session.answers(&id, json!({ "body": { "type": "ASYNC-RESUME", "success": ["r-1"] } }));
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
 }
 
 /// An adjustment that is none comes between two times, and the clock does something that isn't due to it.
@@ -283,33 +287,33 @@ fn clocks_that_go_wrong_are_not_due_to_an_adjustment_of_nothing() {
                 if let Some(adjustment) = adjustment {
                     request["adjustment"] = adjustment.into();
                 }
-                session.asks(request, json!({ "timestamp": 1_790_000_000_000 + seconds * 1000 }));
+                session.exchange(request, json!({ "timestamp": 1_790_000_000_000 + seconds * 1000 }));
                 session.wait(pause);
             }
         })
     };
     let none = [None, Some(0), None];
-    assert_eq!(broken_by(&times(none, [0, 0, 0], 0.1)), []);
-    assert_eq!(broken_by(&times(none, [0, 3600, 3600], 0.1)), [("FW-SYS-TIME-03", 1)]);
-    assert_eq!(broken_by(&times(none, [0, 0, 3600], 0.1)), [("FW-SYS-TIME-03", 1)]);
+    assert_eq!(violated_by(&times(none, [0, 0, 0], 0.1)), []);
+    assert_eq!(violated_by(&times(none, [0, 3600, 3600], 0.1)), [("FW-SYS-TIME-03", 1)]);
+    assert_eq!(violated_by(&times(none, [0, 0, 3600], 0.1)), [("FW-SYS-TIME-03", 1)]);
     // It stands still.
-    assert_eq!(broken_by(&times(none, [0, 0, 0], 5.0)), [("FW-SYS-TIME-02", 2)]);
-    assert_eq!(broken_by(&times([None, None, None], [0, 3600, 3600], 0.1)), [("FW-SYS-TIME-02", 1)]);
+    assert_eq!(violated_by(&times(none, [0, 0, 0], 5.0)), [("FW-SYS-TIME-02", 2)]);
+    assert_eq!(violated_by(&times([None, None, None], [0, 3600, 3600], 0.1)), [("FW-SYS-TIME-02", 1)]);
     // It is set as well.
-    assert_eq!(broken_by(&times([None, Some(0), Some(3_600_000)], [0, 0, 3600], 0.1)), []);
+    assert_eq!(violated_by(&times([None, Some(0), Some(3_600_000)], [0, 0, 3600], 0.1)), []);
 }
 
 /// A message in several lines is one deviation; what is none is another.
 #[test]
-fn lines_that_make_up_a_message_are_told_from_others() {
+fn recognises_the_lines_of_a_split_message() {
     let message = json!({
         "$fw.version": "1.0", "id": "a", "body": { "type": "OBJ-DEL", "ids": ["vane", "}{"], "n": [1, 2] },
     });
     let pretty = serde_json::to_string_pretty(&message).expect("JSON");
     let count = pretty.lines().count() as u64;
     let says = |connection: &'static str, lines: &str| {
-        let session = over(connection, |session| lines.lines().for_each(|line| session.says_raw(line)));
-        broken_by(&session)
+        let session = over(connection, |session| lines.lines().for_each(|line| session.send_raw(line)));
+        violated_by(&session)
     };
     assert_eq!(says("tcp#2", &pretty), [("FW-TCP-01", 1)]);
     assert_eq!(says("TCP", &format!("{pretty}\n{pretty}")), [("FW-TCP-01", 2)]);
@@ -329,18 +333,20 @@ fn lines_that_make_up_a_message_are_told_from_others() {
 #[test]
 fn ports_are_those_of_the_transport_in_use() {
     let listed = |connection: &'static str, ports: Value| {
-        over(connection, |session| session.asks(json!({ "type": "SYS-PORTS" }), json!({ "ports": ports })))
+        over(connection, |session| {
+            session.exchange(json!({ "type": "SYS-PORTS" }), json!({ "ports": ports }));
+        })
     };
     for (connection, ports) in [
         ("tcp#2", json!({ "tcp": 7001, "udp": 9 })),
         ("udp#2", json!({ "tcp": 9, "udp": 7002 })),
         ("socketio#2", json!({ "http": 9 })),
     ] {
-        assert_eq!(broken_by(&listed(connection, ports)), []);
+        assert_eq!(violated_by(&listed(connection, ports)), []);
     }
     let wrong = listed("udp#2", json!({ "tcp": 7001, "udp": 7001 }));
-    assert_eq!(broken_by(&wrong), [("FW-SYS-PORTS-02", 1)]);
+    assert_eq!(violated_by(&wrong), [("FW-SYS-PORTS-02", 1)]);
     let mut unknown = listed("tcp#2", json!({ "tcp": 9 }));
     unknown.lines[1]["url"] = "hill".into();
-    assert_eq!(broken_by(&unknown), []);
+    assert_eq!(violated_by(&unknown), []);
 }

@@ -1,7 +1,7 @@
 //! The reader of `ULog`: against what another tool reads, on each kind of damage, and on whatever bytes there
 //! may be.
 
-mod damage;
+mod corruption;
 mod log;
 mod memory;
 mod oracle;

@@ -21,7 +21,7 @@ pub(crate) struct Codes(BTreeMap<u32, Code>);
 
 impl Codes {
     /// The codes of all tables.
-    pub(crate) fn of(definitions: &Definitions) -> Self {
+    pub(crate) fn new(definitions: &Definitions) -> Self {
         let tables = definitions.schema.packages.iter().flat_map(|package| &package.error_tables);
         let codes = tables.flat_map(|table| &table.codes).map(|code| {
             let known = Code { abbreviation: code.abbreviation.clone(), meaning: code.description.clone() };
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn the_definitions_say_what_codes_mean() {
-        let codes = Codes::of(&Definitions::built_in());
+        let codes = Codes::new(&Definitions::built_in());
         assert_eq!(codes.named(66), "66 LOWBAT");
         assert_eq!(codes.short(1), "GROUND");
         assert!(codes.meaning(199).len() > 10);

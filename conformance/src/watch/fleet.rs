@@ -107,11 +107,11 @@ impl Fleet {
     pub(crate) fn take(&mut self, event: Event, now: Instant) {
         match event {
             Event::Lost { reason, pause } => self.link = Link::Lost { reason, again: now + pause },
-            Event::Heard(message) => self.hear(message, now),
+            Event::Received(message) => self.apply(message, now),
         }
     }
 
-    fn hear(&mut self, message: Message, now: Instant) {
+    fn apply(&mut self, message: Message, now: Instant) {
         if self.link != Link::Connected {
             self.link = Link::Connected;
             self.remark = None;
@@ -129,7 +129,7 @@ impl Fleet {
             News::States(states) => {
                 let is_answer = message.refs.is_some();
                 for (id, state) in states {
-                    self.hear_of(&id, state, is_answer, now);
+                    self.update_uav(&id, state, is_answer, now);
                 }
             }
             News::Gone(ids) => ids.iter().for_each(|id| self.uavs.remove(id)),
@@ -142,12 +142,12 @@ impl Fleet {
         }
     }
 
-    fn hear_of(&mut self, id: &str, state: Result<State, String>, is_answer: bool, now: Instant) {
+    fn update_uav(&mut self, id: &str, state: Result<State, String>, is_answer: bool, now: Instant) {
         let known = if state.is_ok() { self.uavs.admit(id) } else { self.uavs.get_mut(id) };
         match known {
             Some(member) => {
                 if state.is_ok() && !is_answer {
-                    member.told = Some(now);
+                    member.last_reported = Some(now);
                 }
                 member.value.take(state, now);
             }
@@ -212,12 +212,12 @@ mod tests {
     use super::super::roster::UAV_LIMIT;
     use super::*;
 
-    fn heard(text: &str) -> Event {
-        Event::Heard(Message::read(text.as_bytes()))
+    fn received(text: &str) -> Event {
+        Event::Received(Message::read(text.as_bytes()))
     }
 
-    fn told(fleet: &mut Fleet, text: &str, now: Instant) {
-        fleet.take(heard(text), now);
+    fn last_reported(fleet: &mut Fleet, text: &str, now: Instant) {
+        fleet.take(received(text), now);
     }
 
     fn ids(fleet: &Fleet) -> Vec<&str> {
@@ -229,17 +229,21 @@ mod tests {
         let now = Instant::now();
         let mut fleet = Fleet::default();
         assert!(!fleet.is_complete());
-        told(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1", "glider-2"]}"#, now);
+        last_reported(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1", "glider-2"]}"#, now);
         assert_eq!((ids(&fleet), fleet.is_complete()), (vec!["glider-1", "glider-2"], false));
         let states = r#"{"type": "UAV-INF", "status": {"glider-1": {"errors": [1, 199]}, "kite": {}},
                          "error": {"glider-2": "no signal", "nobody": "unknown"}}"#;
-        told(&mut fleet, states, now);
+        last_reported(&mut fleet, states, now);
         assert_eq!((ids(&fleet), fleet.is_complete()), (vec!["glider-1", "glider-2", "kite"], true));
         assert_eq!(fleet.get("glider-2").and_then(|uav| uav.refusal.as_deref()), Some("no signal"));
         assert_eq!((fleet.count(Severity::Fatal), fleet.count(Severity::Informational)), (1, 0));
-        told(&mut fleet, r#"{"type": "OBJ-DEL", "ids": ["kite", "nobody"]}"#, now);
+        last_reported(&mut fleet, r#"{"type": "OBJ-DEL", "ids": ["kite", "nobody"]}"#, now);
         assert_eq!(ids(&fleet), ["glider-1", "glider-2"]);
-        told(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-2"]}"#, now + Duration::from_secs(20));
+        last_reported(
+            &mut fleet,
+            r#"{"type": "UAV-LIST", "ids": ["glider-2"]}"#,
+            now + Duration::from_secs(20),
+        );
         assert_eq!(ids(&fleet), ["glider-2"]);
         fleet.take(Event::Lost { reason: "it ended".to_owned(), pause: Duration::from_secs(1) }, now);
         assert_eq!((fleet.len(), fleet.is_empty()), (1, false), "what was known stays known");
@@ -247,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_uav_grows_old_while_its_time_stamp_stands_still() {
+    fn a_uav_ages_while_its_timestamp_does_not_change() {
         let start = Instant::now();
         let at = |seconds: u64| start + Duration::from_secs(seconds);
         let age = |fleet: &Fleet, seconds: u64| {
@@ -257,18 +261,18 @@ mod tests {
             format!(r#"{{"type": "UAV-INF", "status": {{"glider-1": {{"timestamp": {timestamp}}}}}}}"#)
         };
         let mut fleet = Fleet::default();
-        told(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1"]}"#, at(0));
+        last_reported(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1"]}"#, at(0));
         assert_eq!(age(&fleet, 1), None);
         for seconds in [0, 5] {
-            told(&mut fleet, &state("60000"), at(seconds));
+            last_reported(&mut fleet, &state("60000"), at(seconds));
             assert_eq!(age(&fleet, seconds + 2), Some(seconds + 2));
         }
-        told(&mut fleet, r#"{"type": "SYS-TIME", "timestamp": 70000}"#, at(6));
+        last_reported(&mut fleet, r#"{"type": "SYS-TIME", "timestamp": 70000}"#, at(6));
         assert_eq!(age(&fleet, 7), Some(11), "it was old already when it came");
-        told(&mut fleet, &state("71500"), at(8));
+        last_reported(&mut fleet, &state("71500"), at(8));
         assert_eq!(age(&fleet, 9), Some(1), "its time stamp is newer than the time that is known");
-        told(&mut fleet, &state("\"soon\""), at(10));
-        told(&mut fleet, &state("\"soon\""), at(20));
+        last_reported(&mut fleet, &state("\"soon\""), at(10));
+        last_reported(&mut fleet, &state("\"soon\""), at(20));
         assert_eq!(age(&fleet, 21), Some(1), "without time stamps, whatever comes is new");
     }
 
@@ -277,10 +281,18 @@ mod tests {
         let now = Instant::now();
         let mut fleet = Fleet::default();
         for number in 0..UAV_LIMIT + 500 {
-            told(&mut fleet, &format!(r#"{{"type": "UAV-INF", "status": {{"{number}": {{}}}}}}"#), now);
+            last_reported(
+                &mut fleet,
+                &format!(r#"{{"type": "UAV-INF", "status": {{"{number}": {{}}}}}}"#),
+                now,
+            );
         }
         assert_eq!((fleet.len(), fleet.is_overfull), (UAV_LIMIT, true));
-        told(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1"]}"#, now + Duration::from_secs(20));
+        last_reported(
+            &mut fleet,
+            r#"{"type": "UAV-LIST", "ids": ["glider-1"]}"#,
+            now + Duration::from_secs(20),
+        );
         assert_eq!((ids(&fleet), fleet.is_overfull), (vec!["glider-1"], false));
     }
 
@@ -327,7 +339,7 @@ mod tests {
                     message.insert("type".to_owned(), kind.into());
                 }
                 let now = start + Duration::from_secs(number as u64);
-                told(&mut fleet, &message.to_string(), now);
+                last_reported(&mut fleet, &message.to_string(), now);
                 let uavs: Vec<_> = fleet.uavs().collect();
                 for (_, uav) in uavs {
                     let _ = fleet.age(uav, now);

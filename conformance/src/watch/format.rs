@@ -5,16 +5,16 @@ use std::time::Duration;
 use super::state::{Battery, Field, Position};
 
 /// What stands for a value that is missing.
-pub(super) const ABSENT: &str = "-";
+pub(super) const MISSING_VALUE: &str = "-";
 
 /// What stands for a value of a wrong type.
-pub(super) const ODD: &str = "?";
+pub(super) const INVALID_VALUE: &str = "?";
 
 /// A field, its value in words.
 pub(super) fn field<T>(field: &Field<T>, words: impl FnOnce(&T) -> String) -> String {
     match field {
-        Field::Absent => ABSENT.to_owned(),
-        Field::Odd => ODD.to_owned(),
+        Field::Absent => MISSING_VALUE.to_owned(),
+        Field::Odd => INVALID_VALUE.to_owned(),
         Field::Known(value) => words(value),
     }
 }
@@ -31,7 +31,7 @@ pub(super) fn part<T>(
     words: impl FnOnce(i64) -> String,
 ) -> String {
     match whole {
-        None => ABSENT.to_owned(),
+        None => MISSING_VALUE.to_owned(),
         Some(whole) => field(whole, |whole| number(part(whole), words)),
     }
 }
@@ -76,7 +76,7 @@ pub(super) fn charge(battery: Option<&Field<Battery>>) -> String {
 
 /// A duration in its largest unit, in at most five characters.
 pub(super) fn age(age: Option<Duration>) -> String {
-    let Some(age) = age else { return ABSENT.to_owned() };
+    let Some(age) = age else { return MISSING_VALUE.to_owned() };
     match age.as_secs() {
         seconds @ 0..60 => format!("{seconds}s"),
         seconds @ 60..3600 => format!("{}min", seconds / 60),
@@ -116,7 +116,7 @@ mod tests {
         let shown = |seconds| age(Some(Duration::from_secs(seconds)));
         let texts = [0, 59, 60, 3599, 3600, 86_400, 8_639_999, u64::MAX].map(shown);
         assert_eq!(texts, ["0s", "59s", "1min", "59min", "1h", "1d", "99d", ">99d"]);
-        assert_eq!(age(None), ABSENT);
+        assert_eq!(age(None), MISSING_VALUE);
     }
 
     #[test]

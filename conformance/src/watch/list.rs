@@ -7,7 +7,7 @@ use ratatui::text::Span;
 
 use super::codes::{Codes, severity_name};
 use super::fleet::{Fleet, Uav};
-use super::format::{ABSENT, age, charge, coordinates, field, metres, part, volts};
+use super::format::{MISSING_VALUE, age, charge, coordinates, field, metres, part, volts};
 use super::order::Order;
 use super::words::shown_id;
 
@@ -50,10 +50,10 @@ fn cells(fleet: &Fleet, id: &str, uav: &Uav, now: Instant) -> [String; 11] {
     let position = state.map(|state| &state.position);
     let battery = state.map(|state| &state.battery);
     let [latitude, longitude] = coordinates(position, 7);
-    let mode = state.map_or_else(|| ABSENT.to_owned(), |state| field(&state.mode, Clone::clone));
+    let mode = state.map_or_else(|| MISSING_VALUE.to_owned(), |state| field(&state.mode, Clone::clone));
     [
         shown_id(id),
-        uav.worst().map_or(ABSENT, severity_name).to_owned(),
+        uav.worst().map_or(MISSING_VALUE, severity_name).to_owned(),
         mode,
         part(battery, |battery| &battery.voltage, volts),
         charge(battery),
@@ -70,12 +70,12 @@ fn errors(uav: &Uav, codes: &Codes) -> String {
     if let Some(reason) = &uav.refusal {
         return format!("refused: {reason}");
     }
-    let Some(state) = &uav.state else { return ABSENT.to_owned() };
+    let Some(state) = &uav.state else { return MISSING_VALUE.to_owned() };
     field(&state.errors, |errors| {
         let mut names: Vec<String> = errors.codes.iter().map(|code| codes.named(*code)).collect();
         names.extend((errors.odd > 0).then(|| format!("{} of a wrong type", errors.odd)));
         names.extend((errors.more > 0).then(|| format!("{} more", errors.more)));
-        if names.is_empty() { ABSENT.to_owned() } else { names.join(", ") }
+        if names.is_empty() { MISSING_VALUE.to_owned() } else { names.join(", ") }
     })
 }
 
@@ -96,13 +96,13 @@ mod tests {
             "glider-2": {"mode": 7, "battery": {}},
             "kite\u001b[2J": {}
         }}"#;
-        fleet.take(Event::Heard(Message::read(text.as_bytes())), now);
+        fleet.take(Event::Received(Message::read(text.as_bytes())), now);
         let expected = "\
 ID             SEVERITY  MODE    VOLT  CHARGE  LATITUDE    LONGITUDE   AMSL   AHL  AGL  AGE  ERRORS
 glider-2       -         ?       ?     ?       -           -           -      -    -    0s   -
 glider-10      fatal     loiter  11.6  42%+    50.4980000  -9.9520000  905.0  -    1.5  0s   193 MAG, 66 LOWBAT, 1 of a wrong type
 kite\\u{1b}[2J  -         -       -     -       -           -           -      -    -    0s   -
 ";
-        assert_eq!(table(&fleet, &Codes::of(&Definitions::built_in()), now), expected);
+        assert_eq!(table(&fleet, &Codes::new(&Definitions::built_in()), now), expected);
     }
 }

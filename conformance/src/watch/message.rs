@@ -2,7 +2,7 @@
 
 use super::roster::{ID_LIMIT, List, UAV_LIMIT};
 use super::state::State;
-use super::words::kept;
+use super::words::truncated;
 use crate::json::Tree;
 
 /// A message.
@@ -68,7 +68,7 @@ fn news(message: &Tree<'_>) -> News {
 
 /// A text, or what stands in its place.
 fn words(value: &Tree<'_>) -> String {
-    value.as_str().map_or_else(|| kept(&value.to_string()), kept)
+    value.as_str().map_or_else(|| truncated(&value.to_string()), truncated)
 }
 
 fn server(body: &Tree<'_>) -> String {
@@ -96,10 +96,10 @@ fn states(body: &Tree<'_>) -> Vec<(String, Result<State, String>)> {
         Some(Tree::Object(members)) => members.as_slice(),
         _ => &[],
     };
-    let told = members("status").iter().map(|(id, state)| (id, State::read(state).unwrap_or_default()));
-    let told = told.map(|(id, state)| (id, Ok(state)));
+    let reported = members("status").iter().map(|(id, state)| (id, State::read(state).unwrap_or_default()));
+    let reported = reported.map(|(id, state)| (id, Ok(state)));
     let refused = members("error").iter().map(|(id, reason)| (id, Err(words(reason))));
-    let all = told.chain(refused).filter(|(id, _)| id.len() <= ID_LIMIT).take(UAV_LIMIT);
+    let all = reported.chain(refused).filter(|(id, _)| id.len() <= ID_LIMIT).take(UAV_LIMIT);
     all.map(|(id, state)| (id.clone().into_owned(), state)).collect()
 }
 
@@ -123,8 +123,8 @@ mod tests {
         assert_eq!(list, News::List(List { ids: vec!["glider-1".to_owned()], is_whole: false }));
         let states =
             read(r#"{"type": "UAV-INF", "status": {"a": {}, "b": 7}, "error": {"c": "no\u001bne"}}"#);
-        let (told, refused) = (Ok(State::default()), Err("no\\u{1b}ne".to_owned()));
-        let expected = [("a", told.clone()), ("b", told), ("c", refused)];
+        let (reported, refused) = (Ok(State::default()), Err("no\\u{1b}ne".to_owned()));
+        let expected = [("a", reported.clone()), ("b", reported), ("c", refused)];
         assert_eq!(states, News::States(expected.map(|(id, state)| (id.to_owned(), state)).into()));
         assert_eq!(read(r#"{"refs": "a", "error": {"message": "no"}}"#), News::Refused("no".to_owned()));
         assert_eq!(read(r#"{"body": {"type": "SYS-CLOSE"}}"#), News::Closing(String::new()));
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn of_lists_without_end_a_part_is_kept() {
+    fn keeps_a_part_of_an_endless_list() {
         let ids: Vec<String> = (0..=UAV_LIMIT).map(|number| format!("\"{number}\"")).collect();
         let News::List(list) = read(&format!(r#"{{"type": "UAV-LIST", "ids": [{}]}}"#, ids.join(","))) else {
             panic!("a list");

@@ -6,14 +6,14 @@ use std::time::Instant;
 const WINDOW: u64 = 5;
 
 /// How many seconds are counted: also the one that isn't over.
-const COUNTED: usize = 6;
+const NUM_SECONDS: usize = 6;
 
 /// Counts what happens, second by second.
 #[derive(Debug, Default)]
 pub(super) struct Rate {
     start: Option<Instant>,
     /// For each of the last seconds which it is, and what happened in it, the latest first.
-    seconds: [(u64, u32); COUNTED],
+    seconds: [(u64, u32); NUM_SECONDS],
 }
 
 impl Rate {

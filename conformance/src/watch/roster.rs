@@ -11,7 +11,7 @@ pub(crate) const ID_LIMIT: usize = 256;
 
 /// For how long a UAV stays of which the server told by itself, although a list doesn't have it: the list may be older,
 /// and some servers tell of UAVs that they don't list.
-const GRACE: Duration = Duration::from_secs(10);
+const GRACE_PERIOD: Duration = Duration::from_secs(10);
 
 /// A list of ids.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub(crate) struct List {
 #[derive(Debug)]
 pub(super) struct Member<T> {
     /// When the server told of it last without having been asked.
-    pub(super) told: Option<Instant>,
+    pub(super) last_reported: Option<Instant>,
     /// What is kept.
     pub(super) value: T,
 }
@@ -66,7 +66,7 @@ impl<T: Default> Roster<T> {
             if id.len() > ID_LIMIT || self.members.len() >= UAV_LIMIT {
                 return None;
             }
-            self.members.insert(id.to_owned(), Member { told: None, value: T::default() });
+            self.members.insert(id.to_owned(), Member { last_reported: None, value: T::default() });
         }
         self.members.get_mut(id)
     }
@@ -76,7 +76,9 @@ impl<T: Default> Roster<T> {
         if list.is_whole {
             let listed: BTreeSet<&str> = list.ids.iter().map(String::as_str).collect();
             self.members.retain(|id, member| {
-                let is_fresh = member.told.is_some_and(|told| now.saturating_duration_since(told) < GRACE);
+                let is_fresh = member
+                    .last_reported
+                    .is_some_and(|last_reported| now.saturating_duration_since(last_reported) < GRACE_PERIOD);
                 is_fresh || listed.contains(id.as_str())
             });
         }
@@ -103,17 +105,17 @@ mod tests {
     }
 
     #[test]
-    fn those_that_a_list_lacks_leave_unless_they_were_just_told_of() {
+    fn removes_unlisted_uavs_unless_recently_reported() {
         let now = Instant::now();
         let mut roster = Roster::default();
         assert!(roster.update(&list(&["glider-1", "glider-2"]), now));
-        roster.admit("glider-2").expect("room").told = Some(now);
-        roster.admit("glider-3").expect("room").told = Some(now);
-        assert!(roster.update(&list(&["glider-4"]), now + GRACE / 2));
+        roster.admit("glider-2").expect("room").last_reported = Some(now);
+        roster.admit("glider-3").expect("room").last_reported = Some(now);
+        assert!(roster.update(&list(&["glider-4"]), now + GRACE_PERIOD / 2));
         assert_eq!(ids(&roster), ["glider-2", "glider-3", "glider-4"]);
-        assert!(!roster.update(&List { is_whole: false, ..list(&["glider-5"]) }, now + GRACE));
+        assert!(!roster.update(&List { is_whole: false, ..list(&["glider-5"]) }, now + GRACE_PERIOD));
         assert_eq!(ids(&roster).len(), 4, "a list that was cut says nothing of the others");
-        assert!(roster.update(&list(&["glider-4"]), now + GRACE));
+        assert!(roster.update(&list(&["glider-4"]), now + GRACE_PERIOD));
         assert_eq!(ids(&roster), ["glider-4"]);
     }
 

@@ -212,7 +212,7 @@ mod tests {
             .collect();
         let text = format!(r#"{{"type": "UAV-INF", "status": {{{}}}}}"#, states.join(","));
         let mut fleet = Fleet::default();
-        fleet.take(Event::Heard(Message::read(text.as_bytes())), Instant::now());
+        fleet.take(Event::Received(Message::read(text.as_bytes())), Instant::now());
         fleet
     }
 
@@ -298,7 +298,7 @@ mod tests {
         let mut screen = Screen::default();
         press(&mut screen, &fleet, &[KeyCode::Down]);
         let gone = Message::read(br#"{"type": "OBJ-DEL", "ids": ["glider-2"]}"#);
-        fleet.take(Event::Heard(gone), Instant::now());
+        fleet.take(Event::Received(gone), Instant::now());
         press(&mut screen, &fleet, &[]);
         assert_eq!(screen.selected.as_deref(), Some("glider-3"));
     }

@@ -1,7 +1,7 @@
 //! The state of a UAV as it told it (`UAVStatusInfo`), read without trust: a value of the wrong type is odd, and no
 //! error.
 
-use super::words::kept;
+use super::words::truncated;
 use crate::json::Tree;
 
 /// How many error codes of a UAV are kept, how many values of other lists, and how many fields that nobody knows.
@@ -27,7 +27,7 @@ impl<T> Field<T> {
         if let Self::Known(value) = self { Some(value) } else { None }
     }
 
-    fn of(value: Option<T>) -> Self {
+    fn new(value: Option<T>) -> Self {
         value.map_or(Self::Odd, Self::Known)
     }
 
@@ -153,11 +153,11 @@ impl State {
             "velocityXYZ" => self.velocity_xyz = three(value),
             "battery" => self.battery = battery(value),
             "light" => self.light = integer(value),
-            "rssi" => self.rssi = Field::of(list(value).map(|values| integers(values))),
-            "errors" => self.errors = Field::of(list(value).map(errors)),
+            "rssi" => self.rssi = Field::new(list(value).map(|values| integers(values))),
+            "errors" => self.errors = Field::new(list(value).map(errors)),
             "debug" => self.debug = text(value),
             other if self.others.len() < OTHER_LIMIT => {
-                self.others.push((kept(other), kept(&value.to_string())));
+                self.others.push((truncated(other), truncated(&value.to_string())));
             }
             _ => {}
         }
@@ -165,12 +165,12 @@ impl State {
 }
 
 fn text(value: &Tree<'_>) -> Field<String> {
-    Field::of(value.as_str().map(kept))
+    Field::new(value.as_str().map(truncated))
 }
 
 fn integer(value: &Tree<'_>) -> Field<i64> {
     let Tree::Int(value) = value else { return Field::Odd };
-    Field::of(i64::try_from(*value).ok())
+    Field::new(i64::try_from(*value).ok())
 }
 
 fn list<'v, 't>(value: &'v Tree<'t>) -> Option<&'v [Tree<'t>]> {
@@ -187,11 +187,11 @@ fn integers(values: &[Tree<'_>]) -> Vec<Field<i64>> {
 }
 
 fn three(value: &Tree<'_>) -> Field<[Field<i64>; 3]> {
-    Field::of(list(value).map(|values| [0, 1, 2].map(|index| entry(values, index))))
+    Field::new(list(value).map(|values| [0, 1, 2].map(|index| entry(values, index))))
 }
 
 fn position(value: &Tree<'_>) -> Field<Position> {
-    Field::of(list(value).map(|values| Position {
+    Field::new(list(value).map(|values| Position {
         latitude: entry(values, 0),
         longitude: entry(values, 1),
         above_sea: entry(values, 2),
@@ -201,7 +201,7 @@ fn position(value: &Tree<'_>) -> Field<Position> {
 }
 
 fn gps(value: &Tree<'_>) -> Field<Gps> {
-    Field::of(list(value).map(|values| Gps {
+    Field::new(list(value).map(|values| Gps {
         fix: entry(values, 0),
         satellites: entry(values, 1),
         horizontal: entry(values, 2),
@@ -210,7 +210,7 @@ fn gps(value: &Tree<'_>) -> Field<Gps> {
 }
 
 fn battery(value: &Tree<'_>) -> Field<Battery> {
-    Field::of(list(value).map(|values| Battery {
+    Field::new(list(value).map(|values| Battery {
         voltage: entry(values, 0).unless(|voltage| *voltage == 0),
         percent: entry(values, 1).unless(|percent| *percent < 0),
         is_charging: match values.get(2) {
@@ -223,14 +223,14 @@ fn battery(value: &Tree<'_>) -> Field<Battery> {
 
 fn errors(values: &[Tree<'_>]) -> Errors {
     let code = |value: &Tree<'_>| integer(value).known().and_then(|code| u32::try_from(*code).ok());
-    let kept = &values[..values.len().min(CODE_LIMIT)];
-    let mut codes: Vec<u32> = kept.iter().filter_map(code).collect();
-    let odd = kept.len() - codes.len();
+    let truncated = &values[..values.len().min(CODE_LIMIT)];
+    let mut codes: Vec<u32> = truncated.iter().filter_map(code).collect();
+    let odd = truncated.len() - codes.len();
     codes.sort_by_key(|code| (std::cmp::Reverse(uavspec_runtime::Severity::of(*code)), *code));
     codes.dedup();
     // 0 says that there is no error.
     codes.retain(|code| *code != 0);
-    Errors { codes, odd, more: values.len() - kept.len() }
+    Errors { codes, odd, more: values.len() - truncated.len() }
 }
 
 #[cfg(test)]
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_and_what_is_odd_are_told_apart() {
+    fn distinguishes_missing_and_invalid_values() {
         let state = read(
             r#"{"mode": 7, "position": [504980000, "east", null, -1500], "battery": [0, -1, true],
                 "gps": {}, "heading": 3.5, "heading": 450, "wind": [1, 2], "rssi": [80, null]}"#,
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn the_gravest_codes_come_first() {
+    fn the_most_severe_codes_come_first() {
         let state = read(r#"{"errors": [1, 0, 66, 199, 1, -1, 193, 65733, "x", 99999999999]}"#);
         let errors = state.errors.known().expect("a list");
         assert_eq!(errors.codes, [193, 199, 65733, 66, 1]);

@@ -10,17 +10,17 @@ use std::time::{Duration, Instant};
 
 use super::roster::UAV_LIMIT;
 use crate::serve::{Options, Server, Transport, error};
-use crate::tests::support::server::{answering, place, serve, strange};
+use crate::tests::support::server::{answering, location, serve, strange};
 use crate::watch::fleet::{Fleet, Link};
 use crate::watch::message::News;
 use crate::watch::session::{Event, Session};
 use serde_json::{Value, json};
 
 /// How long something may take that has to happen.
-const PATIENCE: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// The ways to connect, but for host and port.
-const WAYS: [(Transport, &str); 5] = [
+const TRANSPORTS: [(Transport, &str); 5] = [
     (Transport::Tcp, ""),
     (Transport::Udp, ""),
     (Transport::Http, ""),
@@ -34,7 +34,7 @@ struct Watched {
     events: Receiver<Event>,
     _session: Session,
     /// How many messages came that tell of states without having been asked, and how many in answer.
-    told: [usize; 2],
+    reported: [usize; 2],
 }
 
 impl Watched {
@@ -42,19 +42,19 @@ impl Watched {
         let (sender, events) = sync_channel(4);
         let session =
             Session::start(url.parse().expect("an endpoint"), move |event| sender.send(event).is_ok());
-        Self { fleet: Fleet::default(), events, _session: session, told: [0; 2] }
+        Self { fleet: Fleet::default(), events, _session: session, reported: [0; 2] }
     }
 
     /// Takes what happens until something is so.
     fn until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
-        let end = Instant::now() + PATIENCE;
+        let end = Instant::now() + TIMEOUT;
         while !is_so(self) {
             let left = end.saturating_duration_since(Instant::now());
             let event = self.events.recv_timeout(left).unwrap_or_else(|error| panic!("{what}: {error}"));
-            if let Event::Heard(message) = &event
+            if let Event::Received(message) = &event
                 && matches!(message.news, News::States(_))
             {
-                self.told[usize::from(message.refs.is_some())] += 1;
+                self.reported[usize::from(message.refs.is_some())] += 1;
             }
             self.fleet.take(event, Instant::now());
         }
@@ -67,7 +67,7 @@ impl Watched {
 
 #[test]
 fn a_fleet_is_seen_over_every_transport() {
-    for (transport, rest) in WAYS {
+    for (transport, rest) in TRANSPORTS {
         let errors = vec![error("glider-2=193").expect("a code")];
         let (_server, address) = serve(Options { uavs: 60, errors, ..Options::default() }, transport);
         let mut watched = Watched::new(&format!("{}://{address}{rest}", transport.name()));
@@ -85,12 +85,12 @@ fn a_fleet_is_seen_over_every_transport() {
 }
 
 #[test]
-fn what_a_server_does_not_tell_is_asked_for_again() {
+fn requests_missing_states_again() {
     for transport in [Transport::Tcp, Transport::Udp, Transport::Http] {
         let (_server, address) = serve(Options { rate: 0.0, ..Options::default() }, transport);
         let mut watched = Watched::new(&format!("{}://{address}", transport.name()));
-        watched.until("states come again and again", |watched| watched.told[1] > 2);
-        assert_eq!((watched.fleet.is_complete(), watched.told[0]), (true, 0));
+        watched.until("states come again and again", |watched| watched.reported[1] > 2);
+        assert_eq!((watched.fleet.is_complete(), watched.reported[0]), (true, 0));
     }
 }
 
@@ -104,7 +104,7 @@ fn a_server_that_goes_away_and_comes_back_is_seen_again() {
     assert_eq!(watched.fleet.len(), 5, "what was known stays known");
     let options = Options { uavs: 2, ..Options::default() };
     // The port is free again in a moment, on any system.
-    let end = Instant::now() + PATIENCE;
+    let end = Instant::now() + TIMEOUT;
     let _server = loop {
         match Server::start(options.clone(), &[(Transport::Tcp, address)]) {
             Ok(server) => break server,
@@ -117,8 +117,8 @@ fn a_server_that_goes_away_and_comes_back_is_seen_again() {
 }
 
 #[test]
-fn nobody_who_is_there_is_said() {
-    let listener = TcpListener::bind(place()).expect("a port");
+fn never_reports_a_present_uav_as_gone() {
+    let listener = TcpListener::bind(location()).expect("a port");
     let address = listener.local_addr().expect("an address");
     drop(listener);
     for transport in ["tcp", "udp", "http", "socketio"] {
@@ -156,7 +156,7 @@ fn uavs_that_come_and_go_without_a_word_are_noticed() {
 fn a_flood_is_borne() {
     const FLOOD: u64 = 100_000;
     let address = strange(|stream| {
-        let mut heard = stream.try_clone().expect("a second handle");
+        let mut received = stream.try_clone().expect("a second handle");
         let mut stream = BufWriter::new(stream);
         let sent = (0..FLOOD).try_for_each(|number| match number % 4 {
             0 => writeln!(stream, r#"{{"body":{{"type":"UAV-INF","status":{{"{number}":{{}}}}}}}}"#),
@@ -165,7 +165,7 @@ fn a_flood_is_borne() {
             _ => writeln!(stream, "\u{1b}[2J{number}"),
         });
         // With requests unread, the end of the connection would take with it what is on its way.
-        let _ = sent.and_then(|()| stream.flush()).and_then(|()| io::copy(&mut heard, &mut io::sink()));
+        let _ = sent.and_then(|()| stream.flush()).and_then(|()| io::copy(&mut received, &mut io::sink()));
     });
     let mut watched = Watched::new(&format!("tcp://{address}"));
     watched.until("all of it was read", |watched| watched.fleet.unreadable == FLOOD / 2);

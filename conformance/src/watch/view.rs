@@ -97,7 +97,7 @@ fn draw_fleet(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen, are
 fn draw_note(frame: &mut Frame<'_>, scene: &Scene<'_>, id: &str, uav: &Uav, area: Rect) {
     let mut lines = vec![Line::styled(super::words::shown_id(id), scene.theme().title())];
     lines.extend(uav.refusal.iter().map(|reason| Line::raw(format!("the server doesn't tell: {reason}"))));
-    lines.extend(uav.codes().iter().map(|code| table::told(scene, *code)));
+    lines.extend(uav.codes().iter().map(|code| table::describe_code(scene, *code)));
     for (line, row) in lines.into_iter().zip(area.rows()) {
         frame.render_widget(wrap::clipped(line, usize::from(row.width)), row);
     }

@@ -6,7 +6,7 @@ use crate::text::shown;
 const TEXT_LIMIT: usize = 80;
 
 /// The start of a text: all that is kept of it. It is harmless in a terminal, and on one line.
-pub(super) fn kept(text: &str) -> String {
+pub(super) fn truncated(text: &str) -> String {
     match text.char_indices().nth(TEXT_LIMIT) {
         None => shown(text),
         Some((end, _)) => format!("{}…", shown(&text[..end])),
@@ -15,7 +15,7 @@ pub(super) fn kept(text: &str) -> String {
 
 /// An id as it is shown.
 pub(super) fn shown_id(id: &str) -> String {
-    kept(id)
+    truncated(id)
 }
 
 #[cfg(test)]
@@ -26,17 +26,17 @@ mod tests {
 
     proptest! {
         #[test]
-        fn whatever_is_kept_is_short_and_harmless(text in any::<String>(), times in 1..50_usize) {
-            let kept = kept(&text.repeat(times));
+        fn truncated_text_is_short_and_harmless(text in any::<String>(), times in 1..50_usize) {
+            let truncated = truncated(&text.repeat(times));
             // An escape has at most ten characters.
-            prop_assert!(kept.chars().count() <= TEXT_LIMIT * 10 + 1);
-            prop_assert!(!kept.chars().any(char::is_control), "{kept:?}");
+            prop_assert!(truncated.chars().count() <= TEXT_LIMIT * 10 + 1);
+            prop_assert!(!truncated.chars().any(char::is_control), "{truncated:?}");
         }
     }
 
     #[test]
     fn escapes_of_terminals_are_seen() {
-        assert_eq!(kept("\u{1b}]0;glider\u{7}"), "\\u{1b}]0;glider\\u{7}");
-        assert_eq!(kept(&"é".repeat(TEXT_LIMIT + 1)), "é".repeat(TEXT_LIMIT) + "…");
+        assert_eq!(truncated("\u{1b}]0;glider\u{7}"), "\\u{1b}]0;glider\\u{7}");
+        assert_eq!(truncated(&"é".repeat(TEXT_LIMIT + 1)), "é".repeat(TEXT_LIMIT) + "…");
     }
 }

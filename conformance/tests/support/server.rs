@@ -7,19 +7,19 @@ use std::thread;
 use serde_json::{Value, json};
 use uavspec_conformance::serve::{Options, Server, Transport};
 
-pub(crate) fn place() -> SocketAddr {
+pub(crate) fn location() -> SocketAddr {
     ([127, 0, 0, 1], 0).into()
 }
 
 pub(crate) fn serve(options: Options, transport: Transport) -> (Server, SocketAddr) {
-    let server = Server::start(options, &[(transport, place())]).expect("it starts");
+    let server = Server::start(options, &[(transport, location())]).expect("it starts");
     let address = server.listening()[0].address;
     (server, address)
 }
 
 /// Lets a server of another kind serve each of its clients by a function.
 pub(crate) fn strange(serve: impl Fn(TcpStream) + Send + 'static) -> SocketAddr {
-    let listener = TcpListener::bind(place()).expect("a port");
+    let listener = TcpListener::bind(location()).expect("a port");
     let address = listener.local_addr().expect("an address");
     thread::spawn(move || listener.incoming().flatten().for_each(serve));
     address

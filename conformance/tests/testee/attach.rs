@@ -113,7 +113,7 @@ fn a_testee_that_listens_passes_everything() {
     let server = Server::listen(&[], None);
     let outcome = ask(&everything(), &Options { jobs: 2, ..attached(&server.address(), options(&[])) });
     assert_eq!(failures(&outcome), BTreeSet::new());
-    assert!(outcome.manners.are_good(), "{:?}", outcome.manners);
+    assert!(outcome.protocol_remarks.are_good(), "{:?}", outcome.protocol_remarks);
     assert_eq!((outcome.counts().passed, outcome.restarts), (suite().cases.len(), 0));
 }
 
@@ -204,21 +204,21 @@ fn a_testee_that_never_comes_back_ends_the_run() {
 }
 
 #[test]
-fn nobody_there_is_told_at_once() {
+fn reports_a_refused_connection_immediately() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address").to_string();
     drop(listener);
     let suite = suite();
     let options = attached(&address, options(&[]));
-    let said =
+    let output =
         run(&suite.cases, &some(), &suite.types, &options, &|_, _| {}).map(|_| ()).expect_err("nobody");
-    assert!(said.starts_with(&format!("can't connect to {address}: ")), "{said}");
-    assert!(said.contains("\n  help: nobody listens there"), "{said}");
+    assert!(output.starts_with(&format!("can't connect to {address}: ")), "{output}");
+    assert!(output.contains("\n  help: nobody listens there"), "{output}");
     // A name that there never is (RFC 2606).
     let unknown = attached("gliders.invalid:7700", options.clone());
-    let said =
+    let output =
         run(&suite.cases, &some(), &suite.types, &unknown, &|_, _| {}).map(|_| ()).expect_err("nobody");
-    assert!(said.contains("\n  help: look for a mistake in the name"), "{said}");
+    assert!(output.contains("\n  help: look for a mistake in the name"), "{output}");
     for (arguments, status) in [
         (vec!["test", "--attach", &address], 3),
         (vec!["testee", "lint", "--attach", &address], 3),

@@ -62,23 +62,23 @@ pub(super) fn manners(options: &Options, only: &[&Check]) -> Found {
 }
 
 pub(super) fn caught(found: &Found) -> BTreeSet<&'static str> {
-    let failed = found.manners.iter().filter(|(_, manner)| manner.name() == "fail");
+    let failed = found.outcomes.iter().filter(|(_, outcome)| outcome.name() == "fail");
     failed.map(|(check, _)| check.id).collect()
 }
 
 #[track_caller]
 pub(super) fn assert_good(found: &Found) {
-    let bad: Vec<_> = found.manners.iter().filter(|(_, manner)| manner.name() == "fail").collect();
-    let bad: Vec<_> = bad.iter().map(|(check, manner)| (check.id, manner)).collect();
+    let bad: Vec<_> = found.outcomes.iter().filter(|(_, outcome)| outcome.name() == "fail").collect();
+    let bad: Vec<_> = bad.iter().map(|(check, outcome)| (check.id, outcome)).collect();
     assert!(found.are_good() && bad.is_empty(), "{bad:?}");
 }
 
 #[test]
 fn the_reference_has_manners() {
     let found = manners(&options(&[]), &[]);
-    assert_eq!(found.manners.len(), CHECKS.len());
-    for (check, manner) in &found.manners {
-        assert_eq!(manner.name(), "pass", "{}: {manner:?}", check.id);
+    assert_eq!(found.outcomes.len(), CHECKS.len());
+    for (check, outcome) in &found.outcomes {
+        assert_eq!(outcome.name(), "pass", "{}: {outcome:?}", check.id);
     }
 }
 
@@ -111,12 +111,15 @@ fn wild_testees_are_caught() {
 }
 
 #[test]
-fn who_says_nothing_is_caught() {
+fn reports_a_silent_testee() {
     let found =
         manners(&Options { start_timeout: Duration::from_millis(200), ..options(&["no-hello"]) }, &[]);
     assert_eq!(caught(&found), BTreeSet::from(["introduction"]));
-    let others = &found.manners[1..];
-    assert!(others.iter().all(|(_, manner)| manner.name() == "not applicable"), "nothing else can be tried");
+    let others = &found.outcomes[1..];
+    assert!(
+        others.iter().all(|(_, outcome)| outcome.name() == "not applicable"),
+        "nothing else can be tried"
+    );
 }
 
 #[test]
@@ -134,10 +137,10 @@ fn uavspec(arguments: &[&str]) -> (Option<i32>, String, String) {
 }
 
 #[test]
-fn the_status_says_how_manners_are() {
+fn the_exit_status_is_the_outcome_of_lint() {
     let testee = testee().to_str().expect("UTF-8");
-    let (status, printed, said) = uavspec(&["--only", "unknown-op,unknown-type", "--", testee]);
-    assert_eq!(said, "", "progress is shown on terminals only");
+    let (status, printed, output) = uavspec(&["--only", "unknown-op,unknown-type", "--", testee]);
+    assert_eq!(output, "", "progress is shown on terminals only");
     assert!(status == Some(0) && printed.ends_with("keeps to the protocol\n"), "{printed}");
     assert!(printed.contains("3 passed, 0 failed, 0 not applicable"), "{printed}");
     let (status, printed, _) = uavspec(&["--only", "unknown-op", "--", testee, "accept-unknown-op"]);
@@ -150,10 +153,10 @@ fn the_status_says_how_manners_are() {
     assert_eq!(report["checks"][0]["verdict"], "fail");
     let message = report["checks"][0]["message"].as_str().expect("a message");
     assert!(message.contains('7') && message.ends_with("out of cheese"), "{message}");
-    let (status, _, said) = uavspec(&["--", "/nowhere/at/all"]);
-    assert!(status == Some(3) && said.contains("can't start /nowhere/at/all"), "{said}");
-    let (status, _, said) = uavspec(&["--only", "politeness", "--", testee]);
-    assert!(status == Some(2) && said.contains("there are introduction, "), "{said}");
+    let (status, _, output) = uavspec(&["--", "/nowhere/at/all"]);
+    assert!(status == Some(3) && output.contains("can't start /nowhere/at/all"), "{output}");
+    let (status, _, output) = uavspec(&["--only", "politeness", "--", testee]);
+    assert!(status == Some(2) && output.contains("there are introduction, "), "{output}");
     for usage in [&[][..], &["--attach", "localhost", "--"], &["--attach", "localhost:7700", "--", testee]] {
         assert_eq!(uavspec(usage).0, Some(2), "{usage:?}");
     }
@@ -167,16 +170,17 @@ fn what_a_testee_does_not_know_is_not_applicable() {
     let folder = folder.path().to_str().expect("UTF-8");
     let testee = testee().to_str().expect("UTF-8");
     // The reference for this repository knows no such message: it is asked all the same.
-    let (status, printed, said) = uavspec(&["--definitions", folder, "--", testee]);
+    let (status, printed, output) = uavspec(&["--definitions", folder, "--", testee]);
     assert!(
         status == Some(0) && printed.contains("\n\n16 passed, 0 failed, 5 not applicable"),
-        "{printed}{said}"
+        "{printed}{output}"
     );
     // It knows it now, but there are no floats in it.
-    let (status, printed, said) = uavspec(&["--definitions", folder, "--", testee, "--definitions", folder]);
+    let (status, printed, output) =
+        uavspec(&["--definitions", folder, "--", testee, "--definitions", folder]);
     assert!(
         status == Some(0) && printed.contains("\n\n20 passed, 0 failed, 1 not applicable"),
-        "{printed}{said}"
+        "{printed}{output}"
     );
 }
 
@@ -187,7 +191,7 @@ fn of_language(command: &[&str], script: &str) {
     let found = manners(&Options { target: super::Target::Command(command), ..options(&[]) }, &[]);
     assert_good(&found);
     let other: Vec<&str> =
-        found.manners.iter().filter(|(_, it)| it.name() != "pass").map(|(it, _)| it.id).collect();
+        found.outcomes.iter().filter(|(_, it)| it.name() != "pass").map(|(it, _)| it.id).collect();
     assert_eq!(other, ["tagged-floats"], "none of their types has any");
 }
 

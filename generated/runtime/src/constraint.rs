@@ -3,6 +3,8 @@
 use core::cmp::Ordering;
 use core::fmt;
 
+use crate::{Open, Scalar};
+
 /// A number of a definition or of a field. Integers of 64 bits, signed and unsigned, are exact; NaN is
 /// equal to NaN.
 #[derive(Clone, Copy, Debug)]
@@ -116,6 +118,103 @@ impl Constraint<'_> {
         } else {
             known.contains(&value)
         }
+    }
+}
+
+/// The words of generated code.
+impl Constraint<'static> {
+    /// No less than `low`.
+    #[must_use]
+    pub const fn from(self, low: Number) -> Self {
+        Self { low: Some(low), ..self }
+    }
+
+    /// No more than `high`.
+    #[must_use]
+    pub const fn to(self, high: Number) -> Self {
+        Self { high: Some(high), ..self }
+    }
+
+    /// These values too, wherever they lie.
+    #[must_use]
+    pub const fn or(self, special: &'static [Number]) -> Self {
+        Self { special, ..self }
+    }
+
+    /// A count of entries in use of an array of `length`.
+    #[must_use]
+    pub const fn counting(self, length: u32) -> Self {
+        Self { count: Some(length), ..self }
+    }
+
+    /// The documented values of an enum.
+    #[must_use]
+    pub const fn values<T: Open>(self) -> Self {
+        Self { known: Some(T::KNOWN), names: T::NAMES, ..self }
+    }
+
+    /// Any of the documented flags.
+    #[must_use]
+    pub const fn flags<T: Open>(self) -> Self {
+        Self { known: Some(T::KNOWN), names: T::NAMES, is_flags: true, ..self }
+    }
+
+    /// NaN has no meaning.
+    #[must_use]
+    pub const fn not_nan(self) -> Self {
+        Self { forbids_nan: true, ..self }
+    }
+}
+
+impl Constraint<'_> {
+    /// The constraint that a JSON Schema asserts of the data in a field of a type; none for `bool`. Special and
+    /// documented values are alternatives to it, and NaN is null.
+    #[doc(hidden)]
+    pub fn asserted(&self, scalar: Scalar) -> Option<Constraint<'static>> {
+        let (least, most) = json_bounds(scalar)?;
+        let low = self.low.filter(|low| *low > least).unwrap_or(least);
+        let high = self.high.filter(|high| *high < most).unwrap_or(most);
+        let count = self.count.map(|length| Number::Int(length.into()));
+        let high = count.filter(|count| *count < high).unwrap_or(high);
+        Some(Constraint { low: Some(low), high: Some(high), forbids_nan: true, ..Constraint::NONE })
+    }
+
+    /// True if all numbers between its bounds are valid.
+    #[doc(hidden)]
+    pub const fn is_interval(&self) -> bool {
+        self.known.is_none()
+    }
+
+    /// The rules that a number can violate.
+    pub fn rules(&self) -> impl Iterator<Item = Rule> + use<> {
+        let rules = [
+            (Rule::Count, self.count.is_some()),
+            (Rule::Range, self.low.is_some() || self.high.is_some()),
+            (Rule::Enum, self.known.is_some()),
+            (Rule::Nan, self.forbids_nan),
+        ];
+        rules.into_iter().filter(|(_, is_stated)| *is_stated).map(|(rule, _)| rule)
+    }
+
+    /// The keywords of JSON Schemas that assert it.
+    #[doc(hidden)]
+    pub fn keywords(&self) -> impl Iterator<Item = (&'static str, Number)> + use<> {
+        let keywords = [("minimum", self.low), ("maximum", self.high)];
+        keywords.into_iter().filter_map(|(keyword, number)| Some((keyword, number?)))
+    }
+}
+
+/// The least and the greatest number of a type in JSON; none for `bool`.
+const fn json_bounds(scalar: Scalar) -> Option<(Number, Number)> {
+    /// In the shortest form that reads back as it. Most programs write that form, and it is slightly above the exact
+    /// value.
+    const MAX_FLOAT32: f64 = 3.402_823_5e38;
+    match (scalar, scalar.integer_bounds()) {
+        (_, Some((least, most))) => Some((Number::Int(least), Number::Int(most))),
+        (Scalar::Float32, None) => Some((Number::Float(-MAX_FLOAT32), Number::Float(MAX_FLOAT32))),
+        // Some readers of JSON take 1e999 and pass it on as infinity.
+        (Scalar::Float64, None) => Some((Number::Float(f64::MIN), Number::Float(f64::MAX))),
+        _ => None,
     }
 }
 

@@ -162,7 +162,7 @@ pub mod field {
     use super::{Element, FieldDescriptor, Shape};
     use crate::record::Record;
     // Not public: generated code imports all of this module next to its types.
-    use crate::{Constraint, Number, Open, Scalar};
+    use crate::{Constraint, Number, Scalar};
 
     const fn new(name: &'static str, element: Element, offset: usize) -> FieldDescriptor {
         FieldDescriptor { name, element, shape: Shape::Single, offset, constraint: None }
@@ -215,49 +215,5 @@ pub mod field {
     /// A float.
     pub const fn float(value: f64) -> Number {
         Number::Float(value)
-    }
-
-    impl Constraint<'static> {
-        /// No less than `low`.
-        #[must_use]
-        pub const fn from(self, low: Number) -> Self {
-            Self { low: Some(low), ..self }
-        }
-
-        /// No more than `high`.
-        #[must_use]
-        pub const fn to(self, high: Number) -> Self {
-            Self { high: Some(high), ..self }
-        }
-
-        /// These values too, wherever they lie.
-        #[must_use]
-        pub const fn or(self, special: &'static [Number]) -> Self {
-            Self { special, ..self }
-        }
-
-        /// A count of entries in use of an array of `length`.
-        #[must_use]
-        pub const fn counting(self, length: u32) -> Self {
-            Self { count: Some(length), ..self }
-        }
-
-        /// The documented values of an enum.
-        #[must_use]
-        pub const fn values<T: Open>(self) -> Self {
-            Self { known: Some(T::KNOWN), names: T::NAMES, ..self }
-        }
-
-        /// Any of the documented flags.
-        #[must_use]
-        pub const fn flags<T: Open>(self) -> Self {
-            Self { known: Some(T::KNOWN), names: T::NAMES, is_flags: true, ..self }
-        }
-
-        /// NaN has no meaning.
-        #[must_use]
-        pub const fn not_nan(self) -> Self {
-            Self { forbids_nan: true, ..self }
-        }
     }
 }

@@ -96,24 +96,24 @@ fn property(field: &FieldDescriptor, reference: Option<Schema>) -> Schema {
 }
 
 fn number(scalar: Scalar, constraint: &Constraint<'_>) -> Schema {
-    let Some(whole) = Bounds::of(scalar) else { return json_schema!({ "type": "boolean" }) };
+    let Some(whole) = Constraint::NONE.asserted(scalar) else { return json_schema!({ "type": "boolean" }) };
+    let used = constraint.asserted(scalar).unwrap_or(whole);
     let any = if scalar.is_float() {
         json_schema!({ "type": ["number", "null"] })
     } else {
         json_schema!({ "type": "integer" })
     };
     let mut schema = any.clone();
-    let used = whole.within(constraint);
-    let outside: Vec<Number> =
-        constraint.special.iter().copied().filter(|value| whole.hold(*value) && !used.hold(*value)).collect();
+    let outside = constraint.special.iter().copied().filter(|value| whole.broken_by(*value).is_none());
+    let outside: Vec<Number> = outside.filter(|value| used.broken_by(*value).is_some()).collect();
     let has_names = constraint.known.is_some() && !constraint.is_flags;
     if outside.is_empty() {
-        used.insert_into(&mut schema);
+        insert_all(&mut schema, &used);
     } else {
         let mut within = any.clone();
-        used.insert_into(&mut within);
+        insert_all(&mut within, &used);
         // Generators make alternatives of a type only where no value fits two of them, as `oneOf` says.
-        let keyword = if are_apart(used, &outside, scalar) { "oneOf" } else { "anyOf" };
+        let keyword = if are_apart(&used, &outside, scalar) { "oneOf" } else { "anyOf" };
         let exact = outside.into_iter().map(|value| exactly(value, scalar));
         let alternatives: Vec<Schema> = core::iter::once(within).chain(exact).collect();
         if has_names {
@@ -133,11 +133,14 @@ fn number(scalar: Scalar, constraint: &Constraint<'_>) -> Schema {
 
 /// Whether every reader can tell the special values from what is used, and from each other: to those who read all
 /// numbers as 64-bit floats, large integers are their neighbours.
-fn are_apart(used: Bounds, outside: &[Number], scalar: Scalar) -> bool {
-    let all: Vec<Bounds> =
-        core::iter::once(used).chain(outside.iter().map(|value| Bounds::exactly(*value, scalar))).collect();
-    let is_apart =
-        |(index, bounds): (usize, &Bounds)| all[index + 1..].iter().all(|other| bounds.is_apart(*other));
+fn are_apart(used: &Constraint<'static>, outside: &[Number], scalar: Scalar) -> bool {
+    let exact = outside.iter().map(|value| bounds_of(*value, scalar));
+    let all: Vec<Constraint<'_>> = core::iter::once(*used).chain(exact).collect();
+    let ends = |bounds: &Constraint<'_>| (bounds.low.map(Number::as_f64), bounds.high.map(Number::as_f64));
+    let is_apart = |(index, bounds): (usize, &Constraint<'_>)| {
+        let (low, high) = ends(bounds);
+        all[index + 1..].iter().map(ends).all(|(other_low, other_high)| high < other_low || other_high < low)
+    };
     all.iter().enumerate().all(is_apart)
 }
 
@@ -155,71 +158,30 @@ fn documented(constraint: &Constraint<'_>, any: Schema) -> Vec<Schema> {
     values.chain([any]).collect()
 }
 
-/// Inclusive bounds of a number.
-#[derive(Clone, Copy)]
-struct Bounds {
-    low: Number,
-    high: Number,
+/// Lets through exactly `value`, in each form in which JSON may hold it: a `float32` is written widened to 64 bits or in
+/// its shortest form.
+#[allow(clippy::cast_possible_truncation)] // rounding is what this is about
+fn bounds_of(value: Number, scalar: Scalar) -> Constraint<'static> {
+    let exact = value.as_f64();
+    let widened = f64::from(exact as f32);
+    let shortest = (exact as f32).to_string().parse().unwrap_or(widened);
+    #[allow(clippy::float_cmp)] // whether they are one number
+    let (low, high) = if scalar == Scalar::Float32 && (exact != widened || widened != shortest) {
+        let (low, high) = (exact.min(widened).min(shortest), exact.max(widened).max(shortest));
+        (Number::Float(low), Number::Float(high))
+    } else {
+        (value, value)
+    };
+    Constraint::NONE.from(low).to(high)
 }
 
-impl Bounds {
-    /// All values of a type; none for `bool`.
-    fn of(scalar: Scalar) -> Option<Self> {
-        /// In the shortest form that reads back as it, which most programs write and which is slightly
-        /// above the exact value.
-        const MAX_FLOAT32: f64 = 3.402_823_5e38;
-        let bounds = |low, high| Some(Self { low, high });
-        match (scalar, scalar.integer_bounds()) {
-            (_, Some((low, high))) => bounds(Number::Int(low), Number::Int(high)),
-            (Scalar::Float32, None) => bounds(Number::Float(-MAX_FLOAT32), Number::Float(MAX_FLOAT32)),
-            (Scalar::Float64, None) => bounds(Number::Float(f64::MIN), Number::Float(f64::MAX)),
-            _ => None,
-        }
-    }
-
-    /// What of them a field uses where it holds data.
-    fn within(self, constraint: &Constraint<'_>) -> Self {
-        let low = constraint.low.filter(|low| *low > self.low).unwrap_or(self.low);
-        let count = constraint.count.map(|length| Number::Int(length.into()));
-        let least = |high: Number, other: Option<Number>| other.filter(|other| *other < high).unwrap_or(high);
-        Self { low, high: least(least(self.high, constraint.high), count) }
-    }
-
-    /// What lets through exactly `value`, in each form in which JSON may hold it: a `float32` is written widened to
-    /// 64 bits or in its shortest form.
-    #[allow(clippy::cast_possible_truncation)] // rounding is what this is about
-    fn exactly(value: Number, scalar: Scalar) -> Self {
-        let exact = value.as_f64();
-        let widened = f64::from(exact as f32);
-        let shortest = (exact as f32).to_string().parse().unwrap_or(widened);
-        #[allow(clippy::float_cmp)] // whether they are one number
-        if scalar == Scalar::Float32 && (exact != widened || widened != shortest) {
-            let low = Number::Float(exact.min(widened).min(shortest));
-            let high = Number::Float(exact.max(widened).max(shortest));
-            Self { low, high }
-        } else {
-            Self { low: value, high: value }
-        }
-    }
-
-    /// Whether no number is within both.
-    fn is_apart(self, other: Self) -> bool {
-        self.high.as_f64() < other.low.as_f64() || other.high.as_f64() < self.low.as_f64()
-    }
-
-    fn hold(self, value: Number) -> bool {
-        value >= self.low && value <= self.high
-    }
-
-    fn insert_into(self, schema: &mut Schema) {
-        insert(schema, "minimum", self.low);
-        insert(schema, "maximum", self.high);
-    }
+fn insert_all(schema: &mut Schema, constraint: &Constraint<'_>) {
+    constraint.keywords().for_each(|(keyword, value)| insert(schema, keyword, value));
 }
 
 /// Lets through one value.
 fn exactly(value: Number, scalar: Scalar) -> Schema {
-    let bounds = Bounds::exactly(value, scalar);
+    let bounds = bounds_of(value, scalar);
     if bounds.low == bounds.high {
         let mut schema = Schema::default();
         insert(&mut schema, "const", value);
@@ -227,7 +189,7 @@ fn exactly(value: Number, scalar: Scalar) -> Schema {
     }
     // Only floats have several forms.
     let mut schema = json_schema!({ "type": "number" });
-    bounds.insert_into(&mut schema);
+    insert_all(&mut schema, &bounds);
     schema
 }
 

@@ -14,131 +14,131 @@ use uavspec_runtime::{ErrorClass, Severity, error_code};
 pub struct ErrorCode(pub u32);
 
 impl ErrorCode {
-    /// 1 `GROUND`: The UAV stands on the ground. As the only code in the list it also says that the UAV can take off.
+    /// 1 `GROUND`: The UAV is on the ground. If this is the only code in the list, the UAV is ready for takeoff.
     pub const GROUND: Self = Self(1);
-    /// 2 `NO LOG`: The UAV keeps logs, but nothing is being written to them at present.
+    /// 2 `NO LOG`: The UAV keeps logs, but cannot currently write to them.
     pub const NO_LOG: Self = Self(2);
-    /// 3 `PREARM`: Checks before arming are running; no takeoff until they end.
+    /// 3 `PREARM`: Pre-arm checks are running; no takeoff until they finish.
     pub const PREARM_INFORMATIONAL: Self = Self(3);
-    /// 4 `INIT`: The autopilot is still starting up; no takeoff until it is done.
+    /// 4 `INIT`: The autopilot is starting up; the UAV cannot take off until it is ready.
     pub const INIT: Self = Self(4);
     /// 5 `TAKEOFF`: Taking off.
     pub const TAKEOFF: Self = Self(5);
     /// 6 `LANDING`: Landing.
     pub const LANDING: Self = Self(6);
-    /// 7 `LANDED`: Landed without trouble.
+    /// 7 `LANDED`: Landed without problems.
     pub const LANDED: Self = Self(7);
-    /// 8 `MOTORS`: On the ground with turning motors.
+    /// 8 `MOTORS`: The UAV is on the ground with its motors running.
     pub const MOTORS: Self = Self(8);
-    /// 9 `SLEEP`: Low-power state: the flight controller is probably off, but can be woken from afar.
+    /// 9 `SLEEP`: Low-power state: the flight controller is probably off but can be woken remotely.
     pub const SLEEP: Self = Self(9);
-    /// 10 `PAUSED`: High-level flight control is on hold for the time being.
+    /// 10 `PAUSED`: High-level flight control is paused.
     pub const PAUSED: Self = Self(10);
-    /// 11 `SLOW`: Speed is limited at present, mostly for safety.
+    /// 11 `SLOW`: Speed is currently limited, usually for safety.
     pub const SLOW: Self = Self(11);
     /// 63 `RTH`: Flying back to the home position.
     pub const RTH: Self = Self(63);
-    /// 64 `STORAGE`: Storage on board, such as an SD card, is nearly full.
+    /// 64 `STORAGE`: Onboard storage, such as an SD card, is almost full.
     pub const STORAGE: Self = Self(64);
-    /// 65 `RC LOST`: Remote control signal lost, and the UAV copes. Use it only if the flight goes on without outside control, as where an algorithm steers anyway; otherwise use code 132.
+    /// 65 `RC LOST`: Remote control signal lost, but the UAV can handle the loss. Use it only if the flight continues without external control, for example because an algorithm flies the UAV anyway; otherwise use code 132.
     pub const RC_LOST_WARNING: Self = Self(65);
-    /// 66 `LOWBAT`: Charge is running low. Use it only if the mission can still be finished safely; otherwise use code 134 or 199.
+    /// 66 `LOWBAT`: Battery charge is low. Use it only if the UAV can still finish its mission safely; otherwise use code 134 or 199.
     pub const LOWBAT_WARNING: Self = Self(66);
-    /// 67 `TIMESYNC`: The UAV tries to set its clock by an outside source, such as GPS, and does not succeed.
+    /// 67 `TIMESYNC`: The UAV fails to set its clock from an external source, such as GPS.
     pub const TIMESYNC: Self = Self(67);
-    /// 68 `TKOFFPOS`: The coming mission prescribes a takeoff position and the UAV stands somewhere else.
+    /// 68 `TKOFFPOS`: The coming mission specifies a takeoff position, but the UAV is somewhere else.
     pub const TKOFFPOS: Self = Self(68);
-    /// 69 `MISSION`: Something is wrong with the mission as configured, for example a path that leaves the geofence.
+    /// 69 `MISSION`: Faulty mission configuration, for example a path that leaves the geofence.
     pub const MISSION: Self = Self(69);
-    /// 70 `NO RADIO`: A radio channel that the UAV is meant to communicate on is not available at present.
+    /// 70 `NO RADIO`: A radio channel that the UAV should use for communication is unavailable.
     pub const NO_RADIO: Self = Self(70);
-    /// 71 `FENCE`: Outside the geofence. Use it only if the UAV probably rests on the ground; otherwise use code 201.
+    /// 71 `FENCE`: Outside the geofence. Use it only if the UAV is probably on the ground; otherwise use code 201.
     pub const FENCE_WARNING: Self = Self(71);
-    /// 72 `WIND`: Strong wind. Use it only if the UAV still gets anywhere safely, though less stable and with a smaller flight envelope; otherwise use code 139.
+    /// 72 `WIND`: Strong wind. Use it only if the UAV can still fly safely in every direction, with less stability and a smaller flight envelope; otherwise use code 139.
     pub const WIND_WARNING: Self = Self(72);
-    /// 73 `DISARM`: Not armed: a switch, in hardware or software, keeps the motors from producing thrust.
+    /// 73 `DISARM`: Not armed: a hardware or software switch blocks motor thrust.
     pub const DISARM: Self = Self(73);
-    /// 74 `REBOOT`: A restart is due, mostly since a calibration or a changed parameter takes effect only after one.
+    /// 74 `REBOOT`: A restart is due, usually because a calibration or a changed parameter takes effect only after a restart.
     pub const REBOOT: Self = Self(74);
-    /// 75 `DRIFT`: The UAV is farther from where it should be than is normal.
+    /// 75 `DRIFT`: The distance from the intended position is larger than normal.
     pub const DRIFT: Self = Self(75);
-    /// 127 `WARNING`: Any warning without a code of its own. For more serious conditions without a code, see code 191.
+    /// 127 `WARNING`: Any warning without a dedicated code. For more serious conditions without one, see code 191.
     pub const WARNING: Self = Self(127);
-    /// 128 `COMM T/O`: No answer in time from a lower-level part of the autopilot to the high-level control. Return to home or loitering is to be expected.
+    /// 128 `COMM T/O`: A lower-level autopilot component does not answer the high-level control in time. Expect a return to home or loitering.
     pub const COMM_T_O: Self = Self(128);
-    /// 129 `ACK T/O`: A command of the high-level control was not confirmed in time by the part of the autopilot that it went to.
+    /// 129 `ACK T/O`: An autopilot component does not confirm a command of the high-level control in time.
     pub const ACK_T_O: Self = Self(129);
-    /// 130 `PROTO`: High-level control and autopilot do not understand each other: one could not parse what the other sent. Return to home or loitering is to be expected.
+    /// 130 `PROTO`: Protocol error between high-level control and autopilot: one cannot parse a message from the other. Expect a return to home or loitering.
     pub const PROTO: Self = Self(130);
-    /// 131 `PREARM`: At least one check before arming failed.
+    /// 131 `PREARM`: At least one pre-arm check failed.
     pub const PREARM_ERROR: Self = Self(131);
-    /// 132 `RC LOST`: Remote control signal lost, and the UAV does not cope. Use it only if the UAV will return home or land for lack of control; otherwise use code 65.
+    /// 132 `RC LOST`: Remote control signal lost, and the UAV cannot handle the loss. Use it only if the UAV will return to home or land as a result; otherwise use code 65.
     pub const RC_LOST_ERROR: Self = Self(132);
-    /// 133 `NO GPS`: GPS faulty or without signal. Use it only if the other sensors probably still allow loitering; otherwise use code 197.
+    /// 133 `NO GPS`: GPS fault or no GPS signal. Use it only if the UAV can probably still loiter with its other sensors; otherwise use code 197.
     pub const NO_GPS: Self = Self(133);
-    /// 134 `LOWBAT`: Battery too low for the mission. Use it only if the charge still allows a safe return to home or loitering; otherwise use code 66 or 199.
+    /// 134 `LOWBAT`: Battery charge is too low for the mission. Use it only if the UAV can still return to home or loiter safely; otherwise use code 66 or 199.
     pub const LOWBAT_ERROR: Self = Self(134);
     /// 135 `TARGET`: The waypoint or beacon to follow cannot be found.
     pub const TARGET: Self = Self(135);
-    /// 136 `TOO FAR`: The target lies beyond the distance that is considered safe.
+    /// 136 `TOO FAR`: The target is beyond the distance that is considered safe.
     pub const TOO_FAR: Self = Self(136);
-    /// 137 `CONFIG`: The UAV is configured wrongly. Depending on its type, other parameters or configuration files mend that.
+    /// 137 `CONFIG`: Faulty configuration. Depending on the UAV type, it can be fixed by changing parameters or configuration files.
     pub const CONFIG: Self = Self(137);
-    /// 138 `RC CALIB`: The remote control seems to lack calibration. Meant for UAVs that require it, not for toys and others that do without.
+    /// 138 `RC CALIB`: The remote control is probably not calibrated. For UAVs that require this calibration; toys and similar UAVs do not.
     pub const RC_CALIB: Self = Self(138);
-    /// 139 `WIND`: Wind too strong. Use it only if the UAV no longer gets anywhere safely and has to act at once (return home, descend) lest a headwind push it backwards; otherwise use code 72.
+    /// 139 `WIND`: Wind is too strong. Use it only if the UAV can no longer fly safely in every direction and must act immediately (return to home or descend) so that a headwind does not push it backwards; otherwise use code 72.
     pub const WIND_ERROR: Self = Self(139);
-    /// 140 `PAYLOAD`: Any problem of the payload.
+    /// 140 `PAYLOAD`: Payload fault of any kind.
     pub const PAYLOAD: Self = Self(140);
-    /// 141 `PROXIMITY`: Fault of a proximity sensor.
+    /// 141 `PROXIMITY`: Proximity sensor fault.
     pub const PROXIMITY: Self = Self(141);
-    /// 142 `ESC`: Fault of an electronic speed controller. Part of the specification since version 2.10.
+    /// 142 `ESC`: Electronic speed controller (ESC) fault. Part of the specification since version 2.10.
     pub const ESC: Self = Self(142);
-    /// 188 `SIMERR`: Made up for a test: provokes return to home or loitering while nothing is wrong.
+    /// 188 `SIMERR`: Simulated error for tests: triggers a return to home or loitering although nothing is wrong.
     pub const SIMERR: Self = Self(188);
-    /// 189 `CONTROL`: The algorithm that commands the autopilot yields no usable commands.
+    /// 189 `CONTROL`: The control algorithm produces no usable commands for the autopilot.
     pub const CONTROL: Self = Self(189);
-    /// 190 `SENSOR`: Any sensor failure without a code of its own that still allows return to home or loitering.
+    /// 190 `SENSOR`: Any sensor failure without a dedicated code that still allows a return to home or loitering.
     pub const SENSOR_ERROR: Self = Self(190);
-    /// 191 `ERROR`: Any error without a code of its own that still allows return to home or loitering. For fatal ones, see code 255.
+    /// 191 `ERROR`: Any error without a dedicated code that still allows a return to home or loitering. For fatal errors, see code 255.
     pub const ERROR: Self = Self(191);
-    /// 192 `COMPAT`: Parts of the UAV, in hardware or software, do not go together; for example a Pixhawk autopilot and a FlockCtrl version that does not support it.
+    /// 192 `COMPAT`: Incompatible components in hardware or software, for example a Pixhawk autopilot with a FlockCtrl version that does not support it.
     pub const COMPAT: Self = Self(192);
-    /// 193 `MAG`: Fault of a magnetometer.
+    /// 193 `MAG`: Magnetometer fault.
     pub const MAG: Self = Self(193);
-    /// 194 `GYRO`: Fault of a gyroscope.
+    /// 194 `GYRO`: Gyroscope fault.
     pub const GYRO: Self = Self(194);
-    /// 195 `ACC`: Fault of an accelerometer.
+    /// 195 `ACC`: Accelerometer fault.
     pub const ACC: Self = Self(195);
     /// 196 `BARO`: Fault of a barometer or another altimeter.
     pub const BARO: Self = Self(196);
-    /// 197 `GPS`: GPS faulty or without signal. Use it only if the UAV will not try to loiter with the other sensors; otherwise use code 133.
+    /// 197 `GPS`: GPS fault or no GPS signal. Use it only if the UAV will not attempt to loiter with its other sensors; otherwise use code 133.
     pub const GPS: Self = Self(197);
-    /// 198 `MOTOR`: Fault of a motor.
+    /// 198 `MOTOR`: Motor fault.
     pub const MOTOR: Self = Self(198);
-    /// 199 `LOWBAT`: Battery nearly empty. Use it only if the charge allows neither the mission nor return to home nor loitering; otherwise use code 66 or 134.
+    /// 199 `LOWBAT`: Battery is almost empty. Use it only if the UAV can neither finish its mission nor return to home nor loiter safely; otherwise use code 66 or 134.
     pub const LOWBAT_FATAL: Self = Self(199);
     /// 200 `HOME`: No home position from GPS.
     pub const HOME: Self = Self(200);
-    /// 201 `FENCE`: Outside the geofence. Use it only if the UAV is probably in the air; otherwise use code 71. Out there the UAV is taken not to know a way back in: it tries to land on the spot or, where the straight way home is mostly allowed, returns home.
+    /// 201 `FENCE`: Outside the geofence. Use it only if the UAV is probably in the air; otherwise use code 71. The UAV is assumed not to know a way back inside: it attempts to land on the spot or, if the direct way home is mostly inside the geofence, returns to home.
     pub const FENCE_FATAL: Self = Self(201);
-    /// 202 `CLK`: A clock on board is not set right. For clocks outside the UAV, see code 203.
+    /// 202 `CLK`: An onboard clock is not set correctly. For clocks outside the UAV, see code 203.
     pub const CLK: Self = Self(202);
-    /// 203 `EXTCLK`: A clock outside the UAV, which it cannot do without, is not set right. For clocks on board, see code 202.
+    /// 203 `EXTCLK`: An external clock that the UAV depends on is not set correctly. For onboard clocks, see code 202.
     pub const EXTCLK: Self = Self(203);
-    /// 204 `NO HW`: No connection to a piece of hardware that the mission calls for.
+    /// 204 `NO HW`: No connection to hardware that the mission requires.
     pub const NO_HW: Self = Self(204);
-    /// 205 `INITFAIL`: The autopilot could not be set up as the mission requires.
+    /// 205 `INITFAIL`: The autopilot could not be configured as the mission requires.
     pub const INITFAIL: Self = Self(205);
-    /// 206 `COMMFAIL`: Connection to the autopilot lost for good.
+    /// 206 `COMMFAIL`: Connection to the autopilot lost permanently.
     pub const COMMFAIL: Self = Self(206);
     /// 207 `CRASH`: The UAV has crashed.
     pub const CRASH: Self = Self(207);
-    /// 253 `SIMCRIT`: Made up for a test: provokes an emergency landing while nothing critical is wrong.
+    /// 253 `SIMCRIT`: Simulated fatal error for tests: triggers an emergency landing although nothing critical is wrong.
     pub const SIMCRIT: Self = Self(253);
-    /// 254 `SENSOR`: Any sensor failure without a code of its own that makes the UAV land at once.
+    /// 254 `SENSOR`: Any sensor failure without a dedicated code that makes the UAV land immediately.
     pub const SENSOR_FATAL: Self = Self(254);
-    /// 255 `FATAL`: Any fatal error without a code of its own that makes the UAV land at once.
+    /// 255 `FATAL`: Any fatal error without a dedicated code that makes the UAV land immediately.
     pub const FATAL: Self = Self(255);
 }
 
@@ -231,28 +231,28 @@ static ENTRIES: [Entry; 63] = [
     Entry {
         code: ErrorCode::GROUND,
         abbreviation: Some("GROUND"),
-        description: "The UAV stands on the ground. As the only code in the list it also says that the UAV can take off.",
+        description: "The UAV is on the ground. If this is the only code in the list, the UAV is ready for takeoff.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::NO_LOG,
         abbreviation: Some("NO LOG"),
-        description: "The UAV keeps logs, but nothing is being written to them at present.",
+        description: "The UAV keeps logs, but cannot currently write to them.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::PREARM_INFORMATIONAL,
         abbreviation: Some("PREARM"),
-        description: "Checks before arming are running; no takeoff until they end.",
+        description: "Pre-arm checks are running; no takeoff until they finish.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::INIT,
         abbreviation: Some("INIT"),
-        description: "The autopilot is still starting up; no takeoff until it is done.",
+        description: "The autopilot is starting up; the UAV cannot take off until it is ready.",
         see_also: &[],
         alternatives: &[],
     },
@@ -273,35 +273,35 @@ static ENTRIES: [Entry; 63] = [
     Entry {
         code: ErrorCode::LANDED,
         abbreviation: Some("LANDED"),
-        description: "Landed without trouble.",
+        description: "Landed without problems.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::MOTORS,
         abbreviation: Some("MOTORS"),
-        description: "On the ground with turning motors.",
+        description: "The UAV is on the ground with its motors running.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::SLEEP,
         abbreviation: Some("SLEEP"),
-        description: "Low-power state: the flight controller is probably off, but can be woken from afar.",
+        description: "Low-power state: the flight controller is probably off but can be woken remotely.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::PAUSED,
         abbreviation: Some("PAUSED"),
-        description: "High-level flight control is on hold for the time being.",
+        description: "High-level flight control is paused.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::SLOW,
         abbreviation: Some("SLOW"),
-        description: "Speed is limited at present, mostly for safety.",
+        description: "Speed is currently limited, usually for safety.",
         see_also: &[],
         alternatives: &[],
     },
@@ -315,140 +315,140 @@ static ENTRIES: [Entry; 63] = [
     Entry {
         code: ErrorCode::STORAGE,
         abbreviation: Some("STORAGE"),
-        description: "Storage on board, such as an SD card, is nearly full.",
+        description: "Onboard storage, such as an SD card, is almost full.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::RC_LOST_WARNING,
         abbreviation: Some("RC LOST"),
-        description: "Remote control signal lost, and the UAV copes. Use it only if the flight goes on without outside control, as where an algorithm steers anyway; otherwise use code 132.",
+        description: "Remote control signal lost, but the UAV can handle the loss. Use it only if the flight continues without external control, for example because an algorithm flies the UAV anyway; otherwise use code 132.",
         see_also: &[ErrorCode::RC_LOST_ERROR],
         alternatives: &[ErrorCode::RC_LOST_ERROR],
     },
     Entry {
         code: ErrorCode::LOWBAT_WARNING,
         abbreviation: Some("LOWBAT"),
-        description: "Charge is running low. Use it only if the mission can still be finished safely; otherwise use code 134 or 199.",
+        description: "Battery charge is low. Use it only if the UAV can still finish its mission safely; otherwise use code 134 or 199.",
         see_also: &[ErrorCode::LOWBAT_ERROR, ErrorCode::LOWBAT_FATAL],
         alternatives: &[ErrorCode::LOWBAT_ERROR, ErrorCode::LOWBAT_FATAL],
     },
     Entry {
         code: ErrorCode::TIMESYNC,
         abbreviation: Some("TIMESYNC"),
-        description: "The UAV tries to set its clock by an outside source, such as GPS, and does not succeed.",
+        description: "The UAV fails to set its clock from an external source, such as GPS.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::TKOFFPOS,
         abbreviation: Some("TKOFFPOS"),
-        description: "The coming mission prescribes a takeoff position and the UAV stands somewhere else.",
+        description: "The coming mission specifies a takeoff position, but the UAV is somewhere else.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::MISSION,
         abbreviation: Some("MISSION"),
-        description: "Something is wrong with the mission as configured, for example a path that leaves the geofence.",
+        description: "Faulty mission configuration, for example a path that leaves the geofence.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::NO_RADIO,
         abbreviation: Some("NO RADIO"),
-        description: "A radio channel that the UAV is meant to communicate on is not available at present.",
+        description: "A radio channel that the UAV should use for communication is unavailable.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::FENCE_WARNING,
         abbreviation: Some("FENCE"),
-        description: "Outside the geofence. Use it only if the UAV probably rests on the ground; otherwise use code 201.",
+        description: "Outside the geofence. Use it only if the UAV is probably on the ground; otherwise use code 201.",
         see_also: &[ErrorCode::FENCE_FATAL],
         alternatives: &[ErrorCode::FENCE_FATAL],
     },
     Entry {
         code: ErrorCode::WIND_WARNING,
         abbreviation: Some("WIND"),
-        description: "Strong wind. Use it only if the UAV still gets anywhere safely, though less stable and with a smaller flight envelope; otherwise use code 139.",
+        description: "Strong wind. Use it only if the UAV can still fly safely in every direction, with less stability and a smaller flight envelope; otherwise use code 139.",
         see_also: &[ErrorCode::WIND_ERROR],
         alternatives: &[ErrorCode::WIND_ERROR],
     },
     Entry {
         code: ErrorCode::DISARM,
         abbreviation: Some("DISARM"),
-        description: "Not armed: a switch, in hardware or software, keeps the motors from producing thrust.",
+        description: "Not armed: a hardware or software switch blocks motor thrust.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::REBOOT,
         abbreviation: Some("REBOOT"),
-        description: "A restart is due, mostly since a calibration or a changed parameter takes effect only after one.",
+        description: "A restart is due, usually because a calibration or a changed parameter takes effect only after a restart.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::DRIFT,
         abbreviation: Some("DRIFT"),
-        description: "The UAV is farther from where it should be than is normal.",
+        description: "The distance from the intended position is larger than normal.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::WARNING,
         abbreviation: Some("WARNING"),
-        description: "Any warning without a code of its own. For more serious conditions without a code, see code 191.",
+        description: "Any warning without a dedicated code. For more serious conditions without one, see code 191.",
         see_also: &[ErrorCode::ERROR],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::COMM_T_O,
         abbreviation: Some("COMM T/O"),
-        description: "No answer in time from a lower-level part of the autopilot to the high-level control. Return to home or loitering is to be expected.",
+        description: "A lower-level autopilot component does not answer the high-level control in time. Expect a return to home or loitering.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::ACK_T_O,
         abbreviation: Some("ACK T/O"),
-        description: "A command of the high-level control was not confirmed in time by the part of the autopilot that it went to.",
+        description: "An autopilot component does not confirm a command of the high-level control in time.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::PROTO,
         abbreviation: Some("PROTO"),
-        description: "High-level control and autopilot do not understand each other: one could not parse what the other sent. Return to home or loitering is to be expected.",
+        description: "Protocol error between high-level control and autopilot: one cannot parse a message from the other. Expect a return to home or loitering.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::PREARM_ERROR,
         abbreviation: Some("PREARM"),
-        description: "At least one check before arming failed.",
+        description: "At least one pre-arm check failed.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::RC_LOST_ERROR,
         abbreviation: Some("RC LOST"),
-        description: "Remote control signal lost, and the UAV does not cope. Use it only if the UAV will return home or land for lack of control; otherwise use code 65.",
+        description: "Remote control signal lost, and the UAV cannot handle the loss. Use it only if the UAV will return to home or land as a result; otherwise use code 65.",
         see_also: &[ErrorCode::RC_LOST_WARNING],
         alternatives: &[ErrorCode::RC_LOST_WARNING],
     },
     Entry {
         code: ErrorCode::NO_GPS,
         abbreviation: Some("NO GPS"),
-        description: "GPS faulty or without signal. Use it only if the other sensors probably still allow loitering; otherwise use code 197.",
+        description: "GPS fault or no GPS signal. Use it only if the UAV can probably still loiter with its other sensors; otherwise use code 197.",
         see_also: &[ErrorCode::GPS],
         alternatives: &[ErrorCode::GPS],
     },
     Entry {
         code: ErrorCode::LOWBAT_ERROR,
         abbreviation: Some("LOWBAT"),
-        description: "Battery too low for the mission. Use it only if the charge still allows a safe return to home or loitering; otherwise use code 66 or 199.",
+        description: "Battery charge is too low for the mission. Use it only if the UAV can still return to home or loiter safely; otherwise use code 66 or 199.",
         see_also: &[ErrorCode::LOWBAT_WARNING, ErrorCode::LOWBAT_FATAL],
         alternatives: &[ErrorCode::LOWBAT_WARNING, ErrorCode::LOWBAT_FATAL],
     },
@@ -462,105 +462,105 @@ static ENTRIES: [Entry; 63] = [
     Entry {
         code: ErrorCode::TOO_FAR,
         abbreviation: Some("TOO FAR"),
-        description: "The target lies beyond the distance that is considered safe.",
+        description: "The target is beyond the distance that is considered safe.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::CONFIG,
         abbreviation: Some("CONFIG"),
-        description: "The UAV is configured wrongly. Depending on its type, other parameters or configuration files mend that.",
+        description: "Faulty configuration. Depending on the UAV type, it can be fixed by changing parameters or configuration files.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::RC_CALIB,
         abbreviation: Some("RC CALIB"),
-        description: "The remote control seems to lack calibration. Meant for UAVs that require it, not for toys and others that do without.",
+        description: "The remote control is probably not calibrated. For UAVs that require this calibration; toys and similar UAVs do not.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::WIND_ERROR,
         abbreviation: Some("WIND"),
-        description: "Wind too strong. Use it only if the UAV no longer gets anywhere safely and has to act at once (return home, descend) lest a headwind push it backwards; otherwise use code 72.",
+        description: "Wind is too strong. Use it only if the UAV can no longer fly safely in every direction and must act immediately (return to home or descend) so that a headwind does not push it backwards; otherwise use code 72.",
         see_also: &[ErrorCode::WIND_WARNING],
         alternatives: &[ErrorCode::WIND_WARNING],
     },
     Entry {
         code: ErrorCode::PAYLOAD,
         abbreviation: Some("PAYLOAD"),
-        description: "Any problem of the payload.",
+        description: "Payload fault of any kind.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::PROXIMITY,
         abbreviation: Some("PROXIMITY"),
-        description: "Fault of a proximity sensor.",
+        description: "Proximity sensor fault.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::ESC,
         abbreviation: Some("ESC"),
-        description: "Fault of an electronic speed controller. Part of the specification since version 2.10.",
+        description: "Electronic speed controller (ESC) fault. Part of the specification since version 2.10.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::SIMERR,
         abbreviation: Some("SIMERR"),
-        description: "Made up for a test: provokes return to home or loitering while nothing is wrong.",
+        description: "Simulated error for tests: triggers a return to home or loitering although nothing is wrong.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::CONTROL,
         abbreviation: Some("CONTROL"),
-        description: "The algorithm that commands the autopilot yields no usable commands.",
+        description: "The control algorithm produces no usable commands for the autopilot.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::SENSOR_ERROR,
         abbreviation: Some("SENSOR"),
-        description: "Any sensor failure without a code of its own that still allows return to home or loitering.",
+        description: "Any sensor failure without a dedicated code that still allows a return to home or loitering.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::ERROR,
         abbreviation: Some("ERROR"),
-        description: "Any error without a code of its own that still allows return to home or loitering. For fatal ones, see code 255.",
+        description: "Any error without a dedicated code that still allows a return to home or loitering. For fatal errors, see code 255.",
         see_also: &[ErrorCode::FATAL],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::COMPAT,
         abbreviation: Some("COMPAT"),
-        description: "Parts of the UAV, in hardware or software, do not go together; for example a Pixhawk autopilot and a FlockCtrl version that does not support it.",
+        description: "Incompatible components in hardware or software, for example a Pixhawk autopilot with a FlockCtrl version that does not support it.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::MAG,
         abbreviation: Some("MAG"),
-        description: "Fault of a magnetometer.",
+        description: "Magnetometer fault.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::GYRO,
         abbreviation: Some("GYRO"),
-        description: "Fault of a gyroscope.",
+        description: "Gyroscope fault.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::ACC,
         abbreviation: Some("ACC"),
-        description: "Fault of an accelerometer.",
+        description: "Accelerometer fault.",
         see_also: &[],
         alternatives: &[],
     },
@@ -574,21 +574,21 @@ static ENTRIES: [Entry; 63] = [
     Entry {
         code: ErrorCode::GPS,
         abbreviation: Some("GPS"),
-        description: "GPS faulty or without signal. Use it only if the UAV will not try to loiter with the other sensors; otherwise use code 133.",
+        description: "GPS fault or no GPS signal. Use it only if the UAV will not attempt to loiter with its other sensors; otherwise use code 133.",
         see_also: &[ErrorCode::NO_GPS],
         alternatives: &[ErrorCode::NO_GPS],
     },
     Entry {
         code: ErrorCode::MOTOR,
         abbreviation: Some("MOTOR"),
-        description: "Fault of a motor.",
+        description: "Motor fault.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::LOWBAT_FATAL,
         abbreviation: Some("LOWBAT"),
-        description: "Battery nearly empty. Use it only if the charge allows neither the mission nor return to home nor loitering; otherwise use code 66 or 134.",
+        description: "Battery is almost empty. Use it only if the UAV can neither finish its mission nor return to home nor loiter safely; otherwise use code 66 or 134.",
         see_also: &[ErrorCode::LOWBAT_WARNING, ErrorCode::LOWBAT_ERROR],
         alternatives: &[ErrorCode::LOWBAT_WARNING, ErrorCode::LOWBAT_ERROR],
     },
@@ -602,42 +602,42 @@ static ENTRIES: [Entry; 63] = [
     Entry {
         code: ErrorCode::FENCE_FATAL,
         abbreviation: Some("FENCE"),
-        description: "Outside the geofence. Use it only if the UAV is probably in the air; otherwise use code 71. Out there the UAV is taken not to know a way back in: it tries to land on the spot or, where the straight way home is mostly allowed, returns home.",
+        description: "Outside the geofence. Use it only if the UAV is probably in the air; otherwise use code 71. The UAV is assumed not to know a way back inside: it attempts to land on the spot or, if the direct way home is mostly inside the geofence, returns to home.",
         see_also: &[ErrorCode::FENCE_WARNING],
         alternatives: &[ErrorCode::FENCE_WARNING],
     },
     Entry {
         code: ErrorCode::CLK,
         abbreviation: Some("CLK"),
-        description: "A clock on board is not set right. For clocks outside the UAV, see code 203.",
+        description: "An onboard clock is not set correctly. For clocks outside the UAV, see code 203.",
         see_also: &[ErrorCode::EXTCLK],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::EXTCLK,
         abbreviation: Some("EXTCLK"),
-        description: "A clock outside the UAV, which it cannot do without, is not set right. For clocks on board, see code 202.",
+        description: "An external clock that the UAV depends on is not set correctly. For onboard clocks, see code 202.",
         see_also: &[ErrorCode::CLK],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::NO_HW,
         abbreviation: Some("NO HW"),
-        description: "No connection to a piece of hardware that the mission calls for.",
+        description: "No connection to hardware that the mission requires.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::INITFAIL,
         abbreviation: Some("INITFAIL"),
-        description: "The autopilot could not be set up as the mission requires.",
+        description: "The autopilot could not be configured as the mission requires.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::COMMFAIL,
         abbreviation: Some("COMMFAIL"),
-        description: "Connection to the autopilot lost for good.",
+        description: "Connection to the autopilot lost permanently.",
         see_also: &[],
         alternatives: &[],
     },
@@ -651,21 +651,21 @@ static ENTRIES: [Entry; 63] = [
     Entry {
         code: ErrorCode::SIMCRIT,
         abbreviation: Some("SIMCRIT"),
-        description: "Made up for a test: provokes an emergency landing while nothing critical is wrong.",
+        description: "Simulated fatal error for tests: triggers an emergency landing although nothing critical is wrong.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::SENSOR_FATAL,
         abbreviation: Some("SENSOR"),
-        description: "Any sensor failure without a code of its own that makes the UAV land at once.",
+        description: "Any sensor failure without a dedicated code that makes the UAV land immediately.",
         see_also: &[],
         alternatives: &[],
     },
     Entry {
         code: ErrorCode::FATAL,
         abbreviation: Some("FATAL"),
-        description: "Any fatal error without a code of its own that makes the UAV land at once.",
+        description: "Any fatal error without a dedicated code that makes the UAV land immediately.",
         see_also: &[],
         alternatives: &[],
     },

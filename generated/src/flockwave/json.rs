@@ -204,149 +204,149 @@ pub mod wth_list;
 /// A message from a client, which expects an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
-    /// `ASYNC-CANCEL`: The client has lost interest in operations. Those that were cancelled still end in an ASYNC-RESP, with an error.
+    /// `ASYNC-CANCEL`: Cancels operations that the client no longer needs. A cancelled operation still ends with an ASYNC-RESP that contains an error.
     AsyncCancel(async_cancel::Request),
-    /// `ASYNC-RESUME`: The client has what suspended operations are waiting for.
+    /// `ASYNC-RESUME`: Resumes suspended operations with the values that they wait for.
     AsyncResume(async_resume::Request),
-    /// `AUTH-INF`: Asks how to log in, and whether one has to.
+    /// `AUTH-INF`: Queries the authentication methods and whether authentication is required.
     AuthInf(auth_inf::Request),
-    /// `AUTH-REQ`: Logs in, or takes the next step of a login that has several.
+    /// `AUTH-REQ`: Starts a login, or takes the next step of a login with several steps.
     AuthReq(auth_req::Request),
-    /// `AUTH-WHOAMI`: Asks who is logged in on this connection.
+    /// `AUTH-WHOAMI`: Queries the user who is logged in on this connection.
     AuthWhoami(auth_whoami::Request),
-    /// `BCN-INF`: Asks for the state of beacons.
+    /// `BCN-INF`: Queries the state of beacons.
     BcnInf(bcn_inf::Request),
-    /// `BCN-PROPS`: Asks for what hardly ever changes about beacons.
+    /// `BCN-PROPS`: Queries properties of beacons that rarely change.
     BcnProps(bcn_props::Request),
-    /// `CLK-INF`: Asks for the state of clocks. The server also sends it by itself when one is started, stopped or set.
+    /// `CLK-INF`: Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
     ClkInf(clk_inf::Request),
-    /// `CLK-LIST`: Asks which clocks there are.
+    /// `CLK-LIST`: Lists the ids of all clocks.
     ClkList(clk_list::Request),
-    /// `CONN-INF`: Asks for the state of connections. The server also sends it by itself when the state of one changes.
+    /// `CONN-INF`: Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
     ConnInf(conn_inf::Request),
-    /// `CONN-LIST`: Asks which connections there are.
+    /// `CONN-LIST`: Lists the ids of all connections.
     ConnList(conn_list::Request),
-    /// `DEV-INF`: Asks for the values of channels. A path that names a device stands for all channels below it: its value is then an object that has the form of that part of the tree. The server also sends it by itself when a channel changes that the client has subscribed to.
+    /// `DEV-INF`: Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
     DevInf(dev_inf::Request),
-    /// `DEV-LIST`: Asks for the device trees of objects.
+    /// `DEV-LIST`: Queries the device trees of objects.
     DevList(dev_list::Request),
-    /// `DEV-LISTSUB`: Asks what the client has subscribed to.
+    /// `DEV-LISTSUB`: Lists the subscriptions of the client.
     DevListsub(dev_listsub::Request),
-    /// `DEV-SUB`: Subscribes to channels, or to all channels below devices. The same path may be subscribed to several times.
+    /// `DEV-SUB`: Subscribes to channels, or to all channels below devices. A client may subscribe to the same path several times.
     DevSub(dev_sub::Request),
-    /// `DEV-UNSUB`: Takes subscriptions back: for each path one, or all.
+    /// `DEV-UNSUB`: Removes one or all subscriptions to each path.
     DevUnsub(dev_unsub::Request),
-    /// `DOCK-INF`: Asks for the state of docking stations.
+    /// `DOCK-INF`: Queries the state of docking stations.
     DockInf(dock_inf::Request),
-    /// `EXT-CFG`: Asks how extensions are configured.
+    /// `EXT-CFG`: Queries the configuration of extensions.
     ExtCfg(ext_cfg::Request),
-    /// `EXT-INF`: Asks for particulars of extensions.
+    /// `EXT-INF`: Queries information about extensions.
     ExtInf(ext_inf::Request),
-    /// `EXT-LIST`: Asks which extensions there are.
+    /// `EXT-LIST`: Lists the loaded and available extensions.
     ExtList(ext_list::Request),
-    /// `EXT-LOAD`: Takes extensions into use.
+    /// `EXT-LOAD`: Loads extensions.
     ExtLoad(ext_load::Request),
-    /// `EXT-RELOAD`: Takes extensions out of use and into use again.
+    /// `EXT-RELOAD`: Unloads extensions and loads them again.
     ExtReload(ext_reload::Request),
     /// `EXT-SETCFG`: Configures extensions.
     ExtSetcfg(ext_setcfg::Request),
-    /// `EXT-UNLOAD`: Takes extensions out of use.
+    /// `EXT-UNLOAD`: Unloads extensions.
     ExtUnload(ext_unload::Request),
-    /// `FW-OBJECT-LIST`: Asks which objects can take firmware.
+    /// `FW-OBJECT-LIST`: Lists the objects whose firmware can be updated.
     FwObjectList(fw_object_list::Request),
-    /// `FW-TARGET-INF`: Asks for particulars of targets.
+    /// `FW-TARGET-INF`: Queries information about targets.
     FwTargetInf(fw_target_inf::Request),
-    /// `FW-TARGET-LIST`: Asks which targets there are.
+    /// `FW-TARGET-LIST`: Lists the targets.
     FwTargetList(fw_target_list::Request),
-    /// `FW-UPLOAD`: Puts firmware on objects.
+    /// `FW-UPLOAD`: Uploads firmware to objects.
     FwUpload(fw_upload::Request),
-    /// `LCN-INF`: Asks for the licence.
+    /// `LCN-INF`: Queries the licence.
     LcnInf(lcn_inf::Request),
-    /// `LOG-DATA`: Asks a UAV for one of its logs.
+    /// `LOG-DATA`: Downloads one log of a UAV.
     LogData(log_data::Request),
-    /// `LOG-INF`: Asks which logs UAVs have.
+    /// `LOG-INF`: Lists the logs of UAVs.
     LogInf(log_inf::Request),
-    /// `OBJ-CMD`: Hands a command on to objects. What it means is up to each of them; the server doesn't look into it.
+    /// `OBJ-CMD`: Forwards a command to objects. Each object interprets the command; the server does not.
     ObjCmd(obj_cmd::Request),
-    /// `OBJ-LIST`: Asks which objects the server knows. When it counts an object as known is up to the server.
+    /// `OBJ-LIST`: Lists the objects that the server knows. The server decides when an object counts as known.
     ObjList(obj_list::Request),
-    /// `PRM-GET`: Asks for the value of a parameter.
+    /// `PRM-GET`: Queries the value of a parameter.
     PrmGet(prm_get::Request),
-    /// `PRM-SET`: Gives a parameter another value.
+    /// `PRM-SET`: Sets the value of a parameter.
     PrmSet(prm_set::Request),
-    /// `PRM-SET-MANY`: Gives several parameters other values.
+    /// `PRM-SET-MANY`: Sets the values of several parameters.
     PrmSetMany(prm_set_many::Request),
-    /// `RTK-INF`: Asks for particulars of presets.
+    /// `RTK-INF`: Queries information about presets.
     RtkInf(rtk_inf::Request),
-    /// `RTK-LIST`: Asks which presets there are.
+    /// `RTK-LIST`: Lists the ids of all presets.
     RtkList(rtk_list::Request),
-    /// `RTK-SOURCE`: Asks which preset is in use, or takes one into use. With id it sets, and is answered by ACK-ACK; without, it asks, and is answered by its own type.
+    /// `RTK-SOURCE`: Queries or selects the active preset. A request with id selects a preset and is answered by ACK-ACK. A request without id queries the active preset and is answered by RTK-SOURCE.
     RtkSource(rtk_source::Request),
-    /// `RTK-STAT`: Asks how corrections come in and go out at present.
+    /// `RTK-STAT`: Queries the current reception and transmission of corrections.
     RtkStat(rtk_stat::Request),
-    /// `RTK-SURVEY`: Makes the base station in use find its own position, or tells it where it stands.
+    /// `RTK-SURVEY`: Makes the active base station survey its own position, or sets that position.
     RtkSurvey(rtk_survey::Request),
-    /// `SHOW-CFG`: Asks how the show is configured.
+    /// `SHOW-CFG`: Queries the configuration of the show.
     ShowCfg(show_cfg::Request),
-    /// `SHOW-CRTH-PLAN`: Has ways home worked out for a show: at certain moments of it, all UAVs could break off and fly home together without coming too close to each other.
+    /// `SHOW-CRTH-PLAN`: Plans collective returns to home for a show. Such a return starts at one of several points in time: all UAVs leave the show and fly home together at a safe distance from each other.
     ShowCrthPlan(show_crth_plan::Request),
-    /// `SHOW-CRTH-START`: Makes all UAVs of a show break off and fly home together.
+    /// `SHOW-CRTH-START`: Makes all UAVs of a show leave it and fly home together.
     ShowCrthStart(show_crth_start::Request),
-    /// `SHOW-LIGHTS`: Asks what the lights of the UAVs are told to do.
+    /// `SHOW-LIGHTS`: Queries the configuration of the UAV lights.
     ShowLights(show_lights::Request),
-    /// `SHOW-SETCFG`: Configures the show.
+    /// `SHOW-SETCFG`: Sets the configuration of the show.
     ShowSetcfg(show_setcfg::Request),
-    /// `SHOW-SETLIGHTS`: Tells the lights of the UAVs what to do.
+    /// `SHOW-SETLIGHTS`: Sets the configuration of the UAV lights.
     ShowSetlights(show_setlights::Request),
-    /// `SYS-PING`: Asks whether the other side is still there. Client and server may both send it, whenever they like.
+    /// `SYS-PING`: Checks whether the other side still responds. Client and server may both send it at any time.
     SysPing(sys_ping::Request),
-    /// `SYS-PORTS`: Asks where the services of the server are to be found.
+    /// `SYS-PORTS`: Queries the ports of the server's services.
     SysPorts(sys_ports::Request),
-    /// `SYS-TIME`: Asks for the time of the server, or sets its clock.
+    /// `SYS-TIME`: Queries the time of the server, or adjusts its clock.
     SysTime(sys_time::Request),
-    /// `SYS-VER`: Asks which server this is.
+    /// `SYS-VER`: Queries the name and version of the server.
     SysVer(sys_ver::Request),
-    /// `TIMESYNC-STATUS`: Asks how the server's clock stands to the time of the world. The server also sends it by itself: it has to when the clock falls out of step or back into it, and it may when the offset changes.
+    /// `TIMESYNC-STATUS`: Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
     TimesyncStatus(timesync_status::Request),
-    /// `UAV-CALIB`: Calibrates a component. What counts as success depends on the component: that calibration is done, or where people have to take part, that it has begun.
+    /// `UAV-CALIB`: Calibrates a component. Depending on the component, success means that the calibration is complete or, if a person has to assist, that it has started.
     UavCalib(uav_calib::Request),
-    /// `UAV-FLY`: Sends UAVs to a place, all to the same. How they keep clear of each other there is up to them.
+    /// `UAV-FLY`: Sends all given UAVs to the same position. The UAVs themselves must avoid collisions there.
     UavFly(uav_fly::Request),
-    /// `UAV-HALT`: Shuts UAVs down at once, in the air, too: for emergencies only.
+    /// `UAV-HALT`: Shuts UAVs down immediately, even in the air. For emergencies only.
     UavHalt(uav_halt::Request),
-    /// `UAV-HOVER`: Makes UAVs stop and stay where they are in the air. Nothing for those that can't fly on the spot.
+    /// `UAV-HOVER`: Makes UAVs stop and hover in place. Not applicable to UAVs that cannot hover.
     UavHover(uav_hover::Request),
-    /// `UAV-INF`: Asks for the state of UAVs. The server also sends it by itself when the state of some changes.
+    /// `UAV-INF`: Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
     UavInf(uav_inf::Request),
-    /// `UAV-LAND`: Makes UAVs land where they are.
+    /// `UAV-LAND`: Makes UAVs land at their current position.
     UavLand(uav_land::Request),
-    /// `UAV-LIST`: Asks which UAVs the server knows. It is the same as OBJ-LIST with a filter of uav alone.
+    /// `UAV-LIST`: Lists the UAVs that the server knows. Equivalent to OBJ-LIST with the filter uav.
     UavList(uav_list::Request),
-    /// `UAV-MOTOR`: Turns motors on without a takeoff, or off. Off in the air is refused, unless it is forced.
+    /// `UAV-MOTOR`: Starts motors without a takeoff, or stops them. Stopping them in the air is refused unless it is forced.
     UavMotor(uav_motor::Request),
-    /// `UAV-PREFLT`: Asks for the checks of UAVs before flight. The server may also send it by itself.
+    /// `UAV-PREFLT`: Queries the preflight checks of UAVs. The server may also send it as a notification.
     UavPreflt(uav_preflt::Request),
-    /// `UAV-RST`: Restarts UAVs, or a component of them.
+    /// `UAV-RST`: Restarts UAVs or one of their components.
     UavRst(uav_rst::Request),
-    /// `UAV-RTH`: Sends UAVs home.
+    /// `UAV-RTH`: Makes UAVs return to home.
     UavRth(uav_rth::Request),
-    /// `UAV-SIGNAL`: Makes UAVs draw attention to themselves.
+    /// `UAV-SIGNAL`: Makes UAVs attract attention, for example with light or sound.
     UavSignal(uav_signal::Request),
-    /// `UAV-SLEEP`: Sends UAVs to sleep: most of them is switched off, but they can be woken from afar. A UAV that can't be woken again must not obey by switching itself off.
+    /// `UAV-SLEEP`: Puts UAVs to sleep: most of their parts are switched off, but they can be woken remotely. A UAV that cannot be woken must not switch itself off in response.
     UavSleep(uav_sleep::Request),
     /// `UAV-TAKEOFF`: Makes UAVs take off.
     UavTakeoff(uav_takeoff::Request),
-    /// `UAV-TEST`: Makes UAVs test a component of theirs. What counts as success depends on the component: that the test was passed, or where people have to watch, that it has begun.
+    /// `UAV-TEST`: Tests a component. Depending on the component, success means that the test was passed or, if a person has to watch, that it has started.
     UavTest(uav_test::Request),
-    /// `UAV-VER`: Asks for the versions of what UAVs are made of.
+    /// `UAV-VER`: Queries the versions of the components of UAVs.
     UavVer(uav_ver::Request),
-    /// `UAV-WAKEUP`: Wakes UAVs that sleep.
+    /// `UAV-WAKEUP`: Wakes UAVs from sleep.
     UavWakeup(uav_wakeup::Request),
-    /// `WTH-AT`: Asks for the weather at a place.
+    /// `WTH-AT`: Queries the weather at a position.
     WthAt(wth_at::Request),
-    /// `WTH-INF`: Asks for the weather at stations.
+    /// `WTH-INF`: Queries the weather at stations.
     WthInf(wth_inf::Request),
-    /// `WTH-LIST`: Asks which weather stations there are.
+    /// `WTH-LIST`: Lists the ids of all weather stations.
     WthList(wth_list::Request),
     /// A message of another type, as it is.
     Other(Json),
@@ -431,147 +431,147 @@ json_messages! {
 /// The answer to a request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Response {
-    /// `ACK-ACK`: The request was carried out, and there is nothing to report.
+    /// `ACK-ACK`: The request succeeded, and there is no result to return.
     AckAck(ack_ack::Response),
-    /// `ACK-NAK`: The request was turned down, or it was tried and failed. Any request may be answered so; one that needs a login is, where nobody has logged in.
+    /// `ACK-NAK`: The request was refused or failed. ACK-NAK may answer any request. It also answers a request that requires a login if no user is logged in.
     AckNak(ack_nak::Response),
-    /// `ASYNC-CANCEL`: The client has lost interest in operations. Those that were cancelled still end in an ASYNC-RESP, with an error.
+    /// `ASYNC-CANCEL`: Cancels operations that the client no longer needs. A cancelled operation still ends with an ASYNC-RESP that contains an error.
     AsyncCancel(async_cancel::Response),
-    /// `ASYNC-RESUME`: The client has what suspended operations are waiting for.
+    /// `ASYNC-RESUME`: Resumes suspended operations with the values that they wait for.
     AsyncResume(async_resume::Response),
-    /// `AUTH-INF`: Asks how to log in, and whether one has to.
+    /// `AUTH-INF`: Queries the authentication methods and whether authentication is required.
     AuthInf(auth_inf::Response),
-    /// `AUTH-RESP`: The outcome of a login, or a challenge for its next step. Exactly one of result and data is there, and user exactly where result is true.
+    /// `AUTH-RESP`: Reports the outcome of a login, or a challenge for its next step. Exactly one of result and data is present. user is present exactly if result is true.
     AuthResp(auth_resp::Response),
-    /// `AUTH-WHOAMI`: Asks who is logged in on this connection.
+    /// `AUTH-WHOAMI`: Queries the user who is logged in on this connection.
     AuthWhoami(auth_whoami::Response),
-    /// `BCN-INF`: Asks for the state of beacons.
+    /// `BCN-INF`: Queries the state of beacons.
     BcnInf(bcn_inf::Response),
-    /// `BCN-PROPS`: Asks for what hardly ever changes about beacons.
+    /// `BCN-PROPS`: Queries properties of beacons that rarely change.
     BcnProps(bcn_props::Response),
-    /// `CLK-INF`: Asks for the state of clocks. The server also sends it by itself when one is started, stopped or set.
+    /// `CLK-INF`: Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
     ClkInf(clk_inf::Response),
-    /// `CLK-LIST`: Asks which clocks there are.
+    /// `CLK-LIST`: Lists the ids of all clocks.
     ClkList(clk_list::Response),
-    /// `CONN-INF`: Asks for the state of connections. The server also sends it by itself when the state of one changes.
+    /// `CONN-INF`: Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
     ConnInf(conn_inf::Response),
-    /// `CONN-LIST`: Asks which connections there are.
+    /// `CONN-LIST`: Lists the ids of all connections.
     ConnList(conn_list::Response),
-    /// `DEV-INF`: Asks for the values of channels. A path that names a device stands for all channels below it: its value is then an object that has the form of that part of the tree. The server also sends it by itself when a channel changes that the client has subscribed to.
+    /// `DEV-INF`: Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
     DevInf(dev_inf::Response),
-    /// `DEV-LIST`: Asks for the device trees of objects.
+    /// `DEV-LIST`: Queries the device trees of objects.
     DevList(dev_list::Response),
-    /// `DEV-LISTSUB`: Asks what the client has subscribed to.
+    /// `DEV-LISTSUB`: Lists the subscriptions of the client.
     DevListsub(dev_listsub::Response),
-    /// `DEV-SUB`: Subscribes to channels, or to all channels below devices. The same path may be subscribed to several times.
+    /// `DEV-SUB`: Subscribes to channels, or to all channels below devices. A client may subscribe to the same path several times.
     DevSub(dev_sub::Response),
-    /// `DEV-UNSUB`: Takes subscriptions back: for each path one, or all.
+    /// `DEV-UNSUB`: Removes one or all subscriptions to each path.
     DevUnsub(dev_unsub::Response),
-    /// `DOCK-INF`: Asks for the state of docking stations.
+    /// `DOCK-INF`: Queries the state of docking stations.
     DockInf(dock_inf::Response),
-    /// `EXT-CFG`: Asks how extensions are configured.
+    /// `EXT-CFG`: Queries the configuration of extensions.
     ExtCfg(ext_cfg::Response),
-    /// `EXT-INF`: Asks for particulars of extensions.
+    /// `EXT-INF`: Queries information about extensions.
     ExtInf(ext_inf::Response),
-    /// `EXT-LIST`: Asks which extensions there are.
+    /// `EXT-LIST`: Lists the loaded and available extensions.
     ExtList(ext_list::Response),
-    /// `EXT-LOAD`: Takes extensions into use.
+    /// `EXT-LOAD`: Loads extensions.
     ExtLoad(ext_load::Response),
-    /// `EXT-RELOAD`: Takes extensions out of use and into use again.
+    /// `EXT-RELOAD`: Unloads extensions and loads them again.
     ExtReload(ext_reload::Response),
     /// `EXT-SETCFG`: Configures extensions.
     ExtSetcfg(ext_setcfg::Response),
-    /// `EXT-UNLOAD`: Takes extensions out of use.
+    /// `EXT-UNLOAD`: Unloads extensions.
     ExtUnload(ext_unload::Response),
-    /// `FW-OBJECT-LIST`: Asks which objects can take firmware.
+    /// `FW-OBJECT-LIST`: Lists the objects whose firmware can be updated.
     FwObjectList(fw_object_list::Response),
-    /// `FW-TARGET-INF`: Asks for particulars of targets.
+    /// `FW-TARGET-INF`: Queries information about targets.
     FwTargetInf(fw_target_inf::Response),
-    /// `FW-TARGET-LIST`: Asks which targets there are.
+    /// `FW-TARGET-LIST`: Lists the targets.
     FwTargetList(fw_target_list::Response),
-    /// `FW-UPLOAD`: Puts firmware on objects.
+    /// `FW-UPLOAD`: Uploads firmware to objects.
     FwUpload(fw_upload::Response),
-    /// `LCN-INF`: Asks for the licence.
+    /// `LCN-INF`: Queries the licence.
     LcnInf(lcn_inf::Response),
-    /// `LOG-DATA`: Asks a UAV for one of its logs.
+    /// `LOG-DATA`: Downloads one log of a UAV.
     LogData(log_data::Response),
-    /// `LOG-INF`: Asks which logs UAVs have.
+    /// `LOG-INF`: Lists the logs of UAVs.
     LogInf(log_inf::Response),
-    /// `OBJ-CMD`: Hands a command on to objects. What it means is up to each of them; the server doesn't look into it.
+    /// `OBJ-CMD`: Forwards a command to objects. Each object interprets the command; the server does not.
     ObjCmd(obj_cmd::Response),
-    /// `OBJ-LIST`: Asks which objects the server knows. When it counts an object as known is up to the server.
+    /// `OBJ-LIST`: Lists the objects that the server knows. The server decides when an object counts as known.
     ObjList(obj_list::Response),
-    /// `PRM-GET`: Asks for the value of a parameter.
+    /// `PRM-GET`: Queries the value of a parameter.
     PrmGet(prm_get::Response),
-    /// `PRM-SET`: Gives a parameter another value.
+    /// `PRM-SET`: Sets the value of a parameter.
     PrmSet(prm_set::Response),
-    /// `PRM-SET-MANY`: Gives several parameters other values.
+    /// `PRM-SET-MANY`: Sets the values of several parameters.
     PrmSetMany(prm_set_many::Response),
-    /// `RTK-INF`: Asks for particulars of presets.
+    /// `RTK-INF`: Queries information about presets.
     RtkInf(rtk_inf::Response),
-    /// `RTK-LIST`: Asks which presets there are.
+    /// `RTK-LIST`: Lists the ids of all presets.
     RtkList(rtk_list::Response),
-    /// `RTK-SOURCE`: Asks which preset is in use, or takes one into use. With id it sets, and is answered by ACK-ACK; without, it asks, and is answered by its own type.
+    /// `RTK-SOURCE`: Queries or selects the active preset. A request with id selects a preset and is answered by ACK-ACK. A request without id queries the active preset and is answered by RTK-SOURCE.
     RtkSource(rtk_source::Response),
-    /// `RTK-STAT`: Asks how corrections come in and go out at present.
+    /// `RTK-STAT`: Queries the current reception and transmission of corrections.
     RtkStat(rtk_stat::Response),
-    /// `RTK-SURVEY`: Makes the base station in use find its own position, or tells it where it stands.
+    /// `RTK-SURVEY`: Makes the active base station survey its own position, or sets that position.
     RtkSurvey(rtk_survey::Response),
-    /// `SHOW-CFG`: Asks how the show is configured.
+    /// `SHOW-CFG`: Queries the configuration of the show.
     ShowCfg(show_cfg::Response),
-    /// `SHOW-CRTH-PLAN`: Has ways home worked out for a show: at certain moments of it, all UAVs could break off and fly home together without coming too close to each other.
+    /// `SHOW-CRTH-PLAN`: Plans collective returns to home for a show. Such a return starts at one of several points in time: all UAVs leave the show and fly home together at a safe distance from each other.
     ShowCrthPlan(show_crth_plan::Response),
-    /// `SHOW-CRTH-START`: Makes all UAVs of a show break off and fly home together.
+    /// `SHOW-CRTH-START`: Makes all UAVs of a show leave it and fly home together.
     ShowCrthStart(show_crth_start::Response),
-    /// `SHOW-LIGHTS`: Asks what the lights of the UAVs are told to do.
+    /// `SHOW-LIGHTS`: Queries the configuration of the UAV lights.
     ShowLights(show_lights::Response),
-    /// `SYS-PORTS`: Asks where the services of the server are to be found.
+    /// `SYS-PORTS`: Queries the ports of the server's services.
     SysPorts(sys_ports::Response),
-    /// `SYS-TIME`: Asks for the time of the server, or sets its clock.
+    /// `SYS-TIME`: Queries the time of the server, or adjusts its clock.
     SysTime(sys_time::Response),
-    /// `SYS-VER`: Asks which server this is.
+    /// `SYS-VER`: Queries the name and version of the server.
     SysVer(sys_ver::Response),
-    /// `TIMESYNC-STATUS`: Asks how the server's clock stands to the time of the world. The server also sends it by itself: it has to when the clock falls out of step or back into it, and it may when the offset changes.
+    /// `TIMESYNC-STATUS`: Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
     TimesyncStatus(timesync_status::Response),
-    /// `UAV-CALIB`: Calibrates a component. What counts as success depends on the component: that calibration is done, or where people have to take part, that it has begun.
+    /// `UAV-CALIB`: Calibrates a component. Depending on the component, success means that the calibration is complete or, if a person has to assist, that it has started.
     UavCalib(uav_calib::Response),
-    /// `UAV-FLY`: Sends UAVs to a place, all to the same. How they keep clear of each other there is up to them.
+    /// `UAV-FLY`: Sends all given UAVs to the same position. The UAVs themselves must avoid collisions there.
     UavFly(uav_fly::Response),
-    /// `UAV-HALT`: Shuts UAVs down at once, in the air, too: for emergencies only.
+    /// `UAV-HALT`: Shuts UAVs down immediately, even in the air. For emergencies only.
     UavHalt(uav_halt::Response),
-    /// `UAV-HOVER`: Makes UAVs stop and stay where they are in the air. Nothing for those that can't fly on the spot.
+    /// `UAV-HOVER`: Makes UAVs stop and hover in place. Not applicable to UAVs that cannot hover.
     UavHover(uav_hover::Response),
-    /// `UAV-INF`: Asks for the state of UAVs. The server also sends it by itself when the state of some changes.
+    /// `UAV-INF`: Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
     UavInf(uav_inf::Response),
-    /// `UAV-LAND`: Makes UAVs land where they are.
+    /// `UAV-LAND`: Makes UAVs land at their current position.
     UavLand(uav_land::Response),
-    /// `UAV-LIST`: Asks which UAVs the server knows. It is the same as OBJ-LIST with a filter of uav alone.
+    /// `UAV-LIST`: Lists the UAVs that the server knows. Equivalent to OBJ-LIST with the filter uav.
     UavList(uav_list::Response),
-    /// `UAV-MOTOR`: Turns motors on without a takeoff, or off. Off in the air is refused, unless it is forced.
+    /// `UAV-MOTOR`: Starts motors without a takeoff, or stops them. Stopping them in the air is refused unless it is forced.
     UavMotor(uav_motor::Response),
-    /// `UAV-PREFLT`: Asks for the checks of UAVs before flight. The server may also send it by itself.
+    /// `UAV-PREFLT`: Queries the preflight checks of UAVs. The server may also send it as a notification.
     UavPreflt(uav_preflt::Response),
-    /// `UAV-RST`: Restarts UAVs, or a component of them.
+    /// `UAV-RST`: Restarts UAVs or one of their components.
     UavRst(uav_rst::Response),
-    /// `UAV-RTH`: Sends UAVs home.
+    /// `UAV-RTH`: Makes UAVs return to home.
     UavRth(uav_rth::Response),
-    /// `UAV-SIGNAL`: Makes UAVs draw attention to themselves.
+    /// `UAV-SIGNAL`: Makes UAVs attract attention, for example with light or sound.
     UavSignal(uav_signal::Response),
-    /// `UAV-SLEEP`: Sends UAVs to sleep: most of them is switched off, but they can be woken from afar. A UAV that can't be woken again must not obey by switching itself off.
+    /// `UAV-SLEEP`: Puts UAVs to sleep: most of their parts are switched off, but they can be woken remotely. A UAV that cannot be woken must not switch itself off in response.
     UavSleep(uav_sleep::Response),
     /// `UAV-TAKEOFF`: Makes UAVs take off.
     UavTakeoff(uav_takeoff::Response),
-    /// `UAV-TEST`: Makes UAVs test a component of theirs. What counts as success depends on the component: that the test was passed, or where people have to watch, that it has begun.
+    /// `UAV-TEST`: Tests a component. Depending on the component, success means that the test was passed or, if a person has to watch, that it has started.
     UavTest(uav_test::Response),
-    /// `UAV-VER`: Asks for the versions of what UAVs are made of.
+    /// `UAV-VER`: Queries the versions of the components of UAVs.
     UavVer(uav_ver::Response),
-    /// `UAV-WAKEUP`: Wakes UAVs that sleep.
+    /// `UAV-WAKEUP`: Wakes UAVs from sleep.
     UavWakeup(uav_wakeup::Response),
-    /// `WTH-AT`: Asks for the weather at a place.
+    /// `WTH-AT`: Queries the weather at a position.
     WthAt(wth_at::Response),
-    /// `WTH-INF`: Asks for the weather at stations.
+    /// `WTH-INF`: Queries the weather at stations.
     WthInf(wth_inf::Response),
-    /// `WTH-LIST`: Asks which weather stations there are.
+    /// `WTH-LIST`: Lists the ids of all weather stations.
     WthList(wth_list::Response),
     /// A message of another type, as it is.
     Other(Json),
@@ -655,31 +655,31 @@ json_messages! {
 /// A message from a server that wasn't asked.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Notification {
-    /// `ASYNC-RESP`: An operation has come to its end. Exactly one of result and error is there.
+    /// `ASYNC-RESP`: Reports the end of an operation. Exactly one of result and error is present.
     AsyncResp(async_resp::Notification),
-    /// `ASYNC-ST`: How an operation is getting on, or that it waits for the client.
+    /// `ASYNC-ST`: Reports the progress of an operation, or that it is suspended.
     AsyncSt(async_st::Notification),
-    /// `ASYNC-TIMEOUT`: The server has given up waiting for operations.
+    /// `ASYNC-TIMEOUT`: Reports operations that the server no longer waits for.
     AsyncTimeout(async_timeout::Notification),
-    /// `CLK-INF`: Asks for the state of clocks. The server also sends it by itself when one is started, stopped or set.
+    /// `CLK-INF`: Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
     ClkInf(clk_inf::Notification),
-    /// `CONN-DEL`: Connections are gone from the server.
+    /// `CONN-DEL`: Reports connections that no longer exist on the server.
     ConnDel(conn_del::Notification),
-    /// `CONN-INF`: Asks for the state of connections. The server also sends it by itself when the state of one changes.
+    /// `CONN-INF`: Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
     ConnInf(conn_inf::Notification),
-    /// `DEV-INF`: Asks for the values of channels. A path that names a device stands for all channels below it: its value is then an object that has the form of that part of the tree. The server also sends it by itself when a channel changes that the client has subscribed to.
+    /// `DEV-INF`: Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
     DevInf(dev_inf::Notification),
-    /// `OBJ-DEL`: Objects are gone from the server, mostly since nothing was heard of them.
+    /// `OBJ-DEL`: Reports objects that no longer exist on the server, usually because nothing has been received from them.
     ObjDel(obj_del::Notification),
-    /// `SYS-CLOSE`: The server is about to cut the connection to this client. It is a courtesy: connections may end without it.
+    /// `SYS-CLOSE`: Announces that the server is about to close the connection to this client. Connections may also end without it.
     SysClose(sys_close::Notification),
-    /// `SYS-MSG`: Messages to the people at the client.
+    /// `SYS-MSG`: Sends messages to the users of the client.
     SysMsg(sys_msg::Notification),
-    /// `TIMESYNC-STATUS`: Asks how the server's clock stands to the time of the world. The server also sends it by itself: it has to when the clock falls out of step or back into it, and it may when the offset changes.
+    /// `TIMESYNC-STATUS`: Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
     TimesyncStatus(timesync_status::Notification),
-    /// `UAV-INF`: Asks for the state of UAVs. The server also sends it by itself when the state of some changes.
+    /// `UAV-INF`: Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
     UavInf(uav_inf::Notification),
-    /// `UAV-PREFLT`: Asks for the checks of UAVs before flight. The server may also send it by itself.
+    /// `UAV-PREFLT`: Queries the preflight checks of UAVs. The server may also send it as a notification.
     UavPreflt(uav_preflt::Notification),
     /// A message of another type, as it is.
     Other(Json),

@@ -5,13 +5,14 @@
 use uavspec_runtime::uorb::Elements;
 use uavspec_runtime::{Definition, Message, flags, format_record, open, record};
 
-/// Answer of an external component to an ArmingCheckRequest
+/// Reply of an external component to an ArmingCheckRequest
 ///
-/// A component outside the flight controller, such as a flight mode that runs as a ROS 2 node, sends one for each request,
-/// whether the vehicle is armed or not. It says if the component agrees to arming, why not, and what its mode needs to run.
-/// The flight controller copies those needs into the mode_req masks of FailsafeFlags and passes the reasons on to ground stations.
+/// A component outside the flight controller, such as a ROS 2 flight mode, sends one reply to each request, even while the
+/// vehicle is armed. The reply states whether the component allows arming, the reasons if it does not, and the requirements
+/// of its mode. The flight controller copies these requirements into the mode_req masks of FailsafeFlags and forwards the
+/// reasons to ground stations.
 ///
-/// The component names itself by the id that RegisterExtComponentReply gave it. Built-in modes send no replies.
+/// The component identifies itself by the id from RegisterExtComponentReply. Built-in modes send no replies.
 ///
 /// | | |
 /// |---|---|
@@ -22,80 +23,80 @@ use uavspec_runtime::{Definition, Message, flags, format_record, open, record};
 /// | CDR | 231 bytes |
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct ArmingCheckReply {
-    /// Time of this message, counted from system start
+    /// Time since boot
     ///
     /// Unit: us (microseconds).
     pub timestamp: u64,
-    /// request_id of the ArmingCheckRequest that this answers
+    /// request_id of the ArmingCheckRequest
     pub request_id: u8,
-    /// Who answers: the arming_check_id from RegisterExtComponentReply
+    /// Id of the component: arming_check_id of its RegisterExtComponentReply
     pub registration_id: u8,
     /// Health component that the next three fields describe
     pub health_component_index: HealthComponentIndex,
-    /// True if that component is there; not used yet, kept for health reports (health_component_t in events.json)
+    /// True if the health component is present. Unused, reserved for health reports (health_component_t in events.json)
     pub health_component_is_present: bool,
-    /// True if that component has a warning; not used yet, kept for health reports
+    /// True if the health component reports a warning. Unused, reserved for health reports
     pub health_component_warning: bool,
-    /// True if that component has an error; not used yet, kept for health reports
+    /// True if the health component reports an error. Unused, reserved for health reports
     pub health_component_error: bool,
-    /// True if the component lets the vehicle arm; a flight mode: arm in it, or enter it once armed. If false, events say why
+    /// True if the component allows arming. For a flight mode: true if the vehicle may arm in it, or enter it while armed
     pub can_arm_and_run: bool,
-    /// Entries of events in use, from the first on
+    /// Number of used entries at the start of events
     ///
     /// Counts the entries in use of [`events`](Self::events).
     pub num_events: u8,
-    /// Reasons against arming, to be forwarded to ground stations; entries from num_events on are to be ignored
+    /// Reasons against arming, to be forwarded to ground stations. Entries from num_events on must be ignored
     pub events: [super::Event; 5],
-    /// True if the mode needs angular rates (as from gyroscopes)
+    /// True if the mode requires an angular velocity, for example from a gyroscope
     ///
     /// Group: Mode requirements.
     pub mode_req_angular_velocity: bool,
-    /// True if the mode needs an attitude
+    /// True if the mode requires an attitude
     ///
     /// Group: Mode requirements.
     pub mode_req_attitude: bool,
-    /// True if the mode needs a local altitude
+    /// True if the mode requires a local altitude
     ///
     /// Group: Mode requirements.
     pub mode_req_local_alt: bool,
-    /// True if the mode needs a local position at full accuracy
+    /// True if the mode requires a local position with full accuracy
     ///
     /// Group: Mode requirements.
     pub mode_req_local_position: bool,
-    /// True if the mode needs a local position but copes with a coarse one
+    /// True if the mode requires a local position, possibly with reduced accuracy
     ///
     /// Group: Mode requirements.
     pub mode_req_local_position_relaxed: bool,
-    /// True if the mode needs a global position at full accuracy
+    /// True if the mode requires a global position with full accuracy
     ///
     /// Group: Mode requirements.
     pub mode_req_global_position: bool,
-    /// True if the mode needs a global position but copes with a coarse one
+    /// True if the mode requires a global position, possibly with reduced accuracy
     ///
     /// Group: Mode requirements.
     pub mode_req_global_position_relaxed: bool,
-    /// True if the mode needs a mission on board
+    /// True if the mode requires a mission
     ///
     /// Group: Mode requirements.
     pub mode_req_mission: bool,
-    /// True if the mode needs a home position, as Return does
+    /// True if the mode requires a home position, as Return mode does
     ///
     /// Group: Mode requirements.
     pub mode_req_home_position: bool,
-    /// True if the vehicle must not arm in the mode, as in Land
+    /// True if the vehicle cannot arm in the mode, as in Land mode
     ///
     /// Group: Mode requirements.
     pub mode_req_prevent_arming: bool,
-    /// True if the mode needs a pilot's input
+    /// True if the mode requires manual control input
     ///
     /// Group: Mode requirements.
     pub mode_req_manual_control: bool,
 }
 
 impl ArmingCheckReply {
-    /// Layout version, raised with each change of the fields
+    /// Message version, incremented with each change of the fields
     pub const MESSAGE_VERSION: u32 = 1;
-    /// Replies that the topic holds before the oldest is lost
+    /// Queue length of the topic
     pub const ORB_QUEUE_LENGTH: u8 = 4;
 }
 
@@ -157,21 +158,21 @@ format_record! {
 
 flags! {
     ArmingCheckReply;
-    health_component_is_present "health_component_is_present" "" "True if that component is there; not used yet, kept for health reports (health_component_t in events.json)";
-    health_component_warning "health_component_warning" "" "True if that component has a warning; not used yet, kept for health reports";
-    health_component_error "health_component_error" "" "True if that component has an error; not used yet, kept for health reports";
-    can_arm_and_run "can_arm_and_run" "" "True if the component lets the vehicle arm; a flight mode: arm in it, or enter it once armed. If false, events say why";
-    mode_req_angular_velocity "mode_req_angular_velocity" "Mode requirements" "True if the mode needs angular rates (as from gyroscopes)";
-    mode_req_attitude "mode_req_attitude" "Mode requirements" "True if the mode needs an attitude";
-    mode_req_local_alt "mode_req_local_alt" "Mode requirements" "True if the mode needs a local altitude";
-    mode_req_local_position "mode_req_local_position" "Mode requirements" "True if the mode needs a local position at full accuracy";
-    mode_req_local_position_relaxed "mode_req_local_position_relaxed" "Mode requirements" "True if the mode needs a local position but copes with a coarse one";
-    mode_req_global_position "mode_req_global_position" "Mode requirements" "True if the mode needs a global position at full accuracy";
-    mode_req_global_position_relaxed "mode_req_global_position_relaxed" "Mode requirements" "True if the mode needs a global position but copes with a coarse one";
-    mode_req_mission "mode_req_mission" "Mode requirements" "True if the mode needs a mission on board";
-    mode_req_home_position "mode_req_home_position" "Mode requirements" "True if the mode needs a home position, as Return does";
-    mode_req_prevent_arming "mode_req_prevent_arming" "Mode requirements" "True if the vehicle must not arm in the mode, as in Land";
-    mode_req_manual_control "mode_req_manual_control" "Mode requirements" "True if the mode needs a pilot's input";
+    health_component_is_present "health_component_is_present" "" "True if the health component is present. Unused, reserved for health reports (health_component_t in events.json)";
+    health_component_warning "health_component_warning" "" "True if the health component reports a warning. Unused, reserved for health reports";
+    health_component_error "health_component_error" "" "True if the health component reports an error. Unused, reserved for health reports";
+    can_arm_and_run "can_arm_and_run" "" "True if the component allows arming. For a flight mode: true if the vehicle may arm in it, or enter it while armed";
+    mode_req_angular_velocity "mode_req_angular_velocity" "Mode requirements" "True if the mode requires an angular velocity, for example from a gyroscope";
+    mode_req_attitude "mode_req_attitude" "Mode requirements" "True if the mode requires an attitude";
+    mode_req_local_alt "mode_req_local_alt" "Mode requirements" "True if the mode requires a local altitude";
+    mode_req_local_position "mode_req_local_position" "Mode requirements" "True if the mode requires a local position with full accuracy";
+    mode_req_local_position_relaxed "mode_req_local_position_relaxed" "Mode requirements" "True if the mode requires a local position, possibly with reduced accuracy";
+    mode_req_global_position "mode_req_global_position" "Mode requirements" "True if the mode requires a global position with full accuracy";
+    mode_req_global_position_relaxed "mode_req_global_position_relaxed" "Mode requirements" "True if the mode requires a global position, possibly with reduced accuracy";
+    mode_req_mission "mode_req_mission" "Mode requirements" "True if the mode requires a mission";
+    mode_req_home_position "mode_req_home_position" "Mode requirements" "True if the mode requires a home position, as Return mode does";
+    mode_req_prevent_arming "mode_req_prevent_arming" "Mode requirements" "True if the vehicle cannot arm in the mode, as in Land mode";
+    mode_req_manual_control "mode_req_manual_control" "Mode requirements" "True if the mode requires manual control input";
 }
 
 /// Values of `health_component_index` of `ArmingCheckReply`.
@@ -182,7 +183,7 @@ flags! {
 pub struct HealthComponentIndex(pub u8);
 
 impl HealthComponentIndex {
-    /// The reply speaks for no health component
+    /// No health component
     pub const NONE: Self = Self(0);
 }
 

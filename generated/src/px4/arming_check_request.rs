@@ -4,10 +4,10 @@
 
 use uavspec_runtime::{Definition, Message, format_record, record};
 
-/// Call to all registered external components to report whether they agree to arming
+/// Request to all registered external components to report whether they allow arming
 ///
-/// The flight controller broadcasts it at a steady rate, also in flight, so that it always knows which external modes can run.
-/// Each registered component answers with one ArmingCheckReply.
+/// The flight controller publishes it at regular intervals, even in flight, so that it always knows which external modes can
+/// run. Each registered component answers with one ArmingCheckReply.
 ///
 /// | | |
 /// |---|---|
@@ -17,18 +17,18 @@ use uavspec_runtime::{Definition, Message, format_record, record};
 /// | CDR | 20 bytes |
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct ArmingCheckRequest {
-    /// Time of this message, counted from system start
+    /// Time since boot
     ///
     /// Unit: us (microseconds).
     pub timestamp: u64,
-    /// Number that the replies to this request carry; the next request has another
+    /// Id of the request. Each request has a new id, and the replies repeat it
     pub request_id: u8,
-    /// Bit N is set while registration id N exists and its component answers; clear otherwise
+    /// Bit mask of valid registrations: bit N is set while registration id N exists and its component responds
     pub valid_registrations_mask: u32,
 }
 
 impl ArmingCheckRequest {
-    /// Layout version, raised with each change of the fields
+    /// Message version, incremented with each change of the fields
     pub const MESSAGE_VERSION: u32 = 1;
 }
 

@@ -5,10 +5,10 @@
 use uavspec_runtime::uorb::Elements;
 use uavspec_runtime::{Definition, Message, flags, format_record, open, record};
 
-/// State of one battery: readings, estimates, warnings and faults
+/// Battery state: measurements, estimates, warnings and faults
 ///
-/// Power modules, smart batteries and speed controllers are the sources. Each battery is an instance of the topic.
-/// Where a field has no value that says so, sources that don't know it leave 0.
+/// Published by power modules, smart batteries and ESCs. Each battery has a separate topic instance.
+/// If a field does not define a value for missing data, sources set it to 0 if they do not know it.
 ///
 /// | | |
 /// |---|---|
@@ -17,47 +17,47 @@ use uavspec_runtime::{Definition, Message, flags, format_record, open, record};
 /// | CDR | 180 bytes |
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct BatteryStatus {
-    /// Time of this message, counted from system start
+    /// Time since boot
     ///
     /// Unit: us (microseconds).
     pub timestamp: u64,
-    /// True if a battery is connected; where only voltage is measured, if that is above a threshold
+    /// True if a battery is connected. If only the voltage is measured: true if it exceeds a threshold
     ///
     /// Group: Readings and estimates.
     pub connected: bool,
-    /// Pack voltage
+    /// Battery voltage
     ///
     /// Group: Readings and estimates; unit: V (volts); no data: `0`.
     pub voltage_v: f32,
-    /// Pack voltage, smoothed
+    /// Filtered battery voltage
     ///
     /// Group: Readings and estimates; unit: V (volts); no data: `0`.
     pub voltage_filtered_v: f32,
-    /// Current drawn from the pack
+    /// Battery current
     ///
     /// Group: Readings and estimates; unit: A (amperes); no data: `-1`.
     pub current_a: f32,
-    /// Current drawn from the pack, smoothed
+    /// Filtered battery current
     ///
     /// Group: Readings and estimates; unit: A (amperes); no data: `0`.
     pub current_filtered_a: f32,
-    /// Mean current over a longer time; fixed-wing vehicles average over level flight alone
+    /// Average current over a longer period; fixed-wing vehicles only average it in level flight
     ///
     /// Group: Readings and estimates; unit: A (amperes); no data: `-1`.
     pub current_average_a: f32,
-    /// Charge drawn so far
+    /// Charge consumed so far
     ///
     /// Group: Readings and estimates; unit: mAh (milliampere hours); no data: `-1`.
     pub discharged_mah: f32,
-    /// State of charge: 1 is full, 0 is empty
+    /// State of charge, from 0 (empty) to 1 (full)
     ///
     /// Group: Readings and estimates; range: 0 to 1; no data: `-1`.
     pub remaining: f32,
-    /// Factor on actuator outputs that makes up for sagging voltage
+    /// Factor that compensates actuator outputs for voltage drop
     ///
     /// Group: Readings and estimates; range: 1 or more; no data: `-1`.
     pub scale: f32,
-    /// Forecast of the time until empty, if the mean load stays as it was
+    /// Predicted time until the battery is empty at the average load so far
     ///
     /// Group: Readings and estimates; unit: s (seconds); no data: `NaN`.
     pub time_remaining_s: f32,
@@ -65,51 +65,51 @@ pub struct BatteryStatus {
     ///
     /// Group: Readings and estimates; unit: degC (degrees Celsius); no data: `NaN`.
     pub temperature: f32,
-    /// Cells in series
+    /// Number of cells in series
     ///
     /// Group: Readings and estimates; no data: `0`.
     pub cell_count: u8,
-    /// Where these data come from
+    /// Source of the battery data
     ///
     /// Group: Pack.
     pub source: BatterySource,
-    /// Input of the power controller that the battery feeds, from 0: input Vn (brick n) is n - 1
+    /// Zero-based input of the power controller: input Vn (brick n) has the value n - 1
     ///
     /// Group: Pack.
     pub priority: u8,
-    /// Charge that the full pack holds
+    /// Capacity of the fully charged battery
     ///
     /// Group: Pack; unit: mAh (milliampere hours).
     pub capacity: u16,
-    /// Times that the pack was discharged so far
+    /// Number of discharge cycles
     ///
     /// Group: Pack.
     pub cycle_count: u16,
-    /// Forecast of the time until empty at the mean rate of discharge
+    /// Predicted time until the battery is empty at the average discharge rate
     ///
     /// Group: Pack; unit: min (minutes).
     pub average_time_to_empty: u16,
-    /// Serial number of the pack
+    /// Serial number
     ///
     /// Group: Pack.
     pub serial_number: u16,
-    /// Day of manufacture, part of the serial number: day in bits 0 to 4, month in bits 5 to 8, years since 1980 in bits 9 to 15
+    /// Date of manufacture, part of the serial number: day in bits 0 to 4, month in bits 5 to 8, years since 1980 in bits 9 to 15
     ///
     /// Group: Pack.
     pub manufacture_date: u16,
-    /// Charge that the full pack holds, as a share of its design capacity
+    /// Full charge capacity as a percentage of the design capacity
     ///
     /// Group: Pack; unit: % (percent); range: 0 to 100.
     pub state_of_health: u16,
-    /// Error to expect in the state of charge; some sources leave 0
+    /// Expected error of the state of charge; some sources report 0
     ///
     /// Group: Pack; unit: % (percent); range: 1 to 100.
     pub max_error: u16,
-    /// Number of the battery, from 1: no two alike on a vehicle, and always the same
+    /// Battery number, from 1. It is unique on a vehicle and never changes
     ///
     /// Group: Pack.
     pub id: u8,
-    /// Count of errors on the connection to the battery
+    /// Number of errors on the connection to the battery
     ///
     /// Group: Pack.
     pub interface_error: u16,
@@ -117,74 +117,74 @@ pub struct BatteryStatus {
     ///
     /// Group: Cells; unit: V (volts); no data: `0`.
     pub voltage_cell_v: [f32; 14],
-    /// Highest cell voltage less the lowest
+    /// Difference between the highest and the lowest cell voltage
     ///
     /// Group: Cells; unit: V (volts).
     pub max_cell_voltage_delta: f32,
-    /// True if the battery is about to switch itself off; false also means not known
+    /// True if the battery is about to power off. False if not, or if unknown
     ///
     /// Group: Operation.
     pub is_powering_off: bool,
-    /// True if arming without this battery is not permitted
+    /// True if the vehicle cannot arm without this battery
     ///
     /// Group: Operation.
     pub is_required: bool,
-    /// What is wrong with the battery: bit N is set for the fault of value N
+    /// Fault bits: bit N is set for the fault with value N
     ///
     /// Group: Warnings and faults.
     pub faults: BatteryFault,
-    /// Bits of the manufacturer's own; nothing that a user could mend
+    /// Manufacturer-specific fault bits, not meant for users
     ///
     /// Group: Warnings and faults.
     pub custom_faults: u32,
-    /// How urgent the state of the battery is
+    /// Battery warning or state
     ///
     /// Group: Warnings and faults.
     pub warning: BatteryWarning,
-    /// Special mode that the battery is in; none in normal operation
+    /// Special operating mode of the battery
     ///
     /// Group: Warnings and faults.
     pub mode: BatteryMode,
-    /// Power that the pack has given off during this discharge, on the mean
+    /// Average power during this discharge cycle
     ///
     /// Group: Energy; unit: W (watts).
     pub average_power: f32,
-    /// Forecast of what is left in the battery; charge or energy: no unit is defined
+    /// Predicted remaining charge or energy; its unit is not defined
     ///
     /// Group: Energy.
     pub available_energy: f32,
-    /// Energy that the full pack holds, compensated
+    /// Compensated energy of the fully charged battery
     ///
     /// Group: Energy; unit: Wh (watt hours).
     pub full_charge_capacity_wh: f32,
-    /// Energy left in the pack, compensated
+    /// Compensated remaining energy
     ///
     /// Group: Energy; unit: Wh (watt hours).
     pub remaining_capacity_wh: f32,
-    /// What the pack held by design; no unit is defined
+    /// Design capacity; its unit is not defined
     ///
     /// Group: Energy.
     pub design_capacity: f32,
-    /// Forecast of the time until fully charged
+    /// Predicted time until the battery is fully charged
     ///
     /// Group: Energy; unit: min (minutes).
     pub average_time_to_full: u16,
-    /// Times that the pack was discharged too far
+    /// Number of overdischarges
     ///
     /// Group: Energy.
     pub over_discharge_count: u16,
-    /// Voltage that the pack is rated at
+    /// Nominal battery voltage
     ///
     /// Group: Energy; unit: V (volts).
     pub nominal_voltage: f32,
 }
 
 impl BatteryStatus {
-    /// How many fault bits there are; itself no fault
+    /// Number of fault bits, not a fault
     pub const BATTERY_FAULT_COUNT: u8 = 11;
-    /// How many modes there are; itself no mode
+    /// Number of modes, not a mode
     pub const BATTERY_MODE_COUNT: u8 = 3;
-    /// Greatest number of batteries, each an instance of the topic
+    /// Maximum number of batteries (topic instances)
     pub const MAX_INSTANCES: u8 = 4;
 }
 
@@ -268,9 +268,9 @@ format_record! {
 
 flags! {
     BatteryStatus;
-    connected "connected" "Readings and estimates" "True if a battery is connected; where only voltage is measured, if that is above a threshold";
-    is_powering_off "is_powering_off" "Operation" "True if the battery is about to switch itself off; false also means not known";
-    is_required "is_required" "Operation" "True if arming without this battery is not permitted";
+    connected "connected" "Readings and estimates" "True if a battery is connected. If only the voltage is measured: true if it exceeds a threshold";
+    is_powering_off "is_powering_off" "Operation" "True if the battery is about to power off. False if not, or if unknown";
+    is_required "is_required" "Operation" "True if the vehicle cannot arm without this battery";
 }
 
 /// Values of `source` of `BatteryStatus`.
@@ -283,9 +283,9 @@ pub struct BatterySource(pub u8);
 impl BatterySource {
     /// Power module that measures voltage and current
     pub const POWER_MODULE: Self = Self(0);
-    /// Device that reports the state itself, over MAVLink, CAN or a driver of its own
+    /// External device that reports the battery state, over MAVLink, CAN or a custom driver
     pub const EXTERNAL: Self = Self(1);
-    /// Telemetry of the speed controllers (ESCs)
+    /// Telemetry of the electronic speed controllers (ESCs)
     pub const ESCS: Self = Self(2);
 }
 
@@ -304,25 +304,25 @@ open! {
 pub struct BatteryFault(pub u16);
 
 impl BatteryFault {
-    /// Discharged too far
+    /// Deep discharge
     pub const DEEP_DISCHARGE: Self = Self(0x1);
-    /// Spikes in the voltage
+    /// Voltage spikes
     pub const SPIKES: Self = Self(0x2);
-    /// At least one dead cell
+    /// Failure of one or more cells
     pub const CELL_FAIL: Self = Self(0x4);
-    /// Current too high
+    /// Overcurrent
     pub const OVER_CURRENT: Self = Self(0x8);
-    /// Too hot
+    /// Overtemperature
     pub const OVER_TEMPERATURE: Self = Self(0x10);
-    /// Too cold
+    /// Undertemperature
     pub const UNDER_TEMPERATURE: Self = Self(0x20);
-    /// Voltage doesn't suit the vehicle
+    /// Battery voltage incompatible with the vehicle
     pub const INCOMPATIBLE_VOLTAGE: Self = Self(0x40);
-    /// The battery's firmware doesn't work with the autopilot's
+    /// Battery firmware incompatible with the autopilot firmware
     pub const INCOMPATIBLE_FIRMWARE: Self = Self(0x80);
-    /// Battery of an unsupported model
+    /// Unsupported battery model
     pub const INCOMPATIBLE_MODEL: Self = Self(0x100);
-    /// Broken hardware
+    /// Hardware failure
     pub const HARDWARE_FAILURE: Self = Self(0x200);
 }
 
@@ -348,21 +348,21 @@ open! {
 pub struct BatteryWarning(pub u8);
 
 impl BatteryWarning {
-    /// Voltage is not low
+    /// No low-voltage warning
     pub const NONE: Self = Self(0);
-    /// Voltage is low
+    /// Low voltage
     pub const LOW: Self = Self(1);
-    /// Voltage is critical: break off and return at once
+    /// Critically low voltage: end the mission and return immediately
     pub const CRITICAL: Self = Self(2);
-    /// Land at once
+    /// Land immediately
     pub const EMERGENCY: Self = Self(3);
-    /// Total failure of the battery
+    /// Complete battery failure
     pub const FAILED: Self = Self(4);
-    /// Defect or error found: avoid using the battery, or don't use it at all; faults may say why
+    /// Defect or error: the use of the battery is discouraged or forbidden. See faults for possible causes
     pub const UNHEALTHY: Self = Self(6);
-    /// Battery is being charged
+    /// Charging
     pub const CHARGING: Self = Self(7);
-    /// Too hot; called a warning, yet numbered as bit 10 of faults
+    /// Overtemperature warning. Its value is bit 10 of faults, despite the name
     pub const OVER_TEMPERATURE: Self = Self(10);
 }
 
@@ -386,11 +386,11 @@ open! {
 pub struct BatteryMode(pub u8);
 
 impl BatteryMode {
-    /// Normal operation, or a battery without modes
+    /// Normal operation, or a battery without special modes
     pub const UNKNOWN: Self = Self(0);
-    /// Emptying itself down to storage level
+    /// Automatic discharge to storage level
     pub const AUTO_DISCHARGING: Self = Self(1);
-    /// Hot swap: exchange under power
+    /// Hot swap: exchange while powered
     pub const HOT_SWAP: Self = Self(2);
 }
 

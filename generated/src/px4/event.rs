@@ -5,10 +5,10 @@
 use uavspec_runtime::uorb::Elements;
 use uavspec_runtime::{Definition, Message, format_record, record};
 
-/// Something that happened on the vehicle, in a form that ground stations can put into words
+/// Event on the vehicle, in a form that ground stations translate into text
 ///
-/// It carries an id and raw arguments; text and argument types are in the event metadata (events.json).
-/// It has its own topic, and ArmingCheckReply embeds it to give reasons.
+/// It contains an id and raw arguments; the event metadata (events.json) defines the text and the argument types.
+/// Events have a separate topic, and ArmingCheckReply contains them to give reasons.
 ///
 /// | | |
 /// |---|---|
@@ -19,24 +19,24 @@ use uavspec_runtime::{Definition, Message, format_record, record};
 /// | CDR | 44 bytes |
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Event {
-    /// Time of this message, counted from system start
+    /// Time since boot
     ///
     /// Unit: us (microseconds).
     pub timestamp: u64,
-    /// Which event, as in the metadata; 0 is no event
+    /// Event id from the metadata; 0 means no event
     pub id: u32,
-    /// Running number; a gap shows that an event was lost
+    /// Sequence number; a gap indicates a lost event
     pub event_sequence: u16,
-    /// Argument values as bytes; id decides how many count and what they mean, for some none
+    /// Raw argument values. The id determines their number, which may be 0, and their types
     pub arguments: [u8; 25],
-    /// Two severities: upper 4 bits for the autopilot's own log, lower 4 bits for receivers outside
+    /// Two log levels: autopilot log in the upper 4 bits, external receivers in the lower 4 bits
     pub log_levels: u8,
 }
 
 impl Event {
-    /// Layout version, raised with each change of the fields
+    /// Message version, incremented with each change of the fields
     pub const MESSAGE_VERSION: u32 = 1;
-    /// Events that the topic holds before the oldest is lost
+    /// Queue length of the topic
     pub const ORB_QUEUE_LENGTH: u8 = 16;
 }
 

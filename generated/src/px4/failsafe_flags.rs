@@ -4,15 +4,15 @@
 
 use uavspec_runtime::{Definition, Message, failure_flags, flags, format_record, record};
 
-/// What the failsafe state machine decides on
+/// Input flags of the failsafe state machine
 ///
 /// The arming and health checks publish these flags; the failsafe state machine derives its action from them.
 ///
-/// A flag is false while all is well, so its name states the failure: \_invalid, \_lost, \_unhealthy and the like.
-/// A flag's comment is the label under which the failsafe simulation shows it.
+/// A flag is false if there is no failure, so its name describes the failure: \_invalid, \_lost, \_unhealthy and so on.
+/// The comment of a flag is its label in the failsafe simulation.
 ///
-/// The mode_req fields are bit masks over flight modes: bit N, counted from the lowest as 0,
-/// belongs to the mode whose VehicleStatus NAVIGATION_STATE is N. Where it is set, that mode has the requirement.
+/// The mode_req fields are bit masks of flight modes. Bit N, counted from 0 for the lowest bit, belongs to the mode with
+/// the VehicleStatus NAVIGATION_STATE N. If it is set, that mode has the requirement.
 ///
 /// | | |
 /// |---|---|
@@ -21,63 +21,63 @@ use uavspec_runtime::{Definition, Message, failure_flags, flags, format_record, 
 /// | CDR | 89 bytes |
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct FailsafeFlags {
-    /// Time of this message, counted from system start
+    /// Time since boot
     ///
     /// Unit: us (microseconds).
     pub timestamp: u64,
-    /// Bit N: navigation state N needs angular rates, see angular_velocity_invalid
+    /// Bit N: navigation state N requires an angular velocity, see angular_velocity_invalid
     ///
     /// Group: Per-mode requirements.
     pub mode_req_angular_velocity: u32,
-    /// Bit N: navigation state N needs an attitude, see attitude_invalid
+    /// Bit N: navigation state N requires an attitude, see attitude_invalid
     ///
     /// Group: Per-mode requirements.
     pub mode_req_attitude: u32,
-    /// Bit N: navigation state N needs a local altitude, see local_altitude_invalid
+    /// Bit N: navigation state N requires a local altitude, see local_altitude_invalid
     ///
     /// Group: Per-mode requirements.
     pub mode_req_local_alt: u32,
-    /// Bit N: navigation state N needs a local position, see local_position_invalid
+    /// Bit N: navigation state N requires a local position, see local_position_invalid
     ///
     /// Group: Per-mode requirements.
     pub mode_req_local_position: u32,
-    /// Bit N: navigation state N needs at least a coarse local position, see local_position_invalid_relaxed
+    /// Bit N: navigation state N requires a local position, possibly with reduced accuracy, see local_position_invalid_relaxed
     ///
     /// Group: Per-mode requirements.
     pub mode_req_local_position_relaxed: u32,
-    /// Bit N: navigation state N needs a global position, see global_position_invalid
+    /// Bit N: navigation state N requires a global position, see global_position_invalid
     ///
     /// Group: Per-mode requirements.
     pub mode_req_global_position: u32,
-    /// Bit N: navigation state N needs a mission, see auto_mission_missing
+    /// Bit N: navigation state N requires a mission, see auto_mission_missing
     ///
     /// Group: Per-mode requirements.
     pub mode_req_mission: u32,
-    /// Bit N: navigation state N needs offboard set points, see offboard_control_signal_lost
+    /// Bit N: navigation state N requires offboard setpoints, see offboard_control_signal_lost
     ///
     /// Group: Per-mode requirements.
     pub mode_req_offboard_signal: u32,
-    /// Bit N: navigation state N needs a home position, see home_position_invalid
+    /// Bit N: navigation state N requires a home position, see home_position_invalid
     ///
     /// Group: Per-mode requirements.
     pub mode_req_home_position: u32,
-    /// Bit N: entry into navigation state N is refused while wind_limit_exceeded or flight_time_limit_exceeded
+    /// Bit N: navigation state N cannot be entered while wind_limit_exceeded or flight_time_limit_exceeded is true
     ///
     /// Group: Per-mode requirements.
     pub mode_req_wind_and_flight_time_compliance: u32,
-    /// Bit N: arming is refused in navigation state N
+    /// Bit N: the vehicle cannot arm in navigation state N
     ///
     /// Group: Per-mode requirements.
     pub mode_req_prevent_arming: u32,
-    /// Bit N: navigation state N needs a pilot's input, see manual_control_signal_lost
+    /// Bit N: navigation state N requires manual control input, see manual_control_signal_lost
     ///
     /// Group: Per-mode requirements.
     pub mode_req_manual_control: u32,
-    /// Bit N: navigation state N, an external mode, is barred for a reason that no other mask covers
+    /// Bit N: navigation state N, an external mode, cannot run for a reason that no other mask covers
     ///
     /// Group: Per-mode requirements.
     pub mode_req_other: u32,
-    /// No valid angular rates
+    /// No valid angular velocity
     ///
     /// Group: Mode requirements.
     pub angular_velocity_invalid: bool,
@@ -93,7 +93,7 @@ pub struct FailsafeFlags {
     ///
     /// Group: Mode requirements.
     pub local_position_invalid: bool,
-    /// No valid local position even at reduced accuracy (as from optical flow)
+    /// No valid local position, even with reduced accuracy (for example from optical flow)
     ///
     /// Group: Mode requirements.
     pub local_position_invalid_relaxed: bool,
@@ -105,11 +105,11 @@ pub struct FailsafeFlags {
     ///
     /// Group: Mode requirements.
     pub global_position_invalid: bool,
-    /// No mission to fly
+    /// Mission missing
     ///
     /// Group: Mode requirements.
     pub auto_mission_missing: bool,
-    /// Offboard set points lost
+    /// Offboard setpoints lost
     ///
     /// Group: Mode requirements.
     pub offboard_control_signal_lost: bool,
@@ -117,7 +117,7 @@ pub struct FailsafeFlags {
     ///
     /// Group: Mode requirements.
     pub home_position_invalid: bool,
-    /// Pilot's input lost (RC or joystick)
+    /// Manual control input lost (RC or joystick)
     ///
     /// Group: Control links.
     pub manual_control_signal_lost: bool,
@@ -129,23 +129,23 @@ pub struct FailsafeFlags {
     ///
     /// Group: Battery.
     pub battery_warning: super::battery_status::BatteryWarning,
-    /// Flight time left on battery too short
+    /// Remaining battery flight time too low
     ///
     /// Group: Battery.
     pub battery_low_remaining_time: bool,
-    /// Battery missing, silent or faulty
+    /// Battery missing, unresponsive or faulty
     ///
     /// Group: Battery.
     pub battery_unhealthy: bool,
-    /// At least one geofence crossed
+    /// One or more geofences breached
     ///
     /// Group: Other.
     pub geofence_breached: bool,
-    /// Mission unable to continue
+    /// Mission cannot continue
     ///
     /// Group: Other.
     pub mission_failure: bool,
-    /// Fixed-wing system of the VTOL failed (quad-chute done)
+    /// Fixed-wing system of the VTOL failed (after quad-chute)
     ///
     /// Group: Other.
     pub vtol_fixed_wing_system_failure: bool,
@@ -153,23 +153,23 @@ pub struct FailsafeFlags {
     ///
     /// Group: Other.
     pub wind_limit_exceeded: bool,
-    /// Flight time beyond its limit
+    /// Flight time limit exceeded
     ///
     /// Group: Other.
     pub flight_time_limit_exceeded: bool,
-    /// Local position inaccurate, though still valid
+    /// Local position inaccurate, but still valid
     ///
     /// Group: Other.
     pub local_position_accuracy_low: bool,
-    /// Attitude or altitude out of bounds, or external trigger (ATS)
+    /// Attitude or altitude limit exceeded, or external trigger (ATS)
     ///
     /// Group: Failure detector.
     pub fd_critical_failure: bool,
-    /// Speed controller (ESC) didn't arm
+    /// Electronic speed controller (ESC) did not arm
     ///
     /// Group: Failure detector.
     pub fd_esc_arming_failure: bool,
-    /// Propeller out of balance
+    /// Propeller imbalanced
     ///
     /// Group: Failure detector.
     pub fd_imbalanced_prop: bool,
@@ -268,30 +268,30 @@ format_record! {
 
 flags! {
     FailsafeFlags;
-    angular_velocity_invalid "angular_velocity_invalid" "Mode requirements" "No valid angular rates";
+    angular_velocity_invalid "angular_velocity_invalid" "Mode requirements" "No valid angular velocity";
     attitude_invalid "attitude_invalid" "Mode requirements" "No valid attitude";
     local_altitude_invalid "local_altitude_invalid" "Mode requirements" "No valid local altitude";
     local_position_invalid "local_position_invalid" "Mode requirements" "No valid local position";
-    local_position_invalid_relaxed "local_position_invalid_relaxed" "Mode requirements" "No valid local position even at reduced accuracy (as from optical flow)";
+    local_position_invalid_relaxed "local_position_invalid_relaxed" "Mode requirements" "No valid local position, even with reduced accuracy (for example from optical flow)";
     local_velocity_invalid "local_velocity_invalid" "Mode requirements" "No valid local velocity";
     global_position_invalid "global_position_invalid" "Mode requirements" "No valid global position";
-    auto_mission_missing "auto_mission_missing" "Mode requirements" "No mission to fly";
-    offboard_control_signal_lost "offboard_control_signal_lost" "Mode requirements" "Offboard set points lost";
+    auto_mission_missing "auto_mission_missing" "Mode requirements" "Mission missing";
+    offboard_control_signal_lost "offboard_control_signal_lost" "Mode requirements" "Offboard setpoints lost";
     home_position_invalid "home_position_invalid" "Mode requirements" "Home position not set";
-    manual_control_signal_lost "manual_control_signal_lost" "Control links" "Pilot's input lost (RC or joystick)";
+    manual_control_signal_lost "manual_control_signal_lost" "Control links" "Manual control input lost (RC or joystick)";
     gcs_connection_lost "gcs_connection_lost" "Control links" "Ground station link lost";
     battery_warning.0 != 0 "battery_warning" "Battery" "Most severe battery warning";
-    battery_low_remaining_time "battery_low_remaining_time" "Battery" "Flight time left on battery too short";
-    battery_unhealthy "battery_unhealthy" "Battery" "Battery missing, silent or faulty";
-    geofence_breached "geofence_breached" "Other" "At least one geofence crossed";
-    mission_failure "mission_failure" "Other" "Mission unable to continue";
-    vtol_fixed_wing_system_failure "vtol_fixed_wing_system_failure" "Other" "Fixed-wing system of the VTOL failed (quad-chute done)";
+    battery_low_remaining_time "battery_low_remaining_time" "Battery" "Remaining battery flight time too low";
+    battery_unhealthy "battery_unhealthy" "Battery" "Battery missing, unresponsive or faulty";
+    geofence_breached "geofence_breached" "Other" "One or more geofences breached";
+    mission_failure "mission_failure" "Other" "Mission cannot continue";
+    vtol_fixed_wing_system_failure "vtol_fixed_wing_system_failure" "Other" "Fixed-wing system of the VTOL failed (after quad-chute)";
     wind_limit_exceeded "wind_limit_exceeded" "Other" "Wind too strong";
-    flight_time_limit_exceeded "flight_time_limit_exceeded" "Other" "Flight time beyond its limit";
-    local_position_accuracy_low "local_position_accuracy_low" "Other" "Local position inaccurate, though still valid";
-    fd_critical_failure "fd_critical_failure" "Failure detector" "Attitude or altitude out of bounds, or external trigger (ATS)";
-    fd_esc_arming_failure "fd_esc_arming_failure" "Failure detector" "Speed controller (ESC) didn't arm";
-    fd_imbalanced_prop "fd_imbalanced_prop" "Failure detector" "Propeller out of balance";
+    flight_time_limit_exceeded "flight_time_limit_exceeded" "Other" "Flight time limit exceeded";
+    local_position_accuracy_low "local_position_accuracy_low" "Other" "Local position inaccurate, but still valid";
+    fd_critical_failure "fd_critical_failure" "Failure detector" "Attitude or altitude limit exceeded, or external trigger (ATS)";
+    fd_esc_arming_failure "fd_esc_arming_failure" "Failure detector" "Electronic speed controller (ESC) did not arm";
+    fd_imbalanced_prop "fd_imbalanced_prop" "Failure detector" "Propeller imbalanced";
     fd_motor_failure "fd_motor_failure" "Failure detector" "Motor failed";
 }
 

@@ -4,9 +4,9 @@
 
 use uavspec_runtime::{Definition, Message, Text, flags, format_record, record};
 
-/// Outcome of a RegisterExtComponentRequest, with the ids that the component got
+/// Reply to a RegisterExtComponentRequest, with the ids assigned to the component
 ///
-/// Either all that was asked for is registered or nothing is: look at success before using an id.
+/// Either all requested parts are registered or none. Check success before using an id.
 ///
 /// | | |
 /// |---|---|
@@ -17,19 +17,19 @@ use uavspec_runtime::{Definition, Message, Text, flags, format_record, record};
 /// | CDR | 52 bytes |
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct RegisterExtComponentReply {
-    /// Time of this message, counted from system start
+    /// Time since boot
     ///
     /// Unit: us (microseconds).
     pub timestamp: u64,
-    /// request_id of the request that this answers
+    /// request_id of the request
     pub request_id: u64,
-    /// Name as the request gave it
+    /// Name from the request
     pub name: Text<25>,
     /// API version of the flight controller
     pub px4_ros2_api_version: u16,
-    /// True if everything asked for is registered; if false, the ids below mean nothing
+    /// True if all requested parts are registered. If false, the ids are not valid
     pub success: bool,
-    /// Id for arming checks: the registration_id of each ArmingCheckReply to come
+    /// Arming check id: the registration_id of all ArmingCheckReply messages of the component
     ///
     /// No data: `-1`.
     pub arming_check_id: i8,
@@ -37,16 +37,16 @@ pub struct RegisterExtComponentReply {
     ///
     /// No data: `-1`.
     pub mode_id: i8,
-    /// Id of the new executor
+    /// Id of the new mode executor
     ///
     /// No data: `-1`.
     pub mode_executor_id: i8,
 }
 
 impl RegisterExtComponentReply {
-    /// Layout version, raised with each change of the fields
+    /// Message version, incremented with each change of the fields
     pub const MESSAGE_VERSION: u32 = 0;
-    /// Replies that the topic holds before the oldest is lost
+    /// Queue length of the topic
     pub const ORB_QUEUE_LENGTH: u8 = 2;
 }
 
@@ -84,5 +84,5 @@ format_record! {
 
 flags! {
     RegisterExtComponentReply;
-    success "success" "" "True if everything asked for is registered; if false, the ids below mean nothing";
+    success "success" "" "True if all requested parts are registered. If false, the ids are not valid";
 }

@@ -6,8 +6,8 @@ use uavspec_runtime::{Definition, Message, Text, flags, format_record, record};
 
 /// Request of an external component to take part in arming checks and to add a flight mode
 ///
-/// RegisterExtComponentReply answers it with the ids to use from then on; UnregisterExtComponent takes it back.
-/// Each part builds on the one before: an executor requires a mode, a mode requires arming checks.
+/// RegisterExtComponentReply answers it with the assigned ids. UnregisterExtComponent reverts the registration.
+/// Each part requires the previous one: a mode executor requires a mode, and a mode requires arming checks.
 ///
 /// | | |
 /// |---|---|
@@ -18,17 +18,17 @@ use uavspec_runtime::{Definition, Message, Text, flags, format_record, record};
 /// | CDR | 54 bytes |
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct RegisterExtComponentRequest {
-    /// Time of this message, counted from system start
+    /// Time since boot
     ///
     /// Unit: us (microseconds).
     pub timestamp: u64,
-    /// Number picked at random; the reply repeats it, so that the sender knows its own
+    /// Random id, repeated in the reply so that the sender can recognise it
     pub request_id: u64,
-    /// Name of the flight mode; of the component, if it registers no mode
+    /// Name of the flight mode, or of the component if it registers no mode
     pub name: Text<25>,
-    /// API version of the sender; set it to LATEST_PX4_ROS2_API_VERSION
+    /// API version of the sender: set it to LATEST_PX4_ROS2_API_VERSION
     pub px4_ros2_api_version: u16,
-    /// True to take part in arming checks, and so to answer each ArmingCheckRequest
+    /// True to take part in arming checks; the component must then answer each ArmingCheckRequest
     ///
     /// Group: Parts to register.
     pub register_arming_check: bool,
@@ -36,24 +36,24 @@ pub struct RegisterExtComponentRequest {
     ///
     /// Group: Parts to register.
     pub register_mode: bool,
-    /// True to add an executor, which then owns that mode; requires register_mode
+    /// True to add a mode executor, which owns the new mode; requires register_mode
     ///
     /// Group: Parts to register.
     pub register_mode_executor: bool,
-    /// True if the new mode takes the place of a built-in one
+    /// True if the new mode replaces a built-in mode
     pub enable_replace_internal_mode: bool,
-    /// The built-in mode to replace, as VehicleStatus NAVIGATION_STATE; counts only if enable_replace_internal_mode is true
+    /// VehicleStatus NAVIGATION_STATE of the built-in mode to replace. Ignored unless enable_replace_internal_mode is true
     pub replace_internal_mode: u8,
-    /// True to enter the new mode as soon as it is registered; requires register_mode_executor
+    /// True to enter the new mode immediately after registration; requires register_mode_executor
     pub activate_mode_immediately: bool,
 }
 
 impl RegisterExtComponentRequest {
-    /// Layout version, raised with each change of the fields
+    /// Message version, incremented with each change of the fields
     pub const MESSAGE_VERSION: u32 = 0;
-    /// Newest API version, raised when messages change in meaning; changed fields are noticed without it
+    /// Latest API version. It is incremented if the meaning of a message changes; changes of fields are detected without it
     pub const LATEST_PX4_ROS2_API_VERSION: u16 = 1;
-    /// Requests that the topic holds before the oldest is lost
+    /// Queue length of the topic
     pub const ORB_QUEUE_LENGTH: u8 = 2;
 }
 
@@ -96,9 +96,9 @@ format_record! {
 
 flags! {
     RegisterExtComponentRequest;
-    register_arming_check "register_arming_check" "Parts to register" "True to take part in arming checks, and so to answer each ArmingCheckRequest";
+    register_arming_check "register_arming_check" "Parts to register" "True to take part in arming checks; the component must then answer each ArmingCheckRequest";
     register_mode "register_mode" "Parts to register" "True to add a flight mode; requires register_arming_check";
-    register_mode_executor "register_mode_executor" "Parts to register" "True to add an executor, which then owns that mode; requires register_mode";
-    enable_replace_internal_mode "enable_replace_internal_mode" "" "True if the new mode takes the place of a built-in one";
-    activate_mode_immediately "activate_mode_immediately" "" "True to enter the new mode as soon as it is registered; requires register_mode_executor";
+    register_mode_executor "register_mode_executor" "Parts to register" "True to add a mode executor, which owns the new mode; requires register_mode";
+    enable_replace_internal_mode "enable_replace_internal_mode" "" "True if the new mode replaces a built-in mode";
+    activate_mode_immediately "activate_mode_immediately" "" "True to enter the new mode immediately after registration; requires register_mode_executor";
 }

@@ -4,10 +4,10 @@
 
 use uavspec_runtime::{Definition, Message, Text, format_record, record};
 
-/// Notice of an external component that it withdraws what it had registered
+/// Request of an external component to remove its registration
 ///
-/// It repeats the name of its RegisterExtComponentRequest and the ids of the RegisterExtComponentReply.
-/// What was not registered keeps the id -1.
+/// It repeats the name from its RegisterExtComponentRequest and the ids from the RegisterExtComponentReply.
+/// The id of a part that was not registered is -1.
 ///
 /// | | |
 /// |---|---|
@@ -17,13 +17,13 @@ use uavspec_runtime::{Definition, Message, Text, format_record, record};
 /// | CDR | 40 bytes |
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct UnregisterExtComponent {
-    /// Time of this message, counted from system start
+    /// Time since boot
     ///
     /// Unit: us (microseconds).
     pub timestamp: u64,
-    /// Name under which the mode or component was registered
+    /// Name of the registered mode or component
     pub name: Text<25>,
-    /// Id for arming checks to give back
+    /// Arming check id to remove
     ///
     /// No data: `-1`.
     pub arming_check_id: i8,
@@ -31,14 +31,14 @@ pub struct UnregisterExtComponent {
     ///
     /// No data: `-1`.
     pub mode_id: i8,
-    /// Id of the executor to remove
+    /// Id of the mode executor to remove
     ///
     /// No data: `-1`.
     pub mode_executor_id: i8,
 }
 
 impl UnregisterExtComponent {
-    /// Layout version, raised with each change of the fields
+    /// Message version, incremented with each change of the fields
     pub const MESSAGE_VERSION: u32 = 0;
 }
 

@@ -1,12 +1,12 @@
-//! Which documents the site is made of, and in which order its table of contents names them.
+//! The documents of the site, in the order of its table of contents.
 
-/// A document that is written by hand.
+/// A handwritten document.
 pub(crate) struct Chapter {
-    /// Its name in the table of contents.
+    /// The title in the table of contents.
     pub(crate) title: &'static str,
-    /// Its file in the repository.
+    /// The path of the file in the repository.
     pub(crate) source: &'static str,
-    /// Its page on the site.
+    /// The path of the page on the site.
     pub(crate) page: &'static str,
 }
 
@@ -14,26 +14,64 @@ const fn chapter(title: &'static str, source: &'static str, page: &'static str) 
     Chapter { title, source, page }
 }
 
-/// The page that the site opens with.
+/// The start page.
 pub(crate) const START: Chapter = chapter("Start here", "xtask/site/guide/index.md", "index.md");
 
-/// What is to be read, beside what is to be looked up.
-pub(crate) const CHAPTERS: [(&str, &[Chapter]); 2] = [
+/// The parts of the guide and their chapters. The reference precedes them.
+pub(crate) const CHAPTERS: [(&str, &[Chapter]); 6] = [
     (
-        "Guide",
+        "Guide: definitions",
         &[
-            chapter("Using uavspec", "README.md", "guide/using.md"),
+            chapter("Introduction", "README.md", "guide/introduction.md"),
             chapter("The .msg language", "xtask/site/guide/msg-language.md", "guide/msg-language.md"),
             chapter("Pages with tables", "definitions/README.md", "guide/tables.md"),
             chapter("Wire formats", "xtask/site/guide/wire-formats.md", "guide/wire-formats.md"),
-            chapter("Conformance", "xtask/site/guide/conformance.md", "guide/conformance.md"),
-            chapter("Testees", "conformance/testees/README.md", "guide/testees.md"),
-            chapter("The Rust types", "generated/README.md", "guide/rust.md"),
         ],
     ),
     (
+        "Guide: generate",
+        &[
+            chapter("codegen, fmt, inspect", "xtask/site/guide/codegen.md", "guide/codegen.md"),
+            chapter("Use it in your build", "xtask/site/guide/your-build.md", "guide/your-build.md"),
+            chapter("Rust", "generated/README.md", "guide/rust.md"),
+            chapter(
+                "TypeScript and Python",
+                "xtask/site/guide/typescript-and-python.md",
+                "guide/typescript-and-python.md",
+            ),
+            chapter("JSON Schemas", "xtask/site/guide/json-schemas.md", "guide/json-schemas.md"),
+            chapter("Test vectors", "xtask/site/guide/test-vectors.md", "guide/test-vectors.md"),
+        ],
+    ),
+    (
+        "Guide: maintain definitions",
+        &[
+            chapter("lint", "xtask/site/guide/lint.md", "guide/lint.md"),
+            chapter("translate", "xtask/site/guide/translate.md", "guide/translate.md"),
+            chapter("breaking", "xtask/site/guide/breaking.md", "guide/breaking.md"),
+        ],
+    ),
+    (
+        "Guide: check",
+        &[
+            chapter("How checking works", "xtask/site/guide/conformance.md", "guide/conformance.md"),
+            chapter("uavspec check", "xtask/site/guide/check.md", "guide/check.md"),
+            chapter("uavspec rules", "xtask/site/guide/rules.md", "guide/rules.md"),
+            chapter("uavspec test", "xtask/site/guide/test.md", "guide/test.md"),
+            chapter("Testees", "conformance/testees/README.md", "guide/testees.md"),
+            chapter("uavspec probe", "xtask/site/guide/probe.md", "guide/probe.md"),
+            chapter("uavspec serve", "xtask/site/guide/serve.md", "guide/serve.md"),
+            chapter("uavspec watch", "xtask/site/guide/watch.md", "guide/watch.md"),
+            chapter("Reports", "xtask/site/guide/reports.md", "guide/reports.md"),
+            chapter("Known failures", "xtask/site/guide/known-failures.md", "guide/known-failures.md"),
+            chapter("Self-test", "xtask/site/guide/self-test.md", "guide/self-test.md"),
+        ],
+    ),
+    ("Terms", &[chapter("Glossary", "xtask/site/guide/glossary.md", "guide/glossary.md")]),
+    (
         "Project",
         &[
+            chapter("Documentation site", "xtask/site/guide/site.md", "guide/site.md"),
             chapter("Changes", "CHANGELOG.md", "project/changes.md"),
             chapter("Architecture", "ARCHITECTURE.md", "project/architecture.md"),
             chapter("Contributing", "CONTRIBUTING.md", "project/contributing.md"),
@@ -41,15 +79,15 @@ pub(crate) const CHAPTERS: [(&str, &[Chapter]); 2] = [
     ),
 ];
 
-/// All documents that are written by hand.
+/// All handwritten documents.
 pub(crate) fn by_hand() -> impl Iterator<Item = &'static Chapter> {
     [&START].into_iter().chain(CHAPTERS.iter().flat_map(|(_, chapters)| chapters.iter()))
 }
 
-/// The folders of `generated/` that the site holds as they are.
+/// The folders of `generated/` that are copied to the site unchanged.
 pub(crate) const GENERATED: [&str; 3] = ["docs", "schemas", "vectors"];
 
-/// The table of contents; `reference` is that of the generated documentation.
+/// Returns the table of contents. `reference` is the one of the generated documentation.
 pub(crate) fn summary(reference: &str) -> String {
     let mut text = format!("# Summary\n\n[{}]({})\n\n# Look up\n\n", START.title, START.page);
     text.push_str(&below_docs(reference));
@@ -61,7 +99,7 @@ fn items(chapters: &[Chapter]) -> String {
     chapters.iter().map(|Chapter { title, page, .. }| format!("- [{title}]({page})\n")).collect()
 }
 
-/// The lines of a table of contents as items, with their pages in the folder `docs`.
+/// Turns the lines of a table of contents into list items whose pages are in the folder `docs`.
 fn below_docs(contents: &str) -> String {
     let lines = contents.lines().filter(|line| line.contains("]("));
     let item = |line: &str| {
@@ -73,10 +111,26 @@ fn below_docs(contents: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+    use std::path::Path;
+
     use super::*;
 
     #[test]
-    fn contents_of_the_reference_move_into_its_folder() {
+    fn the_contents_and_the_readme_list_each_page_of_the_guide() {
+        let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let readme = fs::read_to_string(repository.join("README.md")).expect("the README");
+        for entry in fs::read_dir(repository.join("xtask/site/guide")).expect("the guide") {
+            let name = entry.expect("a file").file_name().into_string().expect("UTF-8");
+            let path = format!("xtask/site/guide/{name}");
+            assert!(by_hand().any(|chapter| chapter.source == path), "{path} is no chapter");
+            let is_listed = readme.contains(&format!("]({path})"));
+            assert!(is_listed || path == START.source, "README.md lacks {path}");
+        }
+    }
+
+    #[test]
+    fn moves_the_contents_of_the_reference_into_its_folder() {
         let contents = "<!-- made by -->\n\n# Summary\n\n[Overview](README.md)\n\n- [px4](px4/README.md)\n  - [Event](px4/Event.md)\n";
         assert_eq!(
             below_docs(contents),

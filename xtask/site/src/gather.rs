@@ -1,4 +1,4 @@
-//! Puts all that the site is made of into one folder, where mdBook finds it.
+//! Collects the sources of the site in one folder for mdBook.
 
 use std::fs;
 use std::io;
@@ -9,19 +9,19 @@ use walkdir::WalkDir;
 use crate::chapters::{GENERATED, by_hand, summary};
 use crate::links::Links;
 
-/// What the site adds to the looks and the behaviour of a book.
+/// Style sheet and script that the site adds to a book.
 const ADDITIONS: [(&str, &str); 2] =
     [("site.css", include_str!("../site.css")), ("site.js", include_str!("../site.js"))];
 
-/// What was gathered.
+/// The collected pages.
 pub(crate) struct Gathered {
-    /// How many pages there are.
+    /// The number of pages.
     pub(crate) count: usize,
-    /// Those in other languages than English, whose words the search doesn't know.
+    /// Pages in other languages than English, which are excluded from the search.
     pub(crate) translated: Vec<String>,
 }
 
-/// Fills the empty folder `to` from the repository. All broken links are told at once.
+/// Fills the empty folder `to` from the repository. An error lists all broken links.
 pub(crate) fn gather(repository: &Path, to: &Path) -> Result<Gathered, Vec<String>> {
     let failed = |error: io::Error| vec![format!("{}: {error}", to.display())];
     for folder in GENERATED {
@@ -53,15 +53,15 @@ pub(crate) fn gather(repository: &Path, to: &Path) -> Result<Gathered, Vec<Strin
     Ok(Gathered { count: pages.len(), translated })
 }
 
-/// The page that a line of the table of contents leads to.
+/// Returns the page that a line of the table of contents links to.
 fn page(line: &str) -> Option<&str> {
     line.split_once("](")?.1.strip_suffix(')')
 }
 
-/// What pages in other languages begin with, after the line on what made them.
+/// The start of pages in other languages, after the comment with the name of the generator.
 const TRANSLATED: &str = "-->\n\n<div lang=\"";
 
-/// Copies a folder with all that is in it, but for lists of the generator's own.
+/// Copies a folder recursively, except for hidden files, such as the generator's manifests.
 fn copy(from: &Path, to: &Path) -> Result<(), Vec<String>> {
     for entry in WalkDir::new(from).sort_by_file_name() {
         let entry = entry.map_err(|error| vec![format!("{error}; run `cargo xtask codegen` first")])?;

@@ -1,4 +1,4 @@
-//! Links of documents that stand elsewhere in the repository than on the site.
+//! Adjusts links of documents whose path on the site differs from that in the repository.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -7,10 +7,10 @@ use pulldown_cmark::{CowStr, Event, Options, Parser, Tag};
 
 use crate::chapters::{Chapter, GENERATED, by_hand};
 
-/// Where the site has the files of the repository.
+/// Maps files of the repository to pages of the site.
 pub(crate) struct Links<'r> {
     repository: &'r Path,
-    /// By file of the repository: its page.
+    /// Pages by file of the repository.
     pages: BTreeMap<&'static str, &'static str>,
 }
 
@@ -19,8 +19,9 @@ impl<'r> Links<'r> {
         Self { repository, pages: by_hand().map(|chapter| (chapter.source, chapter.page)).collect() }
     }
 
-    /// A document with its links as they are on the site. What the site doesn't have is named without a link; a link
-    /// to what isn't in the repository either is a mistake, and so is one whose address stands elsewhere.
+    /// Returns a document with the links of the site. Links to files that the site doesn't have become plain text.
+    ///
+    /// Links to files that don't exist, and links that don't contain their address, are added to `mistakes`.
     pub(crate) fn moved(&self, text: &str, chapter: &Chapter, mistakes: &mut Vec<String>) -> String {
         let mut moved = String::with_capacity(text.len());
         let mut end = 0;
@@ -37,7 +38,7 @@ impl<'r> Links<'r> {
             let path = joined(chapter.source, target.split('#').next().unwrap_or(target));
             if !self.repository.join(&path).exists() {
                 let place = format!("{}:{}", chapter.source, line());
-                mistakes.push(format!("{place}: no file `{path}`, to which a link leads"));
+                mistakes.push(format!("{place}: link to a missing file: `{path}`"));
                 continue;
             }
             moved.push_str(&text[end..range.start]);
@@ -55,7 +56,7 @@ impl<'r> Links<'r> {
         moved
     }
 
-    /// Where the site has a file or folder of the repository.
+    /// Returns the path of a file or folder of the repository on the site.
     fn page(&self, path: &str) -> Option<String> {
         if let Some(page) = self.pages.get(path) {
             return Some((*page).to_owned());
@@ -66,20 +67,20 @@ impl<'r> Links<'r> {
         let has_index = self.repository.join(path).join("README.md").is_file();
         let page = match (is_folder, has_index) {
             (true, true) => format!("{}/README.md", below.trim_end_matches('/')),
-            // A browser lists a folder, where it stands on a disk.
+            // A browser lists the files of a local folder.
             _ => below.to_owned(),
         };
         GENERATED.contains(&folder).then_some(page)
     }
 }
 
-/// A link to another file of the repository.
+/// Returns the link if it leads to another file of the repository.
 fn local<'l>(link: &'l CowStr<'_>) -> Option<&'l str> {
     let is_elsewhere = link.contains(':') || link.starts_with(['#', '/']);
     (!is_elsewhere).then_some(link)
 }
 
-/// The path of `link` in the document `from`.
+/// Resolves `link` in the document `from`.
 fn joined(from: &str, link: &str) -> String {
     let mut path = PathBuf::from(from);
     path.pop();
@@ -95,7 +96,7 @@ fn joined(from: &str, link: &str) -> String {
     path.display().to_string().replace('\\', "/")
 }
 
-/// The address of the page `to` in the page `from`.
+/// Returns the relative address of the page `to` in the page `from`.
 fn seen_from(from: &str, to: &str) -> String {
     format!("{}{to}", "../".repeat(from.matches('/').count()))
 }
@@ -108,12 +109,12 @@ mod tests {
     fn moved(text: &str) -> (String, Vec<String>) {
         let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let mut mistakes = Vec::new();
-        let using = &CHAPTERS[0].1[0];
-        (Links::of(&repository).moved(text, using, &mut mistakes), mistakes)
+        let introduction = &CHAPTERS[0].1[0];
+        (Links::of(&repository).moved(text, introduction, &mut mistakes), mistakes)
     }
 
     #[test]
-    fn links_lead_to_the_same_documents() {
+    fn adjusts_links_to_the_pages_of_the_site() {
         let text = "See [tables](definitions/README.md#pages), [`rules`](generated/docs/rules/), [us](#here), \
                     [them](https://example.org) and the [licence](LICENSE-MIT).";
         let expected = "See [tables](../guide/tables.md#pages), [`rules`](../docs/rules/README.md), [us](#here), \
@@ -122,9 +123,9 @@ mod tests {
     }
 
     #[test]
-    fn a_link_that_leads_nowhere_is_a_mistake_with_its_place() {
+    fn reports_a_broken_link_with_its_line() {
         let (_, mistakes) = moved("One line.\n\n[gone](definitions/gone.md)\n");
-        assert_eq!(mistakes, ["README.md:3: no file `definitions/gone.md`, to which a link leads"]);
+        assert_eq!(mistakes, ["README.md:3: link to a missing file: `definitions/gone.md`"]);
         let (_, mistakes) = moved("[tables]\n\n[tables]: definitions/README.md\n");
         assert_eq!(
             mistakes,

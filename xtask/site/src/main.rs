@@ -1,8 +1,7 @@
-//! Builds the documentation site: gathers what is generated and what is written by hand into a folder, and has mdBook
-//! make pages of it.
+//! Builds the documentation site: collects generated and handwritten documents in a folder, and runs mdBook on it.
 //!
-//! The site holds `docs/`, `schemas/` and `vectors/` as they stand in `generated/`, so that their links to each other
-//! hold, and so that the address of a schema is where the site has it.
+//! The site contains `docs/`, `schemas/` and `vectors/` as in `generated/`. Their relative links therefore work, and
+//! schemas are available at the path of their address.
 
 mod chapters;
 mod gather;
@@ -20,7 +19,7 @@ use mdbook_driver::config::Config;
 
 use self::gather::Gathered;
 
-/// A file that says of a folder that it holds a site.
+/// The name of a file that marks a folder as a built site.
 const MARK: &str = ".uavspec-site";
 
 /// Build the documentation site, which needs no server and no network.
@@ -32,7 +31,7 @@ struct Arguments {
     /// Folder for the site.
     #[arg(long)]
     out: PathBuf,
-    /// Show the site when it is built.
+    /// Open the site in a browser.
     #[arg(long)]
     open: bool,
 }
@@ -56,7 +55,7 @@ fn run(arguments: &Arguments) -> Result<(), Vec<String>> {
     let folder = tempfile::tempdir().map_err(|error| vec![format!("a temporary folder: {error}")])?;
     let gathered = gather::gather(&arguments.repository, folder.path())?;
     let built = build(folder.path(), &gathered, &arguments.out);
-    // mdBook takes out the mark, too.
+    // mdBook removes the mark as well.
     let marked = mark(&arguments.out);
     built.and(marked).map_err(|mistake| vec![mistake])?;
     let index = arguments.out.join("index.html");
@@ -68,14 +67,16 @@ fn run(arguments: &Arguments) -> Result<(), Vec<String>> {
     Ok(())
 }
 
-/// Makes sure that the folder is empty, or was made by an earlier run: mdBook takes out whatever it finds there.
+/// Checks that the folder is empty or contains a site, because mdBook deletes its contents. Then marks it.
 fn own(output: &Path) -> Result<(), String> {
     let of_folder = |error: io::Error| format!("{}: {error}", output.display());
     fs::create_dir_all(output).map_err(of_folder)?;
     let is_empty = fs::read_dir(output).map_err(of_folder)?.next().is_none();
     if !is_empty && !output.join(MARK).is_file() {
         let folder = output.display();
-        return Err(format!("{folder} holds files that are no site\n  help: name another folder with --out"));
+        return Err(format!(
+            "{folder} contains files other than a site\n  help: choose another folder with --out"
+        ));
     }
     mark(output)
 }
@@ -84,7 +85,7 @@ fn mark(output: &Path) -> Result<(), String> {
     fs::write(output.join(MARK), "").map_err(|error| format!("{}: {error}", output.display()))
 }
 
-/// Has mdBook build what was gathered in a folder.
+/// Runs mdBook on the collected documents.
 fn build(folder: &Path, gathered: &Gathered, output: &Path) -> Result<(), String> {
     let of_book = |error: &dyn std::fmt::Display| format!("mdBook: {error}");
     let unsearched = |page: &String| format!("\n[output.html.search.chapter.\"{page}\"]\nenable = false\n");
@@ -101,13 +102,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_folder_of_other_files_is_left_alone() {
+    fn refuses_a_folder_with_other_files() {
         let folder = tempfile::tempdir().expect("a folder");
         assert_eq!(own(folder.path()), Ok(()), "empty");
         assert_eq!(own(folder.path()), Ok(()), "its own");
         fs::remove_file(folder.path().join(MARK)).expect("the mark");
         fs::write(folder.path().join("flight.ulg"), "kept").expect("a file");
-        assert!(own(folder.path()).is_err_and(|mistake| mistake.contains("no site")));
+        assert!(own(folder.path()).is_err_and(|mistake| mistake.contains("other than a site")));
         assert!(folder.path().join("flight.ulg").is_file());
     }
 }

@@ -1,9 +1,9 @@
-// The documentation site in a browser, from the disk: it answers, fits, asks for nothing, and is right.
+// Tests the documentation site in a browser, from local files: no requests, no errors, correct content.
 //
 //     cargo xtask docs && npm ci --prefix xtask/site/tests && node --test xtask/site/tests
 //
-// UAVSPEC_SITE names the site, where it isn't target/site, UAVSPEC_CHROMIUM a browser, and UAVSPEC_PICTURES a folder for
-// screenshots.
+// UAVSPEC_SITE is the folder of the site (default: target/site), UAVSPEC_CHROMIUM the path of a browser, and
+// UAVSPEC_PICTURES a folder for screenshots.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -42,9 +42,7 @@ const address = (page) => pathToFileURL(path.join(site, page)).href;
 const messages = filesBelow(path.join(site, "vectors/px4"), ".vectors.json").map((file) => file.split(".")[0]);
 const LOOKED_AT = [
   "index.html",
-  "guide/using.html",
-  "guide/msg-language.html",
-  "guide/wire-formats.html",
+  ...filesBelow(path.join(site, "guide"), ".html").map((file) => `guide/${file}`),
   "docs/conformance/README.html",
   "docs/flockwave/README.html",
   "docs/flockwave/error-codes.html",
@@ -98,7 +96,7 @@ async function open(width = 1440, colorScheme = "light") {
 describe("pages", () => {
   for (const width of [360, 1440]) {
     for (const scheme of ["light", "dark"]) {
-      test(`open without complaint and fit ${width} pixels, ${scheme}`, async () => {
+      test(`open without errors and fit ${width} pixels, ${scheme}`, async () => {
         await open(width, scheme);
         for (const name of LOOKED_AT) {
           await page.goto(address(name));
@@ -117,7 +115,7 @@ describe("pages", () => {
     }
   }
 
-  test("are fit for keyboards and screen readers, by the rules of axe", async () => {
+  test("pass the accessibility rules of axe", async () => {
     for (const scheme of ["light", "dark"]) {
       await open(1440, scheme);
       for (const name of HELD_TO_AXE) {
@@ -130,7 +128,7 @@ describe("pages", () => {
     }
   });
 
-  test("lead nowhere but to what is there", () => {
+  test("have no broken links", () => {
     const pages = filesBelow(site, ".html");
     const texts = new Map(pages.map((name) => [name, fs.readFileSync(path.join(site, name), "utf8")]));
     const ids = new Map();
@@ -161,7 +159,7 @@ describe("pages", () => {
     assert.deepEqual(broken, []);
   });
 
-  test("print what is to be read, and nothing to click", async () => {
+  test("print their text without controls", async () => {
     await open();
     await page.goto(address("docs/px4/FailsafeFlags.html"));
     await page.emulateMedia({ media: "print" });
@@ -228,7 +226,7 @@ describe("error codes", () => {
     assert.ok(codes.length > 0 && codes.every((code) => Number(code) >= 192), codes.join());
   });
 
-  test("are found where a column is left out, since nothing stands in it", async () => {
+  test("are found in tables that omit an empty column", async () => {
     const words = await page.locator(".error-code-filter").getAttribute("data-words");
     await page.setContent(`<div class="error-code-filter"></div><table>
       <thead><tr><th>Code</th><th>Severity</th><th>Meaning</th><th>Alternatives</th></tr></thead>
@@ -242,7 +240,7 @@ describe("error codes", () => {
     assert.deepEqual(await shown(), ["128"]);
   });
 
-  test("lead to their alternatives", async () => {
+  test("link to their alternatives", async () => {
     await page.getByLabel("Find a code").fill("66");
     await page.getByRole("row", { name: "134 LOWBAT" }).getByRole("link", { name: "199" }).last().click();
     await page.waitForURL(/#code-199$/);
@@ -250,7 +248,7 @@ describe("error codes", () => {
   });
 });
 
-// Sets the controls of a message to a value in JSON, as a person would, but at once.
+// Sets the controls of a message to a JSON value, without keyboard events.
 function choose(value) {
   const set = (control, property, chosen) => {
     control[property] = chosen;
@@ -295,7 +293,7 @@ function choose(value) {
   };
 }
 
-// Integers that JavaScript can't hold come as their digits, as a person types them.
+// Integers beyond JavaScript's range are strings of their digits.
 function exact(text) {
   return JSON.parse(text.replace(/(?<=[:[,\s])-?\d{16,}(?=[,\]}\s])/g, '"$&"'));
 }
@@ -303,7 +301,7 @@ function exact(text) {
 describe("other languages", () => {
   beforeEach(() => open());
 
-  test("are a link away, and are marked for those who listen", async () => {
+  test("are linked, and have language attributes", async () => {
     await page.goto(address("docs/px4/FailsafeFlags.html"));
     await page.getByRole("link", { name: "Українська" }).first().click();
     await page.waitForURL(/FailsafeFlags\.uk\.html$/);
@@ -317,7 +315,7 @@ describe("other languages", () => {
     assert.deepEqual(complaints, []);
   });
 
-  test("have the error codes, found by their words", async () => {
+  test("have error codes that are found by translated words", async () => {
     await page.goto(address("docs/flockwave/error-codes.uk.html"));
     await page.getByLabel("Знайти код").fill("компас");
     assert.match(await page.getByRole("status").textContent(), /^кодів \d+ з 63$/);
@@ -329,7 +327,7 @@ describe("other languages", () => {
 describe("composing", () => {
   beforeEach(() => open());
 
-  test("is done with the words of the definition, group by group", async () => {
+  test("shows labels and groups of the definition", async () => {
     await page.goto(address("docs/px4/FailsafeFlags.html"));
     const links = page.getByRole("group", { name: "Control links" });
     await links.getByLabel("Ground station link lost").check();
@@ -360,7 +358,7 @@ describe("composing", () => {
     });
   }
 
-  test("takes the extremes of integers, masks with a sign, and names that mean something to JavaScript", async () => {
+  test("accepts integer limits, signed masks, and names with a meaning in JavaScript", async () => {
     await page.goto(address("docs/px4/Event.html"));
     const data = await page.locator(".composer").evaluate((place) => {
       const message = JSON.parse(place.dataset.message);
@@ -385,7 +383,7 @@ describe("composing", () => {
     assert.deepEqual(complaints, []);
   });
 
-  test("says what doesn't fit, beside its control", async () => {
+  test("shows errors next to the control", async () => {
     await page.goto(address("docs/px4/FailsafeFlags.html"));
     const field = page.getByLabel("mode_req_attitude");
     for (const [wrong, told] of [["-1", "out of range"], ["4294967296", "out of range"], ["many", "expected an integer"]]) {

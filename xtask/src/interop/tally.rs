@@ -66,8 +66,8 @@ pub(super) enum Does {
 impl fmt::Display for Does {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
-            Self::Takes => "takes what is invalid",
-            Self::Refuses => "refuses what is valid",
+            Self::Takes => "accepts invalid instances",
+            Self::Refuses => "refuses valid instances",
             Self::Fails => "fails on instances",
             Self::RefusesSchema => "can't use the schema",
             Self::SaysNothing => "says nothing",

@@ -1,7 +1,7 @@
 //! What is said of declarations, in plain words.
 
 use crate::schema::json_type::Limits;
-use crate::schema::{Constant, Docs, Element, Field, Message, Package, Range, Schema, Special};
+use crate::schema::{Constant, Constraint, Docs, Element, Field, Message, Package, Range, Schema};
 use crate::unit;
 use crate::value::Value;
 
@@ -51,9 +51,7 @@ pub(super) fn field(schema: &Schema, message: &Message, field: &Field) -> String
     let group = field.group.and_then(|group| message.groups.get(group));
     facts.extend(group.map(|group| format!("group: {}", group.summary)));
     facts.extend(unit(field.unit.as_deref()));
-    facts.extend(field.range.as_ref().and_then(range).map(|range| format!("range: {range}")));
-    facts.extend(field.invalid.as_ref().map(|invalid| format!("no data: {}", special(invalid))));
-    facts.extend(field.uncontrolled.as_ref().map(|found| format!("not controlled: {}", special(found))));
+    facts.extend(field.constraints.iter().filter_map(|found| found.fact(str::to_owned, str::to_owned)));
     facts.extend(field.attributes().map(|(attribute, text)| attribute.said(text)));
     let counted = field.counts.and_then(|array| message.fields.get(array));
     facts.extend(counted.map(|array| format!("counts the entries in use of {}", array.name)));
@@ -73,8 +71,9 @@ pub(super) fn constant(constant: &Constant) -> String {
     let parameters = constant.parameters.iter().enumerate().filter(|(_, found)| !found.is_unused());
     let lines: Vec<String> = parameters
         .map(|(index, found)| {
-            let facts: Vec<String> =
-                unit(found.unit.as_deref()).into_iter().chain(found.range.as_ref().and_then(range)).collect();
+            let said = found.constraints.iter().filter(|found| !found.is_special());
+            let said = said.filter_map(Constraint::said);
+            let facts: Vec<String> = unit(found.unit.as_deref()).into_iter().chain(said).collect();
             let facts = if facts.is_empty() { String::new() } else { format!(" ({})", facts.join("; ")) };
             format!("- parameter {}: {}{facts}", index + 1, found.description)
         })
@@ -87,8 +86,8 @@ pub(super) fn limits(limits: &Limits) -> Vec<String> {
     let int = |value: u32| Value::Int(value.into());
     let length = Range { low: limits.least.map(int), high: limits.most.map(int) };
     let mut facts: Vec<String> = unit(limits.unit.as_deref()).into_iter().collect();
-    facts.extend(limits.range.as_ref().and_then(range).map(|range| format!("range: {range}")));
-    facts.extend(range(&length).map(|length| format!("length: {length}")));
+    facts.extend(limits.range.as_ref().and_then(Range::said).map(|range| format!("range: {range}")));
+    facts.extend(length.said().map(|length| format!("length: {length}")));
     facts.extend(limits.is_unique.then(|| "no element stands in it twice".to_owned()));
     facts.extend(limits.pattern.as_ref().map(|pattern| format!("pattern: {pattern}")));
     facts.extend(limits.format.as_ref().map(|format| format!("format: {format}")));
@@ -101,18 +100,4 @@ fn unit(symbol: Option<&str>) -> Option<String> {
         Some(unit) => format!("unit: {symbol} ({})", unit.name),
         None => format!("unit: {symbol}"),
     })
-}
-
-fn range(range: &Range) -> Option<String> {
-    match (&range.low, &range.high) {
-        (Some(low), Some(high)) => Some(format!("{low} to {high}")),
-        (Some(low), None) => Some(format!("{low} or more")),
-        (None, Some(high)) => Some(format!("at most {high}")),
-        (None, None) => None,
-    }
-}
-
-fn special(special: &Special) -> String {
-    let value = special.value.as_ref().map_or_else(|| "empty".to_owned(), Value::to_string);
-    if special.text.is_empty() { value } else { format!("{value} ({})", special.text) }
 }

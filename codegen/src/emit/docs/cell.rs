@@ -6,7 +6,9 @@ use super::markdown::{code, inline, link, unbroken};
 use super::scope::Scope;
 use super::site::{FieldRef, Part};
 use super::words::{self, Word, Words};
-use crate::schema::{Constant, Element, Message, MessageId, Parameter, Range, Shape, Special, Type};
+use crate::schema::{
+    Constant, Constraint, Element, Message, MessageId, Parameter, Range, Shape, Stated, Type,
+};
 use crate::translation::MessageText;
 use crate::unit;
 use crate::value::Value;
@@ -45,11 +47,31 @@ fn number(value: &Value) -> String {
     name.map_or_else(|| inline(&value.to_string()), |(_, name)| format!("{sign}{name}"))
 }
 
-/// A value with a meaning of its own, and when it applies: `text` says it in words.
-pub(super) fn meaning(scope: Scope<'_, '_>, special: &Special, text: MessageText, meaning: Word) -> String {
+/// The valid values by a constraint, or a value with a special meaning; `text` says when it applies. None if all values
+/// are valid.
+pub(super) fn constraint(scope: Scope<'_, '_>, constraint: &Constraint, text: MessageText) -> Option<String> {
+    let words = scope.site.words;
+    let word = Word::of_constraint(constraint.kind);
+    if constraint.is_special() {
+        return Some(meaning(scope, constraint, text, word));
+    }
+    match &constraint.stated {
+        Stated::Range(bounds) => range(words, bounds),
+        Stated::Value(value) => Some(words.fill(word, &[("value", &number(value))])),
+        Stated::Empty => Some(words.get(word).to_owned()),
+    }
+}
+
+/// A value with a special meaning, and when it applies: `text` says it in words.
+pub(super) fn meaning(
+    scope: Scope<'_, '_>,
+    constraint: &Constraint,
+    text: MessageText,
+    meaning: Word,
+) -> String {
     let words = scope.site.words;
     let empty = || words.get(words::EMPTY).to_owned();
-    let value = special.value.as_ref().map_or_else(empty, |value| code(&value.to_string()));
+    let value = constraint.stated.value().map_or_else(empty, |value| code(&value.to_string()));
     let meaning = format!("{value}:&nbsp;{}", unbroken(words.get(meaning)));
     let text = scope.inline_of(text);
     if text.is_empty() { meaning } else { format!("{meaning} ({text})") }

@@ -1,11 +1,14 @@
 //! Constants with seven parameters: the commands of `VehicleCommand`.
 
-use super::cell::{command_anchor, has_parameters, meaning, name_with_parameters, range, unit, value_cell};
+use super::cell::{
+    command_anchor, constraint, has_parameters, meaning, name_with_parameters, unit, value_cell,
+};
 use super::constants::{Anchored, Constants, ParameterRef, prefix_anchor};
 use super::markdown::{Page, Table, code, inline, link, number_column, text_column};
 use super::scope::Scope;
 use super::site::Part;
 use super::words::{self};
+use crate::msg::constraint::INVALID;
 use crate::schema::MessageId;
 use crate::translation::MessageText;
 
@@ -71,9 +74,13 @@ fn values(scope: Scope<'_, '_>, (command, index): ParameterRef, constants: &Cons
         |prefix: &String| words.fill(words::ONE_OF, &[("enum", &prefix_link(scope, prefix, constants))]);
     let prefixes = parameter.enum_prefixes.iter();
     let mut lines: Vec<String> = prefixes.map(one_of).collect();
-    lines.extend(parameter.range.as_ref().and_then(|bounds| range(words, bounds)));
-    let text = MessageText::ParameterInvalid(command, index);
-    lines.extend(parameter.invalid.as_ref().map(|special| meaning(scope, special, text, words::LEFT_OUT)));
+    lines.extend(parameter.constraints.iter().filter_map(|found| {
+        let text = MessageText::ParameterConstraint(command, index, found.kind);
+        if *found.kind == INVALID {
+            return Some(meaning(scope, found, text, words::LEFT_OUT));
+        }
+        constraint(scope, found, text)
+    }));
     lines
 }
 

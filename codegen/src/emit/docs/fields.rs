@@ -1,13 +1,13 @@
 //! The fields of a message, group by group.
 
-use super::cell::{field_link, meaning, range, unit};
+use super::cell::{self, field_link, unit};
 use super::enums;
 use super::groups::in_groups;
 use super::markdown::{Page, Table, anchor, code, href, link, number_column, text_column};
 use super::scope::Scope;
 use super::site::Part;
 use super::words::{self, Word};
-use crate::schema::{Element, Form, Message, MessageId, Shape, Special, Type};
+use crate::schema::{Element, Form, Message, MessageId, Shape, Type};
 use crate::translation::MessageText;
 use crate::value::Value;
 
@@ -84,12 +84,12 @@ fn values(scope: Scope<'_, '_>, id: MessageId, index: usize, counter: Option<usi
     let words = scope.site.words;
     let mut lines = Vec::new();
     lines.extend(enums::of_field(scope, field));
-    lines.extend(field.range.as_ref().and_then(|bounds| range(words, bounds)));
-    let special = |special: &Option<Special>, text, word| {
-        special.as_ref().map(|special| meaning(scope, special, text, word))
-    };
-    lines.extend(special(&field.invalid, MessageText::Invalid(index), words::NO_DATA));
-    lines.extend(special(&field.uncontrolled, MessageText::Uncontrolled(index), words::NOT_CONTROLLED));
+    lines.extend(
+        field
+            .constraints
+            .iter()
+            .filter_map(|found| cell::constraint(scope, found, MessageText::Constraint(index, found.kind))),
+    );
     lines.extend(field.attributes().map(|(attribute, _)| {
         let text = scope.inline_of(MessageText::Attribute(index, attribute));
         words.fill(Word::of(attribute), &[(attribute.name, &text)])

@@ -15,7 +15,7 @@
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 
-use crate::emit::file::{GENERATED_BY, OutputFile};
+use crate::emit::file::{self, OutputFile};
 use crate::prose;
 pub(super) use crate::prose::gist;
 use crate::prose::percent_encoded;
@@ -152,7 +152,7 @@ impl Page {
 
 /// The line that every file begins with, between the marks of its kind of comment.
 pub(super) fn notice() -> String {
-    format!("{GENERATED_BY} from definitions. Do not edit: run `cargo xtask codegen`.")
+    file::notice("the definitions")
 }
 
 /// Formats to the end of a text.

@@ -10,6 +10,7 @@ use uavspec_runtime::{ErrorClass, Severity};
 
 use super::markdown::plural;
 use crate::msg::attribute::Attribute;
+use crate::msg::constraint::{self, ConstraintKind};
 use crate::source::SourceMap;
 use crate::translation::{catalogue, shorter};
 
@@ -21,9 +22,14 @@ const CATALOGUES: &[(&str, &str)] = &[("uk", include_str!("words/uk.po"))];
 pub(super) struct Word(&'static str);
 
 impl Word {
-    /// The word of an attribute.
+    /// The words of an attribute.
     pub(super) fn of(attribute: &'static Attribute) -> Self {
         Self(attribute.words)
+    }
+
+    /// The words of a constraint.
+    pub(super) const fn of_constraint(kind: &'static ConstraintKind) -> Self {
+        Self(kind.words)
     }
 
     /// What it is in English.
@@ -117,8 +123,6 @@ words! {
     DESCRIPTION = "Description";
     OFFSET = "Offset";
     OTHERS = "Others";
-    NO_DATA = "no data";
-    NOT_CONTROLLED = "not controlled";
     LEFT_OUT = "left out";
     EMPTY = "empty";
     DEFAULT = "default {value}";
@@ -126,7 +130,6 @@ words! {
     IN_USE = "entries of {array} in use";
     IN_USE_AT_MOST = "entries of {array} in use, at most {most}";
     TEXT = "text";
-    RANGE = "{low} to {high}";
 
     // Constants
     ENUMS = "Enums";
@@ -178,6 +181,9 @@ words! {
     UAV_SPECIFIC = "UAV-specific";
     USER_DEFINED = "user-defined";
 }
+
+/// Inclusive bounds.
+pub(super) const RANGE: Word = Word::of_constraint(&constraint::RANGE);
 
 /// The words of a language.
 #[derive(Clone, Copy, Debug)]
@@ -289,6 +295,7 @@ mod tests {
 
     use super::*;
     use crate::msg::attribute::ATTRIBUTES;
+    use crate::msg::constraint::CONSTRAINTS;
     use crate::translation::SOURCE_LANGUAGE;
 
     /// The names between braces in a text, sorted.
@@ -302,7 +309,8 @@ mod tests {
     #[test]
     fn each_catalogue_has_every_word_and_no_other() {
         let attributes = ATTRIBUTES.iter().map(|attribute| Word::of(attribute));
-        let all: Vec<Word> = ALL.iter().copied().chain(attributes).collect();
+        let constraints = CONSTRAINTS.iter().map(|kind| Word::of_constraint(kind));
+        let all: Vec<Word> = ALL.iter().copied().chain(attributes).chain(constraints).collect();
         let words: BTreeSet<&str> = all.iter().map(|word| word.0).collect();
         assert_eq!(words.len(), all.len(), "each word stands once");
         for (tag, text) in CATALOGUES {

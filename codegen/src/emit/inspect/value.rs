@@ -2,11 +2,20 @@
 
 use serde_json::{Value as Json, json};
 
-use crate::schema::Range;
+use crate::schema::{Range, Stated};
 use crate::value::Value;
 
 pub(super) fn range(range: &Range) -> Json {
     json!([range.low.as_ref().map(value), range.high.as_ref().map(value)])
+}
+
+/// The values of a constraint.
+pub(super) fn stated(stated: &Stated) -> Json {
+    match stated {
+        Stated::Range(bounds) => range(bounds),
+        Stated::Value(stated) => value(stated),
+        Stated::Empty => json!("empty"),
+    }
 }
 
 /// A value in JSON, which has no word for NaN and the infinities: they are strings.

@@ -2,8 +2,9 @@
 
 use super::bounds;
 use super::tree::{Member, Node, member};
-use crate::schema::Range;
+use crate::schema::{Range, Stated};
 use crate::unit;
+use crate::value::Value;
 
 /// An annotation, where there is something to say.
 pub(super) fn annotation<'s>(name: &'static str, value: Option<impl Into<Node<'s>>>) -> Option<Member<'s>> {
@@ -40,6 +41,18 @@ pub(super) fn unit(unit: Option<&str>) -> Option<&str> {
 /// Prefixes of an enum's constants, as its annotation lists them.
 pub(super) fn prefixes(prefixes: &[String]) -> Option<String> {
     (!prefixes.is_empty()).then(|| prefixes.join(" "))
+}
+
+/// The values of a constraint; `instance` makes a single one, or the empty one.
+pub(super) fn stated<'s>(
+    stated: &'s Stated,
+    instance: impl Fn(Option<&'s Value>) -> Option<Node<'s>>,
+) -> Option<Node<'s>> {
+    match stated {
+        Stated::Range(bounds) => Some(range(bounds)),
+        Stated::Value(value) => instance(Some(value)),
+        Stated::Empty => instance(None),
+    }
 }
 
 /// Both bounds as the definition states them; one that it leaves out is null.

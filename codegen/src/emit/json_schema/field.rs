@@ -5,11 +5,12 @@ use std::iter::once;
 use uavspec_runtime::Scalar;
 
 use super::address::Target;
-use super::annotation::{annotation, annotations, filled, prefixes, range, unit};
-use super::bounds::{self, Bounds};
+use super::annotation::{annotation, annotations, filled, prefixes, stated, unit};
+use super::bounds::{self, Numbers};
 use super::tree::any_of_type;
 use super::tree::{Member, Node, member};
-use crate::schema::{Element, Enum, EnumRef, Field, Form, Message, Schema, Shape, Special};
+use crate::msg::constraint::Effect;
+use crate::schema::{Element, Enum, EnumRef, Field, Form, Message, Schema, Shape};
 use crate::value::Value;
 
 /// A field of a message.
@@ -64,22 +65,23 @@ impl<'s> FieldSchema<'s> {
     }
 
     fn scalar(self, scalar: Scalar) -> Vec<Member<'s>> {
-        let Some(whole) = Bounds::of(scalar) else { return vec![member("type", "boolean")] };
+        let Some(whole) = Numbers::NONE.asserted(scalar) else { return vec![member("type", "boolean")] };
+        let restriction = self.schema.restriction(self.message, self.field);
+        let used = restriction.and_then(|found| found.limits.asserted(scalar)).unwrap_or(whole);
         let ty = if scalar.is_float() {
             ["number", "null"].into_iter().map(Node::from).collect()
         } else {
             Node::from("integer")
         };
-        let used = self.used(&whole);
         let outside = self.outside(&used, &whole, scalar);
         let alternatives = (!outside.is_empty()).then(|| {
-            let within = once(member("type", ty.clone())).chain(used.members()).collect();
+            let within = once(member("type", ty.clone())).chain(bounds::members(&used)).collect();
             let keyword = if self.are_apart(&used, scalar) { "oneOf" } else { "anyOf" };
             member(keyword, once(Node::Object(within)).chain(outside).collect::<Node>())
         });
         let mut members = vec![member("type", ty.clone())];
         if alternatives.is_none() {
-            members.extend(used.members());
+            members.extend(bounds::members(&used));
         }
         let Some((owner, found)) = self.enumeration().filter(|(_, found)| !found.is_flags) else {
             members.extend(alternatives);
@@ -92,43 +94,29 @@ impl<'s> FieldSchema<'s> {
         members
     }
 
-    /// What the field may hold where it holds data.
-    fn used(self, whole: &Bounds) -> Bounds {
-        let used = match &self.field.range {
-            Some(range) => whole.clone().within(range),
-            None => whole.clone(),
-        };
-        match self.field.counts.and_then(|array| self.message.fields.get(array)).map(|array| array.ty.shape) {
-            Some(Shape::Array(length) | Shape::Bounded(length)) => used.at_most(length),
-            Some(Shape::Single | Shape::Sequence) | None => used,
-        }
-    }
-
     /// Whether every reader can tell the special values from what is used, and from each other. Generators make
     /// alternatives of a type only where no value fits two of them, as `oneOf` says. To those who read all numbers as
     /// 64-bit floats large integers are their neighbours: a value that fits two would be none.
-    fn are_apart(self, used: &Bounds, scalar: Scalar) -> bool {
-        let specials = [&self.field.invalid, &self.field.uncontrolled].into_iter().flatten();
-        let values =
-            specials.filter_map(|special| special.value.as_ref()).map(|value| bounds::held(value, scalar));
-        let exact = values.filter(|value| !used.hold(value)).map(|value| Bounds::exactly(&value, scalar));
-        let all: Vec<Bounds> = once(used.clone()).chain(exact).collect();
+    fn are_apart(self, used: &Numbers, scalar: Scalar) -> bool {
+        let specials = self.field.constraints.iter().filter(|found| found.is_special());
+        let values = specials.filter_map(|special| bounds::held(special.stated.value()?, scalar).number());
+        let exact = values.filter(|value| used.broken_by(*value).is_some());
+        let exact = exact.map(|value| bounds::exactly(value, scalar));
+        let all: Vec<Numbers> = once(*used).chain(exact).collect();
         all.iter()
             .enumerate()
-            .all(|(index, bounds)| all.iter().skip(index + 1).all(|other| bounds.is_apart(other)))
+            .all(|(index, found)| all.iter().skip(index + 1).all(|other| bounds::are_apart(found, other)))
     }
 
-    /// The special values that lie outside of what is used. NaN needs no mention: it is null, which all
-    /// floats may be.
-    fn outside(self, used: &Bounds, whole: &Bounds, scalar: Scalar) -> Vec<Node<'s>> {
-        let specials = [(&self.field.invalid, "No data"), (&self.field.uncontrolled, "Not controlled")];
-        let nodes = specials.into_iter().filter_map(|(special, title)| {
-            let special = special.as_ref()?;
-            let value = bounds::held(special.value.as_ref()?, scalar);
-            if !whole.hold(&value) || used.hold(&value) {
+    /// The special values outside of `used`. NaN needs no mention: it is null, which all floats may be.
+    fn outside(self, used: &Numbers, whole: &Numbers, scalar: Scalar) -> Vec<Node<'s>> {
+        let nodes = self.field.constraints.iter().filter_map(|special| {
+            let Effect::Allows { title, .. } = special.kind.effect else { return None };
+            let value = bounds::held(special.stated.value()?, scalar).number()?;
+            if whole.broken_by(value).is_some() || used.broken_by(value).is_none() {
                 return None;
             }
-            let mut members = bounds::exactly(&value, scalar);
+            let mut members = bounds::only(value, scalar);
             members.push(member("title", title));
             members.extend(annotation("description", filled(&special.text)));
             Some(Node::Object(members))
@@ -141,33 +129,29 @@ impl<'s> FieldSchema<'s> {
         let flags = self.enumeration().filter(|(_, found)| found.is_flags);
         let counted = field.counts.and_then(|array| self.message.fields.get(array));
         let group = field.group.and_then(|group| self.message.groups.get(group));
-        let when = |special: &'s Option<Special>| special.as_ref().and_then(|special| filled(&special.text));
         let head = [
             annotation("x-type", Some(self.schema.type_text(self.message, field.ty))),
             annotation("x-unit", unit(field.unit.as_deref())),
         ];
         let attributes =
             field.attributes().map(|(attribute, text)| annotation(attribute.keyword, Some(text)));
+        let constraints = field.constraints.iter().flat_map(|found| {
+            let when =
+                filled(&found.text).map(|text| (format!("{}-when", found.kind.keyword).into(), text.into()));
+            [annotation(found.kind.keyword, stated(&found.stated, |value| self.special(value))), when]
+        });
         let rest = [
-            annotation("x-range", field.range.as_ref().map(range)),
-            annotation("x-invalid", field.invalid.as_ref().and_then(|special| self.special(special))),
-            annotation("x-invalid-when", when(&field.invalid)),
-            annotation(
-                "x-uncontrolled",
-                field.uncontrolled.as_ref().and_then(|special| self.special(special)),
-            ),
-            annotation("x-uncontrolled-when", when(&field.uncontrolled)),
             annotation("x-enum", prefixes(&field.enum_prefixes)),
             annotation("x-flags", flags.map(|(owner, found)| flag_list(owner, found))),
             annotation("x-count-of", counted.map(|array| array.name.as_str())),
             annotation("x-group", group.and_then(|group| filled(&group.summary))),
         ];
-        annotations(head.into_iter().chain(attributes).chain(rest))
+        annotations(head.into_iter().chain(attributes).chain(constraints).chain(rest))
     }
 
-    /// A special value as an instance holds it.
-    fn special(self, special: &'s Special) -> Option<Node<'s>> {
-        match (&special.value, self.field.ty.shape, self.field.ty.element) {
+    /// A value, or the empty one, as an instance holds it.
+    fn special(self, value: Option<&'s Value>) -> Option<Node<'s>> {
+        match (value, self.field.ty.shape, self.field.ty.element) {
             (Some(value), ..) => self.instance(value),
             (None, ..) if self.is_text() => Some(Node::from("")),
             (None, Shape::Single, Element::String { .. }) => Some(Node::from("")),

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::annotation::{annotation, annotations, filled, list, object, prefixes, range, unit};
+use super::annotation::{annotation, annotations, filled, list, object, prefixes, stated, unit};
 use super::bounds;
 use super::field::FieldSchema;
 use super::tree::{Member, Node, member};
@@ -83,15 +83,19 @@ fn parameters(constant: &Constant) -> Option<Member<'_>> {
 
 /// A parameter of a command. One without a word to it is an empty object: its place counts.
 fn parameter(parameter: &Parameter) -> Node<'_> {
-    let invalid = parameter.invalid.as_ref().and_then(|special| special.value.as_ref());
-    object([
+    let head = [
         annotation("description", filled(&parameter.description)),
         annotation("unit", unit(parameter.unit.as_deref())),
-        annotation("range", parameter.range.as_ref().map(range)),
-        annotation("invalid", invalid.map(bounds::number)),
-        annotation("enum", prefixes(&parameter.enum_prefixes)),
-    ])
-    .unwrap_or_else(|| Node::Object(Vec::new()))
+    ];
+    let constraints = parameter.constraints.iter();
+    let constraints = constraints.map(|found| annotation(found.kind.name, stated(&found.stated, number)));
+    let prefixes = annotation("enum", prefixes(&parameter.enum_prefixes));
+    object(head.into_iter().chain(constraints).chain([prefixes])).unwrap_or_else(|| Node::Object(Vec::new()))
+}
+
+/// A value of a parameter; there is no empty one.
+fn number(value: Option<&Value>) -> Option<Node<'_>> {
+    value.map(bounds::number)
 }
 
 /// The value of a constant. JSON has no words for NaN and the infinities: they are strings.

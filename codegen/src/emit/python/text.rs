@@ -1,6 +1,6 @@
 //! Docstrings and comments: texts of definitions come out as text, whatever they hold.
 
-use crate::emit::file::GENERATED_BY;
+use crate::emit::file::notice;
 use crate::prose;
 
 /// A docstring on lines of its own; nothing where there is no text.
@@ -55,7 +55,7 @@ fn visible(line: &str) -> String {
 
 /// The first line of a file.
 pub(super) fn header(from: &str) -> String {
-    format!("# {GENERATED_BY} from {from}. Do not edit: run `cargo xtask codegen`.\n")
+    format!("# {}\n", notice(from))
 }
 
 #[cfg(test)]

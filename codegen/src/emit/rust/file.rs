@@ -7,7 +7,7 @@ use quote::quote;
 
 use super::context::Context;
 use super::imports;
-use crate::emit::file::GENERATED_BY;
+use crate::emit::file::notice;
 use crate::schema::Package;
 use crate::span::Span;
 
@@ -15,7 +15,7 @@ use crate::span::Span;
 pub(super) fn header(from: &str) -> String {
     // A path with a line break would end the comment.
     let from = from.replace(['\n', '\r'], " ");
-    format!("// {GENERATED_BY} from {from}. Do not edit.\n\n")
+    format!("// {}\n\n", notice(&from))
 }
 
 /// The header line of a file that comes from the definition that holds `span`.

@@ -8,7 +8,7 @@ use quote::quote;
 use super::context::Context;
 use super::file::documentation;
 use super::identifier::{Scope, ident, snake_case, upper_case};
-use super::text::{constant_text, range_text, special_text};
+use super::text::constant_text;
 use super::{enumeration, types};
 use crate::prose;
 use uavspec_runtime::{Number, Scalar};
@@ -212,28 +212,24 @@ impl Parts<'_> {
     }
 
     fn restriction(&self, field: &Field, restriction: &Restriction) -> TokenStream {
-        let low = restriction.low.map(|low| {
-            let low = number(low);
-            quote!(.from(#low))
-        });
-        let high = restriction.high.map(|high| {
-            let high = number(high);
-            quote!(.to(#high))
+        let demands = restriction.demands.iter().map(|(method, argument)| {
+            let (method, argument) = (ident(method), number(*argument));
+            quote!(.#method(#argument))
         });
         let special = (!restriction.special.is_empty()).then(|| {
             let special = restriction.special.iter().map(|value| number(*value));
             quote!(.or(&[#(#special),*]))
         });
-        let count = restriction.count.map(|length| {
+        let count = restriction.limits.count.map(|length| {
             let length = types::integer(length.into());
             quote!(.counting(#length))
         });
         let known = field.enumeration.map(|reference| {
             let path = types::enumeration(self.context, self.id, reference);
-            if restriction.is_flags { quote!(.flags::<#path>()) } else { quote!(.values::<#path>()) }
+            if restriction.limits.is_flags { quote!(.flags::<#path>()) } else { quote!(.values::<#path>()) }
         });
-        let nan = restriction.forbids_nan.then(|| quote!(.not_nan()));
-        quote!(&number() #low #high #special #count #known #nan)
+        let nan = restriction.limits.forbids_nan.then(|| quote!(.not_nan()));
+        quote!(&number() #(#demands)* #special #count #known #nan)
     }
 
     /// How defmt shows it: the whole text is one literal, which stays on the host.
@@ -340,17 +336,7 @@ impl Parts<'_> {
                 None => format!("unit: {}", prose::inline(symbol)),
             }),
         }
-        if let Some(range) = &field.range {
-            facts.extend(
-                range_text(range.low.as_ref(), range.high.as_ref()).map(|range| format!("range: {range}")),
-            );
-        }
-        if let Some(invalid) = &field.invalid {
-            facts.push(format!("no data: {}", special_text(invalid)));
-        }
-        if let Some(uncontrolled) = &field.uncontrolled {
-            facts.push(format!("not controlled: {}", special_text(uncontrolled)));
-        }
+        facts.extend(field.constraints.iter().filter_map(|found| found.fact(prose::code, prose::inline)));
         facts.extend(field.attributes().map(|(attribute, text)| attribute.said(&prose::inline(text))));
         if let Some(array) = field.counts {
             facts.push(format!("counts the entries in use of [`{0}`](Self::{0})", self.fields[array]));

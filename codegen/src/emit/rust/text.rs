@@ -3,9 +3,8 @@
 use std::fmt::Write as _;
 
 use crate::prose;
-use crate::schema::{Constant, Special};
+use crate::schema::{Constant, Constraint};
 use crate::unit;
-use crate::value::Value;
 
 /// The documentation of a constant, with the parameters that a command takes.
 pub(super) fn constant_text(constant: &Constant) -> String {
@@ -24,14 +23,11 @@ pub(super) fn constant_text(constant: &Constant) -> String {
                 .filter(|unit| *unit != unit::NONE)
                 .map(prose::inline)
                 .unwrap_or_default();
-            let range = parameter
-                .range
-                .as_ref()
-                .and_then(|range| range_text(range.low.as_ref(), range.high.as_ref()));
-            let range = range.map(|range| format!(" ({range})")).unwrap_or_default();
+            let said = parameter.constraints.iter().filter(|found| !found.is_special());
+            let said: String = said.filter_map(Constraint::said).map(|said| format!(" ({said})")).collect();
             let _ = write!(
                 text,
-                "\n| {} | {unit} | {}{range} |",
+                "\n| {} | {unit} | {}{said} |",
                 index + 1,
                 prose::inline(&parameter.description)
             );
@@ -42,19 +38,4 @@ pub(super) fn constant_text(constant: &Constant) -> String {
 
 fn is_unused(description: &str) -> bool {
     matches!(description, "" | "Unused" | "Empty")
-}
-
-pub(super) fn range_text(low: Option<&Value>, high: Option<&Value>) -> Option<String> {
-    match (low, high) {
-        (Some(low), Some(high)) => Some(format!("{low} to {high}")),
-        (Some(low), None) => Some(format!("{low} or more")),
-        (None, Some(high)) => Some(format!("at most {high}")),
-        (None, None) => None,
-    }
-}
-
-pub(super) fn special_text(special: &Special) -> String {
-    let value =
-        special.value.as_ref().map_or_else(|| "empty".to_owned(), |value| prose::code(&value.to_string()));
-    if special.text.is_empty() { value } else { format!("{value} ({})", prose::inline(&special.text)) }
 }

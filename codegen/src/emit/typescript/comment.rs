@@ -1,6 +1,6 @@
 //! Comments: texts of definitions come out as text, whatever they hold.
 
-use crate::emit::file::GENERATED_BY;
+use crate::emit::file::notice;
 use crate::prose;
 
 /// A documentation comment; nothing where there is no text.
@@ -27,5 +27,5 @@ pub(super) fn line(text: &str) -> String {
 
 /// The first line of a file.
 pub(super) fn header(from: &str) -> String {
-    format!("// {GENERATED_BY} from {from}. Do not edit: run `cargo xtask codegen`.\n\n")
+    format!("// {}\n\n", notice(from))
 }

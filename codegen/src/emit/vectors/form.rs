@@ -2,10 +2,12 @@
 
 use serde_json::json;
 
-use super::mark::{FORM, mark};
 use super::options::Options;
-use crate::emit::file::OutputFile;
+use crate::emit::file::{GENERATED_BY, OutputFile};
 use crate::emit::json_schema::DRAFT;
+
+/// The version of the form of the files. It rises if an existing reader would misread them.
+pub(super) const FORM: u32 = 1;
 
 /// The file of the schema.
 const PATH: &str = "vectors.schema.json";
@@ -38,7 +40,7 @@ pub(super) fn file(options: &Options) -> OutputFile {
     let schema = json!({
         "$schema": DRAFT,
         "$id": format!("{}/{PATH}", options.schemas().base.trim_end_matches('/')),
-        "$comment": mark(),
+        "$comment": format!("{GENERATED_BY}. Do not edit."),
         "title": "Vectors",
         "description": "Test vectors of a type: values that it has and values that it doesn't have.",
         "type": "object",

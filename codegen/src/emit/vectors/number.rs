@@ -3,6 +3,7 @@
 use uavspec_runtime::{Number, Rule, Scalar};
 
 use super::case::{Change, Sample, Verdict, rule};
+use crate::msg::constraint::{Effect, Probe};
 use crate::schema::{Enum, Field, Message, Restriction, Schema};
 use crate::value::Value;
 
@@ -29,7 +30,7 @@ impl<'s> NumberSamples<'s> {
     pub(super) fn zero(&self) -> Option<String> {
         let zero = if self.scalar.is_float() { Number::Float(0.0) } else { Number::Int(0) };
         let known = self.restriction.known.iter().flatten().map(|value| Number::Int(*value));
-        let ends = [self.restriction.low, self.restriction.high].into_iter().flatten();
+        let ends = self.restriction.demands.iter().map(|(_, number)| *number);
         let special = self.restriction.special.iter().copied();
         let candidates = [zero].into_iter().chain(known).chain(ends).chain(special);
         candidates
@@ -47,7 +48,7 @@ impl<'s> NumberSamples<'s> {
         let pick = usize::try_from(turn).unwrap_or(0) % known.len().max(1);
         let candidates = [
             Some(self.of_bytes(bytes)).filter(|number| !number.is_nan()),
-            (self.restriction.is_flags && all_flags != 0).then_some(Number::Int(turn & all_flags)),
+            (self.restriction.limits.is_flags && all_flags != 0).then_some(Number::Int(turn & all_flags)),
             known.get(pick).map(|value| Number::Int(*value)),
             self.between(bytes[0]),
             Some(if self.scalar.is_float() { Number::Float(f64::from(bytes[0] % 0x7f) + 0.5) } else { any }),
@@ -64,12 +65,9 @@ impl<'s> NumberSamples<'s> {
     pub(super) fn samples(mut self) -> Vec<Sample> {
         // Of several names for one value the first stays, so the most telling come first.
         self.documented();
-        for (special, name, words) in [
-            (&self.field.invalid, "no-data", "the value that says that there is no data"),
-            (&self.field.uncontrolled, "not-controlled", "the value that says that it isn't controlled"),
-        ] {
-            let value = special.as_ref().and_then(|special| special.value.as_ref());
-            if let Some(number) = value.and_then(Value::number) {
+        for constraint in &self.field.constraints {
+            let Effect::Allows { sample: (name, words), .. } = constraint.kind.effect else { continue };
+            if let Some(number) = constraint.stated.value().and_then(Value::number) {
                 self.push(name, words, number);
             }
         }
@@ -131,18 +129,17 @@ impl<'s> NumberSamples<'s> {
         }
     }
 
-    /// The ends of the range and the greatest count, with the neighbours beyond them.
+    /// The limits of the constraints and the greatest count, with the neighbours beyond them.
     fn ends(&mut self) {
-        let (low, high) = (self.restriction.low, self.restriction.high);
-        if let Some(low) = low.map(|low| self.held(low)) {
-            self.push("range-low", "the least of its range", low);
-            self.push_outside("below-range", "just below its range", self.step(low, false));
+        for constraint in &self.field.constraints {
+            let Effect::Narrows { samples, .. } = constraint.kind.effect else { continue };
+            for Probe { name, words, number, up } in samples(&constraint.stated, self.scalar) {
+                let number = self.held(number);
+                let number = up.map_or(Some(number), |up| self.step(number, up));
+                self.push_outside(name, words, number);
+            }
         }
-        if let Some(high) = high.map(|high| self.held(high)) {
-            self.push("range-high", "the greatest of its range", high);
-            self.push_outside("above-range", "just above its range", self.step(high, true));
-        }
-        if let Some(count) = self.restriction.count.map(|count| Number::Int(count.into())) {
+        if let Some(count) = self.restriction.limits.count.map(|count| Number::Int(count.into())) {
             self.push("full", "as many entries as the array has", count);
             self.push_outside("above-count", "one entry more than the array has", self.step(count, true));
         }
@@ -269,9 +266,9 @@ impl<'s> NumberSamples<'s> {
 
     /// A value in the range, another one for each `turn`.
     fn between(&self, turn: u8) -> Option<Number> {
-        let count = self.restriction.count.map(|count| Number::Int(count.into()));
-        let low = self.restriction.low.or(count.map(|_| Number::Int(0)));
-        let high = self.restriction.high.or(count);
+        let count = self.restriction.limits.count.map(|count| Number::Int(count.into()));
+        let low = self.restriction.limits.low.or(count.map(|_| Number::Int(0)));
+        let high = self.restriction.limits.high.or(count);
         Some(match (low, high) {
             (Some(Number::Int(low)), Some(Number::Int(high))) if !self.scalar.is_float() => {
                 Number::Int(low + i128::from(turn) % (high - low + 1).max(1))

@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use super::case::Case;
-use super::mark::{FORM, mark};
+use super::form::FORM;
+use crate::emit::file::notice;
 use crate::emit::json_schema::DRAFT;
 
 /// What the file of a type says of it.
@@ -23,7 +24,7 @@ pub(super) fn vectors(head: &Head, cases: &[Case]) -> String {
     let _ = write!(
         text,
         "{{\n  \"$comment\": {},\n  \"form\": {FORM},\n  \"type\": {},\n",
-        quote(&mark()),
+        quote(&notice(&head.title)),
         quote(&head.title)
     );
     for (name, value) in &head.facts {
@@ -80,7 +81,7 @@ pub(super) fn suite(head: &Head, cases: &[Case]) -> Option<String> {
         "[\n  {{\n    \"description\": {},\n    \"comment\": {},\n    \"schema\": {{\"$schema\": \"{DRAFT}\", \"$ref\": {}}},\n    \
          \"tests\": [",
         quote(&head.title),
-        quote(&mark()),
+        quote(&notice(&head.title)),
         quote(&head.schema),
     );
     for (index, (case, json, is_valid)) in tests.into_iter().enumerate() {

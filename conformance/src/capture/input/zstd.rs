@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn what_follows_a_frame_and_is_none_is_told() {
+    fn reports_data_after_a_frame() {
         let packed = zstd(b"text");
         for rest in
             [&b"no frame"[..], &[0; 8], &MAGIC[..2], &zstd(b"more")[..7], b"\x50\x2a\x4d\x18\x09\0\0\0abc"]

@@ -39,27 +39,27 @@ pub(super) enum Next {
     Record { opcode: u8, length: usize },
     Passed,
     TooLong { opcode: u8, length: u64 },
-    Broken,
+    Corrupt,
     End,
 }
 
 /// Takes the next record of a chunk of which so many bytes are left.
-pub(super) fn cut<R: Read>(window: &mut Window<R>, left: u64) -> io::Result<Next> {
+pub(super) fn next_record<R: Read>(window: &mut Window<R>, left: u64) -> io::Result<Next> {
     if left == 0 {
         return Ok(Next::End);
     }
     window.require(HEAD)?;
-    let Some((opcode, length)) = sound::head(window.ahead()) else { return Ok(Next::Broken) };
+    let Some((opcode, length)) = sound::head(window.ahead()) else { return Ok(Next::Corrupt) };
     let is_within = length.checked_add(HEAD as u64).is_some_and(|whole| whole <= left);
     if opcode == 0 || !is_within {
-        return Ok(Next::Broken);
+        return Ok(Next::Corrupt);
     }
     let is_wanted = matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE);
     if !is_wanted || length > MAX_RECORD {
         let whole = HEAD as u64 + length;
         let is_there = window.skip(whole)? == whole;
         return Ok(match (is_there, is_wanted) {
-            (false, _) => Next::Broken,
+            (false, _) => Next::Corrupt,
             (true, true) => Next::TooLong { opcode, length },
             (true, false) => Next::Passed,
         });
@@ -67,9 +67,9 @@ pub(super) fn cut<R: Read>(window: &mut Window<R>, left: u64) -> io::Result<Next
     // No longer than the limit, which fits.
     let length = usize::try_from(length).unwrap_or(usize::MAX - HEAD);
     window.require(HEAD + length)?;
-    let Some(body) = window.ahead().get(HEAD..HEAD + length) else { return Ok(Next::Broken) };
+    let Some(body) = window.ahead().get(HEAD..HEAD + length) else { return Ok(Next::Corrupt) };
     if !can_be(opcode, length as u64) || !has_its_parts(opcode, body, false) {
-        return Ok(Next::Broken);
+        return Ok(Next::Corrupt);
     }
     window.advance(HEAD + length);
     Ok(Next::Record { opcode, length })

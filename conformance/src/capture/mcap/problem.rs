@@ -14,7 +14,7 @@ pub(crate) enum Problem {
     /// Another record than its header comes first.
     NoHeader,
     /// It ends within a record.
-    CutOff {
+    Truncated {
         /// How many bytes the record still claims.
         missing: u64,
     },
@@ -119,7 +119,7 @@ impl Problem {
     /// How much of the file can be read that has it.
     pub(crate) fn extent(&self) -> Extent {
         match self {
-            Self::CutOff { .. } | Self::NoEnd => Extent::EndsEarly,
+            Self::Truncated { .. } | Self::NoEnd => Extent::EndsEarly,
             Self::NoHeader
             | Self::AfterEnd { .. }
             | Self::ChunkSize { .. }
@@ -141,7 +141,7 @@ impl fmt::Display for Problem {
         match self {
             Self::NoMagic => formatter.write_str("the file doesn't begin as MCAP does"),
             Self::NoHeader => formatter.write_str("the file has no header at its start"),
-            Self::CutOff { missing } => {
+            Self::Truncated { missing } => {
                 write!(formatter, "the file ends within a record, {} bytes too early", Grouped(*missing))
             }
             Self::NoEnd => formatter

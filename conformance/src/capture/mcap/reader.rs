@@ -6,7 +6,7 @@ use std::mem;
 
 use mcap::records::{Record, op};
 
-use super::chunk::{Chunk, Next, Records, cut};
+use super::chunk::{Chunk, Next, Records, next_record};
 use super::problem::Malformed;
 use super::sound::{
     self, ChunkHead, HEAD, MAX_CHUNK_HEAD, can_be, can_follow, has_its_parts, is_attachment, is_sound,
@@ -139,7 +139,7 @@ impl<R: Read> Reader<R> {
         Item { offset, event }
     }
 
-    fn tell(&mut self, offset: u64, problem: Problem) {
+    fn report(&mut self, offset: u64, problem: Problem) {
         self.problems.push_back((offset, problem));
     }
 
@@ -149,7 +149,7 @@ impl<R: Read> Reader<R> {
         if self.file.ahead().starts_with(&MAGIC) {
             self.file.advance(MAGIC.len());
         } else {
-            self.tell(0, Problem::NoMagic);
+            self.report(0, Problem::NoMagic);
         }
         Ok(None)
     }
@@ -163,7 +163,7 @@ impl<R: Read> Reader<R> {
             return Ok(None);
         };
         if mem::replace(&mut self.stage, Stage::Records) == Stage::Header && opcode != op::HEADER {
-            self.tell(offset, Problem::NoHeader);
+            self.report(offset, Problem::NoHeader);
         }
         if !can_be(opcode, length) {
             self.search(offset, Malformed::Length { opcode, length })?;
@@ -211,7 +211,7 @@ impl<R: Read> Reader<R> {
             match (next, problem) {
                 (Some(next), _) => {
                     self.file.advance(next);
-                    self.tell(offset, Problem::Skipped { found: problem, length: next as u64 });
+                    self.report(offset, Problem::Skipped { found: problem, length: next as u64 });
                     return Ok(None);
                 }
                 // The doubt goes to what follows.
@@ -245,7 +245,7 @@ impl<R: Read> Reader<R> {
         let stated = self.file.ahead()[HEAD..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
         let found = self.file.checksum();
         if stated != 0 && stated != found {
-            self.tell(offset, Problem::DataChecksum { stated, found });
+            self.report(offset, Problem::DataChecksum { stated, found });
         }
     }
 
@@ -253,9 +253,9 @@ impl<R: Read> Reader<R> {
     fn ends_early(&mut self, offset: u64) -> io::Result<()> {
         let left = self.file.skip(u64::MAX)?;
         if left > 0 {
-            self.tell(offset, Problem::CutOff { missing: HEAD as u64 - left });
+            self.report(offset, Problem::Truncated { missing: HEAD as u64 - left });
         } else {
-            self.tell(offset, Problem::NoEnd);
+            self.report(offset, Problem::NoEnd);
         }
         self.stage = Stage::End;
         Ok(())
@@ -268,12 +268,12 @@ impl<R: Read> Reader<R> {
         if self.file.ahead().starts_with(&MAGIC) {
             self.file.advance(MAGIC.len());
         } else {
-            self.tell(offset, Problem::NoEnd);
+            self.report(offset, Problem::NoEnd);
         }
         let offset = self.file.offset();
         let length = self.file.skip(u64::MAX)?;
         if length > 0 {
-            self.tell(offset, Problem::AfterEnd { length });
+            self.report(offset, Problem::AfterEnd { length });
         }
         self.stage = Stage::End;
         Ok(())
@@ -283,7 +283,7 @@ impl<R: Read> Reader<R> {
     fn pass(&mut self, offset: u64, length: u64) -> io::Result<()> {
         let passed = self.file.skip(length)?;
         if passed < length {
-            self.tell(offset, Problem::CutOff { missing: length - passed });
+            self.report(offset, Problem::Truncated { missing: length - passed });
             self.stage = Stage::End;
         }
         Ok(())
@@ -309,7 +309,7 @@ impl<R: Read> Reader<R> {
             }
         }
         let length = self.file.offset() - start;
-        self.tell(offset, Problem::Skipped { found, length });
+        self.report(offset, Problem::Skipped { found, length });
         Ok(())
     }
 
@@ -323,13 +323,13 @@ impl<R: Read> Reader<R> {
             }
             return self.search(offset, Malformed::Parts { opcode: op::CHUNK });
         };
-        let packing = Packing::of(&head.packing);
+        let packing = Packing::from_name(&head.packing);
         if packing.is_some() && head.packed > Self::MAX_PACKED {
             return self.search(offset, Malformed::Length { opcode: op::CHUNK, length });
         }
         if packing.is_none() && !head.packing.is_empty() {
             let name = String::from_utf8_lossy(&head.packing).into_owned();
-            self.tell(offset, Problem::Packing { name });
+            self.report(offset, Problem::Packing { name });
             return self.pass(offset, HEAD as u64 + length);
         }
         self.file.advance(HEAD + head.length);
@@ -343,7 +343,7 @@ impl<R: Read> Reader<R> {
                 let mut room = mem::take(&mut self.room);
                 let taken = self.file.take(packed, &mut room)?;
                 if taken < packed {
-                    self.tell(offset, Problem::CutOff { missing: (packed - taken) as u64 + added });
+                    self.report(offset, Problem::Truncated { missing: (packed - taken) as u64 + added });
                     self.stage = Stage::End;
                 }
                 Records::Packed(Box::new(Window::new(Unpacker::new(packing, room))), taken < packed)
@@ -360,16 +360,16 @@ impl<R: Read> Reader<R> {
         let (next, record_offset) = match &mut chunk.records {
             Records::Plain(start) => {
                 let offset = self.file.offset();
-                (cut(&mut self.file, size - (offset - *start))?, offset)
+                (next_record(&mut self.file, size - (offset - *start))?, offset)
             }
-            Records::Packed(window, is_cut_off) => {
+            Records::Packed(window, is_truncated) => {
                 let left = size - window.offset();
-                match cut(window, left) {
+                match next_record(window, left) {
                     Ok(next) => (next, chunk_offset),
                     Err(error) => {
                         let unpacked = window.offset() + window.ahead().len() as u64;
                         // What is missing was told already.
-                        if !*is_cut_off {
+                        if !*is_truncated {
                             let error = error.to_string();
                             self.problems.push_back((chunk_offset, Problem::Unpack { unpacked, error }));
                         }
@@ -384,27 +384,29 @@ impl<R: Read> Reader<R> {
                 return Ok(Some(Found { offset: record_offset, opcode, length, is_packed }));
             }
             Next::Passed => {}
-            Next::TooLong { opcode, length } => self.tell(record_offset, Problem::TooLong { opcode, length }),
-            Next::Broken => self.broken()?,
+            Next::TooLong { opcode, length } => {
+                self.report(record_offset, Problem::TooLong { opcode, length });
+            }
+            Next::Corrupt => self.corrupt_chunk()?,
             Next::End => self.close()?,
         }
         Ok(None)
     }
 
     /// No record comes next in the chunk, although something should.
-    fn broken(&mut self) -> io::Result<()> {
+    fn corrupt_chunk(&mut self) -> io::Result<()> {
         let Some(chunk) = &mut self.chunk else { return Ok(()) };
         let (offset, size) = (chunk.offset, chunk.size);
         match &mut chunk.records {
-            Records::Packed(window, is_cut_off) => {
+            Records::Packed(window, is_truncated) => {
                 let at = window.offset();
                 let problem = if window.is_at_end() && window.ahead().is_empty() {
                     Problem::ChunkSize { stated: size, found: at, is_more: false }
                 } else {
                     Problem::InChunk { at }
                 };
-                if !*is_cut_off {
-                    self.tell(offset, problem);
+                if !*is_truncated {
+                    self.report(offset, problem);
                 }
                 self.leave()
             }
@@ -412,9 +414,9 @@ impl<R: Read> Reader<R> {
                 let left = size - (self.file.offset() - *start);
                 self.chunk = None;
                 let ahead = self.file.ahead();
-                let is_cut_off = self.file.is_at_end() && (ahead.len() as u64) < left;
+                let is_truncated = self.file.is_at_end() && (ahead.len() as u64) < left;
                 let is_next = |at: &usize| is_sound(&ahead[*at..], |id| self.declared.has(id));
-                if is_cut_off && !(1..ahead.len()).any(|at| is_next(&at)) {
+                if is_truncated && !(1..ahead.len()).any(|at| is_next(&at)) {
                     return self.pass(offset, left);
                 }
                 let (opcode, length) = sound::head(ahead).unwrap_or_default();
@@ -441,7 +443,7 @@ impl<R: Read> Reader<R> {
             }
         };
         if stated != 0 && stated != found {
-            self.tell(offset, Problem::ChunkChecksum { stated, found });
+            self.report(offset, Problem::ChunkChecksum { stated, found });
         }
         self.leave()
     }

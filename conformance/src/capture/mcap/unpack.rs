@@ -15,7 +15,7 @@ pub(super) enum Packing {
 
 impl Packing {
     /// That of the name in the header of a chunk, which is not empty.
-    pub(super) fn of(name: &[u8]) -> Option<Self> {
+    pub(super) fn from_name(name: &[u8]) -> Option<Self> {
         match name {
             b"zstd" => Some(Self::Zstd),
             b"lz4" => Some(Self::Lz4),

@@ -33,7 +33,7 @@ pub struct Log {
     orphans: BTreeMap<u16, Orphans>,
     /// Whether the definitions have ended.
     is_in_data: bool,
-    is_limit_told: bool,
+    is_limit_reported: bool,
 }
 
 #[derive(Debug)]
@@ -42,7 +42,7 @@ struct Format {
     fields: Box<str>,
     name: Box<str>,
     /// What was told about it.
-    told: Option<FormatProblem>,
+    reported: Option<FormatProblem>,
 }
 
 #[derive(Debug)]
@@ -88,13 +88,13 @@ pub struct Record<'l> {
     /// What it is.
     pub subscription: &'l Subscription,
     /// Its type.
-    pub of: MessageType<'l>,
+    pub message_type: MessageType<'l>,
     /// The message as it lies in memory, perhaps without the padding at its end.
     pub payload: &'l [u8],
 }
 
 /// Takes what is wrong, and where.
-type Tell<'t> = &'t mut dyn FnMut(u64, LogProblem);
+type OnProblem<'t> = &'t mut dyn FnMut(u64, LogProblem);
 
 impl Default for Log {
     fn default() -> Self {
@@ -108,31 +108,31 @@ impl Default for Log {
             subscriptions: Vec::new(),
             orphans: BTreeMap::new(),
             is_in_data: false,
-            is_limit_told: false,
+            is_limit_reported: false,
         }
     }
 }
 
 impl Log {
-    /// Takes the next item of a reader, and calls `tell` with what is wrong, and where. A record, if the item
+    /// Takes the next item of a reader, and calls `on_problem` with what is wrong, and where. A record, if the item
     /// is data that can be read.
     #[inline]
     pub fn take<'l>(
         &'l mut self,
         item: &Item<'l>,
-        tell: &mut dyn FnMut(u64, LogProblem),
+        on_problem: &mut dyn FnMut(u64, LogProblem),
     ) -> Option<Record<'l>> {
         if let Event::Data { id, payload } = item.event {
-            self.data(item.offset, id, payload, tell)
+            self.data(item.offset, id, payload, on_problem)
         } else {
-            self.learn(item, tell);
+            self.learn(item, on_problem);
             None
         }
     }
 
     /// Ends the log: tells what is wrong with formats that nothing needed.
-    pub fn finish(&mut self, tell: &mut dyn FnMut(u64, LogProblem)) {
-        self.compile(tell);
+    pub fn finish(&mut self, on_problem: &mut dyn FnMut(u64, LogProblem)) {
+        self.compile(on_problem);
     }
 
     /// The types of the formats, in [`ULOG_PACKAGE`](uavspec_codegen::dynamic::ULOG_PACKAGE), as far as they
@@ -157,19 +157,25 @@ impl Log {
     }
 
     #[inline]
-    fn data<'l>(&'l mut self, offset: u64, id: u16, payload: &'l [u8], tell: Tell<'_>) -> Option<Record<'l>> {
+    fn data<'l>(
+        &'l mut self,
+        offset: u64,
+        id: u16,
+        payload: &'l [u8],
+        on_problem: OnProblem<'_>,
+    ) -> Option<Record<'l>> {
         if self.type_of(id).is_none() {
-            self.bind(offset, id, tell);
+            self.bind(offset, id, on_problem);
         }
         let (of, size) = self.type_of(id)?;
         let found = payload.len();
         if found != size.padded && found != size.no_padding {
             let Size { padded, no_padding } = size;
-            tell(offset, LogProblem::DataSize { id, padded, no_padding, found });
+            on_problem(offset, LogProblem::DataSize { id, padded, no_padding, found });
             return None;
         }
         let subscription = self.subscription(id)?;
-        Some(Record { subscription, of: self.types.get(of), payload })
+        Some(Record { subscription, message_type: self.types.get(of), payload })
     }
 
     /// The type of the data of an id, if that is subscribed and has one.
@@ -184,37 +190,37 @@ impl Log {
 
     /// Finds the type of the data of an id, or tells why there is none.
     #[cold]
-    fn bind(&mut self, offset: u64, id: u16, tell: Tell<'_>) {
-        self.end_definitions(tell);
+    fn bind(&mut self, offset: u64, id: u16, on_problem: OnProblem<'_>) {
+        self.end_definitions(on_problem);
         let Some(subscription) = self.subscription(id) else {
             self.orphans.entry(id).or_insert(Orphans { first: offset, count: 0 }).count += 1;
-            return tell(offset, LogProblem::UnknownId { id });
+            return on_problem(offset, LogProblem::UnknownId { id });
         };
         if !subscription.is_active {
-            return tell(offset, LogProblem::Unsubscribed { id });
+            return on_problem(offset, LogProblem::Unsubscribed { id });
         }
         let mut binding = subscription.binding;
         let is_stale = matches!(binding, Binding::None { formats, known, .. }
             if (formats, known) != (self.formats.len(), self.known));
         if is_stale {
             let topic = subscription.topic.clone();
-            binding = self.binding(&topic, tell);
+            binding = self.binding(&topic, on_problem);
             if let Some(Some(subscription)) = self.subscriptions.get_mut(usize::from(id)) {
                 subscription.binding = binding;
             }
         }
         match binding {
             Binding::Type { .. } => {}
-            Binding::None { is_missing: true, .. } => tell(offset, LogProblem::MissingFormat { id }),
-            Binding::None { is_missing: false, .. } => tell(offset, LogProblem::UnusableFormat { id }),
+            Binding::None { is_missing: true, .. } => on_problem(offset, LogProblem::MissingFormat { id }),
+            Binding::None { is_missing: false, .. } => on_problem(offset, LogProblem::UnusableFormat { id }),
         }
     }
 
-    fn binding(&mut self, topic: &str, tell: Tell<'_>) -> Binding {
+    fn binding(&mut self, topic: &str, on_problem: OnProblem<'_>) -> Binding {
         let index = self.by_name.get(topic).copied();
         let mut found = index.and_then(|index| self.usable(index));
         if index.is_some() && found.is_none() {
-            self.compile(tell);
+            self.compile(on_problem);
             found = index.and_then(|index| self.usable(index));
         }
         match found {
@@ -230,49 +236,49 @@ impl Log {
         Some((id, self.types.get(id).size()?))
     }
 
-    fn learn(&mut self, item: &Item<'_>, tell: Tell<'_>) {
+    fn learn(&mut self, item: &Item<'_>, on_problem: OnProblem<'_>) {
         match item.event {
-            Event::Format { name, fields } => self.add_format(item.offset, name, fields, tell),
+            Event::Format { name, fields } => self.add_format(item.offset, name, fields, on_problem),
             Event::Subscription { multi_id, id, name } => {
-                self.end_definitions(tell);
-                self.subscribe(item.offset, id, (name, multi_id), tell);
+                self.end_definitions(on_problem);
+                self.subscribe(item.offset, id, (name, multi_id), on_problem);
             }
             Event::Unsubscription { id } => {
-                self.end_definitions(tell);
+                self.end_definitions(on_problem);
                 match self.subscriptions.get_mut(usize::from(id)) {
                     Some(Some(subscription)) if subscription.is_active => subscription.is_active = false,
-                    _ => tell(item.offset, LogProblem::NotSubscribed { id }),
+                    _ => on_problem(item.offset, LogProblem::NotSubscribed { id }),
                 }
             }
             Event::Logging { .. } | Event::Dropout { .. } | Event::Synchronisation => {
-                self.end_definitions(tell);
+                self.end_definitions(on_problem);
             }
             _ => {}
         }
     }
 
-    fn add_format(&mut self, offset: u64, name: &str, fields: &str, tell: Tell<'_>) {
+    fn add_format(&mut self, offset: u64, name: &str, fields: &str, on_problem: OnProblem<'_>) {
         if let Some(known) = self.by_name.get(name) {
             if *self.formats[*known].fields != *fields {
-                tell(offset, LogProblem::FormatChanged { name: name.to_owned() });
+                on_problem(offset, LogProblem::FormatChanged { name: name.to_owned() });
             }
             return;
         }
         if self.is_in_data {
-            tell(offset, LogProblem::LateFormat { name: name.to_owned() });
+            on_problem(offset, LogProblem::LateFormat { name: name.to_owned() });
         }
         if self.formats.len() == MAX_FORMATS {
-            return tell(offset, LogProblem::TooManyFormats);
+            return on_problem(offset, LogProblem::TooManyFormats);
         }
         // A name is kept twice.
         if !self.add_text(fields.len() + 2 * name.len()) {
-            return tell(offset, LogProblem::TooMuchText);
+            return on_problem(offset, LogProblem::TooMuchText);
         }
         self.by_name.insert(name.into(), self.formats.len());
-        self.formats.push(Format { offset, name: name.into(), fields: fields.into(), told: None });
+        self.formats.push(Format { offset, name: name.into(), fields: fields.into(), reported: None });
     }
 
-    fn subscribe(&mut self, offset: u64, id: u16, (topic, multi_id): (&str, u8), tell: Tell<'_>) {
+    fn subscribe(&mut self, offset: u64, id: u16, (topic, multi_id): (&str, u8), on_problem: OnProblem<'_>) {
         let slot = usize::from(id);
         if slot >= self.subscriptions.len() {
             self.subscriptions.resize_with(slot + 1, || None);
@@ -281,17 +287,20 @@ impl Log {
             self.text -= before.topic.len();
             let is_same = before.topic == topic && before.multi_id == multi_id;
             if before.is_active && is_same {
-                tell(offset, LogProblem::Resubscribed { id });
+                on_problem(offset, LogProblem::Resubscribed { id });
             } else if before.is_active {
                 let after = (topic.to_owned(), multi_id);
-                tell(offset, LogProblem::Redefined { id, before: (before.topic, before.multi_id), after });
+                on_problem(
+                    offset,
+                    LogProblem::Redefined { id, before: (before.topic, before.multi_id), after },
+                );
             }
         }
         if let Some(Orphans { first, count }) = self.orphans.remove(&id) {
-            tell(offset, LogProblem::LateSubscription { id, count, first });
+            on_problem(offset, LogProblem::LateSubscription { id, count, first });
         }
         if !self.add_text(topic.len()) {
-            return tell(offset, LogProblem::TooMuchText);
+            return on_problem(offset, LogProblem::TooMuchText);
         }
         let topic = topic.to_owned();
         // Stale from the start, so that the first data looks for the type.
@@ -309,22 +318,22 @@ impl Log {
         has_room
     }
 
-    fn end_definitions(&mut self, tell: Tell<'_>) {
+    fn end_definitions(&mut self, on_problem: OnProblem<'_>) {
         if !self.is_in_data {
             self.is_in_data = true;
-            self.compile(tell);
+            self.compile(on_problem);
         }
     }
 
     /// Makes types of all formats. Those that had types keep their ids.
-    fn compile(&mut self, tell: Tell<'_>) {
+    fn compile(&mut self, on_problem: OnProblem<'_>) {
         let Some(newest) = self.formats.last().filter(|_| self.known < self.formats.len()) else { return };
         let size: usize = self.formats.iter().map(|format| format.name.len() + format.fields.len()).sum();
         if self.compiled + size > MAX_COMPILED {
-            if !self.is_limit_told {
-                tell(newest.offset, LogProblem::TooManyLateFormats);
+            if !self.is_limit_reported {
+                on_problem(newest.offset, LogProblem::TooManyLateFormats);
             }
-            self.is_limit_told = true;
+            self.is_limit_reported = true;
             return;
         }
         self.compiled += size;
@@ -333,9 +342,9 @@ impl Log {
         self.types = types;
         for error in errors {
             let format = &mut self.formats[error.index];
-            if format.told.as_ref() != Some(&error.problem) {
-                format.told = Some(error.problem.clone());
-                tell(format.offset, LogProblem::Format { name: error.name, problem: error.problem });
+            if format.reported.as_ref() != Some(&error.problem) {
+                format.reported = Some(error.problem.clone());
+                on_problem(format.offset, LogProblem::Format { name: error.name, problem: error.problem });
             }
         }
     }

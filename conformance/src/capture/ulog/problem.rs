@@ -72,14 +72,14 @@ pub enum Problem {
         /// Bytes of its payload.
         size: usize,
         /// What is wrong.
-        what: Malformation,
+        malformation: Malformation,
     },
     /// Something is wrong with the message that was lent just before.
     Odd {
         /// Its kind.
         kind: u8,
         /// What is wrong.
-        what: Malformation,
+        malformation: Malformation,
     },
 }
 
@@ -210,10 +210,16 @@ impl fmt::Display for Problem {
                 write!(formatter, "messages `{}` are of a kind that isn't known", kind.escape_ascii())
             }
             Self::Skipped { to, resync } => write!(formatter, "no messages up to {to}, {resync}"),
-            Self::Malformed { kind, size, what } => {
-                write!(formatter, "a message `{}` of {size} bytes is dropped: {what}", kind.escape_ascii())
+            Self::Malformed { kind, size, malformation } => {
+                write!(
+                    formatter,
+                    "a message `{}` of {size} bytes is dropped: {malformation}",
+                    kind.escape_ascii()
+                )
             }
-            Self::Odd { kind, what } => write!(formatter, "message `{}`: {what}", kind.escape_ascii()),
+            Self::Odd { kind, malformation } => {
+                write!(formatter, "message `{}`: {malformation}", kind.escape_ascii())
+            }
         }
     }
 }

@@ -156,7 +156,7 @@ impl<R: Read> Reader<R> {
             match self.state {
                 State::Start => return self.start(),
                 State::First(version) => {
-                    let beginning = self.judge()?;
+                    let beginning = self.classify()?;
                     self.state = State::Messages;
                     match beginning {
                         Beginning::Message(header) if header.kind == b'B' => {
@@ -174,7 +174,7 @@ impl<R: Read> Reader<R> {
                     }
                 }
                 State::Messages => {
-                    let beginning = self.judge()?;
+                    let beginning = self.classify()?;
                     if let Some(step) = self.follow(beginning) {
                         return Ok(step);
                     }
@@ -209,15 +209,15 @@ impl<R: Read> Reader<R> {
     }
 
     /// Judges what is ahead by as little of it as will do, so that messages of a slow input aren't late.
-    fn judge(&mut self) -> io::Result<Beginning> {
+    fn classify(&mut self) -> io::Result<Beginning> {
         self.window.require(HEADER)?;
         let wanted = Header::read(self.window.ahead()).map_or(0, |header| header.total() + Look::NEXT);
         self.window.require(wanted)?;
-        if let Some(beginning) = self.look().judge() {
+        if let Some(beginning) = self.look().classify() {
             return Ok(beginning);
         }
         self.window.require(LOOKAHEAD)?;
-        Ok(self.look().judge_ahead())
+        Ok(self.look().classify_ahead())
     }
 
     fn follow(&mut self, beginning: Beginning) -> Option<Step> {
@@ -227,7 +227,7 @@ impl<R: Read> Reader<R> {
                 self.end_section();
                 None
             }
-            Beginning::Cut => Some(self.cut()),
+            Beginning::Truncated => Some(self.truncated_message()),
             Beginning::Skip(count, resync) => {
                 let from = self.window.offset();
                 self.window.advance(count);
@@ -282,10 +282,10 @@ impl<R> Reader<R> {
         let payload = self.window.behind(size.into());
         let event = match parse(kind, payload) {
             Ok((event, odd)) => {
-                self.queued.extend(odd.map(|what| (offset, Problem::Odd { kind, what })));
+                self.queued.extend(odd.map(|malformation| (offset, Problem::Odd { kind, malformation })));
                 event
             }
-            Err(what) => Event::Problem(Problem::Malformed { kind, size: size.into(), what }),
+            Err(malformation) => Event::Problem(Problem::Malformed { kind, size: size.into(), malformation }),
         };
         match event {
             Event::Subscription { id, .. } => self.ids.subscribe(id),
@@ -323,7 +323,7 @@ impl<R> Reader<R> {
     }
 
     /// Passes a message that goes beyond the end of the section, which is all that it has left.
-    fn cut(&mut self) -> Step {
+    fn truncated_message(&mut self) -> Step {
         let offset = self.window.offset();
         let bytes = self.look().bytes;
         let found = bytes.len();

@@ -7,7 +7,7 @@ use super::kind::{HEADER, Header, LARGEST, SYNC};
 use super::problem::Resync;
 
 /// So many sound messages that follow each other are no accident.
-const RUN: usize = 4;
+const SOUND_RUN: usize = 4;
 
 /// The same where the log or a section ends, so that there may be no more.
 const RUN_AT_END: usize = 2;
@@ -27,7 +27,7 @@ const LARGEST_POSSIBLE_START: usize = 1_024;
 const TEXT: usize = 64;
 
 /// How far ahead is looked: a message and a run behind it, all of them as large as can be.
-pub(super) const LOOKAHEAD: usize = (RUN + 1) * LARGEST;
+pub(super) const LOOKAHEAD: usize = (SOUND_RUN + 1) * LARGEST;
 
 /// What the bytes of a section start with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub(super) enum Beginning {
     /// A message.
     Message(Header),
     /// A message, or a part of a header, that goes beyond the end.
-    Cut,
+    Truncated,
     /// Bytes to skip; how many.
     Skip(usize, Resync),
     /// No message, and none starts in so many bytes.
@@ -122,14 +122,14 @@ enum Walk {
     /// The section ends with a message.
     End { sound: usize },
     /// The section ends within a message.
-    Cut { sound: usize },
+    Truncated { sound: usize },
     /// At something else than a message.
-    Broken,
+    Corrupt,
 }
 
 /// How much the look of a message says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Looks {
+enum Plausibility {
     /// Its kind is known and its contents are in order: less than one in a hundred thousand starts is so
     /// by accident.
     Sound,
@@ -144,7 +144,7 @@ impl Look<'_> {
     pub(super) const NEXT: usize = HEADER + 2;
 
     /// Judges by the message and what [`NEXT`](Self::NEXT) bytes behind it say. That is enough nearly always.
-    pub(super) fn judge(&self) -> Option<Beginning> {
+    pub(super) fn classify(&self) -> Option<Beginning> {
         if self.bytes.is_empty() && self.is_closed {
             return Some(Beginning::End);
         }
@@ -157,14 +157,14 @@ impl Look<'_> {
         };
         let is_sound = || match header.kind {
             b'B' => self.is_first && header.is_believable(),
-            _ => self.looks(header, &message[HEADER..]) == Looks::Sound,
+            _ => self.looks(header, &message[HEADER..]) == Plausibility::Sound,
         };
         (goes_on && is_sound()).then_some(Beginning::Message(header))
     }
 
     /// Judges by what follows.
-    pub(super) fn judge_ahead(&self) -> Beginning {
-        let Some(header) = Header::read(self.bytes) else { return Beginning::Cut };
+    pub(super) fn classify_ahead(&self) -> Beginning {
+        let Some(header) = Header::read(self.bytes) else { return Beginning::Truncated };
         let end = header.total();
         let searched = end.min(self.bytes.len());
         if let Some((count, resync)) = self.search(1..searched) {
@@ -173,7 +173,7 @@ impl Look<'_> {
         let is_complete = end <= self.bytes.len();
         match header.is_believable() {
             true if is_complete => Beginning::Message(header),
-            true => Beginning::Cut,
+            true => Beginning::Truncated,
             false if is_complete && self.follows(end) => Beginning::Message(header),
             false => Beginning::Lost(searched),
         }
@@ -196,16 +196,18 @@ impl Look<'_> {
                 .map(|_| Resync::Synchronisation);
         }
         let is_start = match self.looks(header, rest.get(HEADER..header.total())?) {
-            Looks::Sound => true,
+            Plausibility::Sound => true,
             // The first data of an id isn't sound, since its size isn't known.
-            Looks::Possible => self.ids.allow(&rest[HEADER..]) && header.total() <= LARGEST_POSSIBLE_START,
-            Looks::Wrong => false,
+            Plausibility::Possible => {
+                self.ids.allow(&rest[HEADER..]) && header.total() <= LARGEST_POSSIBLE_START
+            }
+            Plausibility::Wrong => false,
         };
         let is_run = is_start
-            && match self.walk(at, RUN) {
+            && match self.walk(at, SOUND_RUN) {
                 Walk::Enough => true,
-                Walk::End { sound } | Walk::Cut { sound } => sound >= RUN_AT_END,
-                Walk::Broken => false,
+                Walk::End { sound } | Walk::Truncated { sound } => sound >= RUN_AT_END,
+                Walk::Corrupt => false,
             };
         is_run.then_some(Resync::Messages)
     }
@@ -214,8 +216,8 @@ impl Look<'_> {
     fn follows(&self, at: usize) -> bool {
         match self.walk(at, RUN_BEHIND_MESSAGE) {
             Walk::Enough | Walk::End { .. } => true,
-            Walk::Cut { sound } => sound > 0,
-            Walk::Broken => false,
+            Walk::Truncated { sound } => sound > 0,
+            Walk::Corrupt => false,
         }
     }
 
@@ -226,18 +228,18 @@ impl Look<'_> {
             let Some(header) = Header::read(rest) else {
                 return match (self.is_closed, rest) {
                     (true, []) => Walk::End { sound },
-                    (true, _) => Walk::Cut { sound },
-                    (false, _) => Walk::Broken,
+                    (true, _) => Walk::Truncated { sound },
+                    (false, _) => Walk::Corrupt,
                 };
             };
             let Some(payload) = rest.get(HEADER..header.total()) else {
-                let is_cut = self.is_closed && header.is_believable();
-                return if is_cut { Walk::Cut { sound } } else { Walk::Broken };
+                let is_truncated = self.is_closed && header.is_believable();
+                return if is_truncated { Walk::Truncated { sound } } else { Walk::Corrupt };
             };
             match self.looks(header, payload) {
-                Looks::Sound => sound += 1,
-                Looks::Possible => {}
-                Looks::Wrong => return Walk::Broken,
+                Plausibility::Sound => sound += 1,
+                Plausibility::Possible => {}
+                Plausibility::Wrong => return Walk::Corrupt,
             }
             if sound >= wanted {
                 return Walk::Enough;
@@ -247,16 +249,20 @@ impl Look<'_> {
         Walk::Enough
     }
 
-    fn looks(&self, header: Header, payload: &[u8]) -> Looks {
+    fn looks(&self, header: Header, payload: &[u8]) -> Plausibility {
         if !header.is_known() {
-            return if header.kind.is_ascii_alphabetic() { Looks::Possible } else { Looks::Wrong };
+            return if header.kind.is_ascii_alphabetic() {
+                Plausibility::Possible
+            } else {
+                Plausibility::Wrong
+            };
         }
         if !header.is_believable() {
-            return Looks::Wrong;
+            return Plausibility::Wrong;
         }
         let is_sound = match (header.kind, payload) {
             (b'D', id) if self.ids.expect(header.size, id) => true,
-            (b'D', _) => return Looks::Possible,
+            (b'D', _) => return Plausibility::Possible,
             (b'F', text) => is_format(text),
             (b'I' | b'P', entry) | (b'M' | b'Q', [_, entry @ ..]) => is_entry(entry),
             (b'A', [_, _, _, name @ ..]) => name.iter().take(TEXT).copied().all(is_word),
@@ -267,7 +273,7 @@ impl Look<'_> {
             // Flag bits are only at the start of a log, which needs no search.
             _ => false,
         };
-        if is_sound { Looks::Sound } else { Looks::Wrong }
+        if is_sound { Plausibility::Sound } else { Plausibility::Wrong }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::definitions::Definitions;
 use crate::flockwave::session::Exchange;
-use crate::model::{Findings, Place, Rule};
+use crate::model::{Findings, Location, Rule};
 use crate::rules::RuleContext;
 use crate::rules::flockwave::{Check, Message, RULES, SessionCheck, StatusReport};
 
@@ -58,22 +58,22 @@ impl<'d> Listeners<'d> {
 
     /// A record.
     pub(in crate::check) fn record(&mut self, exchange: &Exchange<'_>, findings: &mut Findings) {
-        let (message, report) = (Message::of(exchange), StatusReport::of(exchange));
+        let (message, report) = (Message::from_exchange(exchange), StatusReport::from_exchange(exchange));
         let views = Views { exchange, message, report };
         views.show(&mut self.all, self.definitions, findings);
     }
 
     /// A status report whose message was checked already.
     pub(in crate::check) fn checked_report(&mut self, exchange: &Exchange<'_>, findings: &mut Findings) {
-        let views = Views { exchange, message: None, report: StatusReport::of(exchange) };
+        let views = Views { exchange, message: None, report: StatusReport::from_exchange(exchange) };
         views.show(&mut self.all[..self.on_reports], self.definitions, findings);
     }
 
     /// Something is unreadable, and records may be missing.
-    pub(in crate::check) fn damage(&mut self, place: Place) {
+    pub(in crate::check) fn corruption(&mut self, location: Location) {
         for listener in &mut self.all {
             if let Running::Session(state) = &mut listener.running {
-                state.damage(place);
+                state.corruption(location);
             }
         }
     }
@@ -85,7 +85,7 @@ impl<'d> Listeners<'d> {
             if let Running::Session(state) = running {
                 state.end(&mut RuleContext { rule, definitions, findings: &mut *findings, coverage });
             }
-            findings.exercise(rule, *coverage);
+            findings.cover(rule, *coverage);
         }
     }
 }

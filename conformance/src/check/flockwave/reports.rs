@@ -32,7 +32,7 @@ const MAX_LINE: usize = 1 << 20;
 const MAX_ID: usize = 36;
 
 /// How many findings are counted of a report. Of a body with thousands of deviations not all are told.
-const MAX_BROKEN: u64 = 1_000;
+const MAX_VIOLATIONS: u64 = 1_000;
 
 /// How many fields states may have: a bit for each.
 const MAX_FIELDS: usize = 64;
@@ -76,7 +76,7 @@ struct Fields<'d> {
 struct Line<'l> {
     time: Option<f64>,
     name: Option<&'l str>,
-    is_of_server: bool,
+    is_from_server: bool,
     message: Option<Message<'l>>,
 }
 
@@ -100,15 +100,15 @@ type States<'l> = Vec<(Cow<'l, str>, Tree<'l>)>;
 
 impl<'d> Reports<'d> {
     /// Reads those of these definitions.
-    pub(super) fn of(definitions: &'d Definitions) -> Self {
-        let members = definitions.shapes().members(TYPE, Direction::Notification, "status");
-        let fields = members.filter(|members| members.len() <= MAX_FIELDS).and_then(Fields::of);
-        Self { fields, known: Known::of(definitions), kinds: Vec::new() }
+    pub(super) fn new(definitions: &'d Definitions) -> Self {
+        let members = definitions.defined_schemas().members(TYPE, Direction::Notification, "status");
+        let fields = members.filter(|members| members.len() <= MAX_FIELDS).and_then(Fields::new);
+        Self { fields, known: Known::new(definitions), kinds: Vec::new() }
     }
 
     /// Takes each line for one that isn't plain to see.
     pub(super) fn none(definitions: &'d Definitions) -> Self {
-        Self { fields: None, known: Known::of(definitions), kinds: Vec::new() }
+        Self { fields: None, known: Known::new(definitions), kinds: Vec::new() }
     }
 
     /// What a line says, if it is a report of which there is nothing to be told beside these findings.
@@ -123,7 +123,7 @@ impl<'d> Reports<'d> {
         let body = message.body.filter(|body| body.is_report)?;
         let id = message.id.filter(|id| (1..=MAX_ID).contains(&id.len()))?;
         let states = body.states?;
-        if !line.is_of_server || !are_different(&states) {
+        if !line.is_from_server || !are_different(&states) {
             return None;
         }
         let version = message.version?;
@@ -151,8 +151,8 @@ impl<'d> Reports<'d> {
     }
 
     /// Tells what came of all that was counted.
-    pub(super) fn tell(&self, findings: &mut Findings) {
-        self.known.tell(findings);
+    pub(super) fn report_counted(&self, findings: &mut Findings) {
+        self.known.report_counted(findings);
     }
 
     fn line<'l>(&mut self, tokens: &mut Tokens<'l>, findings: &Findings) -> Result<Line<'l>, Unclear> {
@@ -161,7 +161,7 @@ impl<'d> Reports<'d> {
             match &*key {
                 "t" if line.time.is_none() => line.time = Some(time(&tokens.token()?)?),
                 "conn" if line.name.is_none() => line.name = Some(plain(tokens)?),
-                "dir" if !line.is_of_server && plain(tokens)? == "in" => line.is_of_server = true,
+                "dir" if !line.is_from_server && plain(tokens)? == "in" => line.is_from_server = true,
                 "msg" if line.message.is_none() => line.message = Some(self.message(tokens, findings)?),
                 _ => return Err(Unclear),
             }
@@ -202,7 +202,7 @@ impl<'d> Reports<'d> {
         let mut states = Vec::with_capacity(self.kinds.len());
         self.kinds.clear();
         let fields = self.fields.as_mut().ok_or(Unclear)?;
-        let mut broken = 0;
+        let mut num_violations = 0;
         tokens.members(|tokens, uav| {
             let Cow::Borrowed(uav) = uav else { return Err(Unclear) };
             let start = tokens.at();
@@ -210,17 +210,17 @@ impl<'d> Reports<'d> {
             let known = self.known.kind(kind, (uav, tokens.since(start)), findings);
             let (kind, count) = known.ok_or(Unclear)?;
             self.kinds.push(kind);
-            broken += count;
+            num_violations += count;
             let members = vec![("timestamp".into(), Tree::Int(timestamp))];
             states.push((uav.into(), Tree::Object(members)));
             Ok(())
         })?;
-        if broken <= MAX_BROKEN { Ok(states) } else { Err(Unclear) }
+        if num_violations <= MAX_VIOLATIONS { Ok(states) } else { Err(Unclear) }
     }
 }
 
 impl<'d> Fields<'d> {
-    fn of(members: Members<'d>) -> Option<Self> {
+    fn new(members: Members<'d>) -> Option<Self> {
         Some(Self {
             id: members.field("id")?,
             timestamp: members.field("timestamp")?,
@@ -245,11 +245,11 @@ impl<'d> Fields<'d> {
             before = field;
             let fits = if field == self.id {
                 let id = plain(tokens)?;
-                id == uav && self.members.holds(field, &Token::Text(id.into()))
+                id == uav && self.members.accepts(field, &Token::Text(id.into()))
             } else if field == self.timestamp {
                 let value = tokens.integer().ok_or(Unclear)?.into();
                 timestamp = Some(value);
-                self.members.holds(field, &Token::Int(value))
+                self.members.accepts(field, &Token::Int(value))
             } else if tokens.takes_null() {
                 kind.nulls |= bit;
                 true

@@ -57,7 +57,7 @@ struct Row<'t> {
 }
 
 impl<'t> Row<'t> {
-    fn of((name, count): (&'t String, &TypeCount)) -> Self {
+    fn new((name, count): (&'t String, &TypeCount)) -> Self {
         Self { name, from_client: count.out, from_server: count.incoming }
     }
 
@@ -72,24 +72,24 @@ impl<'t> Row<'t> {
 }
 
 fn rows<S: Serializer>(types: &Types, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(types.iter().map(Row::of))
+    serializer.collect_seq(types.iter().map(Row::new))
 }
 
 fn rows_of_server<S: Serializer>(types: &Types, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(of_server(types))
+    serializer.collect_seq(from_server(types))
 }
 
 /// The types that the server sent: the requests of a client, which may be sent to provoke errors, aren't checked.
-fn of_server(types: &Types) -> Vec<Row<'_>> {
-    types.iter().map(Row::of).filter(|row| row.from_server > 0).collect()
+fn from_server(types: &Types) -> Vec<Row<'_>> {
+    types.iter().map(Row::new).filter(|row| row.from_server > 0).collect()
 }
 
 /// The types with the most messages.
 fn frequent(mut rows: Vec<Row<'_>>) -> String {
     rows.sort_by_key(|row| std::cmp::Reverse(row.total()));
-    let told =
+    let reported =
         rows.iter().take(MAX_LISTED).map(|row| format!("{} {}", shown(row.name), Grouped(row.total())));
-    if rows.is_empty() { "none".to_owned() } else { told.collect::<Vec<_>>().join(", ") }
+    if rows.is_empty() { "none".to_owned() } else { reported.collect::<Vec<_>>().join(", ") }
 }
 
 impl Describe for FlockwaveSummary {
@@ -108,11 +108,11 @@ impl Describe for FlockwaveSummary {
         let text = format!(
             "{}, the most frequent: {}",
             self.types.len(),
-            frequent(self.types.iter().map(Row::of).collect())
+            frequent(self.types.iter().map(Row::new).collect())
         );
-        let details = self.types.iter().map(|one| Row::of(one).text()).collect();
+        let details = self.types.iter().map(|one| Row::new(one).text()).collect();
         let mut lines = vec![Line { details, ..Line::new("types", text) }];
-        let unsupported = of_server(&self.unknown);
+        let unsupported = from_server(&self.unknown);
         if !unsupported.is_empty() || self.uncounted > 0 {
             let messages = unsupported.iter().map(Row::total).sum::<u64>() + self.uncounted;
             let text = format!(

@@ -13,14 +13,14 @@ const SUBSCRIBE: &str = "subscribe";
 
 /// How a message says what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Which {
+pub(super) enum NameKind {
     /// `{"type": "px4/FailsafeFlags", "message": {…}}`.
     Type,
     /// rosbridge: `{"op": "publish", "topic": "/fmu/out/failsafe_flags", "msg": {…}}`.
     Topic,
 }
 
-impl Which {
+impl NameKind {
     /// The key of the message.
     pub(super) const fn key(self) -> &'static str {
         match self {
@@ -41,7 +41,7 @@ pub(super) struct Open {
     pub(super) key: Option<&'static str>,
     pub(super) messages: u64,
     /// How many bytes its messages take in memory, where a rule wants their values; otherwise none.
-    pub(super) kept: usize,
+    pub(super) num_bytes: usize,
     /// Where it was met first.
     pub(super) line: u64,
 }
@@ -57,17 +57,17 @@ pub(super) struct Channels {
 }
 
 impl Channels {
-    pub(super) fn get(&self, which: Which, name: &str) -> Option<usize> {
+    pub(super) fn get(&self, which: NameKind, name: &str) -> Option<usize> {
         match which {
-            Which::Type => self.by_type.get(name).copied(),
-            Which::Topic => self.by_topic.get(name).copied(),
+            NameKind::Type => self.by_type.get(name).copied(),
+            NameKind::Topic => self.by_topic.get(name).copied(),
         }
     }
 
-    pub(super) fn insert(&mut self, which: Which, name: &str, open: Open) {
+    pub(super) fn insert(&mut self, which: NameKind, name: &str, open: Open) {
         let names = match which {
-            Which::Type => &mut self.by_type,
-            Which::Topic => &mut self.by_topic,
+            NameKind::Type => &mut self.by_type,
+            NameKind::Topic => &mut self.by_topic,
         };
         names.insert(name.to_owned(), self.open.len());
         self.open.push(open);
@@ -76,7 +76,7 @@ impl Channels {
 
 /// What a value is, from its tree.
 pub(super) enum Form<'t> {
-    Message(Which, &'t str, &'t Tree<'t>),
+    Message(NameKind, &'t str, &'t Tree<'t>),
     /// rosbridge says which type a topic has.
     Advertised(&'t str, &'t str),
     /// rosbridge says something else.
@@ -97,7 +97,7 @@ pub(super) fn form<'t>(tree: &'t Tree<'t>) -> Form<'t> {
     let text = |key| tree.get(key).and_then(Tree::as_str);
     if tree.get("op").is_some() {
         return match (text("op"), text("topic"), tree.get("msg")) {
-            (Some("publish"), Some(topic), Some(message)) => Form::Message(Which::Topic, topic, message),
+            (Some("publish"), Some(topic), Some(message)) => Form::Message(NameKind::Topic, topic, message),
             (Some("publish"), ..) => Form::Unknown("rosbridge's `publish` without `topic` or `msg`"),
             (Some(ADVERTISE | SUBSCRIBE), Some(topic), _) => {
                 text("type").map_or(Form::Skipped, |ty| Form::Advertised(topic, ty))
@@ -107,7 +107,7 @@ pub(super) fn form<'t>(tree: &'t Tree<'t>) -> Form<'t> {
         };
     }
     match (text("type"), tree.get("message")) {
-        (Some(ty), Some(message)) => Form::Message(Which::Type, ty, message),
+        (Some(ty), Some(message)) => Form::Message(NameKind::Type, ty, message),
         _ => Form::Unknown(
             "nothing says what message it is: expected `type` and `message`, or rosbridge's `op`, `topic` and \
              `msg`; or say it with --type",
@@ -133,7 +133,7 @@ pub(super) fn read(text: &str, channels: &Channels, plans: &Plans, values: &mut 
     let only = channels.only.and_then(|at| Some((at, channels.open[at].defined?)));
     let fast = match only {
         Some((at, (id, _))) => {
-            values.resize(channels.open[at].kept, 0);
+            values.resize(channels.open[at].num_bytes, 0);
             plans.read(id, &mut tokens, false, values).map(|clean| Fast::Clean(at, clean))
         }
         None => Envelope { channels, plans, values, is_published: false, channel: None, found: None }
@@ -172,8 +172,8 @@ impl Envelope<'_> {
                 "publish" => self.is_published = true,
                 _ => self.found = Some(Fast::Skipped),
             },
-            ("topic", None) if self.is_published => self.channel = self.known(Which::Topic, tokens)?,
-            ("type", None) if !self.is_published => self.channel = self.known(Which::Type, tokens)?,
+            ("topic", None) if self.is_published => self.channel = self.known(NameKind::Topic, tokens)?,
+            ("type", None) if !self.is_published => self.channel = self.known(NameKind::Type, tokens)?,
             ("message", Some(at)) if self.found.is_none() && !self.is_published => {
                 self.message(at, tokens)?;
             }
@@ -185,7 +185,7 @@ impl Envelope<'_> {
     }
 
     /// The channel of this name.
-    fn known(&self, which: Which, tokens: &mut Tokens<'_>) -> Result<Option<usize>, Unclear> {
+    fn known(&self, which: NameKind, tokens: &mut Tokens<'_>) -> Result<Option<usize>, Unclear> {
         let channel = self.channels.get(which, &tokens.text()?);
         if channel.is_some() { Ok(channel) } else { Err(Unclear) }
     }
@@ -193,7 +193,7 @@ impl Envelope<'_> {
     fn message(&mut self, at: usize, tokens: &mut Tokens<'_>) -> Result<(), Unclear> {
         let open = &self.channels.open[at];
         self.found = Some(if let Some((id, _)) = open.defined {
-            self.values.resize(open.kept, 0);
+            self.values.resize(open.num_bytes, 0);
             Fast::Clean(at, self.plans.read(id, tokens, self.is_published, self.values)?)
         } else {
             tokens.skip()?;

@@ -63,7 +63,8 @@ impl Templates {
         if self.known.len() == MAX_TEMPLATES || text.len() > MAX_TEXT || self.misses > MAX_MISSES {
             return;
         }
-        let template = open.defined.and_then(|(id, _)| Template::of(plans, id, text, open.key, open.kept));
+        let template =
+            open.defined.and_then(|(id, _)| Template::new(plans, id, text, open.key, open.num_bytes));
         let next = self.known.len();
         self.known.extend(template.map(|template| Known { channel, template, next }));
     }

@@ -9,8 +9,8 @@ use std::ops::Range;
 
 use uavspec_codegen::source::{SourceId, Span};
 
-use super::pattern::of_exactly;
-use super::{Entry, Lists, Stale, Why};
+use super::pattern::exact;
+use super::{Entry, Lists, Stale, StaleReason};
 
 /// How much of a message is written as what failures begin with, in characters: more would only break more often.
 const MAX_MESSAGE: usize = 120;
@@ -19,26 +19,28 @@ const MAX_MESSAGE: usize = 120;
 pub(super) fn texts(lists: &Lists, stale: &[Stale]) -> BTreeMap<SourceId, String> {
     let mut removed = vec![false; lists.entries.len()];
     let mut values: BTreeMap<usize, Vec<(Span, String)>> = BTreeMap::new();
-    for Stale { entry, why } in stale.iter().filter(|stale| stale.is_mendable()) {
-        match why {
-            Why::FailsOtherwise { common, .. } => {
-                let span = lists.entries[*entry].place.message;
+    for Stale { entry, reason } in stale.iter().filter(|stale| stale.is_fixable()) {
+        match reason {
+            StaleReason::FailsOtherwise { common, .. } => {
+                let span = lists.entries[*entry].spans.message;
                 values.entry(*entry).or_default().extend(span.map(|span| (span, beginning(common))));
             }
-            Why::PassesInPart { failing, .. } => {
-                let span = lists.entries[*entry].place.selector;
-                values.entry(*entry).or_default().push((span, quote(of_exactly(failing))));
+            StaleReason::PassesInPart { failing, .. } => {
+                let span = lists.entries[*entry].spans.selector;
+                values.entry(*entry).or_default().push((span, quote(exact(failing))));
             }
-            Why::Passes | Why::MatchesNothing | Why::Idle | Why::Expired => removed[*entry] = true,
+            StaleReason::Passes | StaleReason::MatchesNothing | StaleReason::Idle | StaleReason::Expired => {
+                removed[*entry] = true;
+            }
         }
     }
     let mut texts = BTreeMap::new();
     for id in &lists.ids {
         let whole = lists.sources.span(*id);
-        let is_here = |entry: &Entry| lists.sources.source_of(entry.place.header) == *id;
+        let is_here = |entry: &Entry| lists.sources.source_of(entry.spans.header) == *id;
         let entries = || lists.entries.iter().enumerate().filter(|(_, entry)| is_here(entry));
         let extents: Vec<(Range<usize>, bool)> =
-            entries().map(|(at, entry)| (range(entry.place.whole, whole), removed[at])).collect();
+            entries().map(|(at, entry)| (range(entry.spans.whole, whole), removed[at])).collect();
         let text = lists.sources.text(*id);
         let mut edits = removals(text, &extents);
         for (at, _) in entries().filter(|(at, _)| !removed[*at]) {

@@ -10,12 +10,12 @@ pub(super) struct Pattern {
 
 impl Pattern {
     /// A pattern of names: `*` matches anything, like that of `--filter`.
-    pub(super) fn of_names(text: &str) -> Result<Self, String> {
+    pub(super) fn for_names(text: &str) -> Result<Self, String> {
         Self::new(text, false)
     }
 
     /// A pattern of paths: `*` ends at `/`, and `**` doesn't.
-    pub(super) fn of_paths(text: &str) -> Result<Self, String> {
+    pub(super) fn for_paths(text: &str) -> Result<Self, String> {
         Self::new(text.strip_prefix("./").unwrap_or(text), true)
     }
 
@@ -31,7 +31,7 @@ impl Pattern {
 }
 
 /// The pattern of exactly these names.
-pub(super) fn of_exactly(names: &[String]) -> String {
+pub(super) fn exact(names: &[String]) -> String {
     let Some((first, others)) = names.split_first() else { return String::new() };
     if others.is_empty() {
         return escape(first);
@@ -49,27 +49,26 @@ mod tests {
 
     #[test]
     fn a_star_ends_at_a_folder_but_not_in_a_name() {
-        let name = Pattern::of_names("decode-*/px4/Event/*").expect("a pattern");
+        let name = Pattern::for_names("decode-*/px4/Event/*").expect("a pattern");
         assert!(
             name.is_match("decode-cdr/px4/Event/typical") && !name.is_match("encode-cdr/px4/Event/typical")
         );
-        assert!(Pattern::of_names("glider.*").expect("a pattern").is_match("glider.marks.height"));
-        let path = Pattern::of_paths("logs/2019-*.ulg").expect("a pattern");
+        assert!(Pattern::for_names("glider.*").expect("a pattern").is_match("glider.marks.height"));
+        let path = Pattern::for_paths("logs/2019-*.ulg").expect("a pattern");
         assert!(path.is_match("logs/2019-07.ulg") && path.is_match("./logs/2019-07.ulg"));
         assert!(!path.is_match("logs/2019-07/a.ulg") && !path.is_match("old/logs/2019-07.ulg"));
-        assert!(Pattern::of_paths("./**/*.ulg").expect("a pattern").is_match("old/logs/2019-07.ulg"));
-        assert!(Pattern::of_names("[").is_err());
+        assert!(Pattern::for_paths("./**/*.ulg").expect("a pattern").is_match("old/logs/2019-07.ulg"));
+        assert!(Pattern::for_names("[").is_err());
     }
 
     #[test]
     fn names_become_a_pattern_of_them_alone() {
-        let of =
-            |names: &[&str]| of_exactly(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
+        let of = |names: &[&str]| exact(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
         assert_eq!(of(&["hash-cdr/px4/Glider/hash"]), "hash-cdr/px4/Glider/hash");
         assert_eq!(of(&["a/Glider/x", "a/Glider/x-y"]), "a/Glider/{x,x-y}");
         assert_eq!(of(&["a/Glider/x", "a/Mark/x", "a/Glider/y"]), "a/{Glider/x,Mark/x,Glider/y}");
         let odd = ["a/b,c", "a/[0]*", "a/{x}", "b"];
-        let pattern = Pattern::of_names(&of(&odd)).expect("a pattern");
+        let pattern = Pattern::for_names(&of(&odd)).expect("a pattern");
         assert!(odd.iter().all(|name| pattern.is_match(name)));
         assert!(["a/b", "a/c", "c", "a/0", "a/x", "a/"].iter().all(|name| !pattern.is_match(name)));
     }

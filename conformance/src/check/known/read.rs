@@ -10,7 +10,7 @@ use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::finding::Finding;
 use uavspec_codegen::source::{SourceId, Span};
 
-use super::{Entry, Pattern, Place, Selector};
+use super::{Entry, EntrySpans, Pattern, Selector};
 use crate::model::{Date, Excuse, ExcuseKind};
 use crate::rules::rule;
 
@@ -28,7 +28,7 @@ pub(super) fn entries(sources: &SourceMap, source: SourceId) -> (Vec<Entry>, Vec
     // What is made out of a broken text would only lead to more complaints.
     let mut entries = if errors.is_empty() { reader.list(table.get_ref()) } else { Vec::new() };
     reader.mistakes.sort_by_key(|mistake| mistake.span);
-    entries.sort_by_key(|entry| entry.place.header);
+    entries.sort_by_key(|entry| entry.spans.header);
     (entries, reader.mistakes)
 }
 
@@ -122,7 +122,7 @@ impl Reader<'_> {
                 link: values.link.map(|(text, _)| text.to_owned()),
                 expires: values.expires.map(|(date, _)| date),
             },
-            place: Place {
+            spans: EntrySpans {
                 header,
                 selector,
                 message: values.message.map(|(_, span)| span),
@@ -135,7 +135,7 @@ impl Reader<'_> {
     fn values<'t>(&mut self, table: &'t DeTable<'_>) -> Values<'t> {
         let mut values = Values::default();
         for (key, value) in table {
-            let place = match key.get_ref().as_ref() {
+            let spans = match key.get_ref().as_ref() {
                 "rule" => &mut values.rule,
                 "subject" => &mut values.subject,
                 "file" => &mut values.file,
@@ -154,7 +154,7 @@ impl Reader<'_> {
                     continue;
                 }
             };
-            *place = self.string(key, value);
+            *spans = self.string(key, value);
         }
         values
     }
@@ -201,12 +201,12 @@ impl Reader<'_> {
                 if rule.is_none() {
                     self.mistake("known-rule", span, format!("no rule `{id}`"), "`uavspec rules` lists all");
                 }
-                let subject = self.pattern(values.subject, Pattern::of_names);
-                let file = self.pattern(values.file, Pattern::of_paths);
+                let subject = self.pattern(values.subject, Pattern::for_names);
+                let file = self.pattern(values.file, Pattern::for_paths);
                 Some((Selector::Rule { rule: rule?, subject, file }, span))
             }
             (None, Some((_, span))) => {
-                let case = self.pattern(values.case, Pattern::of_names)?;
+                let case = self.pattern(values.case, Pattern::for_names)?;
                 Some((Selector::Case(case), span))
             }
             (Some(_), Some((_, span))) => {

@@ -6,9 +6,9 @@ use crate::model::{Findings, Rule};
 use crate::rules::RULES;
 
 /// What came of the rules in a file. Of equal findings, messages are looked at that stand for all.
-pub(crate) fn of_findings<'r>(file: &'r str, findings: &'r Findings) -> impl Iterator<Item = Checked<'r>> {
+pub(crate) fn rule_outcomes<'r>(file: &'r str, findings: &'r Findings) -> impl Iterator<Item = Checked<'r>> {
     let rules = RULES.iter().map(move |rule| {
-        let outcome = if findings.exercised(rule) > 0 { Outcome::Passed } else { Outcome::Idle };
+        let outcome = if findings.covered(rule) > 0 { Outcome::Passed } else { Outcome::Idle };
         Checked { name: Name::Rule { rule, subject: "", file }, outcome }
     });
     let groups = findings.groups().map(move |group| {
@@ -19,7 +19,7 @@ pub(crate) fn of_findings<'r>(file: &'r str, findings: &'r Findings) -> impl Ite
 }
 
 /// A file that couldn't be read: whatever an entry says of it may hold.
-pub(crate) fn of_unread(file: &str) -> impl Iterator<Item = Checked<'_>> {
+pub(crate) fn unread_outcome(file: &str) -> impl Iterator<Item = Checked<'_>> {
     let unread = move |rule: &&'static Rule| Checked {
         name: Name::Rule { rule, subject: "", file },
         outcome: Outcome::NotRun,

@@ -31,8 +31,8 @@ fn failed(message: &str) -> Outcome {
     Outcome::Failed(vec![message.to_owned()])
 }
 
-fn whys(list: &Lists, scope: Scope, checked: &[Checked<'_>]) -> Vec<Why> {
-    list.judge(scope, checked, TODAY).into_iter().map(|stale| stale.why).collect()
+fn whys(lists: &Lists, scope: Scope, checked: &[Checked<'_>]) -> Vec<StaleReason> {
+    lists.find_stale(scope, checked, TODAY).into_iter().map(|stale| stale.reason).collect()
 }
 
 const CASES: &str = "\
@@ -59,13 +59,13 @@ fn what_is_listed_is_excused_and_the_list_holds_true() {
 }
 
 #[test]
-fn an_entry_is_stale_when_nothing_fails_or_is_there_or_was_judged() {
+fn an_entry_is_stale_if_nothing_fails_matches_or_was_checked() {
     let list = list(CASES);
     let name = "decode-cdr/soaring/Glider/typical";
-    assert_eq!(whys(&list, Scope::Cases, &[case(name, Outcome::Passed)]), [Why::Passes]);
-    assert_eq!(whys(&list, Scope::Cases, &[case(name, Outcome::Idle)]), [Why::Idle]);
+    assert_eq!(whys(&list, Scope::Cases, &[case(name, Outcome::Passed)]), [StaleReason::Passes]);
+    assert_eq!(whys(&list, Scope::Cases, &[case(name, Outcome::Idle)]), [StaleReason::Idle]);
     let other = case("layout/soaring/Glider/typical", failed("x"));
-    assert_eq!(whys(&list, Scope::Cases, &[other]), [Why::MatchesNothing]);
+    assert_eq!(whys(&list, Scope::Cases, &[other]), [StaleReason::MatchesNothing]);
     // What wasn't run might fail.
     assert_eq!(whys(&list, Scope::Cases, &[case(name, Outcome::NotRun)]), []);
     let second = case("decode-cdr/soaring/Glider/other", Outcome::NotRun);
@@ -81,7 +81,7 @@ fn an_entry_is_stale_when_a_case_passes_and_then_names_the_others() {
     let [nan, typical, zero] = &names;
     let checked = [case(nan, failed("x")), case(typical, Outcome::Passed), case(zero, failed("y"))];
     let list = list(CASES);
-    let stale = list.judge(Scope::Cases, &checked, TODAY);
+    let stale = list.find_stale(Scope::Cases, &checked, TODAY);
     assert_eq!(
         list.render(&stale, Level::Error, false),
         "\
@@ -95,7 +95,7 @@ error[known-passes]: 1 of the 3 cases that this names pass: the first is decode-
     let fixed = list.fixed(&stale).expect("a list");
     let expected = CASES.replace("decode-*/soaring/Glider/*", "decode-cdr/soaring/Glider/{flaps-nan,zero}");
     assert_eq!(fixed.texts().collect::<Vec<_>>(), [expected]);
-    assert_eq!(fixed.judge(Scope::Cases, &checked, TODAY), []);
+    assert_eq!(fixed.find_stale(Scope::Cases, &checked, TODAY), []);
     assert_eq!(fixed.excuse(Name::Case(typical), &[]), None);
 }
 
@@ -108,9 +108,9 @@ fn an_entry_is_stale_when_it_fails_otherwise() {
     let other = ["/flaps/0: expected 1, got 0".to_owned(), "/flaps/0: expected 1, got 2".to_owned()];
     assert_eq!(list.excuse(Name::Case(name), &other), None, "that is another failure");
     let checked = [case(name, Outcome::Failed(other.to_vec()))];
-    let stale = list.judge(Scope::Cases, &checked, TODAY);
+    let stale = list.find_stale(Scope::Cases, &checked, TODAY);
     let common = "/flaps/0: expected 1, got ".to_owned();
-    assert_eq!(stale[0].why, Why::FailsOtherwise { found: other[0].clone(), common });
+    assert_eq!(stale[0].reason, StaleReason::FailsOtherwise { found: other[0].clone(), common });
     assert_eq!(
         list.render(&stale, Level::Error, false),
         "\
@@ -124,14 +124,14 @@ error[known-fails-otherwise]: it fails otherwise: expected \"/flaps/0: expected 
     let fixed = list.fixed(&stale).expect("a list");
     let expected = CASES.to_owned() + "message = \"/flaps/0: expected 1, got \"\n";
     assert_eq!(fixed.texts().collect::<Vec<_>>(), [expected]);
-    assert_eq!(fixed.judge(Scope::Cases, &checked, TODAY), []);
+    assert_eq!(fixed.find_stale(Scope::Cases, &checked, TODAY), []);
 }
 
 #[test]
 fn an_entry_holds_through_its_last_day() {
     let name = "decode-cdr/soaring/Glider/typical";
     let checked = [case(name, failed("x"))];
-    for (date, expected) in [("2026-05-09", vec![]), ("2026-05-08", vec![Why::Expired])] {
+    for (date, expected) in [("2026-05-09", vec![]), ("2026-05-08", vec![StaleReason::Expired])] {
         let list = list(&format!("{CASES}expires = {date}\n"));
         assert_eq!(whys(&list, Scope::Cases, &checked), expected);
         assert!(
@@ -151,9 +151,9 @@ fn a_flaky_entry_may_pass_and_is_stale_for_all_other_reasons() {
     }
     assert!(flaky.excuse(Name::Case(name), &["/flaps/0".to_owned()]).is_some());
     assert_eq!(flaky.excuse(Name::Case(name), &["/speed".to_owned()]), None);
-    assert_eq!(whys(&flaky, Scope::Cases, &[]), [Why::MatchesNothing]);
+    assert_eq!(whys(&flaky, Scope::Cases, &[]), [StaleReason::MatchesNothing]);
     let over = list(&text.replace("05-10", "05-08"));
-    assert_eq!(whys(&over, Scope::Cases, &[case(name, Outcome::Passed)]), [Why::Expired]);
+    assert_eq!(whys(&over, Scope::Cases, &[case(name, Outcome::Passed)]), [StaleReason::Expired]);
 }
 
 #[test]
@@ -161,26 +161,29 @@ fn a_rule_is_narrowed_down_by_subject_and_file() {
     let list = list(
         "[[known]]\nrule = \"PX-RANGE-01\"\nsubject = \"glider.flaps\"\nfile = \"old/*.ulg\"\nreason = \"no matter\"\n",
     );
-    let breach = |subject, file| of_rule("PX-RANGE-01", subject, file, failed("2 is outside"));
+    let violation = |subject, file| of_rule("PX-RANGE-01", subject, file, failed("2 is outside"));
     let passed = |file| of_rule("PX-RANGE-01", "", file, Outcome::Passed);
-    assert_eq!(whys(&list, Scope::Rules, &[passed("old/a.ulg"), breach("glider.flaps", "./old/a.ulg")]), []);
+    assert_eq!(
+        whys(&list, Scope::Rules, &[passed("old/a.ulg"), violation("glider.flaps", "./old/a.ulg")]),
+        []
+    );
     // Another subject, file or rule is none of its business.
-    let others = [breach("glider.speed", "old/a.ulg"), breach("glider.flaps", "new/a.ulg")];
+    let others = [violation("glider.speed", "old/a.ulg"), violation("glider.flaps", "new/a.ulg")];
     for other in &others {
         assert_eq!(list.excuse(other.name, &[]), None);
     }
-    assert_eq!(whys(&list, Scope::Rules, &others), [Why::MatchesNothing]);
+    assert_eq!(whys(&list, Scope::Rules, &others), [StaleReason::MatchesNothing]);
     let [speed, flaps] = others;
-    assert_eq!(whys(&list, Scope::Rules, &[passed("old/a.ulg"), speed, flaps]), [Why::Passes]);
+    assert_eq!(whys(&list, Scope::Rules, &[passed("old/a.ulg"), speed, flaps]), [StaleReason::Passes]);
     let idle = of_rule("PX-RANGE-01", "", "old/a.ulg", Outcome::Idle);
-    assert_eq!(whys(&list, Scope::Rules, &[idle]), [Why::Idle]);
-    let unread = of_unread("old/a.ulg").collect::<Vec<_>>();
+    assert_eq!(whys(&list, Scope::Rules, &[idle]), [StaleReason::Idle]);
+    let unread = unread_outcome("old/a.ulg").collect::<Vec<_>>();
     assert_eq!(unread.len(), RULES.len());
     assert_eq!(whys(&list, Scope::Rules, &unread), []);
 }
 
 #[test]
-fn what_is_stale_is_told_with_its_line() {
+fn reports_stale_entries_with_their_line() {
     let text = "\
 # Of the gliders
 
@@ -194,7 +197,7 @@ reason = \"a byte that is never written\"
 expires = 2026-05-08
 ";
     let list = list(text);
-    let stale = list.judge(Scope::Rules, &[of_rule("PX-RANGE-01", "", "a.ulg", Outcome::Passed)], TODAY);
+    let stale = list.find_stale(Scope::Rules, &[of_rule("PX-RANGE-01", "", "a.ulg", Outcome::Passed)], TODAY);
     assert_eq!(
         list.render(&stale, Level::Error, false),
         "\

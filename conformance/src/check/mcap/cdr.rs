@@ -14,7 +14,7 @@ use crate::capture::input::zstd::{Frames, MAGIC as ZSTD};
 use crate::capture::mcap::Reader;
 use crate::check::timestamp_offset;
 use crate::definitions::Definitions;
-use crate::model::{Channel, Detail, Findings, Place, Rule, hexadecimal};
+use crate::model::{Channel, Detail, Findings, Location, Rule, hexadecimal};
 use crate::px4::memory::Plan;
 use crate::rules::px4;
 
@@ -42,8 +42,8 @@ enum Header {
 }
 
 /// How the messages of a channel are judged, and how many were.
-pub(super) struct CdrJudge {
-    of: MessageId,
+pub(super) struct CdrChecker {
+    message_id: MessageId,
     /// What the file says that its messages are, where that isn't the definition.
     stated: Option<Rc<Stated>>,
     plan: Plan,
@@ -58,17 +58,17 @@ pub(super) struct CdrJudge {
     others: u64,
 }
 
-impl CdrJudge {
+impl CdrChecker {
     pub(super) fn new(
-        of: MessageId,
+        message_id: MessageId,
         stated: Option<Rc<Stated>>,
         definitions: &Definitions,
         topic: &str,
     ) -> Self {
-        let ty = stated.as_ref().map_or_else(|| definitions.types().get(of), |stated| stated.root());
-        let plan = Plan::new(ty, Some(of), &definitions.schema, topic, &px4::VALUES);
+        let ty = stated.as_ref().map_or_else(|| definitions.types().get(message_id), |stated| stated.root());
+        let plan = Plan::new(ty, Some(message_id), &definitions.schema, topic, &px4::VALUES);
         Self {
-            of,
+            message_id,
             plan,
             timestamp: timestamp_offset(ty),
             stated,
@@ -87,24 +87,24 @@ impl CdrJudge {
     /// Whether messages of PX4 lack the time that each of them has.
     pub(super) fn lacks_timestamp(&self, definitions: &Definitions) -> Option<bool> {
         let schema = &definitions.schema;
-        let is_px4 = schema.package_of(schema.message(self.of)).form == Form::Msg(Dialect::Px4);
+        let is_px4 = schema.package_of(schema.message(self.message_id)).form == Form::Msg(Dialect::Px4);
         is_px4.then_some(self.timestamp.is_none())
     }
 
     /// Judges a payload; nothing is returned where it can't be read.
-    pub(super) fn judge(
+    pub(super) fn check(
         &mut self,
         payload: &[u8],
         wants_values: bool,
         channel: &Channel<'_>,
-        place: Place,
+        location: Location,
         definitions: &Definitions,
         findings: &mut Findings,
     ) -> Option<Seen> {
-        let definition = Some(definitions.schema.message(self.of).span);
+        let definition = Some(definitions.schema.message(self.message_id).span);
         let mut report = |rule: &'static Rule, detail: Detail| {
             let excerpt = || detail.excerpt(hexadecimal(payload));
-            findings.report(rule, channel.topic, place, definition, excerpt);
+            findings.report(rule, channel.topic, location, definition, excerpt);
         };
         match self.header(payload) {
             Header::Plain => {}
@@ -122,7 +122,8 @@ impl CdrJudge {
         }
         self.bodies += 1;
         let stated = self.stated.clone();
-        let ty = stated.as_ref().map_or_else(|| definitions.types().get(self.of), |stated| stated.root());
+        let ty =
+            stated.as_ref().map_or_else(|| definitions.types().get(self.message_id), |stated| stated.root());
         let message = match ty.decode_cdr(payload) {
             Ok(message) => message,
             Err(error) => {
@@ -131,7 +132,7 @@ impl CdrJudge {
             }
         };
         self.messages += 1;
-        self.plan.check(message.memory(), place, findings);
+        self.plan.check(message.memory(), location, findings);
         let memory = wants_values.then(|| message.memory().to_vec());
         Some(Seen { timestamp: self.timestamp_of(&message), memory })
     }
@@ -144,7 +145,7 @@ impl CdrJudge {
     ) -> Option<DynamicView<'v>> {
         let memory = seen.memory.as_deref()?;
         let stated = self.stated.as_ref().map(|stated| stated.root());
-        stated.unwrap_or_else(|| definitions.types().get(self.of)).view_uorb(memory).ok()
+        stated.unwrap_or_else(|| definitions.types().get(self.message_id)).view_uorb(memory).ok()
     }
 
     /// Looks at the header of a payload.
@@ -172,8 +173,8 @@ impl CdrJudge {
 
     /// Counts what was exercised; how many payloads were of other kinds of CDR.
     pub(super) fn close(self, findings: &mut Findings) -> u64 {
-        findings.exercise(&px4::CDR_01.rule, self.headers);
-        findings.exercise(&px4::CDR_02.rule, self.bodies);
+        findings.cover(&px4::CDR_01.rule, self.headers);
+        findings.cover(&px4::CDR_02.rule, self.bodies);
         self.plan.count(self.messages, findings);
         self.others
     }

@@ -112,12 +112,12 @@ impl<'s> Comparing<'s> {
     fn contradicted(&self, property: &'s Value, types: &[&str]) -> Option<String> {
         let found = self.followed(property);
         let is_among = |name: &str| types.contains(&name) || name == "number" && types.contains(&"integer");
-        let is_told = match found.get("type")? {
+        let is_ordered = match found.get("type")? {
             Value::String(name) => is_among(name),
             Value::Array(names) => names.iter().filter_map(Value::as_str).any(is_among),
             _ => return None,
         };
-        if is_told { None } else { stated(found) }
+        if is_ordered { None } else { stated(found) }
     }
 
     /// What a field can be in JSON. Bytes may be base64, and text the numbers of its bytes.

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use uavspec_codegen::schema::MessageId;
 
 use super::Declared;
-use super::cdr::CdrJudge;
+use super::cdr::CdrChecker;
 use crate::check::topic::topic_of;
-use crate::model::{Channel, Findings, Place};
+use crate::model::{Channel, Findings, Location};
 use crate::px4::comparison::{Comparison, Differences};
 use crate::px4::json::Plans;
 
@@ -27,14 +27,14 @@ pub struct McapChannel {
     /// Whether it states another hash than that of the definition, as its schema differs, too.
     pub has_other_hash: bool,
     /// What it was judged by.
-    pub standing: Standing,
+    pub status: CheckStatus,
 }
 
 /// What came of a channel.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Standing {
+pub enum CheckStatus {
     /// Its messages were judged by the definition.
-    Judged(Basis),
+    Checked(Basis),
     /// Neither its schema nor its topic names a definition.
     Undefined,
     /// Its messages are neither CDR nor JSON.
@@ -60,10 +60,10 @@ pub enum Basis {
     TooMany,
 }
 
-impl Standing {
+impl CheckStatus {
     /// What differs between the schema of the channel and the definition, if anything does.
     pub fn differences(&self) -> Option<&Differences> {
-        let Self::Judged(Basis::Compared(comparison)) = self else { return None };
+        let Self::Checked(Basis::Compared(comparison)) = self else { return None };
         match &**comparison {
             Comparison::Differs(differences) => Some(differences),
             Comparison::Equal | Comparison::Undefined => None,
@@ -92,7 +92,7 @@ pub(super) struct Identity {
     pub(super) name: String,
     pub(super) definition: Option<MessageId>,
     pub(super) version: Option<u32>,
-    pub(super) place: Place,
+    pub(super) location: Location,
 }
 
 /// A channel that is being read.
@@ -106,15 +106,15 @@ pub(super) struct Open {
     pub(super) reading: Reading,
     pub(super) messages: u64,
     /// How many messages of JSON were judged.
-    pub(super) judged: u64,
+    pub(super) checked: u64,
     pub(super) has_other_hash: bool,
-    pub(super) standing: Standing,
+    pub(super) status: CheckStatus,
 }
 
 /// How messages are read.
 pub(super) enum Reading {
     Skipped,
-    Cdr(Box<CdrJudge>),
+    Cdr(Box<CdrChecker>),
     Json(MessageId),
 }
 
@@ -126,7 +126,7 @@ impl Identity {
             multi_id: None,
             definition: self.definition,
             version: self.version,
-            place: self.place,
+            location: self.location,
         }
     }
 }
@@ -136,7 +136,7 @@ impl Open {
         declared: &Declared,
         schema: Option<(&str, &str)>,
         definition: Option<MessageId>,
-        place: Place,
+        location: Location,
         digest: u64,
         index: usize,
     ) -> Self {
@@ -148,7 +148,7 @@ impl Open {
                 name: escaped(topic_of(&declared.topic)),
                 definition,
                 version: None,
-                place,
+                location,
             },
             topic: escaped(&declared.topic),
             encoding: escaped(&declared.encoding),
@@ -156,23 +156,23 @@ impl Open {
             digest,
             reading: Reading::Skipped,
             messages: 0,
-            judged: 0,
+            checked: 0,
             has_other_hash: false,
-            standing: if is_known { Standing::Undefined } else { Standing::Unsupported },
+            status: if is_known { CheckStatus::Undefined } else { CheckStatus::Unsupported },
         }
     }
 
     /// What differs between its schema and the definition, if anything does.
     pub(super) fn differences(&self) -> Option<&Differences> {
-        self.standing.differences()
+        self.status.differences()
     }
 
     /// Counts what its messages exercised.
     pub(super) fn close(self, plans: Option<&Plans>, findings: &mut Findings) -> McapChannel {
         let mut other_cdr = 0;
         match (self.reading, plans) {
-            (Reading::Cdr(judge), _) => other_cdr = judge.close(findings),
-            (Reading::Json(of), Some(plans)) => plans.count(of, self.judged, findings),
+            (Reading::Cdr(check), _) => other_cdr = check.close(findings),
+            (Reading::Json(of), Some(plans)) => plans.count(of, self.checked, findings),
             _ => {}
         }
         McapChannel {
@@ -182,7 +182,7 @@ impl Open {
             messages: self.messages,
             other_cdr,
             has_other_hash: self.has_other_hash,
-            standing: self.standing,
+            status: self.status,
         }
     }
 }

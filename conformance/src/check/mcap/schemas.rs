@@ -18,14 +18,14 @@ const MAX_SCHEMA: usize = 1 << 20;
 
 /// What a schema is beside a definition; the types that it states, where CDR has to be read by them; and the version
 /// that it says its message has.
-type Beside = (Basis, Option<Rc<Stated>>, Option<u32>);
+type ComparedSchema = (Basis, Option<Rc<Stated>>, Option<u32>);
 
 /// The schemas of a file, by id.
 #[derive(Default)]
 pub(super) struct Schemas {
     by_id: HashMap<u16, Schema>,
     /// Bytes of all that are kept.
-    kept: usize,
+    num_bytes: usize,
 }
 
 struct Schema {
@@ -36,7 +36,7 @@ struct Schema {
     /// What tells it from another of the same id.
     digest: u64,
     /// What it is beside definitions, for those that channels asked for; whether they have JSON.
-    beside: BTreeMap<(MessageId, bool), Beside>,
+    compared: BTreeMap<(MessageId, bool), ComparedSchema>,
 }
 
 impl Schemas {
@@ -55,10 +55,10 @@ impl Schemas {
         if name.len() > MAX_NAME || encoding.len() > MAX_NAME {
             return Err(format!("schema {id} has a name or an encoding of more than {MAX_NAME} bytes"));
         }
-        let fits = text.len() <= MAX_SCHEMA && self.kept + text.len() <= MAX_SCHEMAS;
-        let kept = fits.then(|| text.to_vec());
-        self.kept += kept.as_ref().map_or(0, Vec::len);
-        self.by_id.insert(id, Schema { name, encoding, text: kept, digest, beside: BTreeMap::new() });
+        let fits = text.len() <= MAX_SCHEMA && self.num_bytes + text.len() <= MAX_SCHEMAS;
+        let num_bytes = fits.then(|| text.to_vec());
+        self.num_bytes += num_bytes.as_ref().map_or(0, Vec::len);
+        self.by_id.insert(id, Schema { name, encoding, text: num_bytes, digest, compared: BTreeMap::new() });
         if fits {
             return Ok(());
         }
@@ -75,33 +75,33 @@ impl Schemas {
     }
 
     /// What a schema is beside a definition, for messages as CDR or as JSON.
-    pub(super) fn beside(
+    pub(super) fn compared(
         &mut self,
         id: u16,
-        of: MessageId,
+        message_id: MessageId,
         is_json: bool,
         definitions: &Definitions,
-    ) -> Beside {
+    ) -> ComparedSchema {
         let Some(schema) = self.by_id.get_mut(&id) else { return (Basis::NoSchema, None, None) };
         let Some(text) = &schema.text else { return (Basis::TooLong, None, None) };
-        let beside = schema.beside.entry((of, is_json));
-        let beside = beside.or_insert_with(|| match (schema.encoding.as_str(), is_json) {
+        let compared = schema.compared.entry((message_id, is_json));
+        let compared = compared.or_insert_with(|| match (schema.encoding.as_str(), is_json) {
             // So rosbag2 writes types whose definitions it doesn't find.
             _ if text.is_empty() => (Basis::NoSchema, None, None),
-            ("ros2msg", false) => types(&schema.name, text, of, definitions),
-            ("jsonschema", true) => (json(text, of, definitions), None, None),
+            ("ros2msg", false) => types(&schema.name, text, message_id, definitions),
+            ("jsonschema", true) => (json(text, message_id, definitions), None, None),
             (encoding, _) => (Basis::Encoding(encoding.escape_debug().to_string()), None, None),
         });
-        beside.clone()
+        compared.clone()
     }
 }
 
 /// What the text of a schema as `ros2msg` is beside a definition.
-fn types(name: &str, text: &[u8], of: MessageId, definitions: &Definitions) -> Beside {
+fn types(name: &str, text: &[u8], message_id: MessageId, definitions: &Definitions) -> ComparedSchema {
     match Stated::read(name, text) {
         Err(error) => (Basis::Unreadable(error), None, None),
         Ok(stated) => {
-            let comparison = compare_declared(stated.root(), definitions.types().get(of));
+            let comparison = compare_declared(stated.root(), definitions.types().get(message_id));
             let (differs, version) = (comparison != Comparison::Equal, stated.version());
             (Basis::Compared(Arc::new(comparison)), differs.then(|| Rc::new(stated)), version)
         }
@@ -109,8 +109,8 @@ fn types(name: &str, text: &[u8], of: MessageId, definitions: &Definitions) -> B
 }
 
 /// What the text of a JSON Schema is beside a definition.
-fn json(text: &[u8], of: MessageId, definitions: &Definitions) -> Basis {
-    match json_schema::compare(text, of, &definitions.schema) {
+fn json(text: &[u8], message_id: MessageId, definitions: &Definitions) -> Basis {
+    match json_schema::compare(text, message_id, &definitions.schema) {
         Ok(Some(comparison)) => Basis::Compared(Arc::new(comparison)),
         Ok(None) => Basis::NoSchema,
         Err(error) => Basis::Unreadable(error),

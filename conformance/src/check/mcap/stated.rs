@@ -183,13 +183,13 @@ mod tests {
     }
 
     #[test]
-    fn comments_are_left_away_and_strings_kept() {
+    fn removes_comments_and_keeps_strings() {
         let text = "string NAME='a # b' # 'c\nint8 a#b\nstring s \"it's # so\"\n# all";
         assert_eq!(without_comments(text), "string NAME='a # b' \nint8 a\nstring s \"it's # so\"\n\n");
     }
 
     #[test]
-    fn what_is_no_definition_is_told() {
+    fn reports_an_invalid_definition() {
         let missing =
             Stated::read("sky_msgs/msg/Glider", GLIDER.as_bytes()).expect_err("what it nests is missing");
         assert!(missing.starts_with("sky_msgs/Glider.msg:2: "), "{missing}");

@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 use uavspec_codegen::emit::docs::markdown::plural;
 
-use super::open::{Basis, McapChannel, Standing};
+use super::open::{Basis, CheckStatus, McapChannel};
 use crate::check::{Describe, Line, List, Totals};
 use crate::px4::comparison::Comparison;
 use crate::px4::json::Dialects;
@@ -66,18 +66,18 @@ enum ChannelResult {
 }
 
 impl<'c> Row<'c> {
-    fn of(channel: &'c McapChannel) -> Self {
-        let (result, message) = match &channel.standing {
-            Standing::Judged(Basis::Compared(comparison)) => match &**comparison {
+    fn new(channel: &'c McapChannel) -> Self {
+        let (result, message) = match &channel.status {
+            CheckStatus::Checked(Basis::Compared(comparison)) => match &**comparison {
                 Comparison::Differs(differences) => {
                     let hash = if channel.has_other_hash { "; its hash is another, too" } else { "" };
                     (ChannelResult::Differs, format!("{differences}{hash}"))
                 }
                 Comparison::Equal | Comparison::Undefined => (ChannelResult::Equal, String::new()),
             },
-            Standing::Judged(basis) => (ChannelResult::ByName, basis.problem().unwrap_or_default()),
-            Standing::Undefined => (ChannelResult::Undefined, String::new()),
-            Standing::Unsupported => (ChannelResult::Unsupported, String::new()),
+            CheckStatus::Checked(basis) => (ChannelResult::ByName, basis.problem().unwrap_or_default()),
+            CheckStatus::Undefined => (ChannelResult::Undefined, String::new()),
+            CheckStatus::Unsupported => (ChannelResult::Unsupported, String::new()),
         };
         let (schema, schema_encoding) =
             channel.schema.as_ref().map(|(name, encoding)| (&**name, &**encoding)).unzip();
@@ -106,7 +106,7 @@ impl<'c> Row<'c> {
 }
 
 fn rows<S: Serializer>(channels: &[McapChannel], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(channels.iter().map(Row::of))
+    serializer.collect_seq(channels.iter().map(Row::new))
 }
 
 impl Describe for McapSummary {
@@ -121,7 +121,7 @@ impl Describe for McapSummary {
     }
 
     fn lines(&self) -> Vec<Line> {
-        let rows: Vec<Row<'_>> = self.channels.iter().map(Row::of).collect();
+        let rows: Vec<Row<'_>> = self.channels.iter().map(Row::new).collect();
         let of = |wanted| rows.iter().filter(move |row| row.result == wanted);
         let messages = |wanted| of(wanted).map(|row| (row.topic, shown(&row.message)));
         let text = format!(

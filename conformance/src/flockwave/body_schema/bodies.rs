@@ -5,16 +5,16 @@ use std::collections::{BTreeMap, HashMap};
 use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::source::Span;
 
-use super::defined::{Defined, Object, Tuple};
+use super::defined::{Object, Tuple, ValueSchema};
 
 /// The shapes of the bodies of all messages of some definitions.
 #[derive(Debug, Default)]
-pub struct Shapes {
+pub struct DefinedSchemas {
     /// By the type of the message, the body for each direction that it has.
     pub(super) messages: HashMap<String, [Option<Body>; 3]>,
     /// The shapes of all types and bodies, by the names that test vectors give them: `flockwave/Weather`,
     /// `flockwave/WTH-AT.response`.
-    pub(super) named: BTreeMap<String, Defined>,
+    pub(super) named: BTreeMap<String, ValueSchema>,
     /// The objects that bodies are and hold.
     pub(super) objects: Vec<Object>,
     /// The tuples that bodies hold.
@@ -32,7 +32,7 @@ pub(super) struct Body {
     pub(super) span: Span,
 }
 
-impl Shapes {
+impl DefinedSchemas {
     /// The same, for a use beside other definitions: where they are defined isn't told.
     #[must_use]
     pub(crate) fn foreign(self) -> Self {
@@ -45,7 +45,7 @@ impl Shapes {
     }
 
     /// Whether messages of this type go this way.
-    pub(crate) fn goes(&self, type_name: &str, direction: Direction) -> bool {
+    pub(crate) fn is_defined(&self, type_name: &str, direction: Direction) -> bool {
         self.body(type_name, direction).is_some()
     }
 
@@ -55,7 +55,7 @@ impl Shapes {
     }
 
     /// Whether there is a shape of this name.
-    pub fn has_shape(&self, name: &str) -> bool {
+    pub fn has_schema(&self, name: &str) -> bool {
         self.named.contains_key(name)
     }
 

@@ -5,8 +5,8 @@ use std::collections::HashSet;
 
 use uavspec_codegen::schema::json_type::Direction;
 
-use super::bodies::{Body, Shapes};
-use super::defined::{Defined, Field, List, Object, Text, Tuple};
+use super::bodies::{Body, DefinedSchemas};
+use super::defined::{Field, List, Object, Text, Tuple, ValueSchema};
 use super::{Deviation, Fault, Mismatch, Step, integer};
 use crate::json::{Tree, base64, pointer};
 
@@ -15,10 +15,10 @@ const MAX_DEVIATIONS: usize = 10_000;
 
 /// How many values of a body are looked at. A body has a million at most; but where each of several shapes may hold
 /// them again, each level of it is looked at twice as often as the one above.
-const MAX_LOOKS: usize = 1 << 21;
+const MAX_VISITS: usize = 1 << 21;
 
 /// What it takes to tell a deviation, for each step of the way to it, in looks.
-const LOOKS_TO_TELL: usize = 8;
+const VISITS_PER_DEVIATION: usize = 8;
 
 /// How many fields of an object are listed.
 const MAX_LISTED: usize = 12;
@@ -42,7 +42,7 @@ pub(super) enum At<'c> {
     Index(usize),
 }
 
-impl Shapes {
+impl DefinedSchemas {
     /// What of a body deviates from the shape that its type has for its direction, the first ten thousand places at
     /// most; none where there is no such shape.
     pub(crate) fn check(
@@ -61,17 +61,17 @@ impl Shapes {
 }
 
 /// What of a body deviates from its shape.
-fn check<'c>(shapes: &'c Shapes, body: &'c Body, value: &'c Tree<'c>) -> Vec<Deviation> {
+fn check<'c>(defined_schemas: &'c DefinedSchemas, body: &'c Body, value: &'c Tree<'c>) -> Vec<Deviation> {
     let mut check = Check {
-        shapes,
+        defined_schemas,
         body: Some(body),
         path: Vec::new(),
         seen: Vec::new(),
-        looks: 0,
+        visits: 0,
         deviations: Vec::new(),
     };
     if let Tree::Object(members) = value {
-        check.object(&shapes.objects[body.object], members);
+        check.object(&defined_schemas.objects[body.object], members);
     } else {
         check.is_other("an object".to_owned(), value);
     }
@@ -79,33 +79,43 @@ fn check<'c>(shapes: &'c Shapes, body: &'c Body, value: &'c Tree<'c>) -> Vec<Dev
 }
 
 /// The first deviation of a value from a shape.
-fn first<'c>(shapes: &'c Shapes, shape: &'c Defined, value: &'c Tree<'c>) -> Option<Mismatch> {
-    let mut check =
-        Check { shapes, body: None, path: Vec::new(), seen: Vec::new(), looks: 0, deviations: Vec::new() };
-    check.value(shape, value);
+fn first<'c>(
+    defined_schemas: &'c DefinedSchemas,
+    schema: &'c ValueSchema,
+    value: &'c Tree<'c>,
+) -> Option<Mismatch> {
+    let mut check = Check {
+        defined_schemas,
+        body: None,
+        path: Vec::new(),
+        seen: Vec::new(),
+        visits: 0,
+        deviations: Vec::new(),
+    };
+    check.value(schema, value);
     check.deviations.into_iter().next().map(|deviation| deviation.mismatch)
 }
 
 struct Check<'c> {
-    shapes: &'c Shapes,
+    defined_schemas: &'c DefinedSchemas,
     /// What is told of it, where it is a body.
     body: Option<&'c Body>,
     /// The way from the body to the value that is looked at.
     path: Vec<At<'c>>,
     /// Which fields of the objects on this way have been met, the innermost last.
     seen: Vec<bool>,
-    looks: usize,
+    visits: usize,
     deviations: Vec<Deviation>,
 }
 
 impl<'c> Check<'c> {
     fn is_full(&self) -> bool {
-        self.deviations.len() >= MAX_DEVIATIONS || self.looks >= MAX_LOOKS
+        self.deviations.len() >= MAX_DEVIATIONS || self.visits >= MAX_VISITS
     }
 
     /// Something here isn't as it should be.
     fn deviates(&mut self, fault: Fault, expected: String, actual: String) {
-        self.looks += self.path.len() * LOOKS_TO_TELL;
+        self.visits += self.path.len() * VISITS_PER_DEVIATION;
         let keys: Vec<Cow<'_, str>> = self.path.iter().map(At::key).collect();
         let keys: Vec<&str> = ["body"].into_iter().chain(keys.iter().map(AsRef::as_ref)).collect();
         let fields: Vec<&str> = self.path.iter().filter_map(|at| Some(at.field()?.name.as_str())).collect();
@@ -115,7 +125,7 @@ impl<'c> Check<'c> {
             steps: self.path.iter().map(At::named).collect(),
             fault: Some(fault),
             field: fields.join("."),
-            definition: span.filter(|_| !self.shapes.is_foreign),
+            definition: span.filter(|_| !self.defined_schemas.is_foreign),
             mismatch: Mismatch { path: pointer(&keys), expected, actual },
         });
     }
@@ -130,44 +140,44 @@ impl<'c> Check<'c> {
     }
 
     /// The value at a step.
-    fn step(&mut self, at: At<'c>, shape: &'c Defined, value: &'c Tree<'c>) {
+    fn step(&mut self, at: At<'c>, schema: &'c ValueSchema, value: &'c Tree<'c>) {
         self.path.push(at);
-        self.value(shape, value);
+        self.value(schema, value);
         self.path.pop();
     }
 
-    fn value(&mut self, shape: &'c Defined, value: &'c Tree<'c>) {
-        self.looks += 1;
-        match (shape, value) {
-            (Defined::Any, _) | (Defined::Null, Tree::Null) | (Defined::Bool, Tree::Bool(_)) => {}
-            (Defined::Integer(low, high), _) => match integer(value) {
+    fn value(&mut self, schema: &'c ValueSchema, value: &'c Tree<'c>) {
+        self.visits += 1;
+        match (schema, value) {
+            (ValueSchema::Any, _) | (ValueSchema::Null, Tree::Null) | (ValueSchema::Bool, Tree::Bool(_)) => {}
+            (ValueSchema::Integer(low, high), _) => match integer(value) {
                 Some(number) if (*low..=*high).contains(&number) => {}
-                Some(_) => self.deviates(Fault::Value, self.words(shape), value.to_string()),
-                None => self.is_other(self.words(shape), value),
+                Some(_) => self.deviates(Fault::Value, self.words(schema), value.to_string()),
+                None => self.is_other(self.words(schema), value),
             },
-            (Defined::Integers(values), _) => match integer(value) {
+            (ValueSchema::Integers(values), _) => match integer(value) {
                 Some(number) if values.iter().any(|known| i128::from(*known) == number) => {}
-                Some(_) => self.deviates(Fault::Value, self.words(shape), value.to_string()),
-                None => self.is_other(self.words(shape), value),
+                Some(_) => self.deviates(Fault::Value, self.words(schema), value.to_string()),
+                None => self.is_other(self.words(schema), value),
             },
-            (Defined::Number(low, high), Tree::Int(_) | Tree::Float(..) | Tree::Huge(_)) => {
+            (ValueSchema::Number(low, high), Tree::Int(_) | Tree::Float(..) | Tree::Huge(_)) => {
                 let number = float(value);
                 if low.is_some_and(|low| number < low) || high.is_some_and(|high| number > high) {
-                    self.deviates(Fault::Value, self.words(shape), value.to_string());
+                    self.deviates(Fault::Value, self.words(schema), value.to_string());
                 }
             }
-            (Defined::Text(shape), Tree::Text(text)) => {
-                if !fits(shape, text) {
-                    self.deviates(Fault::Value, shape.to_string(), value.to_string());
+            (ValueSchema::Text(schema), Tree::Text(text)) => {
+                if !fits(schema, text) {
+                    self.deviates(Fault::Value, schema.to_string(), value.to_string());
                 }
             }
-            (Defined::Constants(constants), Tree::Text(text)) => {
+            (ValueSchema::Constants(constants), Tree::Text(text)) => {
                 if !constants.iter().any(|constant| constant == text) {
-                    self.deviates(Fault::Value, self.words(shape), value.to_string());
+                    self.deviates(Fault::Value, self.words(schema), value.to_string());
                 }
             }
-            (Defined::List(list), Tree::List(values)) => self.list(list, values),
-            (Defined::Map(inner), Tree::Object(members)) => {
+            (ValueSchema::List(list), Tree::List(values)) => self.list(list, values),
+            (ValueSchema::Map(inner), Tree::Object(members)) => {
                 let before = self.deviations.len();
                 for (key, value) in members {
                     if self.is_full() || self.deviations.len() > before && !inner.is_structured() {
@@ -176,16 +186,16 @@ impl<'c> Check<'c> {
                     self.step(At::Key(key), inner, value);
                 }
             }
-            (Defined::Either(all), _) => self.either(all, value),
-            (Defined::Object(index), Tree::Object(members)) => {
-                let shapes = self.shapes;
-                self.object(&shapes.objects[*index], members);
+            (ValueSchema::Either(all), _) => self.either(all, value),
+            (ValueSchema::Object(index), Tree::Object(members)) => {
+                let defined_schemas = self.defined_schemas;
+                self.object(&defined_schemas.objects[*index], members);
             }
-            (Defined::Tuple(index), Tree::List(values)) => {
-                let shapes = self.shapes;
-                self.tuple(&shapes.tuples[*index], values);
+            (ValueSchema::Tuple(index), Tree::List(values)) => {
+                let defined_schemas = self.defined_schemas;
+                self.tuple(&defined_schemas.tuples[*index], values);
             }
-            _ => self.is_other(self.words(shape), value),
+            _ => self.is_other(self.words(schema), value),
         }
     }
 
@@ -204,7 +214,7 @@ impl<'c> Check<'c> {
                     self.seen[start + index] = true;
                     guess = index + 1;
                     let field = &object.fields[index];
-                    self.step(At::Field(field), &field.shape, value);
+                    self.step(At::Field(field), &field.schema, value);
                 }
                 None if object.is_closed => {
                     self.path.push(At::Key(key));
@@ -217,7 +227,7 @@ impl<'c> Check<'c> {
         for (index, field) in object.fields.iter().enumerate() {
             if field.is_required && !self.seen[start + index] && !self.is_full() {
                 self.path.push(At::Field(field));
-                self.deviates(Fault::Absent, self.words(&field.shape), "nothing".to_owned());
+                self.deviates(Fault::Absent, self.words(&field.schema), "nothing".to_owned());
                 self.path.pop();
             }
         }
@@ -232,7 +242,7 @@ impl<'c> Check<'c> {
             }
             self.step(At::Index(at), &list.element, value);
         }
-        if !list.length.holds(values.len()) {
+        if !list.length.accepts(values.len()) {
             self.deviates(Fault::Value, list.to_string(), format!("{} elements", values.len()));
         } else if list.is_unique
             && let Some(repeated) = repeated(values)
@@ -242,12 +252,12 @@ impl<'c> Check<'c> {
     }
 
     fn tuple(&mut self, tuple: &'c Tuple, values: &'c [Tree<'c>]) {
-        if !tuple.length().holds(values.len()) {
+        if !tuple.length().accepts(values.len()) {
             return self.deviates(Fault::Value, tuple.to_string(), format!("{} elements", values.len()));
         }
         let before = self.deviations.len();
         for (at, (element, value)) in tuple.elements.iter().zip(values).enumerate() {
-            self.step(At::Element(at, element), &element.shape, value);
+            self.step(At::Element(at, element), &element.schema, value);
             if let Some(deviation) = self.deviations.get_mut(before) {
                 let expected = &mut deviation.mismatch.expected;
                 *expected = format!("{expected} ({})", element.name);
@@ -257,20 +267,20 @@ impl<'c> Check<'c> {
     }
 
     /// A value that has none of several shapes is told by the one that is of its kind.
-    fn either(&mut self, all: &'c [Defined], value: &'c Tree<'c>) {
+    fn either(&mut self, all: &'c [ValueSchema], value: &'c Tree<'c>) {
         let start = self.deviations.len();
         let mut of_kind: Vec<Vec<Deviation>> = Vec::new();
-        for shape in all {
-            self.value(shape, value);
+        for schema in all {
+            self.value(schema, value);
             let found = self.deviations.split_off(start);
             if found.is_empty() {
                 return;
             }
-            if is_of_kind(shape, value) {
+            if is_of_kind(schema, value) {
                 of_kind.push(found);
             }
         }
-        let words = || all.iter().map(|shape| self.words(shape)).collect::<Vec<_>>().join(", or ");
+        let words = || all.iter().map(|schema| self.words(schema)).collect::<Vec<_>>().join(", or ");
         match (of_kind.pop(), of_kind.is_empty()) {
             (Some(found), true) => self.deviations.extend(found),
             (Some(_), false) => self.deviates(Fault::Value, words(), value.to_string()),
@@ -279,27 +289,31 @@ impl<'c> Check<'c> {
     }
 
     /// A shape in words.
-    fn words(&self, shape: &Defined) -> String {
-        match shape {
-            Defined::Any => "anything".to_owned(),
-            Defined::Null => "null".to_owned(),
-            Defined::Bool => "true or false".to_owned(),
-            Defined::Integer(low, high) => super::Shape::Integer(*low, *high).to_string(),
-            Defined::Number(None, None) => "a number".to_owned(),
-            Defined::Number(Some(low), None) => format!("a number, {low} or more"),
-            Defined::Number(None, Some(high)) => format!("a number, {high} at most"),
-            Defined::Number(Some(low), Some(high)) => format!("a number, {low} to {high}"),
-            Defined::Text(text) => text.to_string(),
-            Defined::Constants(all) => one_of(all.iter().map(|one| format!("`{one}`"))),
-            Defined::Integers(all) => one_of(all.iter().map(ToString::to_string)),
-            Defined::List(list) => list.to_string(),
-            Defined::Map(inner) => match &**inner {
-                Defined::Any => "an object".to_owned(),
+    fn words(&self, schema: &ValueSchema) -> String {
+        match schema {
+            ValueSchema::Any => "anything".to_owned(),
+            ValueSchema::Null => "null".to_owned(),
+            ValueSchema::Bool => "true or false".to_owned(),
+            ValueSchema::Integer(low, high) => super::ExpectedValue::Integer(*low, *high).to_string(),
+            ValueSchema::Number(None, None) => "a number".to_owned(),
+            ValueSchema::Number(Some(low), None) => format!("a number, {low} or more"),
+            ValueSchema::Number(None, Some(high)) => format!("a number, {high} at most"),
+            ValueSchema::Number(Some(low), Some(high)) => format!("a number, {low} to {high}"),
+            ValueSchema::Text(text) => text.to_string(),
+            ValueSchema::Constants(all) => one_of(all.iter().map(|one| format!("`{one}`"))),
+            ValueSchema::Integers(all) => one_of(all.iter().map(ToString::to_string)),
+            ValueSchema::List(list) => list.to_string(),
+            ValueSchema::Map(inner) => match &**inner {
+                ValueSchema::Any => "an object".to_owned(),
                 inner => format!("an object, each value {}", self.words(inner)),
             },
-            Defined::Either(all) => all.iter().map(|one| self.words(one)).collect::<Vec<_>>().join(", or "),
-            Defined::Object(index) => format!("an object of the type {}", self.shapes.objects[*index].name),
-            Defined::Tuple(index) => self.shapes.tuples[*index].to_string(),
+            ValueSchema::Either(all) => {
+                all.iter().map(|one| self.words(one)).collect::<Vec<_>>().join(", or ")
+            }
+            ValueSchema::Object(index) => {
+                format!("an object of the type {}", self.defined_schemas.objects[*index].name)
+            }
+            ValueSchema::Tuple(index) => self.defined_schemas.tuples[*index].to_string(),
         }
     }
 }
@@ -332,11 +346,11 @@ impl<'c> At<'c> {
 /// The values of a set, the first at least.
 fn one_of(values: impl ExactSizeIterator<Item = String>) -> String {
     let count = values.len();
-    let told = values.take(MAX_VALUES).collect::<Vec<_>>().join(", ");
+    let reported = values.take(MAX_VALUES).collect::<Vec<_>>().join(", ");
     match count {
-        1 => told,
-        ..=MAX_VALUES => format!("one of {told}"),
-        _ => format!("one of {told} and {} more", count - MAX_VALUES),
+        1 => reported,
+        ..=MAX_VALUES => format!("one of {reported}"),
+        _ => format!("one of {reported} and {} more", count - MAX_VALUES),
     }
 }
 
@@ -349,11 +363,11 @@ fn others(object: &Object) -> String {
 }
 
 /// Whether a string has a shape.
-pub(super) fn fits(shape: &Text, text: &str) -> bool {
-    let is_any = shape.length == super::defined::Length::ANY;
-    (is_any || shape.length.holds(text.chars().count()))
-        && shape.patterns.iter().all(|pattern| pattern.is_match(text))
-        && (!shape.is_base64 || base64::decode(text).is_some())
+pub(super) fn fits(schema: &Text, text: &str) -> bool {
+    let is_any = schema.length == super::defined::Length::ANY;
+    (is_any || schema.length.accepts(text.chars().count()))
+        && schema.patterns.iter().all(|pattern| pattern.is_match(text))
+        && (!schema.is_base64 || base64::decode(text).is_some())
 }
 
 /// A number as it rounds; one that no float holds is infinite.
@@ -368,18 +382,18 @@ fn float(value: &Tree<'_>) -> f64 {
 }
 
 /// Whether a value has the kind of JSON that a shape has.
-fn is_of_kind(shape: &Defined, value: &Tree<'_>) -> bool {
-    match shape {
-        Defined::Any => true,
-        Defined::Null => *value == Tree::Null,
-        Defined::Bool => matches!(value, Tree::Bool(_)),
-        Defined::Integer(..) | Defined::Integers(_) | Defined::Number(..) => {
+fn is_of_kind(schema: &ValueSchema, value: &Tree<'_>) -> bool {
+    match schema {
+        ValueSchema::Any => true,
+        ValueSchema::Null => *value == Tree::Null,
+        ValueSchema::Bool => matches!(value, Tree::Bool(_)),
+        ValueSchema::Integer(..) | ValueSchema::Integers(_) | ValueSchema::Number(..) => {
             matches!(value, Tree::Int(_) | Tree::Float(..) | Tree::Huge(_))
         }
-        Defined::Text(_) | Defined::Constants(_) => matches!(value, Tree::Text(_)),
-        Defined::List(_) | Defined::Tuple(_) => matches!(value, Tree::List(_)),
-        Defined::Map(_) | Defined::Object(_) => matches!(value, Tree::Object(_)),
-        Defined::Either(all) => all.iter().any(|one| is_of_kind(one, value)),
+        ValueSchema::Text(_) | ValueSchema::Constants(_) => matches!(value, Tree::Text(_)),
+        ValueSchema::List(_) | ValueSchema::Tuple(_) => matches!(value, Tree::List(_)),
+        ValueSchema::Map(_) | ValueSchema::Object(_) => matches!(value, Tree::Object(_)),
+        ValueSchema::Either(all) => all.iter().any(|one| is_of_kind(one, value)),
     }
 }
 

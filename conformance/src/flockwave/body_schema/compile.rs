@@ -9,40 +9,41 @@ use uavspec_codegen::schema::json_type::{
 use uavspec_codegen::schema::{JsonTypeId, Schema};
 use uavspec_codegen::value::Value;
 
-use super::bodies::{Body, Shapes};
-use super::defined::{Defined, Field, Length, List, Object, Pattern, Test, Text, Tuple};
+use super::bodies::{Body, DefinedSchemas};
+use super::defined::{Field, Length, List, Object, Pattern, Test, Text, Tuple, ValueSchema};
 
 /// The name of the only format that strings have.
 const BASE64: &str = "base64";
 
-impl Shapes {
+impl DefinedSchemas {
     /// The shapes of all messages of some definitions. Of two packages with the same message the first has it.
     pub(crate) fn new(schema: &Schema) -> Self {
-        let mut compiler = Compiler { schema, shapes: Shapes::default(), known: HashMap::new() };
+        let mut compiler =
+            Compiler { schema, defined_schemas: DefinedSchemas::default(), known: HashMap::new() };
         for message in &schema.json_messages {
             let mut bodies = [None, None, None];
             for part in &message.parts {
                 let object = compiler.body(&part.body);
                 let name = format!("{}/{}", schema.packages[message.package].name, part.name);
-                compiler.shapes.named.insert(name, Defined::Object(object));
+                compiler.defined_schemas.named.insert(name, ValueSchema::Object(object));
                 bodies[part.direction as usize] = Some(Body { object, span: part.span });
             }
-            compiler.shapes.messages.entry(message.name.clone()).or_insert(bodies);
+            compiler.defined_schemas.messages.entry(message.name.clone()).or_insert(bodies);
         }
         for package in &schema.packages {
             for id in &package.json_types {
-                let shape = compiler.named(*id, &[]);
+                let body = compiler.named(*id, &[]);
                 let name = format!("{}/{}", package.name, schema.json_type(*id).name);
-                compiler.shapes.named.insert(name, shape);
+                compiler.defined_schemas.named.insert(name, body);
             }
         }
-        compiler.shapes
+        compiler.defined_schemas
     }
 }
 
 struct Compiler<'s> {
     schema: &'s Schema,
-    shapes: Shapes,
+    defined_schemas: DefinedSchemas,
     /// The objects and tuples that have a name, which may hold themselves.
     known: HashMap<JsonTypeId, Reference>,
 }
@@ -54,7 +55,7 @@ enum Reference {
     Tuple(usize),
 }
 
-impl From<Reference> for Defined {
+impl From<Reference> for ValueSchema {
     fn from(reference: Reference) -> Self {
         match reference {
             Reference::Object(index) => Self::Object(index),
@@ -65,8 +66,8 @@ impl From<Reference> for Defined {
 
 impl Compiler<'_> {
     fn body(&mut self, body: &written::Object) -> usize {
-        let index = self.shapes.objects.len();
-        self.shapes.objects.push(Object::default());
+        let index = self.defined_schemas.objects.len();
+        self.defined_schemas.objects.push(Object::default());
         self.fill(index, "", body);
         index
     }
@@ -74,64 +75,64 @@ impl Compiler<'_> {
     /// Makes the object whose place is kept.
     fn fill(&mut self, index: usize, name: &str, object: &written::Object) {
         let fields = self.fields(&object.fields);
-        self.shapes.objects[index] = Object::new(name, fields, object.is_closed);
+        self.defined_schemas.objects[index] = Object::new(name, fields, object.is_closed);
     }
 
     fn fields(&mut self, members: &[Member]) -> Vec<Field> {
         let field = |member: &Member| Field {
             name: member.name.clone(),
             is_required: member.is_required,
-            shape: self.expression(&member.typed.ty, &[&member.typed.limits]),
+            schema: self.expression(&member.typed.ty, &[&member.typed.limits]),
             span: member.span,
         };
         members.iter().map(field).collect()
     }
 
     /// The shape of an expression, with all limits that hold in its place.
-    fn expression(&mut self, expression: &Expression, limits: &[&Limits]) -> Defined {
+    fn expression(&mut self, expression: &Expression, limits: &[&Limits]) -> ValueSchema {
         match expression {
-            Expression::Any => Defined::Any,
-            Expression::Null => Defined::Null,
-            Expression::Boolean => Defined::Bool,
+            Expression::Any => ValueSchema::Any,
+            Expression::Null => ValueSchema::Null,
+            Expression::Boolean => ValueSchema::Bool,
             Expression::Integer => {
                 let (low, high) = bounds(limits);
                 // What is no integer itself bounds those beside it.
                 #[allow(clippy::cast_possible_truncation)] // it saturates
-                Defined::Integer(
+                ValueSchema::Integer(
                     low.map_or(i128::MIN, |low| low.integer.unwrap_or(low.float.ceil() as i128)),
                     high.map_or(i128::MAX, |high| high.integer.unwrap_or(high.float.floor() as i128)),
                 )
             }
             Expression::Number => {
                 let (low, high) = bounds(limits);
-                Defined::Number(low.map(|low| low.float), high.map(|high| high.float))
+                ValueSchema::Number(low.map(|low| low.float), high.map(|high| high.float))
             }
-            Expression::String => Defined::Text(text(limits)),
-            Expression::ErrorCode => Defined::Integer(0, u32::MAX.into()),
+            Expression::String => ValueSchema::Text(text(limits)),
+            Expression::ErrorCode => ValueSchema::Integer(0, u32::MAX.into()),
             Expression::ErrorList => {
                 self.expression(&Expression::List(Box::new(Expression::ErrorCode)), limits)
             }
             Expression::Named(id) => self.named(*id, limits),
-            Expression::List(element) => Defined::List(List {
+            Expression::List(element) => ValueSchema::List(List {
                 element: Box::new(self.within(element, limits)),
                 length: length(limits),
                 is_unique: limits.iter().any(|limits| limits.is_unique),
             }),
-            Expression::Map(value) => Defined::Map(Box::new(self.within(value, limits))),
+            Expression::Map(value) => ValueSchema::Map(Box::new(self.within(value, limits))),
             Expression::Either(all) => {
-                Defined::Either(all.iter().map(|one| self.expression(one, limits)).collect())
+                ValueSchema::Either(all.iter().map(|one| self.expression(one, limits)).collect())
             }
-            Expression::OneOf(constants) => Defined::Constants(constants.clone()),
+            Expression::OneOf(constants) => ValueSchema::Constants(constants.clone()),
         }
     }
 
     /// The shape of what a list or a map holds.
-    fn within(&mut self, inner: &Expression, limits: &[&Limits]) -> Defined {
+    fn within(&mut self, inner: &Expression, limits: &[&Limits]) -> ValueSchema {
         let limits: Vec<Limits> = limits.iter().map(|limits| limits.of_elements()).collect();
         self.expression(inner, &limits.iter().collect::<Vec<_>>())
     }
 
-    fn named(&mut self, id: JsonTypeId, limits: &[&Limits]) -> Defined {
+    fn named(&mut self, id: JsonTypeId, limits: &[&Limits]) -> ValueSchema {
         if let Some(reference) = self.known.get(&id) {
             return (*reference).into();
         }
@@ -139,29 +140,29 @@ impl Compiler<'_> {
         let found = schema.json_type(id);
         match &found.definition {
             Definition::Object(object) => {
-                let index = self.shapes.objects.len();
-                self.shapes.objects.push(Object::default());
+                let index = self.defined_schemas.objects.len();
+                self.defined_schemas.objects.push(Object::default());
                 self.known.insert(id, Reference::Object(index));
                 self.fill(index, &found.name, object);
-                Defined::Object(index)
+                ValueSchema::Object(index)
             }
             Definition::Tuple(elements) => {
-                let index = self.shapes.tuples.len();
-                self.shapes.tuples.push(Tuple::default());
+                let index = self.defined_schemas.tuples.len();
+                self.defined_schemas.tuples.push(Tuple::default());
                 self.known.insert(id, Reference::Tuple(index));
                 let elements = self.fields(elements);
                 let required = elements.iter().filter(|element| element.is_required).count();
-                self.shapes.tuples[index] = Tuple { elements, required };
-                Defined::Tuple(index)
+                self.defined_schemas.tuples[index] = Tuple { elements, required };
+                ValueSchema::Tuple(index)
             }
             Definition::Set(set) => match &set.values {
-                SetValues::Integers(_) if set.is_open => Defined::Integer(i128::MIN, i128::MAX),
-                SetValues::Strings(_) if set.is_open => Defined::Text(Text::ANY),
+                SetValues::Integers(_) if set.is_open => ValueSchema::Integer(i128::MIN, i128::MAX),
+                SetValues::Strings(_) if set.is_open => ValueSchema::Text(Text::ANY),
                 SetValues::Integers(values) => {
-                    Defined::Integers(values.iter().map(|value| value.value).collect())
+                    ValueSchema::Integers(values.iter().map(|value| value.value).collect())
                 }
                 SetValues::Strings(values) => {
-                    Defined::Constants(values.iter().map(|value| value.value.clone()).collect())
+                    ValueSchema::Constants(values.iter().map(|value| value.value.clone()).collect())
                 }
             },
             // Names don't stand for themselves, so this ends.

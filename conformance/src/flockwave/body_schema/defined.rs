@@ -7,7 +7,7 @@ use uavspec_codegen::source::Span;
 
 /// What a value has to be.
 #[derive(Debug)]
-pub(super) enum Defined {
+pub(super) enum ValueSchema {
     /// Anything.
     Any,
     /// `null`.
@@ -27,12 +27,12 @@ pub(super) enum Defined {
     /// An array of values of one shape.
     List(List),
     /// An object whose values have one shape.
-    Map(Box<Defined>),
+    Map(Box<ValueSchema>),
     /// One of several shapes.
-    Either(Vec<Defined>),
-    /// An object of [`super::Shapes`], by its index.
+    Either(Vec<ValueSchema>),
+    /// An object of [`super::DefinedSchemas`], by its index.
     Object(usize),
-    /// A tuple of [`super::Shapes`], by its index.
+    /// A tuple of [`super::DefinedSchemas`], by its index.
     Tuple(usize),
 }
 
@@ -76,7 +76,7 @@ pub(super) enum Test {
 #[derive(Debug)]
 pub(super) struct List {
     /// That of its elements.
-    pub(super) element: Box<Defined>,
+    pub(super) element: Box<ValueSchema>,
     /// How many there are.
     pub(super) length: Length,
     /// Whether no two are equal.
@@ -113,12 +113,12 @@ pub(super) struct Field {
     /// Whether it has to be there.
     pub(super) is_required: bool,
     /// What it has to be.
-    pub(super) shape: Defined,
+    pub(super) schema: ValueSchema,
     /// Where it is defined.
     pub(super) span: Span,
 }
 
-impl Defined {
+impl ValueSchema {
     /// Whether its values hold others of which each is worth a word, where several are wrong.
     pub(super) fn is_structured(&self) -> bool {
         match self {
@@ -155,7 +155,7 @@ impl Length {
     pub(super) const ANY: Self = Self { least: 0, most: usize::MAX };
 
     /// Whether it is one of these.
-    pub(super) fn holds(self, length: usize) -> bool {
+    pub(super) fn accepts(self, length: usize) -> bool {
         (self.least..=self.most).contains(&length)
     }
 }

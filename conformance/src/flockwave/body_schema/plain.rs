@@ -3,9 +3,9 @@
 //! It says yes or nothing: what isn't plain to see, [`super::check`] finds out from the tree. Shapes of integers, which nearly
 //! all values of states of UAVs have, are kept as ranges of 64 bits.
 
-use super::bodies::Shapes;
+use super::bodies::DefinedSchemas;
 use super::check::fits;
-use super::defined::{Defined, Length, Object};
+use super::defined::{Length, Object, ValueSchema};
 use crate::json::{Token, Tokens, Unclear};
 use uavspec_codegen::schema::json_type::Direction;
 
@@ -20,7 +20,7 @@ pub(crate) struct Members<'s> {
 #[derive(Debug)]
 struct Member<'s> {
     name: &'s str,
-    shape: &'s Defined,
+    schema: &'s ValueSchema,
     plain: Plain<'s>,
 }
 
@@ -41,19 +41,19 @@ enum Scalar<'s> {
     Range(i64, i64),
     /// The same, or null.
     Nullable(i64, i64),
-    Other(&'s Defined),
+    Other(&'s ValueSchema),
 }
 
-impl Shapes {
+impl DefinedSchemas {
     /// The fields of the objects that a field of a body holds, where it is a map of such.
     pub(crate) fn members(&self, type_name: &str, direction: Direction, map: &str) -> Option<Members<'_>> {
         let body = &self.objects[self.body(type_name, direction)?.object];
-        let Defined::Map(inner) = &body.fields[body.field(map, 0)?].shape else { return None };
-        let Defined::Object(index) = **inner else { return None };
+        let ValueSchema::Map(inner) = &body.fields[body.field(map, 0)?].schema else { return None };
+        let ValueSchema::Object(index) = **inner else { return None };
         let object = &self.objects[index];
         let fields = object.fields.iter().map(|field| {
-            let (name, shape) = (&*field.name, &field.shape);
-            Member { name, shape, plain: Plain::of(self, shape) }
+            let (name, schema) = (&*field.name, &field.schema);
+            Member { name, schema, plain: Plain::new(self, schema) }
         });
         Some(Members { object, fields: fields.collect() })
     }
@@ -76,8 +76,8 @@ impl Members<'_> {
     }
 
     /// Whether the value of a field can be this.
-    pub(crate) fn holds(&self, field: usize, token: &Token<'_>) -> bool {
-        holds(self.fields[field].shape, token)
+    pub(crate) fn accepts(&self, field: usize, token: &Token<'_>) -> bool {
+        accepts(self.fields[field].schema, token)
     }
 
     /// Takes the value of a field, if that is plainly one that it can have.
@@ -91,38 +91,38 @@ impl Members<'_> {
 }
 
 impl<'s> Plain<'s> {
-    fn of(shapes: &'s Shapes, shape: &'s Defined) -> Self {
-        match shape {
-            Defined::Tuple(index) => {
-                let tuple = &shapes.tuples[*index];
-                let elements = tuple.elements.iter().map(|element| Scalar::of(&element.shape));
+    fn new(defined_schemas: &'s DefinedSchemas, schema: &'s ValueSchema) -> Self {
+        match schema {
+            ValueSchema::Tuple(index) => {
+                let tuple = &defined_schemas.tuples[*index];
+                let elements = tuple.elements.iter().map(|element| Scalar::new(&element.schema));
                 Self::Tuple(elements.collect(), tuple.length())
             }
             // Whether values repeat is seen from all of them.
-            Defined::List(list) if !list.is_unique => Self::List(Scalar::of(&list.element), list.length),
-            shape => Self::One(Scalar::of(shape)),
+            ValueSchema::List(list) if !list.is_unique => Self::List(Scalar::new(&list.element), list.length),
+            schema => Self::One(Scalar::new(schema)),
         }
     }
 }
 
 impl<'s> Scalar<'s> {
-    fn of(shape: &'s Defined) -> Self {
-        match shape {
-            Defined::Integer(low, high) => {
+    fn new(schema: &'s ValueSchema) -> Self {
+        match schema {
+            ValueSchema::Integer(low, high) => {
                 let bound = |bound: &i128| i64::try_from((*bound).clamp(i64::MIN.into(), i64::MAX.into()));
                 bound(low)
                     .ok()
                     .zip(bound(high).ok())
-                    .map_or(Self::Other(shape), |(low, high)| Self::Range(low, high))
+                    .map_or(Self::Other(schema), |(low, high)| Self::Range(low, high))
             }
-            Defined::Either(all) => match &all[..] {
-                [one, Defined::Null] | [Defined::Null, one] => match Self::of(one) {
+            ValueSchema::Either(all) => match &all[..] {
+                [one, ValueSchema::Null] | [ValueSchema::Null, one] => match Self::new(one) {
                     Self::Range(low, high) => Self::Nullable(low, high),
-                    _ => Self::Other(shape),
+                    _ => Self::Other(schema),
                 },
-                _ => Self::Other(shape),
+                _ => Self::Other(schema),
             },
-            shape => Self::Other(shape),
+            schema => Self::Other(schema),
         }
     }
 
@@ -132,7 +132,7 @@ impl<'s> Scalar<'s> {
             Self::Range(low, high) => tokens.integer().is_some_and(|value| *low <= value && value <= *high),
             Self::Nullable(..) if tokens.takes_null() => true,
             Self::Nullable(low, high) => return Self::Range(*low, *high).takes(tokens),
-            Self::Other(shape) => holds(shape, &tokens.token()?),
+            Self::Other(schema) => accepts(schema, &tokens.token()?),
         };
         if fits { Ok(()) } else { Err(Unclear) }
     }
@@ -142,31 +142,33 @@ impl<'s> Scalar<'s> {
 fn list<'s>(
     tokens: &mut Tokens<'_>,
     length: Length,
-    shape: impl Fn(usize) -> Option<&'s Scalar<'s>>,
+    schema: impl Fn(usize) -> Option<&'s Scalar<'s>>,
 ) -> Result<(), Unclear> {
     let mut count = 0;
     tokens.list(|tokens| {
-        shape(count).ok_or(Unclear)?.takes(tokens)?;
+        schema(count).ok_or(Unclear)?.takes(tokens)?;
         count += 1;
         Ok::<(), Unclear>(())
     })?;
-    if length.holds(count) { Ok(()) } else { Err(Unclear) }
+    if length.accepts(count) { Ok(()) } else { Err(Unclear) }
 }
 
 /// Whether a value of this shape can be this.
-fn holds(shape: &Defined, token: &Token<'_>) -> bool {
-    match (shape, token) {
-        (Defined::Any, _) | (Defined::Null, Token::Null) | (Defined::Bool, Token::Bool(_)) => true,
-        (Defined::Integer(low, high), Token::Int(value)) => (low..=high).contains(&value),
-        (Defined::Integers(all), Token::Int(value)) => all.iter().any(|one| i128::from(*one) == *value),
+fn accepts(schema: &ValueSchema, token: &Token<'_>) -> bool {
+    match (schema, token) {
+        (ValueSchema::Any, _) | (ValueSchema::Null, Token::Null) | (ValueSchema::Bool, Token::Bool(_)) => {
+            true
+        }
+        (ValueSchema::Integer(low, high), Token::Int(value)) => (low..=high).contains(&value),
+        (ValueSchema::Integers(all), Token::Int(value)) => all.iter().any(|one| i128::from(*one) == *value),
         #[allow(clippy::cast_precision_loss)] // as bounds are
-        (Defined::Number(low, high), Token::Int(value)) => {
+        (ValueSchema::Number(low, high), Token::Int(value)) => {
             let value = *value as f64;
             low.is_none_or(|low| value >= low) && high.is_none_or(|high| value <= high)
         }
-        (Defined::Text(text), Token::Text(value)) => fits(text, value),
-        (Defined::Constants(all), Token::Text(value)) => all.iter().any(|constant| constant == value),
-        (Defined::Either(all), _) => all.iter().any(|shape| holds(shape, token)),
+        (ValueSchema::Text(text), Token::Text(value)) => fits(text, value),
+        (ValueSchema::Constants(all), Token::Text(value)) => all.iter().any(|constant| constant == value),
+        (ValueSchema::Either(all), _) => all.iter().any(|schema| accepts(schema, token)),
         _ => false,
     }
 }

@@ -49,15 +49,15 @@ pub struct SchemaError {
     /// The file or folder.
     path: PathBuf,
     /// Where in it: a line and column, or a JSON pointer; may be empty.
-    place: String,
+    location: String,
     /// What is the matter, and what to do.
-    what: String,
+    problem: String,
 }
 
 impl fmt::Display for SchemaError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let place = if self.place.is_empty() { String::new() } else { format!(":{}", self.place) };
-        write!(formatter, "{}{place}: {}", self.path.display(), self.what)
+        let location = if self.location.is_empty() { String::new() } else { format!(":{}", self.location) };
+        write!(formatter, "{}{location}: {}", self.path.display(), self.problem)
     }
 }
 
@@ -83,8 +83,8 @@ impl Schemas {
                 for type_name in types {
                     let validator = build().map_err(|error| SchemaError {
                         path: path.clone(),
-                        place: error.instance_path().to_string(),
-                        what: format!("no schema: {error}"),
+                        location: error.instance_path().to_string(),
+                        problem: format!("no schema: {error}"),
                     })?;
                     let direction = direction_of(path);
                     let schema = Schema { file: path.clone(), direction, value: value.clone(), validator };
@@ -92,12 +92,12 @@ impl Schemas {
                 }
             }
             if !is_any {
-                let what = "no file `*.json` in it is the schema of a message: its `properties.type` needs a `const` or an \
+                let problem = "no file `*.json` in it is the schema of a message: its `properties.type` needs a `const` or an \
                             `enum`, or its name the type, such as `SYS-VER.json`";
                 return Err(SchemaError {
                     path: folder.clone(),
-                    place: String::new(),
-                    what: what.to_owned(),
+                    location: String::new(),
+                    problem: problem.to_owned(),
                 });
             }
         }
@@ -108,12 +108,12 @@ impl Schemas {
         let known = self.by_type.entry(type_name.to_owned()).or_default();
         if let Some(other) = known.iter().find(|other| other.direction == schema.direction) {
             let direction = schema.direction.map_or(String::new(), |direction| format!(" of a {direction}"));
-            let what = format!(
+            let problem = format!(
                 "{} says already what the body{direction} of {type_name} has to be: leave one of them out, or name them by \
                  their direction",
                 other.file.display()
             );
-            return Err(SchemaError { path: schema.file, place: String::new(), what });
+            return Err(SchemaError { path: schema.file, location: String::new(), problem });
         }
         known.push(schema);
         Ok(())
@@ -172,8 +172,11 @@ struct Files {
 impl Files {
     fn read(folder: &Path, number: usize) -> Result<Self, SchemaError> {
         let mut files = Self { by_address: BTreeMap::new(), by_id: HashMap::new() };
-        let at =
-            |path: &Path, what: String| SchemaError { path: path.to_owned(), place: String::new(), what };
+        let at = |path: &Path, problem: String| SchemaError {
+            path: path.to_owned(),
+            location: String::new(),
+            problem,
+        };
         for entry in WalkDir::new(folder).sort_by_file_name() {
             let entry = entry.map_err(|error| {
                 let path = error.path().unwrap_or(folder).to_owned();
@@ -194,8 +197,8 @@ impl Files {
             }
             let value: Value = serde_json::from_str(&text).map_err(|error| SchemaError {
                 path: path.to_owned(),
-                place: format!("{}:{}", error.line(), error.column()),
-                what: format!("no JSON: {error}"),
+                location: format!("{}:{}", error.line(), error.column()),
+                problem: format!("no JSON: {error}"),
             })?;
             let below = path.strip_prefix(folder).unwrap_or(path);
             let address = format!("{BASE}{number}/{}", address(below));

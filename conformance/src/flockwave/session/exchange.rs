@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use uavspec_codegen::schema::json_type::Direction;
 
-use super::{Asked, Named};
+use super::{Named, SentRequest};
 use crate::flockwave::body_schema::{BodySchemas, Deviation};
 use crate::flockwave::record::{self, SessionRecord};
 use crate::json::Tree;
@@ -90,7 +90,7 @@ pub(crate) struct Exchange<'t> {
     /// What its `refs` name.
     pub reference: Reference,
     /// The request that it answers, where that is certain; or the one that got no answer.
-    pub asked: Option<Asked>,
+    pub request: Option<SentRequest>,
     /// Whether its id is that of another message which it must not be.
     pub is_id_in_use: bool,
     /// Receipts that it gives.
@@ -132,7 +132,7 @@ impl<'t> Exchange<'t> {
             body,
             type_name,
             reference: Reference::Unclear,
-            asked: None,
+            request: None,
             is_id_in_use: false,
             opened: Vec::new(),
             operations: Vec::new(),
@@ -143,13 +143,13 @@ impl<'t> Exchange<'t> {
     }
 
     /// That a request has got no answer.
-    pub(crate) fn unanswered(record: &'t SessionRecord<'t>, serial: u64, asked: Asked) -> Self {
+    pub(crate) fn unanswered(record: &'t SessionRecord<'t>, serial: u64, request: SentRequest) -> Self {
         let exchange = Self::new(record, None);
-        Self { role: Role::Unanswered, serial, asked: Some(asked), ..exchange }
+        Self { role: Role::Unanswered, serial, request: Some(request), ..exchange }
     }
 
     /// Whether it is a message of the server, readable or not.
-    pub(crate) fn is_of_server(&self) -> bool {
+    pub(crate) fn is_from_server(&self) -> bool {
         self.record.direction == record::Direction::In && self.role != Role::Unanswered
     }
 
@@ -161,12 +161,12 @@ impl<'t> Exchange<'t> {
     /// The message, where it is one of the server.
     pub(crate) fn message(&self) -> Option<&'t Tree<'t>> {
         let is_object = |value: &&Tree<'_>| matches!(value, Tree::Object(_));
-        self.record.value.filter(is_object).filter(|_| self.is_of_server())
+        self.record.value.filter(is_object).filter(|_| self.is_from_server())
     }
 
     /// The body of a message of the server that is of this type.
     pub(crate) fn body_of(&self, type_name: &str) -> Option<&'t Tree<'t>> {
-        self.body.filter(|_| self.is_of_server() && self.type_name == Some(type_name))
+        self.body.filter(|_| self.is_from_server() && self.type_name == Some(type_name))
     }
 
     /// The body of a response of the server that is of this type.
@@ -188,8 +188,8 @@ impl<'t> Exchange<'t> {
     /// How a rule is tried with the request that it answers, or that has got no answer, or with the connection that it
     /// tells of.
     pub(crate) fn tried(&self, rule: &Rule) -> Option<&str> {
-        let (of, how) = match &self.asked {
-            Some(asked) => asked.trial.as_ref().map(|(rule, how)| (*rule, how.as_str()))?,
+        let (of, how) = match &self.request {
+            Some(request) => request.trial.as_ref().map(|(rule, how)| (*rule, how.as_str()))?,
             None => self.record.trial.filter(|_| self.role == Role::Event).map(|of| (of.rule, of.how))?,
         };
         (of.id == rule.id).then_some(how)
@@ -207,7 +207,7 @@ impl<'t> Exchange<'t> {
 
     /// What of a body that the server sends has another shape than its type has for its direction.
     pub(super) fn deviations_from(&self, schemas: BodySchemas<'_>) -> Option<Vec<Deviation>> {
-        let body = self.body.filter(|_| self.is_of_server())?;
+        let body = self.body.filter(|_| self.is_from_server())?;
         schemas.deviations(self.type_name?, self.direction()?, body)
     }
 
@@ -217,19 +217,19 @@ impl<'t> Exchange<'t> {
     }
 
     /// The request that it answers, where it is of this type as well.
-    pub(crate) fn asked_same(&self) -> Option<&Asked> {
-        self.asked
+    pub(crate) fn same_type_request(&self) -> Option<&SentRequest> {
+        self.request
             .as_ref()
-            .filter(|asked| self.type_name.is_some() && asked.type_name.as_deref() == self.type_name)
+            .filter(|request| self.type_name.is_some() && request.type_name.as_deref() == self.type_name)
     }
 
     /// By how much the server's clock is ahead, going by this answer to a request for the time: bounds, in seconds.
     pub(crate) fn clock_reading(&self) -> Option<(f64, f64)> {
-        let said = self.response("SYS-TIME")?.get("timestamp")?;
+        let server_time = self.response("SYS-TIME")?.get("timestamp")?;
         // What has a fraction counts seconds, or whatever else.
-        let said = seconds(said).filter(|_| matches!(said, Tree::Int(_)))?;
-        let asked = self.asked_same()?;
-        Some((said - self.time?, said - asked.time?))
+        let server_time = seconds(server_time).filter(|_| matches!(server_time, Tree::Int(_)))?;
+        let request = self.same_type_request()?;
+        Some((server_time - self.time?, server_time - request.time?))
     }
 
     /// What findings on it are about: its type.

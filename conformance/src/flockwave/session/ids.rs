@@ -115,10 +115,10 @@ impl<V> Ids<V> {
     /// The place of an entry.
     fn find(&self, hash: u64, serial: u64, id: &str) -> Option<usize> {
         let is_it = |number: &u64| {
-            let entry = place(self.first, *number).and_then(|at| self.entries.get(at)?.as_ref());
+            let entry = position(self.first, *number).and_then(|at| self.entries.get(at)?.as_ref());
             entry.is_some_and(|entry| entry.serial == serial && *entry.id == *id)
         };
-        self.table.find(hash, is_it).and_then(|number| place(self.first, *number))
+        self.table.find(hash, is_it).and_then(|number| position(self.first, *number))
     }
 
     /// Takes the number of an entry out of the table.
@@ -140,13 +140,13 @@ impl<V> Ids<V> {
 }
 
 /// The place of an entry with a number, where the first has another.
-fn place(first: u64, number: u64) -> Option<usize> {
+fn position(first: u64, number: u64) -> Option<usize> {
     usize::try_from(number.checked_sub(first)?).ok()
 }
 
 /// The hash of the key of an entry. Each that is listed is there.
 fn hash_of<V>(entries: &VecDeque<Option<Entry<V>>>, first: u64, number: u64) -> u64 {
-    let entry = place(first, number).and_then(|at| entries.get(at)?.as_ref());
+    let entry = position(first, number).and_then(|at| entries.get(at)?.as_ref());
     entry.map_or(0, |entry| entry.hash)
 }
 

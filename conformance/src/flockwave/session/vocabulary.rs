@@ -4,9 +4,9 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Parts {
     /// The field of the request that names them.
-    pub asked: &'static str,
+    pub request_field: &'static str,
     /// The fields of the reply, in exactly one of which each of them stands: maps, or lists.
-    pub told: &'static [&'static str],
+    pub reply_fields: &'static [&'static str],
 }
 
 /// The types of which a reply tells of each object at once, with an error, or with a receipt.
@@ -35,13 +35,14 @@ pub(crate) const OPERATIONS: [&str; 21] = [
 ];
 
 /// What takes long is told in a third part.
-pub(crate) const OPERATION: Parts = Parts { asked: "ids", told: &["result", "error", "receipt"] };
+pub(crate) const OPERATION: Parts =
+    Parts { request_field: "ids", reply_fields: &["result", "error", "receipt"] };
 
-const STATUS: Parts = Parts { asked: "ids", told: &["status", "error"] };
+const STATUS: Parts = Parts { request_field: "ids", reply_fields: &["status", "error"] };
 
-const RECEIPTS: Parts = Parts { asked: "ids", told: &["success", "error"] };
+const RECEIPTS: Parts = Parts { request_field: "ids", reply_fields: &["success", "error"] };
 
-const SUBSCRIPTIONS: Parts = Parts { asked: "paths", told: &["success", "error"] };
+const SUBSCRIPTIONS: Parts = Parts { request_field: "paths", reply_fields: &["success", "error"] };
 
 /// The types of which a reply tells piece by piece, but those of operations. That each object stands in exactly one
 /// part is a matter of words; the definitions have no table that says it.
@@ -51,12 +52,12 @@ pub(crate) const PARTS: [(&str, Parts); 14] = [
     ("BCN-INF", STATUS),
     ("CLK-INF", STATUS),
     ("CONN-INF", STATUS),
-    ("DEV-INF", Parts { asked: "paths", told: &["values", "error"] }),
-    ("DEV-LIST", Parts { asked: "ids", told: &["devices", "error"] }),
+    ("DEV-INF", Parts { request_field: "paths", reply_fields: &["values", "error"] }),
+    ("DEV-LIST", Parts { request_field: "ids", reply_fields: &["devices", "error"] }),
     ("DEV-SUB", SUBSCRIPTIONS),
     ("DEV-UNSUB", SUBSCRIPTIONS),
     ("EXT-INF", STATUS),
-    ("RTK-INF", Parts { asked: "ids", told: &["preset", "error"] }),
+    ("RTK-INF", Parts { request_field: "ids", reply_fields: &["preset", "error"] }),
     ("UAV-INF", STATUS),
     ("UAV-PREFLT", STATUS),
     ("WTH-INF", STATUS),

@@ -13,7 +13,7 @@ use super::endpoint::{Carrier, Endpoint};
 
 /// What a client heard.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Heard {
+pub enum Received {
     /// A message, as it came.
     Message(Vec<u8>),
     /// A message over [`MESSAGE_LIMIT`](super::MESSAGE_LIMIT), of which nothing was kept.
@@ -30,7 +30,7 @@ pub trait Client: Send {
     fn send(&mut self, message: &[u8]) -> io::Result<()>;
 
     /// Waits for the next message.
-    fn hear(&mut self, until: Instant) -> io::Result<Heard>;
+    fn receive(&mut self, until: Instant) -> io::Result<Received>;
 
     /// Sends bytes as they are, with nothing that marks where a message ends: for messages in pieces, and several at
     /// once. Over Socket.IO they are a packet. Transports that have no such thing say so by an error.

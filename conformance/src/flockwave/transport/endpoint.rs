@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_endpoint_says_why() {
+    fn reports_why_an_endpoint_is_invalid() {
         for (text, wrong) in [
             ("localhost:5001", "tcp://localhost:5001"),
             ("ftp://localhost:5001", "socketio"),
@@ -158,8 +158,8 @@ mod tests {
             ("http:///fleet", "no port"),
             ("socketio://localhost:5000?protocol=3", "protocol=3"),
         ] {
-            let said = text.parse::<Endpoint>().expect_err(text);
-            assert!(said.contains(wrong), "{said}");
+            let text = text.parse::<Endpoint>().expect_err(text);
+            assert!(text.contains(wrong), "{text}");
         }
     }
 }

@@ -17,7 +17,7 @@ pub enum Revision {
 
 impl Revision {
     /// The revision with a number of Engine.IO's.
-    pub(crate) fn of(number: &str) -> Option<Self> {
+    pub(crate) fn from_number(number: &str) -> Option<Self> {
         match number {
             "3" => Some(Self::Three),
             "4" => Some(Self::Four),
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_payload_says_why() {
+    fn reports_why_a_payload_is_invalid() {
         for payload in
             [&b"x"[..], b"9:4", b"1", b":4", b"99999999999999999999999:4", b"\x00\x09\xff4", b"\x01\x01\xffx"]
         {

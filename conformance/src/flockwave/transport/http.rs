@@ -19,7 +19,7 @@ const IDLE_LIMIT: Duration = Duration::from_secs(60);
 const REQUEST_LIMIT: Duration = Duration::from_secs(30);
 
 /// How often a connection that waits looks whether it is still wanted.
-const LOOK: Duration = Duration::from_millis(100);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// A request.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -88,7 +88,7 @@ impl Response {
 
 /// What came over a connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Came {
+pub(crate) enum Incoming {
     /// A request.
     Request(Request),
     /// Something that can't be served: the answer to it. The connection is to end then, since nobody knows where the
@@ -114,24 +114,27 @@ impl Connection {
     }
 
     /// Waits for the next request while `is_wanted`.
-    pub(crate) fn next(&mut self, is_wanted: &dyn Fn() -> bool) -> io::Result<Came> {
+    pub(crate) fn next(&mut self, is_wanted: &dyn Fn() -> bool) -> io::Result<Incoming> {
         let mut until = Instant::now() + IDLE_LIMIT;
         if self.buffer.is_empty() && !self.read_more(until, is_wanted)? {
-            return Ok(Came::Nothing);
+            return Ok(Incoming::Nothing);
         }
         until = Instant::now() + REQUEST_LIMIT;
         let (mut request, head, length) = loop {
             match parse_head(&self.buffer) {
                 Head::Whole(request, head, length) => break (request, head, length),
-                Head::Refused(response) => return Ok(Came::Refused(response)),
+                Head::Refused(response) => return Ok(Incoming::Refused(response)),
                 Head::Partial => {}
             }
             if self.buffer.len() > HEAD_LIMIT {
                 let reason = format!("the head of the request is longer than {HEAD_LIMIT} bytes");
-                return Ok(Came::Refused(Response::refusal("431 Request Header Fields Too Large", reason)));
+                return Ok(Incoming::Refused(Response::refusal(
+                    "431 Request Header Fields Too Large",
+                    reason,
+                )));
             }
             if !self.read_more(until, is_wanted)? {
-                return Ok(Came::Nothing);
+                return Ok(Incoming::Nothing);
             }
         };
         if request.has_word("expect", "100-continue") && self.buffer.len() < head + length {
@@ -139,12 +142,12 @@ impl Connection {
         }
         while self.buffer.len() < head + length {
             if !self.read_more(until, is_wanted)? {
-                return Ok(Came::Nothing);
+                return Ok(Incoming::Nothing);
             }
         }
         let rest = self.buffer.split_off(head + length);
         request.body = std::mem::replace(&mut self.buffer, rest).split_off(head);
-        Ok(Came::Request(request))
+        Ok(Incoming::Request(request))
     }
 
     /// Sends the answer to a request; whether the connection goes on.
@@ -176,7 +179,7 @@ impl Connection {
     fn read_more(&mut self, until: Instant, is_wanted: &dyn Fn() -> bool) -> io::Result<bool> {
         let mut piece = [0; 16 << 10];
         loop {
-            let left = until.saturating_duration_since(Instant::now()).min(LOOK);
+            let left = until.saturating_duration_since(Instant::now()).min(POLL_INTERVAL);
             if left.is_zero() || !is_wanted() {
                 return Ok(false);
             }
@@ -263,7 +266,7 @@ mod tests {
     use super::*;
 
     /// What a server reads from a client that sends these pieces and then says no more.
-    fn came(pieces: &'static [&'static [u8]]) -> Vec<Came> {
+    fn came(pieces: &'static [&'static [u8]]) -> Vec<Incoming> {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let address = listener.local_addr().expect("an address");
         let client = thread::spawn(move || {
@@ -279,7 +282,7 @@ mod tests {
         let mut all = Vec::new();
         loop {
             let came = connection.next(&|| true).expect("it is read");
-            let is_end = !matches!(came, Came::Request(_));
+            let is_end = !matches!(came, Incoming::Request(_));
             all.push(came);
             if is_end {
                 break;
@@ -291,13 +294,13 @@ mod tests {
     }
 
     #[test]
-    fn requests_come_one_after_another_however_they_are_cut() {
+    fn reads_consecutive_requests_split_anywhere() {
         let all = came(&[
             b"POST /api/v1?a=b&eio=4 HTTP/1.1\r\nHost: glider\r\nContent-Le",
             b"ngth: 4\r\n\r\nwi",
             b"ndGET / HTTP/1.1\r\nConnection: Upgrade, close\r\n\r\n",
         ]);
-        let [Came::Request(first), Came::Request(second), Came::Nothing] = &all[..] else {
+        let [Incoming::Request(first), Incoming::Request(second), Incoming::Nothing] = &all[..] else {
             panic!("{all:?}")
         };
         assert_eq!(
@@ -321,9 +324,9 @@ mod tests {
         ];
         for (bytes, status) in CASES {
             let all = came(bytes);
-            let Some(Came::Refused(response)) = all.last() else { panic!("{all:?}") };
+            let Some(Incoming::Refused(response)) = all.last() else { panic!("{all:?}") };
             assert!(response.status.starts_with(status), "{response:?}");
         }
-        assert_eq!(came(&[b"POST / HTTP/1.1\r\nContent-Length: 4\r\n\r\nwi"]), [Came::Nothing]);
+        assert_eq!(came(&[b"POST / HTTP/1.1\r\nContent-Length: 4\r\n\r\nwi"]), [Incoming::Nothing]);
     }
 }

@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_without_end_is_not_kept() {
+    fn drops_a_line_without_end() {
         let mut lines = Lines::default();
         let piece = vec![b'x'; 1 << 20];
         let mut found = Vec::new();
@@ -129,7 +129,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_is_all_the_same_where_a_stream_is_cut(
+        fn reads_a_stream_split_anywhere(
             pieces in prop::collection::vec(prop::collection::vec(prop_oneof![Just(b'\n'), any::<u8>()], 0..20), 0..20)
         ) {
             let whole = pieces.concat();

@@ -69,7 +69,7 @@ proptest! {
         prop_assert_eq!(skips(text), serde_json::from_str::<IgnoredAny>(text).is_ok(), "{}", text);
         if let Err(error) = tree {
             let is_at_end = error.at == text.len();
-            prop_assert_eq!(error.what == CUT_OFF, is_at_end, "{}: {}", text, error);
+            prop_assert_eq!(error.problem == TRUNCATED, is_at_end, "{}: {}", text, error);
             prop_assert!(text.is_char_boundary(error.at), "{}: {}", text, error);
         }
     }
@@ -114,7 +114,7 @@ fn limits_the_depth_of_what_it_reads_but_not_of_what_it_skips() {
         for [open, close] in [["[", "]"], ["{\"a\":[", "]}"]] {
             let levels = depth / open.bytes().filter(|byte| matches!(byte, b'{' | b'[')).count();
             let text = open.repeat(levels) + &close.repeat(levels);
-            let is_too_deep = Tree::read(&text).is_err_and(|error| error.what == "values nest too deep");
+            let is_too_deep = Tree::read(&text).is_err_and(|error| error.problem == "values nest too deep");
             assert_eq!(is_too_deep, !is_readable, "{depth}");
             assert!(skips(&text), "{depth}");
         }

@@ -111,11 +111,11 @@ impl<'p> Reading<'p, '_> {
                     && let Some(bytes) = field.as_base64(text, self.is_rosbridge, is_element)
                 {
                     self.clean.dialects.insert(Dialect::Base64);
-                    return if field.judge_bytes(&bytes) { Ok(()) } else { Err(Unclear) };
+                    return if field.check_bytes(&bytes) { Ok(()) } else { Err(Unclear) };
                 }
-                let leaf = Leaf::of(&token).filter(|_| !is_array).ok_or(Unclear)?;
+                let leaf = Leaf::from_token(&token).filter(|_| !is_array).ok_or(Unclear)?;
                 field.keep(self.values, at, leaf);
-                field.judge(leaf).map_err(|_| Unclear)
+                field.check(leaf).map_err(|_| Unclear)
             }
         }
     }
@@ -129,7 +129,7 @@ impl<'p> Reading<'p, '_> {
             at += field.stride;
             Ok::<(), Unclear>(())
         })?;
-        field.judge_length(count).map_err(|_| Unclear)
+        field.check_length(count).map_err(|_| Unclear)
     }
 
     /// Text that is written as the numbers of its bytes.
@@ -143,7 +143,7 @@ impl<'p> Reading<'p, '_> {
             _ => Err(Unclear),
         })?;
         self.clean.dialects.insert(Dialect::NumbersForText);
-        field.judge_text(&bytes).map_err(|_| Unclear)
+        field.check_text(&bytes).map_err(|_| Unclear)
     }
 }
 
@@ -158,7 +158,7 @@ fn next_field(fields: &[FieldPlan], guess: usize, tokens: &mut Tokens<'_>) -> Re
 
 impl<'t> Leaf<'t> {
     /// The value that a token is; none for numbers that are too large, and for tokens that are not JSON.
-    pub(super) fn of(token: &'t Token<'_>) -> Option<Self> {
+    pub(super) fn from_token(token: &'t Token<'_>) -> Option<Self> {
         Some(match token {
             Token::Null => Self::Null,
             Token::Bool(value) => Self::Bool(*value),
@@ -185,18 +185,18 @@ impl FieldPlan {
     pub(super) fn as_base64(&self, text: &str, is_rosbridge: bool, is_element: bool) -> Option<Vec<u8>> {
         let is_bytes = match self.element {
             Element::Text(room) => text.len() > room as usize,
-            _ => self.holds_bytes() && !is_element,
+            _ => self.is_byte_array() && !is_element,
         };
         if is_rosbridge && is_bytes { base64::decode(text) } else { None }
     }
 
     /// Whether nothing is wrong with an array that was written as base64.
-    fn judge_bytes(&self, bytes: &[u8]) -> bool {
+    fn check_bytes(&self, bytes: &[u8]) -> bool {
         match self.element {
-            Element::Text(_) => self.judge_text(bytes).is_ok(),
+            Element::Text(_) => self.check_text(bytes).is_ok(),
             _ => {
-                self.judge_length(bytes.len()).is_ok()
-                    && bytes.iter().all(|byte| self.judge(Leaf::Int((*byte).into())).is_ok())
+                self.check_length(bytes.len()).is_ok()
+                    && bytes.iter().all(|byte| self.check(Leaf::Int((*byte).into())).is_ok())
             }
         }
     }

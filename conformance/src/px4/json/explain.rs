@@ -10,7 +10,7 @@ use super::dialect::{Dialect, Dialects};
 use super::value::Leaf;
 use crate::json::pointer;
 use crate::json::{Tree, shortened};
-use crate::model::{Detail, Findings, Place, Rule};
+use crate::model::{Detail, Findings, Location, Rule};
 use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans, Violation};
 
 /// How many unknown fields of one object are told one by one.
@@ -18,13 +18,13 @@ const MAX_UNKNOWN: usize = 16;
 
 /// A message that is told of.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Told<'m> {
+pub(crate) struct MessageOrigin<'m> {
     /// Its type.
     pub id: MessageId,
     /// What findings call it: its topic, or the name of its type.
     pub name: &'m str,
     /// Where it stands.
-    pub place: Place,
+    pub location: Location,
     /// The key under which it stands in its record, where that has more than the message.
     pub key: Option<&'m str>,
     /// Whether what rosbridge writes is allowed.
@@ -33,31 +33,36 @@ pub(crate) struct Told<'m> {
 
 impl Plans {
     /// Reports everything that is wrong with a message; the ways of writing that it has are those returned.
-    pub(crate) fn explain(&self, told: Told<'_>, tree: &Tree<'_>, findings: &mut Findings) -> Dialects {
-        self.explain_what_counts(told, tree, findings).0
+    pub(crate) fn explain(
+        &self,
+        origin: MessageOrigin<'_>,
+        tree: &Tree<'_>,
+        findings: &mut Findings,
+    ) -> Dialects {
+        self.explain_what_counts(origin, tree, findings).0
     }
 
     /// The same, and whether something else would be wrong, if entries of arrays that aren't in use counted. Who reads a
     /// message in one go doesn't know which those are: their number may follow them.
     pub(super) fn explain_what_counts(
         &self,
-        told: Told<'_>,
+        origin: MessageOrigin<'_>,
         tree: &Tree<'_>,
         findings: &mut Findings,
     ) -> (Dialects, bool) {
         let mut explaining = Explaining {
             plans: self,
-            told,
+            origin,
             findings,
             dialects: Dialects::default(),
             path: String::new(),
-            pointer: told.key.map(|key| pointer(&[key])).unwrap_or_default(),
+            pointer: origin.key.map(|key| pointer(&[key])).unwrap_or_default(),
             elements: 0,
             is_unused: false,
             has_passed_over: false,
-            subject: told.name.to_owned(),
+            subject: origin.name.to_owned(),
         };
-        let plan = self.get(told.id);
+        let plan = self.get(origin.id);
         match tree {
             Tree::Object(members) => explaining.members(tree, members, plan),
             other => {
@@ -81,7 +86,7 @@ impl Plans {
 
 struct Explaining<'p, 'm> {
     plans: &'p Plans,
-    told: Told<'m>,
+    origin: MessageOrigin<'m>,
     findings: &'m mut Findings,
     dialects: Dialects,
     /// Where in the message, as `events[2].id`.
@@ -103,7 +108,7 @@ impl<'p> Explaining<'p, '_> {
         // Without an index the subject says it all.
         let detail = if self.elements > 0 { detail.at(self.path.as_str()) } else { detail };
         let detail = detail.located(self.pointer.as_str());
-        self.findings.report(rule, &self.subject, self.told.place, Some(definition), || detail);
+        self.findings.report(rule, &self.subject, self.origin.location, Some(definition), || detail);
     }
 
     fn violation(
@@ -124,7 +129,7 @@ impl<'p> Explaining<'p, '_> {
 
     /// Does something within a member, which findings call so.
     fn within(&mut self, key: &str, name: &str, what: impl FnOnce(&mut Self)) {
-        let (path, subject, place) = (self.path.len(), self.subject.len(), self.pointer.len());
+        let (path, subject, location) = (self.path.len(), self.subject.len(), self.pointer.len());
         if path > 0 {
             self.path.push('.');
         }
@@ -135,7 +140,7 @@ impl<'p> Explaining<'p, '_> {
         what(self);
         self.path.truncate(path);
         self.subject.truncate(subject);
-        self.pointer.truncate(place);
+        self.pointer.truncate(location);
     }
 
     /// The members of an object.
@@ -185,7 +190,7 @@ impl<'p> Explaining<'p, '_> {
         if field.shape == Shape::Single {
             return self.element(tree, field, false);
         }
-        let is_rosbridge = self.told.is_rosbridge;
+        let is_rosbridge = self.origin.is_rosbridge;
         match tree {
             Tree::List(values) => {
                 self.length(values.len(), tree, field);
@@ -205,14 +210,14 @@ impl<'p> Explaining<'p, '_> {
     }
 
     fn length(&mut self, found: usize, tree: &Tree<'_>, field: &'p FieldPlan) {
-        if let Err(violation) = field.judge_length(found) {
+        if let Err(violation) = field.check_length(found) {
             self.violation(&violation, tree, field, false);
         }
     }
 
     fn elements(&mut self, values: &[Tree<'_>], field: &'p FieldPlan, used: Option<usize>) {
         let is_unused = self.is_unused;
-        let (length, place) = (self.path.len(), self.pointer.len());
+        let (length, location) = (self.path.len(), self.pointer.len());
         self.elements += 1;
         for (index, value) in values.iter().enumerate() {
             // Writing to a string can't fail.
@@ -221,7 +226,7 @@ impl<'p> Explaining<'p, '_> {
             self.is_unused = is_unused || used.is_some_and(|used| index >= used);
             self.element(value, field, true);
             self.path.truncate(length);
-            self.pointer.truncate(place);
+            self.pointer.truncate(location);
         }
         self.elements -= 1;
         self.is_unused = is_unused;
@@ -260,7 +265,7 @@ impl<'p> Explaining<'p, '_> {
                     detail.excerpt(field.excerpt(tree)),
                 );
             }
-            Tree::Text(text) => match field.as_base64(text, self.told.is_rosbridge, is_element) {
+            Tree::Text(text) => match field.as_base64(text, self.origin.is_rosbridge, is_element) {
                 Some(bytes) => {
                     self.dialects.insert(Dialect::Base64);
                     return self.bytes(&bytes, tree, field);
@@ -276,7 +281,7 @@ impl<'p> Explaining<'p, '_> {
                 _ => return self.mistyped(tree, field, is_element),
             },
         };
-        if let Err(violation) = field.judge(leaf) {
+        if let Err(violation) = field.check(leaf) {
             self.violation(&violation, tree, field, is_element);
         }
     }
@@ -287,7 +292,7 @@ impl<'p> Explaining<'p, '_> {
             Tree::Int(value) => u8::try_from(*value).ok(),
             _ => None,
         };
-        if !matches!(field.element, Element::Text(_)) || !self.told.is_rosbridge {
+        if !matches!(field.element, Element::Text(_)) || !self.origin.is_rosbridge {
             return self.mistyped(tree, field, is_element);
         }
         self.dialects.insert(Dialect::NumbersForText);
@@ -302,7 +307,7 @@ impl<'p> Explaining<'p, '_> {
 
     /// Bytes that stand for text.
     fn bytes(&mut self, bytes: &[u8], tree: &Tree<'_>, field: &'p FieldPlan) {
-        if let Err(violation) = field.judge_text(bytes) {
+        if let Err(violation) = field.check_text(bytes) {
             self.violation(&violation, tree, field, false);
         }
     }

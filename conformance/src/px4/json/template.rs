@@ -17,7 +17,7 @@ use crate::px4::values::{Element, FieldPlan, Plans};
 const MAX_STEPS: usize = 8_192;
 
 /// Keys around a message that say what it is. What other keys hold says nothing of it.
-const TELLING: [&str; 5] = ["op", "topic", "type", "msg", "message"];
+const TYPE_KEYS: [&str; 5] = ["op", "topic", "type", "msg", "message"];
 
 /// A clean message of a channel, with all around it.
 #[derive(Debug)]
@@ -38,7 +38,7 @@ struct Step {
     start: usize,
     end: usize,
     /// None where it stands around the message, and may be any.
-    place: Option<Place>,
+    slot: Option<Slot>,
 }
 
 /// A value that differs from the one before.
@@ -54,7 +54,7 @@ struct Change {
 impl Template {
     /// The template of a text in which a clean message stands: as the whole of it, or as the value of this key. None
     /// where it is written in a way that templates don't know. Its values take so many bytes in memory.
-    pub(crate) fn of(
+    pub(crate) fn new(
         plans: &Plans,
         id: MessageId,
         text: &str,
@@ -81,7 +81,7 @@ impl Template {
     /// with.
     pub(crate) fn read(&mut self, plans: &Plans, text: &str) -> Option<Clean> {
         self.compare(plans, text)?;
-        self.become_next(plans, text);
+        self.advance(plans, text);
         Some(Clean { timestamp: self.timestamp, dialects: Dialects::default() })
     }
 
@@ -109,12 +109,12 @@ impl Template {
             let start = new - old.checked_sub(step.start)?;
             let mut tokens = Tokens::new(text.get(start..)?);
             let token = tokens.token().ok()?;
-            let leaf = Leaf::of(&token)?;
-            let bytes = match step.place {
+            let leaf = Leaf::from_token(&token)?;
+            let bytes = match step.slot {
                 None => [0; 8],
-                Some(place) => {
-                    let field = place.field(plans);
-                    field.judge(leaf).ok()?;
+                Some(slot) => {
+                    let field = slot.field(plans);
+                    field.check(leaf).ok()?;
                     field.bytes(leaf)
                 }
             };
@@ -125,7 +125,7 @@ impl Template {
     }
 
     /// Takes over a text with what differs in it.
-    fn become_next(&mut self, plans: &Plans, text: &str) {
+    fn advance(&mut self, plans: &Plans, text: &str) {
         let Some(first) = self.changes.first() else { return };
         // What is behind values of another length stands elsewhere.
         if self.text.len() != text.len()
@@ -146,11 +146,11 @@ impl Template {
         self.text.clear();
         self.text.push_str(text);
         for change in &self.changes {
-            let Some(place) = self.steps[change.step].place else { continue };
-            if place.is_timestamp {
+            let Some(slot) = self.steps[change.step].slot else { continue };
+            if slot.is_timestamp {
                 self.timestamp = Some(u64::from_le_bytes(change.bytes));
             }
-            place.field(plans).put(&mut self.values, place.at, change.bytes);
+            slot.field(plans).put(&mut self.values, slot.at, change.bytes);
         }
     }
 }
@@ -161,7 +161,7 @@ impl Step {
     }
 }
 
-impl Place {
+impl Slot {
     fn field(self, plans: &Plans) -> &FieldPlan {
         &plans.get(self.id).fields[self.index]
     }
@@ -179,9 +179,9 @@ impl FieldPlan {
     /// Puts a number or a bool at its place in memory, if that is wanted.
     fn put(&self, values: &mut [u8], at: usize, bytes: [u8; 8]) {
         if let Element::Scalar(scalar) = self.element
-            && let Some(place) = values.get_mut(at..at + scalar.size())
+            && let Some(slot) = values.get_mut(at..at + scalar.size())
         {
-            place.copy_from_slice(&bytes[..scalar.size()]);
+            slot.copy_from_slice(&bytes[..scalar.size()]);
         }
     }
 
@@ -223,7 +223,7 @@ impl Learner<'_> {
         tokens.members(|tokens, key| {
             if key == message {
                 self.message(tokens, id, 0, true)
-            } else if TELLING.contains(&&*key) {
+            } else if TYPE_KEYS.contains(&&*key) {
                 tokens.text()?;
                 Ok(())
             } else {
@@ -244,41 +244,41 @@ impl Learner<'_> {
         tokens.members(|tokens, key| {
             let index = fields.iter().position(|field| field.name == key).ok_or(Unclear)?;
             let field = &fields[index];
-            let mut place =
-                Place { id, index, at: base + field.offset, is_timestamp: is_top && field.is_timestamp() };
+            let mut slot =
+                Slot { id, index, at: base + field.offset, is_timestamp: is_top && field.is_timestamp() };
             if field.shape == Shape::Single {
-                return self.value(tokens, field, place);
+                return self.value(tokens, field, slot);
             }
             tokens.list(|tokens| {
-                self.value(tokens, field, place)?;
-                place.at += field.stride;
+                self.value(tokens, field, slot)?;
+                slot.at += field.stride;
                 Ok(())
             })
         })
     }
 
-    fn value(&mut self, tokens: &mut Tokens<'_>, field: &FieldPlan, place: Place) -> Result<(), Unclear> {
+    fn value(&mut self, tokens: &mut Tokens<'_>, field: &FieldPlan, slot: Slot) -> Result<(), Unclear> {
         match field.element {
-            Element::Message(nested) => self.message(tokens, nested, place.at, false),
-            _ => self.step(tokens, Some(place)),
+            Element::Message(nested) => self.message(tokens, nested, slot.at, false),
+            _ => self.step(tokens, Some(slot)),
         }
     }
 
-    fn step(&mut self, tokens: &mut Tokens<'_>, place: Option<Place>) -> Result<(), Unclear> {
+    fn step(&mut self, tokens: &mut Tokens<'_>, slot: Option<Slot>) -> Result<(), Unclear> {
         tokens.peek();
         let start = tokens.at();
         let token = tokens.token()?;
-        let leaf = Leaf::of(&token).ok_or(Unclear)?;
+        let leaf = Leaf::from_token(&token).ok_or(Unclear)?;
         let template = &mut self.template;
         if template.steps.len() == MAX_STEPS {
             return Err(Unclear);
         }
-        template.steps.push(Step { start, end: tokens.at(), place });
-        if let Some(place) = place {
-            let field = place.field(self.plans);
+        template.steps.push(Step { start, end: tokens.at(), slot });
+        if let Some(slot) = slot {
+            let field = slot.field(self.plans);
             let bytes = field.bytes(leaf);
-            field.put(&mut template.values, place.at, bytes);
-            if place.is_timestamp {
+            field.put(&mut template.values, slot.at, bytes);
+            if slot.is_timestamp {
                 template.timestamp = Some(u64::from_le_bytes(bytes));
             }
         }
@@ -288,7 +288,7 @@ impl Learner<'_> {
 
 /// Which field a value is of, and where it is in memory.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct Slot {
     id: MessageId,
     index: usize,
     at: usize,

@@ -6,10 +6,10 @@ use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, MessageId};
 use uavspec_codegen::{PackageInput, SourceMap, read};
 
-use super::{Plans, Template, Told};
+use super::{MessageOrigin, Plans, Template};
 use crate::definitions::Definitions;
 use crate::json::Tree;
-use crate::model::{Findings, Place};
+use crate::model::{Findings, Location};
 
 /// What stands for something else.
 const PIECES: [&str; 28] = [
@@ -50,8 +50,9 @@ fn agrees(plans: &Plans, id: MessageId, text: &str) -> Result<bool, TestCaseErro
         let mut findings = Findings::default();
         let is_explained = match Tree::read(text) {
             Ok(tree) => {
-                let told = Told { id, name: "m", place: Place::Line(1), key: None, is_rosbridge };
-                let (_, has_passed_over) = plans.explain_what_counts(told, &tree, &mut findings);
+                let origin =
+                    MessageOrigin { id, name: "m", location: Location::Line(1), key: None, is_rosbridge };
+                let (_, has_passed_over) = plans.explain_what_counts(origin, &tree, &mut findings);
                 // Read in one go, what isn't in use counts like all else.
                 findings.groups().next().is_none() && !has_passed_over
             }
@@ -72,7 +73,7 @@ fn pieces(text: &str) -> Vec<usize> {
 
 /// Both readers on messages of ROS 2, whose sequences and strings have bounds.
 #[test]
-fn bounds_of_sequences_and_strings_are_kept() {
+fn checks_bounds_of_sequences_and_strings() {
     let mut sources = SourceMap::default();
     let text = "string<=3 name\nuint8[<=2] few\nstring[] any\nwstring<=2[<=1] both\nbyte[] raw\n";
     let file = sources.add("Bounded.msg", text.into()).expect("a file");
@@ -80,12 +81,13 @@ fn bounds_of_sequences_and_strings_are_kept() {
         read(&sources, &[PackageInput::new("demo", Form::Msg(Dialect::Ros2), vec![file])]);
     assert!(mistakes.is_empty(), "{mistakes:?}");
     let plans = Plans::new(&schema, &crate::rules::px4::VALUES);
-    let broken = |text: &str| {
+    let violated = |text: &str| {
         let id = MessageId(0);
         agrees(&plans, id, text).expect("both agree");
         let mut findings = Findings::default();
-        let told = Told { id, name: "m", place: Place::Line(1), key: None, is_rosbridge: true };
-        plans.explain(told, &Tree::read(text).expect("JSON"), &mut findings);
+        let origin =
+            MessageOrigin { id, name: "m", location: Location::Line(1), key: None, is_rosbridge: true };
+        plans.explain(origin, &Tree::read(text).expect("JSON"), &mut findings);
         findings
             .groups()
             .map(|group| format!("{} {}", group.subject, group.examples[0].1))
@@ -93,8 +95,8 @@ fn bounds_of_sequences_and_strings_are_kept() {
     };
     let good =
         r#"{"name":"\u00e4\u00f6\u00fc","few":[1,2],"any":["","a"],"both":["\ud83d\ude00x"],"raw":"AAEC"}"#;
-    assert_eq!(broken(good), Vec::<String>::new());
-    for (from, to, said) in [
+    assert_eq!(violated(good), Vec::<String>::new());
+    for (from, to, text) in [
         (r#""\u00e4\u00f6\u00fc""#, r#""abcd""#, "m.name expected at most 3 characters, found 4"),
         ("[1,2]", "[1,2,3]", "m.few expected at most 2 elements, found 3"),
         ("[1,2]", r#""AQID""#, "m.few expected at most 2 elements, found 3"),
@@ -104,7 +106,7 @@ fn bounds_of_sequences_and_strings_are_kept() {
         (r#"["","a"]"#, r#"["",[]]"#, "m.any any[1]: expected a string, found an array of 0"),
     ] {
         assert!(good.contains(from), "{from}");
-        assert_eq!(broken(&good.replace(from, to)), [said], "{to}");
+        assert_eq!(violated(&good.replace(from, to)), [text], "{to}");
     }
 }
 
@@ -122,7 +124,7 @@ fn a_template_reads_values_as_json_does() {
         "{ \"stamp\": 3, \"m\": {\"raw\":[1,\t5], \"number\":5,\"ratio\" : 5,\"small\":5,\"flag\":true,\
                 \"name\":\"abc\",\"timestamp\":5} }"
             .to_owned();
-    let learnt = |text: &str| Template::of(&plans, id, text, Some("m"), size);
+    let learnt = |text: &str| Template::new(&plans, id, text, Some("m"), size);
     let mut template = learnt(&good).expect("a usual way of writing");
     let mut taken = 0;
     let numbers = [
@@ -244,21 +246,21 @@ proptest! {
             let first = text.clone();
             // Templates are made of clean messages alone.
             let template = plans.read_text(id, &first, false, &mut []).is_ok().then(|| {
-                Template::of(plans, id, &first, None, size).expect("a usual way of writing")
+                Template::new(plans, id, &first, None, size).expect("a usual way of writing")
             });
-            for (place, span, piece) in &changes {
+            for (location, span, piece) in &changes {
                 let places = pieces(&text);
                 if places.is_empty() {
                     break;
                 }
-                let from = place.index(places.len());
+                let from = location.index(places.len());
                 let to = (from + span).min(places.len() - 1);
                 text.replace_range(places[from]..places[to], piece);
             }
-            if let Some((place, letter)) = typo {
+            if let Some((location, letter)) = typo {
                 let places: Vec<usize> = text.char_indices().map(|(at, _)| at).collect();
                 if !places.is_empty() {
-                    text.insert(places[place.index(places.len())], letter);
+                    text.insert(places[location.index(places.len())], letter);
                 }
             }
             let is_clean = agrees(plans, id, &text)?;

@@ -41,7 +41,7 @@ impl Leaf<'_> {
 
 impl FieldPlan {
     /// Judges a value that the field, or an element of it, holds.
-    pub(super) fn judge(&self, leaf: Leaf<'_>) -> Result<(), Violation<'_>> {
+    pub(super) fn check(&self, leaf: Leaf<'_>) -> Result<(), Violation<'_>> {
         match (self.element, leaf) {
             (Element::Scalar(Scalar::Bool), Leaf::Bool(_)) => Ok(()),
             (Element::Scalar(scalar @ (Scalar::Float32 | Scalar::Float64)), leaf) => {
@@ -71,7 +71,7 @@ impl FieldPlan {
     }
 
     /// Judges how many elements an array or a sequence has.
-    pub(super) fn judge_length(&self, found: usize) -> Result<(), Violation<'_>> {
+    pub(super) fn check_length(&self, found: usize) -> Result<(), Violation<'_>> {
         let is_right = match self.shape {
             Shape::Single | Shape::Sequence => true,
             Shape::Array(length) => found == length as usize,
@@ -81,7 +81,7 @@ impl FieldPlan {
     }
 
     /// Judges text that is written as the bytes of its array.
-    pub(super) fn judge_text(&self, bytes: &[u8]) -> Result<(), Violation<'_>> {
+    pub(super) fn check_text(&self, bytes: &[u8]) -> Result<(), Violation<'_>> {
         if let Element::Text(room) = self.element
             && bytes.len() != room as usize
         {

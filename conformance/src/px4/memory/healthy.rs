@@ -24,7 +24,7 @@ pub(super) enum Healthy {
 
 impl Healthy {
     /// Worked out with the constraint itself, which has the last word at the ends of ranges; none if it constrains nothing.
-    pub(super) fn of(constraint: Constraint<'_>) -> Option<Self> {
+    pub(super) fn new(constraint: Constraint<'_>) -> Option<Self> {
         let scalar = match constraint.element {
             Element::Scalar(Scalar::Bool) => return Some(Self::Bool),
             Element::Text(_) => return Some(Self::Text),
@@ -41,7 +41,9 @@ impl Healthy {
             return Some(Self::Among(Box::new(std::array::from_fn(is_healthy))));
         }
         let is_healthy = |number: Number| constraint.check_number(number).is_ok();
-        let healthy = if scalar.is_float() {
+        let healthy = if !restriction.constraint().is_interval() {
+            None
+        } else if scalar.is_float() {
             Some(Self::floats(scalar, restriction))
         } else {
             Self::integers(scalar, restriction)
@@ -63,8 +65,8 @@ impl Healthy {
             Some(Number::Int(value)) => value as f64,
             Some(Number::Float(value)) => value,
         };
-        let low = bound(restriction.low, f64::NEG_INFINITY);
-        Self::Floats(scalar, low, bound(restriction.high, f64::INFINITY))
+        let low = bound(restriction.limits.low, f64::NEG_INFINITY);
+        Self::Floats(scalar, low, bound(restriction.limits.high, f64::INFINITY))
     }
 
     fn integers(scalar: Scalar, restriction: &Restriction) -> Option<Self> {
@@ -73,19 +75,19 @@ impl Healthy {
             Some(Number::Int(value)) => i64::try_from(value).ok(),
             Some(Number::Float(_)) => None,
         };
-        let high = match (restriction.high, restriction.count) {
+        let high = match (restriction.limits.high, restriction.limits.count) {
             (None, Some(count)) => Some(Number::Int(count.into())),
             (high, None) => high,
             (Some(_), Some(_)) => return None,
         };
-        let (low, high) = (bound(restriction.low, i64::MIN)?, bound(high, i64::MAX)?);
-        let is_plain = restriction.known.is_none() && scalar != Scalar::UInt64;
+        let (low, high) = (bound(restriction.limits.low, i64::MIN)?, bound(high, i64::MAX)?);
+        let is_plain = scalar != Scalar::UInt64;
         is_plain.then_some(Self::Between(scalar, low, high))
     }
 
     /// True if a value surely violates nothing.
     #[inline]
-    pub(super) fn holds(&self, value: &[u8]) -> bool {
+    pub(super) fn accepts(&self, value: &[u8]) -> bool {
         match self {
             Self::Bool => value[0] < 2,
             Self::Text => std::str::from_utf8(until_nul(value)).is_ok(),

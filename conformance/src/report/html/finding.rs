@@ -15,10 +15,10 @@ pub(super) fn article(finding: &Finding) -> Markup {
         article.finding {
             h4 { code { (shown(&finding.subject)) } }
             @if let Some(first) = first {
-                p.what { (shown(&first.told())) }
+                p.what { (shown(&first.text())) }
                 p.aside {
                     @if finding.count == 1 { "Once, at " } @else { (Grouped(finding.count)) " times, first at " }
-                    (first.place)
+                    (first.location)
                 }
                 dl.evidence {
                     (evidence(first))
@@ -32,7 +32,7 @@ pub(super) fn article(finding: &Finding) -> Markup {
                     ul {
                         @for other in others {
                             li {
-                                (other.place) ": " (shown(&other.told()))
+                                (other.location) ": " (shown(&other.text()))
                                 dl.evidence { (evidence(other)) }
                             }
                         }

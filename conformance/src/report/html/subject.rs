@@ -14,7 +14,7 @@ use crate::text::Grouped;
 const MAX_OPEN: usize = 4;
 
 /// How many of each are told at all; the JSON report has more.
-const MAX_TOLD: usize = 50;
+const MAX_LISTED_ITEMS: usize = 50;
 
 /// All subjects, a row each.
 pub(super) fn list(report: &Report) -> Markup {
@@ -40,8 +40,8 @@ pub(super) fn list(report: &Report) -> Markup {
                     @for subject in &report.subjects {
                         tr role="row" {
                             td role="cell" { (outcome(subject)) }
-                            td role="cell" { code.path { (shown(&subject.path)) } p { (shown(&subject.conclusion.text)) } }
-                            td.number role="cell" { (Grouped(subject.judged)) }
+                            td role="cell" { code.path { (shown(&subject.path)) } p { (shown(&subject.outcome.text)) } }
+                            td.number role="cell" { (Grouped(subject.checked)) }
                         }
                     }
                 }
@@ -51,7 +51,7 @@ pub(super) fn list(report: &Report) -> Markup {
 }
 
 fn outcome(subject: &Subject) -> Markup {
-    let outcome = subject.conclusion.outcome;
+    let outcome = subject.outcome.kind;
     let word = match class(outcome) {
         "pass" => "conforms",
         "fail" => "fails",
@@ -61,8 +61,8 @@ fn outcome(subject: &Subject) -> Markup {
 }
 
 /// Whether there is more to say of a subject than a row holds.
-pub(super) fn has_more_to_tell(subject: &Subject) -> bool {
-    !subject.findings.is_empty() || !subject.damage.is_empty() || subject.is_testee()
+pub(super) fn has_details(subject: &Subject) -> bool {
+    !subject.findings.is_empty() || !subject.corruption.is_empty() || subject.is_testee()
 }
 
 /// All that is to be told of a subject. The index tells its anchors from those of others.
@@ -76,7 +76,7 @@ pub(super) fn section(subject: &Subject, index: usize) -> Markup {
                 About::Capture(summary) => { @for line in summary.describe().lines() { (summary_line(&line)) } },
                 About::Testee(testee) => (testee::section(testee)),
             }
-            (damage(subject))
+            (corruption(subject))
             (notes("What happened", &subject.notes))
             (findings(subject, &anchor))
         }
@@ -93,7 +93,7 @@ fn facts(subject: &Subject) -> Markup {
         }
     };
     html! {
-        span { (shown(&subject.conclusion.text)) } " "
+        span { (shown(&subject.outcome.text)) } " "
         @for fact in &facts { span { (fact) } " " }
     }
 }
@@ -121,15 +121,15 @@ fn notes(title: &str, notes: &[String]) -> Markup {
     }
 }
 
-fn damage(subject: &Subject) -> Markup {
-    let damage: Vec<_> = subject.damage.iter().collect();
+fn corruption(subject: &Subject) -> Markup {
+    let corruption: Vec<_> = subject.corruption.iter().collect();
     html! {
-        @if !damage.is_empty() {
+        @if !corruption.is_empty() {
             h3 { "Damage" }
-            (folded(&damage, "place", |damage| html! {
-                li { span.place { (damage.place) } ": " (shown(&damage.message)) }
+            (folded(&corruption, "place", |corruption| html! {
+                li { span.place { (corruption.location) } ": " (shown(&corruption.message)) }
             }))
-            @if subject.more_damage > 0 { p.more { "… and " (Grouped(subject.more_damage)) " more places" } }
+            @if subject.more_corruption > 0 { p.more { "… and " (Grouped(subject.more_corruption)) " more places" } }
         }
     }
 }
@@ -137,14 +137,14 @@ fn damage(subject: &Subject) -> Markup {
 /// A list of which the first are seen and the others can be opened.
 fn folded<T>(items: &[T], noun: &str, item: impl Fn(&T) -> Markup) -> Markup {
     let (open, rest) = items.split_at(items.len().min(MAX_OPEN));
-    let told = &rest[..rest.len().min(MAX_TOLD)];
+    let listed = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
     html! {
         ul { @for found in open { (item(found)) } }
         @if !rest.is_empty() {
             details {
                 summary { (rest.len()) " more " (noun) @if rest.len() > 1 { "s" } }
-                ul { @for found in told { (item(found)) } }
-                @if told.len() < rest.len() { p.more { "… and " (rest.len() - told.len()) " more" } }
+                ul { @for found in listed { (item(found)) } }
+                @if listed.len() < rest.len() { p.more { "… and " (rest.len() - listed.len()) " more" } }
             }
         }
     }
@@ -152,19 +152,19 @@ fn folded<T>(items: &[T], noun: &str, item: impl Fn(&T) -> Markup) -> Markup {
 
 /// Findings rule by rule, the gravest first.
 fn findings(subject: &Subject, anchor: &str) -> Markup {
-    let mut rules: Vec<&RuleVerdict> = subject.rules.iter().filter(|rule| is_told(rule)).collect();
+    let mut rules: Vec<&RuleVerdict> = subject.rules.iter().filter(|rule| has_own_section(rule)).collect();
     rules.sort_by_key(|rule| std::cmp::Reverse(rule.verdict));
     html! {
         @if let Some(first) = subject.findings.first().filter(|_| !rules.is_empty()) {
             h3 { "Findings" }
-            @for rule in rules { (of_rule(subject, rule, anchor)) }
+            @for rule in rules { (rule_section(subject, rule, anchor)) }
             (finding::again(&first.reproduce))
         }
     }
 }
 
 /// Whether findings of a rule are told. Formats that differ stand elsewhere already, unless they count.
-fn is_told(rule: &RuleVerdict) -> bool {
+fn has_own_section(rule: &RuleVerdict) -> bool {
     rule.findings > 0 && (rule.id != px4::FMT_01.rule.id || rule.verdict == Verdict::Fail)
 }
 
@@ -172,7 +172,7 @@ fn is_told(rule: &RuleVerdict) -> bool {
 pub(super) fn rule_anchor(subject: &Subject, index: usize, rule: &str) -> Option<String> {
     // Failures of a testee stand case by case.
     let is_there =
-        !subject.is_testee() && subject.rules.iter().any(|found| found.id == rule && is_told(found));
+        !subject.is_testee() && subject.rules.iter().any(|found| found.id == rule && has_own_section(found));
     is_there.then(|| format!("{}-{rule}", anchor(index)))
 }
 
@@ -180,12 +180,12 @@ fn anchor(index: usize) -> String {
     format!("subject-{}", index + 1)
 }
 
-fn of_rule(subject: &Subject, rule: &RuleVerdict, anchor: &str) -> Markup {
+fn rule_section(subject: &Subject, rule: &RuleVerdict, anchor: &str) -> Markup {
     let found: Vec<&Finding> = subject.findings.iter().filter(|finding| finding.rule == rule.id).collect();
     // What was only shown is of interest to few.
     let is_open = rule.verdict > Verdict::Shown;
     let (open, rest) = found.split_at(if is_open { found.len().min(MAX_OPEN) } else { 0 });
-    let told = &rest[..rest.len().min(MAX_TOLD)];
+    let listed = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
     html! {
         div.group id={ (anchor) "-" (rule.id) } {
             @if let Some(first) = found.first() {
@@ -202,8 +202,8 @@ fn of_rule(subject: &Subject, rule: &RuleVerdict, anchor: &str) -> Markup {
             @if !rest.is_empty() {
                 details.rest {
                     summary { (rest.len()) @if is_open { " more" } @if rest.len() == 1 { " place" } @else { " places" } }
-                    @for finding in told { (finding::article(finding)) }
-                    @if told.len() < rest.len() { p.more { "… and " (rest.len() - told.len()) " more" } }
+                    @for finding in listed { (finding::article(finding)) }
+                    @if listed.len() < rest.len() { p.more { "… and " (rest.len() - listed.len()) " more" } }
                 }
             }
         }

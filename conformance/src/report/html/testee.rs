@@ -10,23 +10,23 @@ use crate::text::Grouped;
 const MAX_OPEN: usize = 8;
 
 /// How many failures are told at all; the JSON report has more.
-const MAX_TOLD: usize = 200;
+const MAX_LISTED_ITEMS: usize = 200;
 
 pub(super) fn section(testee: &Testee) -> Markup {
     let failures: Vec<&Case> = testee.cases.iter().filter(|case| case.verdict.is_failure()).collect();
     let (open, rest) = failures.split_at(failures.len().min(MAX_OPEN));
-    let told = &rest[..rest.len().min(MAX_TOLD)];
+    let listed = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
     html! {
         @if let Some(why) = &testee.gave_up { p.what { "The run ended early: " (shown(why)) } }
-        (manners(testee))
+        (protocol_remarks(testee))
         @if !failures.is_empty() {
             h3 { "Failures" }
             @for case in open { (article(case)) }
             @if !rest.is_empty() {
                 details.rest {
                     summary { (rest.len()) " more failure" @if rest.len() > 1 { "s" } }
-                    @for case in told { (article(case)) }
-                    @if told.len() < rest.len() { p.more { "… and " (rest.len() - told.len()) " more" } }
+                    @for case in listed { (article(case)) }
+                    @if listed.len() < rest.len() { p.more { "… and " (rest.len() - listed.len()) " more" } }
                 }
             }
         }
@@ -34,15 +34,15 @@ pub(super) fn section(testee: &Testee) -> Markup {
     }
 }
 
-fn manners(testee: &Testee) -> Markup {
+fn protocol_remarks(testee: &Testee) -> Markup {
     html! {
-        @if !testee.manners.is_empty() {
+        @if !testee.protocol_remarks.is_empty() {
             h3 { "Against the protocol" }
             ul {
-                @for remark in &testee.manners {
+                @for remark in &testee.protocol_remarks {
                     li { (shown(&remark.message)) @if remark.count > 1 { ", " (Grouped(remark.count)) " times" } }
                 }
-                @if testee.more_manners > 0 { li { "… and " (Grouped(testee.more_manners)) " more" } }
+                @if testee.more_protocol_remarks > 0 { li { "… and " (Grouped(testee.more_protocol_remarks)) " more" } }
             }
         }
     }

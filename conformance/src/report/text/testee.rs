@@ -3,7 +3,7 @@
 use std::fmt::{self, Write as _};
 
 use super::{FAIL, PASS, WARN};
-use crate::report::{Case, CaseVerdict, Counts, Outcome, Subject, Testee};
+use crate::report::{Case, CaseVerdict, Counts, OutcomeKind, Subject, Testee};
 use crate::text::shown;
 
 /// How many failures are shown to people, and how many lines of standard error.
@@ -28,12 +28,12 @@ pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fm
     if more > 0 {
         writeln!(text, "… and {more} more that are known")?;
     }
-    for remark in &testee.manners {
+    for remark in &testee.protocol_remarks {
         let times = if remark.count > 1 { format!(" ({} times)", remark.count) } else { String::new() };
         writeln!(text, "{WARN}manners{WARN:#} {}{times}", shown(&remark.message))?;
     }
-    if testee.more_manners > 0 {
-        writeln!(text, "{WARN}manners{WARN:#} … and {} more", testee.more_manners)?;
+    if testee.more_protocol_remarks > 0 {
+        writeln!(text, "{WARN}manners{WARN:#} … and {} more", testee.more_protocol_remarks)?;
     }
     writeln!(text, "\n{:<18} {:<32} {:>6} {:>6} {:>11}", "op", "type", "pass", "fail", "unsupported")?;
     for row in &testee.table {
@@ -51,19 +51,21 @@ pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fm
         "\n{pass} passed, {fail} failed,{known} {unsupported} unsupported, {not_run} not run, {} restarts",
         testee.restarts
     )?;
-    conclusion(subject, testee, text)
+    outcome(subject, testee, text)
 }
 
-fn conclusion(subject: &Subject, testee: &Testee, text: &mut String) -> fmt::Result {
-    match (subject.conclusion.outcome, &testee.gave_up) {
+fn outcome(subject: &Subject, testee: &Testee, text: &mut String) -> fmt::Result {
+    match (subject.outcome.kind, &testee.gave_up) {
         (_, Some(why)) => writeln!(text, "{FAIL}broken{FAIL:#}: {}", shown(why)),
-        (Outcome::Breaks, _) if testee.counts.fail == 0 => {
+        (OutcomeKind::DoesNotConform, _) if testee.counts.fail == 0 => {
             writeln!(text, "{FAIL}breaks the protocol{FAIL:#}")
         }
-        (Outcome::Conforms, _) => writeln!(text, "{PASS}conforms{PASS:#}"),
-        (Outcome::Nothing, _) => writeln!(text, "{WARN}nothing was checked{WARN:#}"),
-        (Outcome::Stale, _) => writeln!(text, "{WARN}the list of known failures is stale{WARN:#}"),
-        (Outcome::Breaks | Outcome::Broken, _) => writeln!(text, "{FAIL}does not conform{FAIL:#}"),
+        (OutcomeKind::Conforms, _) => writeln!(text, "{PASS}conforms{PASS:#}"),
+        (OutcomeKind::Nothing, _) => writeln!(text, "{WARN}nothing was checked{WARN:#}"),
+        (OutcomeKind::Stale, _) => writeln!(text, "{WARN}the list of known failures is stale{WARN:#}"),
+        (OutcomeKind::DoesNotConform | OutcomeKind::Incomplete, _) => {
+            writeln!(text, "{FAIL}does not conform{FAIL:#}")
+        }
     }
 }
 
@@ -71,8 +73,8 @@ fn failure(case: &Case, text: &mut String) -> fmt::Result {
     let (verdict, name) = (case.verdict.name(), shown(&case.name));
     writeln!(text, "{FAIL}{verdict}{FAIL:#} {name}: {}", shown(&case.description))?;
     if case.verdict == CaseVerdict::Fail {
-        let place = if case.path.is_empty() { "the answer".to_owned() } else { shown(&case.path) };
-        writeln!(text, "  at       {place}")?;
+        let location = if case.path.is_empty() { "the answer".to_owned() } else { shown(&case.path) };
+        writeln!(text, "  at       {location}")?;
         writeln!(text, "  expected {}\n  got      {}", shown(&case.expected), shown(&case.actual))?;
     } else {
         writeln!(text, "  {}", shown(&case.message))?;

@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Acknowledgments come only as responses.",
         source: source::MESSAGES,
         applies_to: "ACK-ACK, ACK-NAK",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[],
@@ -27,7 +30,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[Mutant {
         name: "an acknowledgment of nothing",
-        make: || mutant::then(|session| session.tells(json!({ "type": "ACK-ACK" }))),
+        make: || mutant::then(|session| session.notify(json!({ "type": "ACK-ACK" }))),
         also: &[&env_17::RULE.rule],
     }],
 };

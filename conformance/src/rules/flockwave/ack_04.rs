@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Detail, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape,
-    Status, Tree, body, mutant, source,
+    Attribution, Bug, Check, Detail, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule,
+    RuleContext, Status, Tree, body, mutant, source,
 };
 use crate::json::pointer;
 
@@ -16,6 +16,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "ACK-NAK has nothing beside `type` but a string `reason`.",
         source: source::MESSAGES,
         applies_to: "ACK-NAK",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -50,5 +53,5 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
             Detail::new(format!("it has {}, too", body::quoted(key))).at(pointer(&["body", key]))
         });
     }
-    body::field(message, context, "reason", false, &Shape::Nullable(&Shape::Text));
+    body::field(message, context, "reason", false, &ExpectedValue::Nullable(&ExpectedValue::Text));
 }

@@ -17,6 +17,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A request that needs a login is refused with ACK-NAK before it.",
         source: source::MESSAGES,
         applies_to: "requests that try it",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -28,8 +31,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             name: "it is served",
             make: || {
                 let served = json!({ "type": "UAV-LIST", "ids": ["kite"] });
-                let asked = json!({ "type": "UAV-LIST" });
-                mutant::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", asked, served))
+                let request = json!({ "type": "UAV-LIST" });
+                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, served))
             },
             also: &[],
         },

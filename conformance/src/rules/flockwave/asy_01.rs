@@ -14,6 +14,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A reply about one object has exactly one of `result`, `error` and `receipt`.",
         source: source::ASYNC,
         applies_to: "LOG-DATA",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[],
@@ -39,7 +42,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             name: "nothing",
             make: || {
                 mutant::then(|session| {
-                    session.asks(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));
+                    session.exchange(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));
                 })
             },
             also: &[],

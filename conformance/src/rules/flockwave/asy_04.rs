@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, OPERATIONS, Role, Rule,
-    RuleContext, Shape, Status, Tree, attribution, body, env_18, mutant, reply, source,
+    Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, OPERATIONS, Role,
+    Rule, RuleContext, Status, Tree, attribution, body, env_18, mutant, reply, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,11 +15,14 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A receipt is a string of 1 to 64 characters.",
         source: source::SCHEMA,
         applies_to: "replies with `receipt`",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&OPERATIONS, "receipt", &[Fault::Kind]),
-        Attribution::new(&OPERATIONS, "receipt.*", attribution::UNFIT),
+        Attribution::new(&OPERATIONS, "receipt.*", attribution::INVALID),
         Attribution::new(&["LOG-DATA"], "receipt", attribution::WRONG),
     ],
     bug: Bug::behaviour("Receipts are 70 characters long.").with(&[&env_18::RULE.rule]),
@@ -29,7 +32,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             name: "a number",
             make: || {
                 mutant::then(|session| {
-                    session.asks(
+                    session.exchange(
                         json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                         json!({ "receipt": { "kite": 7 } }),
                     );
@@ -41,7 +44,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             name: "an empty one",
             make: || {
                 mutant::then(|session| {
-                    session.asks(
+                    session.exchange(
                         json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                         json!({ "receipt": { "kite": "" } }),
                     );
@@ -52,16 +55,16 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-const RECEIPT: Shape = Shape::Length(1, 64);
+const RECEIPT: ExpectedValue = ExpectedValue::Length(1, 64);
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
-    if message.role != Role::Response || !message.type_name.is_some_and(reply::gives_receipts) {
+    if message.role != Role::Response || !message.type_name.is_some_and(reply::may_have_receipts) {
         return;
     }
-    let of_many = Shape::Map(&RECEIPT);
-    let shape = if message.type_name == Some("LOG-DATA") { &RECEIPT } else { &of_many };
+    let of_many = ExpectedValue::Map(&RECEIPT);
+    let schema = if message.type_name == Some("LOG-DATA") { &RECEIPT } else { &of_many };
     match message.field("receipt") {
         None | Some(Tree::Null) => {}
-        Some(_) => body::field(message, context, "receipt", true, shape),
+        Some(_) => body::field(message, context, "receipt", true, schema),
     }
 }

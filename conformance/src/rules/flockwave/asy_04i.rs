@@ -15,6 +15,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "No two operations under way on a connection have the same receipt.",
         source: source::DERIVED,
         applies_to: "replies with `receipt` over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -25,8 +28,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         name: "two gliders with the same receipt",
         make: || {
             let same = json!({ "receipt": { "kite": "rcpt-8", "swift": "rcpt-8" } });
-            let asked = json!({ "type": "UAV-RTH", "ids": ["kite", "swift"] });
-            mutant::then(|session| session.asks(asked, same))
+            let request = json!({ "type": "UAV-RTH", "ids": ["kite", "swift"] });
+            mutant::then(|session| session.exchange(request, same))
         },
         also: &[],
     }],

@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The reply with a receipt comes before what names it.",
         source: source::DERIVED,
         applies_to: "ASYNC-* over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -30,7 +33,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         make: || {
             mutant::then(|session| {
                 let id = session.sends(json!({ "type": "UAV-RTH", "ids": ["kite"] }));
-                session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+                session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
                 session
                     .answers(&id, json!({ "body": { "type": "UAV-RTH", "receipt": { "kite": "rcpt-8" } } }));
             })

@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use super::{
-    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
-    attribution, body, mutant, source,
+    Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext,
+    Status, attribution, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`id` of ASYNC-RESP is a string, and so is `error`.",
         source: source::ASYNC,
         applies_to: "ASYNC-RESP",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -48,7 +51,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.body_of("ASYNC-RESP").is_some() {
-        body::field(message, context, "id", true, &Shape::Text);
-        body::field(message, context, "error", false, &Shape::Nullable(&Shape::Text));
+        body::field(message, context, "id", true, &ExpectedValue::Text);
+        body::field(message, context, "error", false, &ExpectedValue::Nullable(&ExpectedValue::Text));
     }
 }

@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "ASYNC-RESP, ASYNC-ST and ASYNC-TIMEOUT name receipts that were given on the same connection.",
         source: source::DERIVED,
         applies_to: "ASYNC-* over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -28,7 +31,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "the end of what never began",
         make: || {
             mutant::then(|session| {
-                session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+                session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
             })
         },
         also: &[],
@@ -40,7 +43,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         return;
     }
     for named in
-        exchange.operations.iter().filter(|named| named.is_known && exchange.record.connection.is_told)
+        exchange.operations.iter().filter(|named| named.is_known && exchange.record.connection.is_ordered)
     {
         context.covered();
         if matches!(named.stage(), None | Some(Stage::Early)) {

@@ -1,14 +1,14 @@
 //! `FW-ASY-10`.
 //!
 //! That an operation isn't at its end when a recording ends says nothing, and how long one may take isn't laid down. So
-//! its coming to an end is judged where someone tries it, with what takes no time ([`PATIENCE`]).
+//! its coming to an end is judged where someone tries it, with what takes no time ([`MAX_SECONDS`]).
 
 use std::collections::BTreeMap;
 
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
     RuleContext, SessionCheck, Stage, Status, StatusReport, Tree, asy_17, body, mutant, served, source,
 };
 
@@ -20,6 +20,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Each receipt ends in one ASYNC-RESP or ASYNC-TIMEOUT, and no more.",
         source: source::ASYNC,
         applies_to: "ASYNC-* over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(Ends::default()))],
     covers: &[],
@@ -35,7 +38,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             name: "a result after the timeout",
             make: || {
                 mutant::then(|session| {
-                    session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-2", "result": "Flaps out" }));
+                    session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-2", "result": "Flaps out" }));
                 })
             },
             also: &[],
@@ -44,7 +47,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             name: "a second result",
             make: || {
                 mutant::then(|session| {
-                    session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "result": true }));
+                    session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "result": true }));
                 })
             },
             also: &[],
@@ -57,8 +60,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                     let id = session.tries(&RULE.rule, "", test);
                     let body = json!({ "type": "UAV-TEST", "receipt": { "kite": "rcpt-50" } });
                     session.answers(&id, json!({ "body": body }));
-                    session.wait(2.0 * PATIENCE);
-                    session.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+                    session.wait(2.0 * MAX_SECONDS);
+                    session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
                 })
             },
             also: &[],
@@ -67,13 +70,13 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// How long a server may tell nothing of an operation that takes no time, in seconds, while it speaks of other things.
-const PATIENCE: f64 = 18.0;
+const MAX_SECONDS: f64 = 18.0;
 
 /// Of how many operations of a connection the end is waited for at the same time.
 const MAX_OPEN: usize = 1_000;
 
 /// Operations that try the rule: where they begin and when something was told of them last, by receipt.
-type Open = BTreeMap<String, (Place, f64)>;
+type Open = BTreeMap<String, (Location, f64)>;
 
 /// The operations that try the rule, connection by connection.
 #[derive(Default)]
@@ -81,7 +84,7 @@ struct Ends(PerConnection<Open>);
 
 impl SessionCheck for Ends {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.is_of_server() || !exchange.record.connection.is_told {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         if matches!(exchange.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT"))
@@ -89,27 +92,27 @@ impl SessionCheck for Ends {
         {
             once(exchange, context);
         }
-        let open = self.0.of(exchange);
+        let open = self.0.get(exchange);
         let Some(now) = exchange.time else { return open.clear() };
         for named in &exchange.operations {
             let goes_on = exchange.type_name == Some("ASYNC-ST")
                 && !matches!(exchange.field("suspended"), Some(Tree::Bool(true)));
             match open.get_mut(&named.receipt).filter(|_| goes_on) {
-                Some((_, heard)) => *heard = now,
+                Some((_, received)) => *received = now,
                 // It ends, or waits for the client.
                 None => _ = open.remove(&named.receipt),
             }
         }
         if served::tried(exchange, context) {
             for named in exchange.opened.iter().take(MAX_OPEN.saturating_sub(open.len())) {
-                open.insert(named.receipt.clone(), (exchange.record.place, now));
+                open.insert(named.receipt.clone(), (exchange.record.location, now));
             }
         }
         pass(open, now, context);
     }
 
     fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
-        if !report.connection().is_told {
+        if !report.connection().is_ordered {
             return;
         }
         let open = self.0.at(report.connection_id());
@@ -119,7 +122,7 @@ impl SessionCheck for Ends {
         }
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.0.clear();
     }
 }
@@ -139,10 +142,10 @@ fn once(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
 
 /// Reports the operations of which nothing was told for long.
 fn pass(open: &mut Open, now: f64, context: &mut RuleContext<'_>) {
-    open.retain(|receipt, (place, heard)| {
-        let waited = now - *heard;
-        if waited > PATIENCE {
-            context.violation("operation", *place, || {
+    open.retain(|receipt, (location, received)| {
+        let waited = now - *received;
+        if waited > MAX_SECONDS {
+            context.violation("operation", *location, || {
                 let receipt = body::quoted(receipt);
                 Detail::new(format!(
                     "for {waited:.0} s nothing was told of {receipt}, nor of its end, though the server spoke"
@@ -151,6 +154,6 @@ fn pass(open: &mut Open, now: f64, context: &mut RuleContext<'_>) {
                 .actual("none")
             });
         }
-        waited <= PATIENCE
+        waited <= MAX_SECONDS
     });
 }

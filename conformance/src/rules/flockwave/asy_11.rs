@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Nothing is told of a receipt after its end.",
         source: source::DERIVED,
         applies_to: "ASYNC-ST over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -29,7 +32,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "progress after the end",
         make: || {
             let late = json!({ "type": "ASYNC-ST", "id": "rcpt-1", "progress": { "percentage": 80 } });
-            mutant::then(|session| session.tells(late))
+            mutant::then(|session| session.notify(late))
         },
         also: &[],
     }],
@@ -39,7 +42,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if exchange.notification("ASYNC-ST").is_none() {
         return;
     }
-    for named in exchange.operations.iter().filter(|_| exchange.record.connection.is_told) {
+    for named in exchange.operations.iter().filter(|_| exchange.record.connection.is_ordered) {
         context.covered();
         if named.stage() == Some(Stage::Ended) {
             exchange.violates(context, || {

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
-    attribution, body, mutant, source,
+    Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext,
+    Status, attribution, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -17,6 +17,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "ASYNC-ST has `id` and `progress`; its percentage is an integer from 0 to 100, and `suspended` true or false.",
         source: source::ASYNC,
         applies_to: "ASYNC-ST",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -50,15 +53,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-const PERCENTAGE: Shape = Shape::Nullable(&Shape::Integer(0, 100));
+const PERCENTAGE: ExpectedValue = ExpectedValue::Nullable(&ExpectedValue::Integer(0, 100));
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.body_of("ASYNC-ST").is_none() {
         return;
     }
-    body::field(message, context, "id", true, &Shape::Text);
-    body::field(message, context, "progress", true, &Shape::Object);
-    body::field(message, context, "suspended", false, &Shape::Nullable(&Shape::Bool));
+    body::field(message, context, "id", true, &ExpectedValue::Text);
+    body::field(message, context, "progress", true, &ExpectedValue::Object);
+    body::field(message, context, "suspended", false, &ExpectedValue::Nullable(&ExpectedValue::Bool));
     let keys = ["body", "progress"];
     body::member(message, context, message.field("progress"), &keys, ("percentage", false), &PERCENTAGE);
 }

@@ -15,6 +15,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A suspended operation doesn't end until the client resumes or cancels it.",
         source: source::ASYNC,
         applies_to: "ASYNC-* over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -24,13 +27,13 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         name: "it ends by itself",
         make: || {
             mutant::then(|session| {
-                session.asks(
+                session.exchange(
                     json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                     json!({ "receipt": { "kite": "rcpt-8" } }),
                 );
                 session
-                    .tells(json!({ "type": "ASYNC-ST", "id": "rcpt-8", "progress": {}, "suspended": true }));
-                session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+                    .notify(json!({ "type": "ASYNC-ST", "id": "rcpt-8", "progress": {}, "suspended": true }));
+                session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
             })
         },
         also: &[],
@@ -43,7 +46,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     {
         return;
     }
-    for named in exchange.operations.iter().filter(|_| exchange.record.connection.is_told) {
+    for named in exchange.operations.iter().filter(|_| exchange.record.connection.is_ordered) {
         let Some(operation) = &named.before else { continue };
         context.covered();
         if operation.stage == Stage::Suspended {

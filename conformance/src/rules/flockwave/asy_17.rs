@@ -2,14 +2,14 @@
 //!
 //! The end may come before the answer to the request that brings it about, and then may still be the operation's own.
 //! Progress that is told afterwards needn't mean that it goes on for long. So this is judged by what ends the operation
-//! after that answer, and by its coming at all in good time ([`PATIENCE`]) while the server speaks of other things.
+//! after that answer, and by its coming at all in good time ([`MAX_SECONDS`]) while the server speaks of other things.
 
 use std::collections::{BTreeMap, VecDeque};
 
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
     Session, SessionCheck, Stage, Status, StatusReport, body, mutant, source,
 };
 
@@ -21,6 +21,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "An operation that a client has cancelled still ends in an ASYNC-RESP, with an error.",
         source: source::ASYNC,
         applies_to: "ASYNC-CANCEL over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(Cancelled::default()))],
     covers: &[],
@@ -32,8 +35,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 mutant::over("tcp#9", |session| {
                     cancel(session, "rcpt-40");
-                    session.wait(2.0 * PATIENCE);
-                    session.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+                    session.wait(2.0 * MAX_SECONDS);
+                    session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
                 })
             },
             also: &[],
@@ -43,7 +46,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 mutant::over("tcp#9", |session| {
                     cancel(session, "rcpt-40");
-                    session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-40", "result": "Flaps out" }));
+                    session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-40", "result": "Flaps out" }));
                 })
             },
             also: &[],
@@ -53,7 +56,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 mutant::over("tcp#9", |session| {
                     cancel(session, "rcpt-40");
-                    session.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-40"] }));
+                    session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-40"] }));
                 })
             },
             also: &[],
@@ -62,7 +65,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// How long a server may take to end what it has cancelled, in seconds.
-const PATIENCE: f64 = 10.0;
+const MAX_SECONDS: f64 = 10.0;
 
 /// Of how many operations of a connection the end is waited for at the same time.
 const MAX_CANCELLED: usize = 1_000;
@@ -70,7 +73,7 @@ const MAX_CANCELLED: usize = 1_000;
 /// An operation is begun, and cancelled.
 fn cancel(session: &mut Session, receipt: &str) {
     session.command(receipt);
-    session.asks(json!({ "type": "ASYNC-CANCEL", "ids": [receipt] }), json!({ "success": [receipt] }));
+    session.exchange(json!({ "type": "ASYNC-CANCEL", "ids": [receipt] }), json!({ "success": [receipt] }));
 }
 
 /// What was cancelled, connection by connection.
@@ -81,17 +84,17 @@ struct Cancelled(PerConnection<Waiting>);
 #[derive(Default)]
 struct Waiting {
     /// Where the answer stands that says that it is cancelled, by receipt.
-    receipts: BTreeMap<String, Place>,
+    receipts: BTreeMap<String, Location>,
     /// When those answers came, in that order; some operations have ended already.
-    times: VecDeque<(f64, String, Place)>,
+    times: VecDeque<(f64, String, Location)>,
 }
 
 impl SessionCheck for Cancelled {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if exchange.message().is_none() || !exchange.record.connection.is_told {
+        if exchange.message().is_none() || !exchange.record.connection.is_ordered {
             return;
         }
-        let waiting = self.0.of(exchange);
+        let waiting = self.0.get(exchange);
         waiting.end(exchange, context);
         waiting.pass(exchange.time, context);
         if exchange.response("ASYNC-CANCEL").is_some() {
@@ -100,12 +103,12 @@ impl SessionCheck for Cancelled {
     }
 
     fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
-        if report.connection().is_told {
+        if report.connection().is_ordered {
             self.0.at(report.connection_id()).pass(report.time(), context);
         }
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.0.clear();
     }
 }
@@ -119,9 +122,9 @@ impl Waiting {
             if !is_open || !has_room || self.receipts.contains_key(&named.receipt) {
                 continue;
             }
-            let place = exchange.record.place;
-            self.receipts.insert(named.receipt.clone(), place);
-            self.times.extend(exchange.time.map(|time| (time, named.receipt.clone(), place)));
+            let location = exchange.record.location;
+            self.receipts.insert(named.receipt.clone(), location);
+            self.times.extend(exchange.time.map(|time| (time, named.receipt.clone(), location)));
         }
     }
 
@@ -157,15 +160,15 @@ impl Waiting {
     /// Time passes.
     fn pass(&mut self, time: Option<f64>, context: &mut RuleContext<'_>) {
         let Some(now) = time else { return };
-        while self.times.front().is_some_and(|(time, ..)| now - time > PATIENCE) {
-            let Some((time, receipt, place)) = self.times.pop_front() else { break };
+        while self.times.front().is_some_and(|(time, ..)| now - time > MAX_SECONDS) {
+            let Some((time, receipt, location)) = self.times.pop_front() else { break };
             // It may have ended since, and another may have its receipt.
-            if self.receipts.get(&receipt) != Some(&place) {
+            if self.receipts.get(&receipt) != Some(&location) {
                 continue;
             }
             self.receipts.remove(&receipt);
             context.covered();
-            context.violation("ASYNC-CANCEL", place, || {
+            context.violation("ASYNC-CANCEL", location, || {
                 let receipt = body::quoted(&receipt);
                 let waited = now - time;
                 Detail::new(format!(

@@ -14,6 +14,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A receipt that nobody knows has an entry in `error` where it is to be cancelled or resumed.",
         source: source::DERIVED,
         applies_to: "ASYNC-CANCEL and ASYNC-RESUME that try it",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(|exchange, context| {
         served::in_error(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"]);
@@ -27,7 +30,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 let cancel = json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-none"] });
                 let done = json!({ "type": "ASYNC-CANCEL", "success": ["rcpt-none"] });
-                mutant::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", cancel, done))
+                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", cancel, done))
             },
             also: &[],
         },
@@ -36,7 +39,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn requests() -> Vec<Request> {
-    let cancel = json!({ "type": "ASYNC-CANCEL", "ids": [trial::NOBODY] });
-    let resume = json!({ "type": "ASYNC-RESUME", "ids": [trial::NOBODY], "values": {} });
+    let cancel = json!({ "type": "ASYNC-CANCEL", "ids": [trial::UNKNOWN_ID] });
+    let resume = json!({ "type": "ASYNC-RESUME", "ids": [trial::UNKNOWN_ID], "values": {} });
     vec![Request::new("cancelled", cancel), Request::new("resumed", resume)]
 }

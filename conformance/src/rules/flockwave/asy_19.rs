@@ -16,6 +16,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "An operation that isn't suspended has an entry in `error` where it is to be resumed.",
         source: source::DERIVED,
         applies_to: "ASYNC-RESUME that tries it",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -29,7 +32,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                 let done = json!({ "type": "ASYNC-RESUME", "success": ["rcpt-30"] });
                 mutant::over("tcp#9", |session| {
                     session.command("rcpt-30");
-                    session.tries_and_hears(&RULE.rule, "", resume, done);
+                    session.tries_and_receives(&RULE.rule, "", resume, done);
                 })
             },
             also: &[],

@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The `ids` of ASYNC-TIMEOUT are unique.",
         source: source::SCHEMA,
         applies_to: "ASYNC-TIMEOUT",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["ASYNC-TIMEOUT"], "ids", &[Fault::Value])],
@@ -28,11 +31,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "an id twice",
         make: || {
             mutant::then(|session| {
-                session.asks(
+                session.exchange(
                     json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                     json!({ "receipt": { "kite": "rcpt-8" } }),
                 );
-                session.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-8", "rcpt-8"] }));
+                session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-8", "rcpt-8"] }));
             })
         },
         also: &[],

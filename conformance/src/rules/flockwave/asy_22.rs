@@ -18,6 +18,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Results have the type that is laid down for the command: true or false for most of UAV-*.",
         source: source::SCHEMA,
         applies_to: "replies with `result`, ASYNC-RESP",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[Attribution::new(&TYPES, "result.*", &[Fault::Null, Fault::Kind])],
@@ -48,7 +51,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if exchange.role == Role::Response && exchange.is_of_server() {
+    if exchange.role == Role::Response && exchange.is_from_server() {
         let Some((name, expected, fits)) = exchange.type_name.and_then(result_of) else { return };
         let wrong = body::members(exchange.body, "result")
             .iter()
@@ -65,8 +68,8 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     }
     let Some(found) = exchange.notification("ASYNC-RESP").and_then(|body| body.get("result")) else { return };
     let known = exchange.operations.first().and_then(|named| named.before.as_ref());
-    let asked = known.and_then(|operation| operation.type_name.as_deref());
-    let Some((name, expected, fits)) = asked.and_then(result_of) else { return };
+    let request = known.and_then(|operation| operation.type_name.as_deref());
+    let Some((name, expected, fits)) = request.and_then(result_of) else { return };
     // A null beside an error is none.
     if body::is_there(exchange.field("error")) {
         return;

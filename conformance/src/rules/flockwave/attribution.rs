@@ -24,7 +24,7 @@ pub(super) const WRONG: &[Fault] = &[Fault::Kind, Fault::Value];
 pub(super) const MISSING: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind];
 
 /// No value as it should be.
-pub(super) const UNFIT: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value];
+pub(super) const INVALID: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value];
 
 /// Any violation.
 pub(super) const ALL: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value, Fault::Further];
@@ -39,7 +39,7 @@ impl Attribution {
         Self { types, path, faults }
     }
 
-    fn holds(&self, type_name: &str, deviation: &Deviation) -> bool {
+    fn matches(&self, type_name: &str, deviation: &Deviation) -> bool {
         self.types.contains(&type_name)
             && deviation.fault.is_some_and(|fault| self.faults.contains(&fault))
             && leads(self.path, &deviation.steps)
@@ -63,7 +63,7 @@ fn leads(path: &str, steps: &[Step]) -> bool {
 impl FlockwaveRule {
     /// True if the rule reports this violation of the body schema of a type.
     pub(super) fn covers(&self, type_name: &str, deviation: &Deviation) -> bool {
-        self.covers.iter().any(|attribution| attribution.holds(type_name, deviation))
+        self.covers.iter().any(|attribution| attribution.matches(type_name, deviation))
     }
 }
 

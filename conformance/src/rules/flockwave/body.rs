@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::HashSet;
 
-use super::{Detail, Message, RuleContext, Shape, Tree};
+use super::{Detail, ExpectedValue, Message, RuleContext, Tree};
 use crate::flockwave::body_schema::{Mismatch, integer};
 use crate::json::pointer;
 
@@ -24,9 +24,9 @@ pub(super) fn field(
     context: &mut RuleContext<'_>,
     name: &str,
     is_required: bool,
-    shape: &Shape,
+    schema: &ExpectedValue,
 ) {
-    member(message, context, message.body, &["body"], (name, is_required), shape);
+    member(message, context, message.body, &["body"], (name, is_required), schema);
 }
 
 /// Checks that a member of the object at `keys` has this shape, or is absent and not required.
@@ -36,12 +36,12 @@ pub(super) fn member(
     holder: Option<&Tree<'_>>,
     keys: &[&str],
     (name, is_required): (&str, bool),
-    shape: &Shape,
+    schema: &ExpectedValue,
 ) {
     let found = match holder.and_then(|holder| holder.get(name)) {
-        None if is_required => Some(Mismatch::new(shape.to_string(), "nothing")),
+        None if is_required => Some(Mismatch::new(schema.to_string(), "nothing")),
         None => return,
-        Some(value) => shape.mismatch(value),
+        Some(value) => schema.mismatch(value),
     };
     context.covered();
     if let Some(found) = found {
@@ -94,9 +94,9 @@ pub(super) fn codes(
         context.covered();
         if let Some(what) = wrong(&codes) {
             message.violates(context, || {
-                let told: Vec<String> = codes.iter().take(16).map(ToString::to_string).collect();
+                let reported: Vec<String> = codes.iter().take(16).map(ToString::to_string).collect();
                 let path = pointer(&["body", "status", uav, "errors"]);
-                Detail::new(what).at(path).actual(format!("[{}]", told.join(", ")))
+                Detail::new(what).at(path).actual(format!("[{}]", reported.join(", ")))
             });
         }
     }

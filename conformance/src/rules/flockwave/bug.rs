@@ -14,7 +14,7 @@ const PROTOCOL: &str = "1.0";
 #[derive(Debug)]
 pub(crate) struct Bug {
     /// What the server does.
-    pub what: &'static str,
+    pub description: &'static str,
     /// The other rules that the server violates then.
     pub also: &'static [&'static Rule],
     /// What the bug needs to show.
@@ -48,13 +48,13 @@ enum Change {
 
 impl Bug {
     /// A bug that changes messages.
-    pub(super) const fn message(what: &'static str, change: fn(&mut Outgoing<'_>)) -> Self {
-        Self { what, also: &[], needs: Needs::Nothing, change: Change::Message(change) }
+    pub(super) const fn message(description: &'static str, change: fn(&mut Outgoing<'_>)) -> Self {
+        Self { description, also: &[], needs: Needs::Nothing, change: Change::Message(change) }
     }
 
     /// A bug in the behaviour of the server.
-    pub(super) const fn behaviour(what: &'static str) -> Self {
-        Self { what, also: &[], needs: Needs::Nothing, change: Change::Behaviour }
+    pub(super) const fn behaviour(description: &'static str) -> Self {
+        Self { description, also: &[], needs: Needs::Nothing, change: Change::Behaviour }
     }
 
     /// Adds the other rules that the server violates then.
@@ -115,12 +115,12 @@ impl<'r> Outgoing<'r> {
     }
 
     /// The type of the request that it answers.
-    pub(super) fn asked(&self) -> Option<&str> {
+    pub(super) fn request_type(&self) -> Option<&str> {
         self.request.map(|body| body.get("type").and_then(Value::as_str).unwrap_or_default())
     }
 
     /// The ids or paths in the request.
-    fn asked_for(&self) -> Vec<&'r str> {
+    fn requested_ids(&self) -> Vec<&'r str> {
         let list = self.request.and_then(|body| body.get("ids").or_else(|| body.get("paths")));
         list.and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str).collect()
     }
@@ -242,7 +242,7 @@ impl<'r> Outgoing<'r> {
         if self.is_notification() || !kinds.contains(&self.kind()) {
             return;
         }
-        let Some(last) = self.asked_for().last().copied() else { return };
+        let Some(last) = self.requested_ids().last().copied() else { return };
         let Some(body) = self.message()["body"].as_object_mut() else { return };
         for map in body.values_mut().filter_map(Value::as_object_mut) {
             map.remove(last);
@@ -260,9 +260,9 @@ mod tests {
     use super::super::RULES;
 
     #[test]
-    fn each_bug_says_what_the_server_does() {
+    fn each_bug_has_a_description() {
         for of in RULES {
-            assert!(of.bug.what.ends_with('.'), "{of:?}");
+            assert!(of.bug.description.ends_with('.'), "{of:?}");
             assert!(!of.bug.also.iter().any(|rule| rule.id == of.rule.id), "{of:?}");
         }
     }

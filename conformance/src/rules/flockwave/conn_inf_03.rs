@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    Attribution, Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
     attribution, body, mutant, source,
 };
 
@@ -15,12 +15,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`purpose` and `status` of each state are names that the specification has.",
         source: source::MESSAGES,
         applies_to: "CONN-INF",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["CONN-INF"], "status.*", attribution::MISSING),
-        Attribution::new(&["CONN-INF"], "status.*.purpose", attribution::UNFIT),
-        Attribution::new(&["CONN-INF"], "status.*.status", attribution::UNFIT),
+        Attribution::new(&["CONN-INF"], "status.*.purpose", attribution::INVALID),
+        Attribution::new(&["CONN-INF"], "status.*.status", attribution::INVALID),
     ],
     bug: Bug::message("The purpose of connections is a number.", |out| {
         out.each_status("CONN-INF", |status| status["purpose"] = json!(1));
@@ -40,10 +43,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-const PURPOSE: Shape =
-    Shape::OneOf(&["debug", "dgps", "dock", "gps", "mocap", "time", "uavRadioLink", "other"]);
+const PURPOSE: ExpectedValue =
+    ExpectedValue::OneOf(&["debug", "dgps", "dock", "gps", "mocap", "time", "uavRadioLink", "other"]);
 
-const STATUS: Shape = Shape::OneOf(&["disconnected", "connecting", "connected", "disconnecting", "unknown"]);
+const STATUS: ExpectedValue =
+    ExpectedValue::OneOf(&["disconnected", "connecting", "connected", "disconnecting", "unknown"]);
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     for (key, state) in body::states(message, "CONN-INF") {

@@ -6,7 +6,7 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Mutant, Place, Rule, RuleContext, Session,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Location, Mutant, Rule, RuleContext, Session,
     SessionCheck, Status, StatusReport, lines, mutant, source,
 };
 
@@ -18,6 +18,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A message is one JSON object.",
         source: source::GENERAL,
         applies_to: "messages of the server",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(Unreadable::default()))],
     covers: &[],
@@ -44,9 +47,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             name: "lines that make up no message",
             make: || {
                 mutant::over("tcp#9", |session| {
-                    session.says_raw("{");
-                    session.says_raw("\"wind\":");
-                    session.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+                    session.send_raw("{");
+                    session.send_raw("\"wind\":");
+                    session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
                 })
             },
             also: &[],
@@ -68,10 +71,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 struct Unreadable(Lines);
 
 impl Unreadable {
-    fn tell(&mut self, context: &mut RuleContext<'_>) {
+    fn report(&mut self, context: &mut RuleContext<'_>) {
         self.0.whole.clear();
         for line in self.0.other.drain(..) {
-            context.violation("message", line.place, || {
+            context.violation("message", line.location, || {
                 match line.actual {
                     Some(actual) => Detail::differs("an object", actual),
                     None => Detail::new("no JSON").expected("an object"),
@@ -84,27 +87,27 @@ impl Unreadable {
 
 impl SessionCheck for Unreadable {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if exchange.is_of_server() {
+        if exchange.is_from_server() {
             context.covered();
         }
         if !lines::are_several(exchange, "tcp") && !lines::are_several(exchange, "udp") {
             self.0.follow(exchange);
         }
-        self.tell(context);
+        self.report(context);
     }
 
     fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
         context.covered();
         self.0.end_of(report.connection().index);
-        self.tell(context);
+        self.report(context);
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.0.part_all();
     }
 
     fn end(&mut self, context: &mut RuleContext<'_>) {
         self.0.part_all();
-        self.tell(context);
+        self.report(context);
     }
 }

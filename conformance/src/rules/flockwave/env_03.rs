@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status, body, mutant, source,
+    Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body,
+    mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`id` of a message is a string.",
         source: source::GENERAL,
         applies_to: "messages of the server",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[],
@@ -37,5 +41,5 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
-    body::member(message, context, Some(message.value), &[], ("id", true), &Shape::Text);
+    body::member(message, context, Some(message.value), &[], ("id", true), &ExpectedValue::Text);
 }

@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status, body, mutant, source,
+    Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body,
+    mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`id` of a message has 1 to 36 characters.",
         source: source::SCHEMA,
         applies_to: "messages of the server",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[],
@@ -40,5 +44,5 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.id.is_none() {
         return;
     }
-    body::member(message, context, Some(message.value), &[], ("id", true), &Shape::Length(1, 36));
+    body::member(message, context, Some(message.value), &[], ("id", true), &ExpectedValue::Length(1, 36));
 }

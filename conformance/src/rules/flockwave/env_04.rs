@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "No two responses and notifications of a connection have the same id.",
         source: source::GENERAL,
         applies_to: "messages of the server over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check), Check::StatusReport(check_status_report)],
     covers: &[],
@@ -28,8 +31,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let is_named = matches!(exchange.role, Role::Response | Role::Notification) && exchange.is_of_server();
-    if !is_named || !exchange.record.connection.is_told {
+    let is_named = matches!(exchange.role, Role::Response | Role::Notification) && exchange.is_from_server();
+    if !is_named || !exchange.record.connection.is_ordered {
         return;
     }
     let Some(id) = exchange.id else { return };
@@ -40,7 +43,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
 }
 
 fn check_status_report(report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
-    let Some(id) = report.id().filter(|_| report.connection().is_told) else { return };
+    let Some(id) = report.id().filter(|_| report.connection().is_ordered) else { return };
     context.covered();
     if report.is_id_in_use() {
         report.violates(context, || in_use(id));

@@ -3,8 +3,8 @@
 use serde_json::Value;
 
 use super::{
-    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Session, Shape, Status, body,
-    source,
+    Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Session, Status,
+    body, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`refs` of a message, where it is present, is a string of 1 to 36 characters.",
         source: source::SCHEMA,
         applies_to: "messages of the server",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[],
@@ -37,5 +40,5 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
-    body::member(message, context, Some(message.value), &[], ("refs", false), &Shape::Length(1, 36));
+    body::member(message, context, Some(message.value), &[], ("refs", false), &ExpectedValue::Length(1, 36));
 }

@@ -2,7 +2,7 @@
 //!
 //! No time limit is laid down, and a recording may end before the answer. So a request counts as unanswered only
 //! where no answer comes until the connection or the recording ends, and the server still spoke long after
-//! ([`PATIENCE`]). Who probes a server waits until he knows, and says so: such a request tries the rule, and one that tries another is left to that one.
+//! ([`MAX_SECONDS`]). Who probes a server waits until he knows, and says so: such a request tries the rule, and one that tries another is left to that one.
 
 use serde_json::json;
 
@@ -19,6 +19,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Each request gets a response, whatever its type.",
         source: source::GENERAL,
         applies_to: "requests over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -47,15 +50,15 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// How long a server may take, in seconds: what takes longer is answered with a receipt.
-const PATIENCE: f64 = 30.0;
+const MAX_SECONDS: f64 = 30.0;
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let Some(asked) = &exchange.asked else { return };
+    let Some(request) = &exchange.request else { return };
     // What is no request of Flockwave needn't have an answer.
-    if !asked.is_sound || !exchange.record.connection.is_told {
+    if !request.is_sound || !exchange.record.connection.is_ordered {
         return;
     }
-    if let Some((of, _)) = &asked.trial {
+    if let Some((of, _)) = &request.trial {
         // What tries another rule is a matter of that one, but for the one on the order of answers, which says nothing of
         // what has none.
         if of.id == RULE.rule.id {
@@ -68,12 +71,13 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if exchange.role == Role::Response {
         return context.covered();
     }
-    let Some(waited) = asked.waited.filter(|waited| exchange.role == Role::Unanswered && *waited > PATIENCE)
+    let Some(waited) =
+        request.waited.filter(|waited| exchange.role == Role::Unanswered && *waited > MAX_SECONDS)
     else {
         return;
     };
-    let subject = asked.type_name.as_deref().unwrap_or("message");
-    context.violation(subject, asked.place, || {
+    let subject = request.type_name.as_deref().unwrap_or("message");
+    context.violation(subject, request.location, || {
         Detail::new(format!("no response, though the server went on speaking for {waited:.0} s"))
             .expected("a response")
             .actual("none")

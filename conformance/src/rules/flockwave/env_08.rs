@@ -15,11 +15,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A request gets one response at most.",
         source: source::DERIVED,
         applies_to: "responses over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("SYS-PING is answered twice.", |out| {
-        if out.asked() == Some("SYS-PING") {
+        if out.request_type() == Some("SYS-PING") {
             let refs = out.message()["refs"].as_str().unwrap_or_default().to_owned();
             out.follow(Some(&refs), json!({ "type": "ACK-ACK" }));
         }

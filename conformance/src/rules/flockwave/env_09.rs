@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`refs` never names a notification.",
         source: source::GENERAL,
         applies_to: "responses over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -29,7 +32,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "a response to a notification",
         make: || {
             let mut session = Session::opened();
-            session.tells(json!({ "type": "SYS-MSG", "items": [{ "message": "Wind from the west" }] }));
+            session.notify(json!({ "type": "SYS-MSG", "items": [{ "message": "Wind from the west" }] }));
             session.answers("say-1", json!({ "body": { "type": "ACK-ACK" } }));
             Some(session.to_bytes())
         },

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, FlockwaveRule, INTEGER, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
-    Tree, mutant, source,
+    Bug, Check, Detail, ExpectedValue, FlockwaveRule, INTEGER, Level, Message, Mutant, Rule, RuleContext,
+    Status, Tree, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`error` of a message is an object with an integer `code`, a string `message`, or both.",
         source: source::GENERAL,
         applies_to: "messages of the server",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[],
@@ -57,11 +60,11 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
         return;
     }
     context.covered();
-    let fits = |name: &str, shape: Shape| {
+    let fits = |name: &str, schema: ExpectedValue| {
         let value = error.get(name).filter(|value| **value != Tree::Null)?;
-        Some(shape.mismatch(value).is_none())
+        Some(schema.mismatch(value).is_none())
     };
-    let (code, text) = (fits("code", INTEGER), fits("message", Shape::Text));
+    let (code, text) = (fits("code", INTEGER), fits("message", ExpectedValue::Text));
     if code == Some(false) || text == Some(false) || (code, text) == (None, None) {
         message.violates(context, || {
             Detail::differs("an integer `code`, a string `message`, or both", error).at("/error")

@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A type has two upper-case parts of 2 to 8 characters with a hyphen between them; seven of the specification itself are longer.",
         source: source::GENERAL,
         applies_to: "messages of the server",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[],
@@ -27,12 +30,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[
         Mutant {
             name: "a type in lower case",
-            make: || mutant::then(|session| session.asks(json!({ "type": "uav-soar" }), json!({}))),
+            make: || mutant::then(|session| session.exchange(json!({ "type": "uav-soar" }), json!({}))),
             also: &[],
         },
         Mutant {
             name: "a type of three parts",
-            make: || mutant::then(|session| session.asks(json!({ "type": "UAV-SOAR-HIGH" }), json!({}))),
+            make: || mutant::then(|session| session.exchange(json!({ "type": "UAV-SOAR-HIGH" }), json!({}))),
             also: &[],
         },
     ],
@@ -43,7 +46,7 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     context.covered();
     let is_part = |part: &str| (2..=8).contains(&part.len()) && part.bytes().all(is_upper_case);
     let is_usual = name.split_once('-').is_some_and(|(family, rest)| is_part(family) && is_part(rest));
-    if !is_usual && !context.definitions.shapes().has(name) {
+    if !is_usual && !context.definitions.defined_schemas().has(name) {
         message.violates(context, || {
             let expected = "two upper-case parts of 2 to 8 characters with a hyphen between them";
             Detail::differs(expected, body::quoted(name)).at("/body/type")

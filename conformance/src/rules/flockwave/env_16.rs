@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A response has the type of its request or is ACK-NAK, but that of SYS-PING, SHOW-SETCFG, SHOW-SETLIGHTS and a setting RTK-SOURCE is ACK-ACK, and that of AUTH-REQ is AUTH-RESP.",
         source: source::GENERAL,
         applies_to: "responses over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -39,7 +42,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             name: "a setting RTK-SOURCE is answered with itself",
             make: || {
                 mutant::then(|session| {
-                    session.asks(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null }));
+                    session.exchange(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null }));
                 })
             },
             also: &[],
@@ -48,15 +51,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let (Some(asked), Some(found)) = (&exchange.asked, exchange.type_name) else { return };
-    let Some(question) = asked.type_name.as_deref().filter(|name| context.definitions.shapes().has(name))
+    let (Some(request), Some(found)) = (&exchange.request, exchange.type_name) else { return };
+    let Some(question) =
+        request.type_name.as_deref().filter(|name| context.definitions.defined_schemas().has(name))
     else {
         return;
     };
-    if exchange.role != Role::Response || !exchange.is_of_server() {
+    if exchange.role != Role::Response || !exchange.is_from_server() {
         return;
     }
-    let expected = answer(question, asked.is_setting);
+    let expected = answer(question, request.is_setting);
     context.covered();
     if found != expected && found != "ACK-NAK" {
         exchange.violates(context, || {

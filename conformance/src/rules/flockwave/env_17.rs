@@ -19,6 +19,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A message of the server without `refs` is of a type that may be a notification, or a SYS-PING.",
         source: source::GENERAL,
         applies_to: "messages of the server",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[],
@@ -30,19 +33,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[Mutant {
         name: "an answer without `refs`",
-        make: || mutant::then(|session| session.tells(json!({ "type": "UAV-LIST", "ids": [] }))),
+        make: || mutant::then(|session| session.notify(json!({ "type": "UAV-LIST", "ids": [] }))),
         also: &[],
     }],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
-    let shapes = context.definitions.shapes();
-    let Some(name) = message.type_name.filter(|name| shapes.has(name)) else { return };
+    let defined_schemas = context.definitions.defined_schemas();
+    let Some(name) = message.type_name.filter(|name| defined_schemas.has(name)) else { return };
     if message.role != Role::Notification {
         return;
     }
     context.covered();
-    if !shapes.goes(name, Direction::Notification) {
+    if !defined_schemas.is_defined(name, Direction::Notification) {
         message.violates(context, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
     }
 }

@@ -18,6 +18,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A client doesn't use the id of a request again while that is unanswered. Afterwards a server accepts it.",
         source: source::GENERAL,
         applies_to: "requests over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -50,7 +53,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     served::served(exchange, context);
-    if exchange.role != Role::Request || exchange.is_of_server() || !exchange.record.connection.is_told {
+    if exchange.role != Role::Request || exchange.is_from_server() || !exchange.record.connection.is_ordered {
         return;
     }
     context.covered();

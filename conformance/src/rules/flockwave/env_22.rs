@@ -17,6 +17,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A malformed request that has an id gets an answer, and the connection goes on.",
         source: source::DERIVED,
         applies_to: "requests that try it",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(|exchange, context| {
         served::tried(exchange, context);

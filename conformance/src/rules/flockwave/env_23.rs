@@ -16,6 +16,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A message is strict JSON: no `NaN` or `Infinity`, and no key twice in an object.",
         source: source::DERIVED,
         applies_to: "messages of the server",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[],
@@ -53,7 +56,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// How many keys are few.
-const FEW: usize = 16;
+const MAX_SCANNED_KEYS: usize = 16;
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     context.covered();
@@ -74,7 +77,7 @@ fn loose(value: &Tree<'_>) -> Option<(String, String)> {
             let mut seen = HashSet::new();
             members.iter().enumerate().find_map(|(at, (key, value))| {
                 // A few keys are sooner compared with each other than put into a set.
-                let is_repeated = if members.len() <= FEW {
+                let is_repeated = if members.len() <= MAX_SCANNED_KEYS {
                     members[..at].iter().any(|(other, _)| other == key)
                 } else {
                     !seen.insert(key.as_ref())

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
     RuleContext, SessionCheck, Status, Tree, env_07, mutant, served, source,
 };
 
@@ -23,6 +23,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Each mandatory family has a handler: ASYNC, AUTH, CONN, DEV, EXT, OBJ, RTK, SYS and UAV. (Nothing can be asked of ACK.)",
         source: source::GENERAL,
         applies_to: "requests that try it",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(Families::default()))],
     covers: &[],
@@ -38,7 +41,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                         [(&RULE.rule, "DEV-LIST"), (&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "DEV-SUB")]
                     {
                         let refused = json!({ "type": "ACK-NAK", "reason": format!("{name} isn't known") });
-                        session.tries_and_hears(rule, "", json!({ "type": name }), refused);
+                        session.tries_and_receives(rule, "", json!({ "type": name }), refused);
                     }
                 })
             },
@@ -50,7 +53,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                 mutant::over("tcp#9", |session| {
                     session.logs_in();
                     for (rule, name) in [(&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "CONN-LIST")] {
-                        session.tries_and_hears(
+                        session.tries_and_receives(
                             rule,
                             "",
                             json!({ "type": name }),
@@ -103,29 +106,29 @@ struct Refusals {
 struct Family {
     is_served: bool,
     reasons: BTreeSet<String>,
-    place: Place,
+    location: Location,
 }
 
 impl SessionCheck for Families {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if let Some(refusals) = self.connections.closed(exchange) {
-            return self.judge(refusals, context);
+            return self.check_family(refusals, context);
         }
-        if !exchange.record.connection.is_told {
+        if !exchange.record.connection.is_ordered {
             return;
         }
         if let Some(body) = exchange.response("AUTH-INF") {
             self.is_login_needed |= body.get("required") == Some(&Tree::Bool(true));
         }
         if let Some(body) = exchange.response("AUTH-RESP") {
-            self.connections.of(exchange).is_logged_in |= body.get("result") == Some(&Tree::Bool(true));
+            self.connections.get(exchange).is_logged_in |= body.get("result") == Some(&Tree::Bool(true));
         }
         if exchange.role == Role::Response && exchange.tried(&env_07::RULE.rule).is_some() {
-            let asked = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
-            if let Some(name) = asked.filter(|name| !context.definitions.body_schemas().has(name))
+            let request = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
+            if let Some(name) = request.filter(|name| !context.definitions.body_schemas().has(name))
                 && let Some(reason) = reason(exchange, name)
             {
-                let unknown = &mut self.connections.of(exchange).unknown;
+                let unknown = &mut self.connections.get(exchange).unknown;
                 if unknown.len() < MAX_REASONS {
                     unknown.insert(reason);
                 }
@@ -136,19 +139,22 @@ impl SessionCheck for Families {
         }
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.connections.clear();
     }
 }
 
 impl Families {
     fn tried(&mut self, exchange: &Exchange<'_>) {
-        let Some(name) = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref()) else { return };
+        let Some(name) = exchange.request.as_ref().and_then(|request| request.type_name.as_deref()) else {
+            return;
+        };
         let Some(family) = FAMILIES.iter().find(|family| name.split('-').next() == Some(family)) else {
             return;
         };
-        let families = &mut self.connections.of(exchange).families;
-        let new = || Family { is_served: false, reasons: BTreeSet::new(), place: exchange.record.place };
+        let families = &mut self.connections.get(exchange).families;
+        let new =
+            || Family { is_served: false, reasons: BTreeSet::new(), location: exchange.record.location };
         let family = families.entry(family).or_insert_with(new);
         match reason(exchange, name) {
             Some(reason) if family.reasons.len() < MAX_REASONS => _ = family.reasons.insert(reason),
@@ -157,14 +163,14 @@ impl Families {
         }
     }
 
-    fn judge(&self, refusals: Refusals, context: &mut RuleContext<'_>) {
+    fn check_family(&self, refusals: Refusals, context: &mut RuleContext<'_>) {
         if self.is_login_needed && !refusals.is_logged_in {
             return;
         }
         for (name, family) in refusals.families {
             let is_absent = !family.is_served && family.reasons.is_subset(&refusals.unknown);
             if is_absent {
-                context.violation(name, family.place, || {
+                context.violation(name, family.location, || {
                     Detail::new("requests are refused just as one of a type that there isn't")
                         .expected("a handler")
                         .actual("none")

@@ -4,7 +4,7 @@
 //! good to know of a server that doesn't keep to it. That a request isn't answered at all is another rule's matter.
 
 use super::{
-    Attempt, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    Attempt, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
     RuleContext, Sent, SessionCheck, Status, Step, Strain, Trial, mutant, source,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
@@ -17,6 +17,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Answers to requests that are sent at once come in the order of the requests.",
         source: source::DERIVED,
         applies_to: "requests that try it",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(Order::default()))],
     covers: &[],
@@ -37,32 +40,35 @@ struct Order(PerConnection<Answered>);
 #[derive(Default)]
 struct Answered {
     /// Where the request stands that was sent last of those.
-    latest: Option<Place>,
-    is_told: bool,
+    latest: Option<Location>,
+    is_reported: bool,
 }
 
 impl SessionCheck for Order {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        let is_answer = exchange.role == Role::Response && exchange.record.connection.is_told;
-        let Some(asked) =
-            exchange.asked.as_ref().filter(|_| is_answer && exchange.tried(&RULE.rule).is_some())
+        let is_answer = exchange.role == Role::Response && exchange.record.connection.is_ordered;
+        let Some(request) =
+            exchange.request.as_ref().filter(|_| is_answer && exchange.tried(&RULE.rule).is_some())
         else {
             return;
         };
         context.covered();
-        let answered = self.0.of(exchange);
-        let later = answered.latest.filter(|latest| *latest > asked.place);
-        if let Some(later) = later.filter(|_| !answered.is_told) {
+        let answered = self.0.get(exchange);
+        let later = answered.latest.filter(|latest| *latest > request.location);
+        if let Some(later) = later.filter(|_| !answered.is_reported) {
             exchange.violates(context, || {
-                Detail::new(format!("the request in {later} was answered before that in {}", asked.place))
-                    .at("/refs")
+                Detail::new(format!(
+                    "the request in {later} was answered before that in {}",
+                    request.location
+                ))
+                .at("/refs")
             });
-            answered.is_told = true;
+            answered.is_reported = true;
         }
-        answered.latest = answered.latest.max(Some(asked.place));
+        answered.latest = answered.latest.max(Some(request.location));
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.0.clear();
     }
 }

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
-    Tree, body, mutant, source, ust_errors,
+    Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext,
+    Status, Tree, body, mutant, source, ust_errors,
 };
 use crate::flockwave::body_schema::Mismatch;
 use crate::json::pointer;
@@ -17,6 +17,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Codes are integers, 0 or more.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.errors.*", &[Fault::Value])],
@@ -32,7 +35,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-const CODE: Shape = Shape::Integer(0, i128::MAX);
+const CODE: ExpectedValue = ExpectedValue::Integer(0, i128::MAX);
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     for (uav, state) in body::states(message, "UAV-INF") {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{Exchange, Role, Tree};
 use crate::flockwave::record::{Connection, Direction};
 use crate::json::Frame;
-use crate::model::Place;
+use crate::model::Location;
 
 /// How long a message over several lines may be, in bytes: what is longer is taken for no message.
 const MAX_TEXT: usize = 1 << 20;
@@ -20,7 +20,7 @@ const MAX_CONNECTIONS: usize = 16;
 #[derive(Debug)]
 pub(super) struct Line {
     /// Where it stands.
-    pub(super) place: Place,
+    pub(super) location: Location,
     /// What it is instead of an object, where it is JSON.
     pub(super) actual: Option<String>,
     /// How it begins.
@@ -79,7 +79,7 @@ impl Lines {
     fn line(&mut self, index: usize, exchange: &Exchange<'_>) {
         let record = exchange.record;
         let line = Line {
-            place: record.place,
+            location: record.location,
             actual: record.value.map(ToString::to_string),
             excerpt: exchange.excerpt(),
         };

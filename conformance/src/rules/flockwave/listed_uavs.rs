@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use serde_json::{Value, json};
 
 use super::{
-    Detail, Exchange, PerConnection, Place, RuleContext, Session, SessionCheck, body, reply, served,
+    Detail, Exchange, Location, PerConnection, RuleContext, Session, SessionCheck, body, reply, served,
     uav_inf_07,
 };
 
@@ -16,10 +16,10 @@ use super::{
 pub(super) fn listed_twice(session: &mut Session, say: impl FnOnce(&mut Session)) {
     let list = || -> (Value, Value) { (json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] })) };
     let (request, answer) = list();
-    session.asks(request, answer);
+    session.exchange(request, answer);
     say(session);
     let (request, answer) = list();
-    session.asks(request, answer);
+    session.exchange(request, answer);
 }
 
 /// How many UAVs that aren't known are kept of a connection.
@@ -39,7 +39,7 @@ struct Listed {
     /// The latest list.
     uavs: BTreeSet<String>,
     /// Those of it that UAV-INF hasn't known since, and where it says so.
-    doubted: Vec<(String, Place)>,
+    doubted: Vec<(String, Location)>,
 }
 
 impl SessionCheck for Unknown {
@@ -47,21 +47,21 @@ impl SessionCheck for Unknown {
         if self.is_of_repeated {
             served::served(exchange, context);
         }
-        if !exchange.is_of_server() || !exchange.record.connection.is_told {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         if exchange.response("UAV-INF").is_some() {
             return self.inform(exchange, context);
         }
         let list = reply::listed(exchange);
-        let listed = self.connections.of(exchange);
+        let listed = self.connections.get(exchange);
         if exchange.notification("OBJ-DEL").is_some() {
             let is_left = |id: &String| list.as_ref().is_some_and(|gone| !gone.contains(id));
             listed.uavs.retain(is_left);
             listed.doubted.retain(|(id, _)| is_left(id));
         } else if let (Some(_), Some(list)) = (exchange.response("UAV-LIST"), list) {
-            for (id, place) in listed.doubted.drain(..).filter(|(id, _)| list.contains(id)) {
-                context.violation("UAV-INF", place, || {
+            for (id, location) in listed.doubted.drain(..).filter(|(id, _)| list.contains(id)) {
+                context.violation("UAV-INF", location, || {
                     let id = body::quoted(&id);
                     Detail::new(format!("{id} isn't known, and UAV-LIST has it before and after"))
                         .expected("a state")
@@ -72,7 +72,7 @@ impl SessionCheck for Unknown {
         }
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.connections.clear();
     }
 }
@@ -85,19 +85,19 @@ impl Unknown {
 
     /// UAV-INF tells of UAVs.
     fn inform(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        let Some(asked) = exchange.asked_same() else { return };
-        let is_repeated = asked.repeated.is_some() && exchange.tried(&uav_inf_07::RULE.rule).is_some();
+        let Some(request) = exchange.same_type_request() else { return };
+        let is_repeated = request.repeated.is_some() && exchange.tried(&uav_inf_07::RULE.rule).is_some();
         if is_repeated != self.is_of_repeated {
             return;
         }
-        let listed = self.connections.of(exchange);
-        let known = asked.objects.iter().flatten().filter(|id| listed.uavs.contains(*id));
+        let listed = self.connections.get(exchange);
+        let known = request.objects.iter().flatten().filter(|id| listed.uavs.contains(*id));
         let unknown = body::members(exchange.body, "error");
         for id in known {
             context.covered();
             let is_doubted = unknown.iter().any(|(unknown, _)| unknown == id);
             if is_doubted && listed.doubted.len() < MAX_DOUBTED {
-                listed.doubted.push((id.clone(), exchange.record.place));
+                listed.doubted.push((id.clone(), exchange.record.location));
             }
         }
     }

@@ -4,10 +4,10 @@
 use serde_json::{Value, json};
 
 /// How long something is that is too long for its purpose, and yet no burden.
-const LONG: usize = 10_000;
+const LONG_LENGTH: usize = 10_000;
 
 /// How deep something is nested that nobody nests so deep, and readers of JSON that call themselves fail at.
-const DEEP: usize = 5_000;
+const DEEP_NESTING: usize = 5_000;
 
 /// A malformed request.
 #[derive(Debug)]
@@ -51,7 +51,7 @@ pub(super) fn all(id: &str) -> Vec<Malformed> {
     ]
     .map(|(how, message)| (how, message.to_string(), true))
     .into();
-    let nested = format!("{}{}", "[".repeat(DEEP), "]".repeat(DEEP));
+    let nested = format!("{}{}", "[".repeat(DEEP_NESTING), "]".repeat(DEEP_NESTING));
     let written = [
         ("a key twice", r#"{"type":"SYS-PING","wing":1,"wing":2}"#.to_owned(), true),
         // Not every reader of JSON can read these, and who can't sees no id.
@@ -76,7 +76,7 @@ pub(super) fn all(id: &str) -> Vec<Malformed> {
     kinds.extend(
         [
             ("an empty type", envelope(json!({ "type": "" }))),
-            ("a type of ten thousand characters", envelope(json!({ "type": "X".repeat(LONG) }))),
+            ("a type of ten thousand characters", envelope(json!({ "type": "X".repeat(LONG_LENGTH) }))),
             ("no id", json!({ "$fw.version": "1.0", "body": { "type": "SYS-PING" } })),
             ("an empty object", json!({})),
             ("an empty list", json!([])),
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn kinds_are_told_apart_and_can_be_answered_by_their_id() {
+    fn malformed_requests_have_distinct_ids() {
         let all = all("kind-1");
         assert!(all.len() >= 20, "{}", all.len());
         let hows: BTreeSet<&str> = all.iter().map(|kind| kind.how).collect();

@@ -51,7 +51,7 @@ pub(super) fn unanswered(connection: &'static str, rule: &Rule) -> Option<Vec<u8
 /// The session that conforms, with a trial of a rule that is refused.
 pub(super) fn refused(connection: &'static str, rule: &Rule) -> Option<Vec<u8>> {
     let no = json!({ "type": "ACK-NAK", "reason": "Too windy" });
-    over(connection, |session| session.tries_and_hears(rule, "refused", json!({ "type": "SYS-PING" }), no))
+    over(connection, |session| session.tries_and_receives(rule, "refused", json!({ "type": "SYS-PING" }), no))
 }
 
 /// Removes a member of an object.

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Role, Rule, RuleContext, Shape,
-    Status, attribution, body, mutant, source,
+    Attribution, Bug, Check, Detail, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Role, Rule,
+    RuleContext, Status, attribution, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "OBJ-DEL is a notification with `ids`, a list of strings.",
         source: source::MESSAGES,
         applies_to: "OBJ-DEL",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -54,5 +57,5 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.role != Role::Notification {
         message.violates(context, || Detail::new("it has `refs`, and is a notification"));
     }
-    body::field(message, context, "ids", true, &Shape::List(&Shape::Text));
+    body::field(message, context, "ids", true, &ExpectedValue::List(&ExpectedValue::Text));
 }

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, SessionCheck,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, Rule, RuleContext, SessionCheck,
     Status, StatusReport, Tree, body, mutant, source,
 };
 use crate::flockwave::session::ids::Ids;
@@ -16,6 +16,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Objects that OBJ-DEL names aren't in later lists, unless something is told of them again.",
         source: source::DERIVED,
         applies_to: "OBJ-DEL, OBJ-LIST and UAV-LIST over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(Gone::default()))],
     covers: &[],
@@ -25,7 +28,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         name: "one is listed again",
         make: || {
             mutant::then(|session| {
-                session.asks(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
+                session.exchange(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
             })
         },
         also: &[],
@@ -33,7 +36,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// How much is kept, in bytes.
-const LIMIT: usize = 1 << 20;
+const MEMORY_LIMIT: usize = 1 << 20;
 
 /// The longest id that is kept, in bytes: 64 characters of up to four.
 const MAX_ID: usize = 256;
@@ -43,13 +46,13 @@ struct Gone(Ids<()>);
 
 impl Default for Gone {
     fn default() -> Self {
-        Self(Ids::new(LIMIT))
+        Self(Ids::new(MEMORY_LIMIT))
     }
 }
 
 impl SessionCheck for Gone {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.is_of_server() || !exchange.record.connection.is_told {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         for (id, _) in body::members(exchange.body, "status") {
@@ -79,14 +82,14 @@ impl SessionCheck for Gone {
     }
 
     fn status_report(&mut self, report: &StatusReport<'_>, _: &mut RuleContext<'_>) {
-        if report.connection().is_told {
+        if report.connection().is_ordered {
             for (id, _) in report.timestamps() {
                 self.0.remove(report.connection_id().serial, id);
             }
         }
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.0.clear();
     }
 }

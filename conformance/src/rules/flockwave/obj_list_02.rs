@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
     SessionCheck, Status, body, mutant, obj_list_03, reply, source, uav_list_02,
 };
 
@@ -17,6 +17,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A filter leaves the objects of its types alone: no object is listed for two types.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(Listed::default()))],
     covers: &[],
@@ -29,7 +32,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             mutant::over("tcp#9", |session| {
                 for kind in ["uav", "beacon"] {
                     let all = json!({ "ids": ["kite", "mast", "swift"] });
-                    session.asks(json!({ "type": "OBJ-LIST", "filter": [kind] }), all);
+                    session.exchange(json!({ "type": "OBJ-LIST", "filter": [kind] }), all);
                 }
             })
         },
@@ -46,25 +49,26 @@ struct Listed(PerConnection<BTreeMap<String, BTreeSet<String>>>);
 
 impl SessionCheck for Listed {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.is_of_server() || !exchange.record.connection.is_told {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         if exchange.notification("OBJ-DEL").is_some() {
             // What comes anew with the id of one that is gone may be of another type.
             let gone = reply::listed(exchange);
             let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
-            self.0.of(exchange).values_mut().for_each(|list| list.retain(is_left));
+            self.0.get(exchange).values_mut().for_each(|list| list.retain(is_left));
             return;
         }
-        let asked = exchange.response("OBJ-LIST").and(exchange.asked_same());
+        let request = exchange.response("OBJ-LIST").and(exchange.same_type_request());
         // What a type may be that there isn't is another rule's matter.
-        let asked = asked.filter(|_| exchange.tried(&obj_list_03::RULE.rule).is_none());
-        let Some(filter) = asked.and_then(|asked| asked.filter.as_ref()).filter(|filter| filter.len() == 1)
+        let request = request.filter(|_| exchange.tried(&obj_list_03::RULE.rule).is_none());
+        let Some(filter) =
+            request.and_then(|request| request.filter.as_ref()).filter(|filter| filter.len() == 1)
         else {
             return;
         };
         let (Some(kind), Some(list)) = (filter.first(), reply::listed(exchange)) else { return };
-        let lists = self.0.of(exchange);
+        let lists = self.0.get(exchange);
         for (other, known) in lists.iter().filter(|(other, _)| *other != kind) {
             context.covered();
             if let Some(id) = list.intersection(known).next() {
@@ -80,7 +84,7 @@ impl SessionCheck for Listed {
         }
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.0.clear();
     }
 }

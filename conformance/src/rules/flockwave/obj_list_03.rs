@@ -15,6 +15,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "For a type that the server doesn't know OBJ-LIST gives an empty list.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST that tries it",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -27,9 +30,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "all objects are listed",
             make: || {
-                let asked = json!({ "type": "OBJ-LIST", "filter": ["cloud"] });
+                let request = json!({ "type": "OBJ-LIST", "filter": ["cloud"] });
                 let all = json!({ "type": "OBJ-LIST", "ids": ["kite", "swift"] });
-                mutant::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", asked, all))
+                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, all))
             },
             also: &[],
         },

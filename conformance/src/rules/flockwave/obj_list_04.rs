@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
     SessionCheck, Status, body, mutant, reply, source,
 };
 
@@ -20,6 +20,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Without a filter OBJ-LIST has all objects.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(Objects::default()))],
     covers: &[],
@@ -31,9 +34,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             let all = || json!({ "ids": ["kite", "swift"] });
             let masts = json!({ "type": "OBJ-LIST", "filter": ["beacon"] });
             mutant::over("tcp#9", |session| {
-                session.asks(json!({ "type": "OBJ-LIST" }), all());
-                session.asks(masts, json!({ "ids": ["mast"] }));
-                session.asks(json!({ "type": "OBJ-LIST" }), all());
+                session.exchange(json!({ "type": "OBJ-LIST" }), all());
+                session.exchange(masts, json!({ "ids": ["mast"] }));
+                session.exchange(json!({ "type": "OBJ-LIST" }), all());
             })
         },
         also: &[],
@@ -58,19 +61,19 @@ struct Listed {
 
 impl SessionCheck for Objects {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.is_of_server() || !exchange.record.connection.is_told {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         let is_end = exchange.notification("OBJ-DEL").or_else(|| exchange.notification("CONN-DEL")).is_some();
         if is_end {
             let gone = reply::listed(exchange);
             let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
-            return self.0.of(exchange).others.retain(is_left);
+            return self.0.get(exchange).others.retain(is_left);
         }
-        let asked = exchange.response("OBJ-LIST").and(exchange.asked_same());
-        let (Some(asked), Some(list)) = (asked, reply::listed(exchange)) else { return };
-        let listed = self.0.of(exchange);
-        match &asked.filter {
+        let request = exchange.response("OBJ-LIST").and(exchange.same_type_request());
+        let (Some(request), Some(list)) = (request, reply::listed(exchange)) else { return };
+        let listed = self.0.get(exchange);
+        match &request.filter {
             Some(filter) if filter.is_empty() => {}
             Some(_) if listed.others.len() + list.len() <= MAX_OBJECTS => listed.others.extend(list),
             Some(_) => {}
@@ -93,7 +96,7 @@ impl SessionCheck for Objects {
         }
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.0.clear();
     }
 }

@@ -21,7 +21,7 @@ impl<T> Default for PerConnection<T> {
 
 impl<T: Default> PerConnection<T> {
     /// The state of the connection over which something goes.
-    pub(super) fn of(&mut self, exchange: &Exchange<'_>) -> &mut T {
+    pub(super) fn get(&mut self, exchange: &Exchange<'_>) -> &mut T {
         self.at(exchange.connection_id())
     }
 

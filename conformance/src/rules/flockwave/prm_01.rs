@@ -16,6 +16,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Where `success` is true, `failed` is empty or absent.",
         source: source::MESSAGES,
         applies_to: "results of PRM-SET-MANY",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -35,11 +38,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "the same, later",
             make: || {
-                let asked = json!({ "type": "PRM-SET-MANY", "ids": ["kite"], "parameters": { "GEAR": 1 } });
+                let request = json!({ "type": "PRM-SET-MANY", "ids": ["kite"], "parameters": { "GEAR": 1 } });
                 let outcome = json!({ "success": true, "failed": ["GEAR"] });
                 mutant::then(|session| {
-                    session.asks(asked, json!({ "receipt": { "kite": "rcpt-8" } }));
-                    session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": outcome }));
+                    session.exchange(request, json!({ "receipt": { "kite": "rcpt-8" } }));
+                    session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": outcome }));
                 })
             },
             also: &[],

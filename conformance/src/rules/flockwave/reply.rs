@@ -16,53 +16,56 @@ const OVERHEAD: usize = 40;
 const MAX_ID: usize = 256;
 
 /// The number of misplaced objects that a finding names.
-const MAX_TOLD: usize = 4;
+const MAX_LISTED_ITEMS: usize = 4;
 
 /// Checks that each requested object is in exactly one part of a reply of these types.
 pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
-    let Some((asked, parts)) = replied(exchange, types) else { return };
+    let Some((request, parts)) = replied(exchange, types) else { return };
     context.covered();
     let mut found: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for part in parts {
-        for object in named(exchange, part).filter(|object| asked.contains(*object)) {
-            let stands = found.entry(object).or_default();
-            if stands.last() != Some(part) {
-                stands.push(part);
+        for object in named(exchange, part).filter(|object| request.contains(*object)) {
+            let listed_in = found.entry(object).or_default();
+            if listed_in.last() != Some(part) {
+                listed_in.push(part);
             }
         }
     }
-    let stands = |object: &String| found.get(object.as_str()).cloned().unwrap_or_default();
-    let wrong = asked.iter().map(|object| (object, stands(object))).filter(|(_, stands)| stands.len() != 1);
+    let listed_in = |object: &String| found.get(object.as_str()).cloned().unwrap_or_default();
+    let wrong = request
+        .iter()
+        .map(|object| (object, listed_in(object)))
+        .filter(|(_, listed_in)| listed_in.len() != 1);
     let wrong: Vec<(&String, Vec<&str>)> = wrong.collect();
     if !wrong.is_empty() {
         exchange.violates(context, || {
-            let told = wrong.iter().take(MAX_TOLD).map(|(object, found)| match found.len() {
+            let reported = wrong.iter().take(MAX_LISTED_ITEMS).map(|(object, found)| match found.len() {
                 0 => format!("{} in none", body::quoted(object)),
                 _ => format!("{} in {}", body::quoted(object), found.join(" and ")),
             });
-            let mut told: Vec<String> = told.collect();
-            if wrong.len() > MAX_TOLD {
-                told.push(format!("{} more", wrong.len() - MAX_TOLD));
+            let mut reported: Vec<String> = reported.collect();
+            if wrong.len() > MAX_LISTED_ITEMS {
+                reported.push(format!("{} more", wrong.len() - MAX_LISTED_ITEMS));
             }
-            let told = told.join(", ");
+            let reported = reported.join(", ");
             Detail::new(format!(
-                "of what was asked for, there is {told}; expected each in exactly one of {}",
+                "of what was asked for, there is {reported}; expected each in exactly one of {}",
                 parts.join(", ")
             ))
             .at("/body")
             .expected(format!("each in exactly one of {}", parts.join(", ")))
-            .actual(told)
+            .actual(reported)
         });
     }
 }
 
 /// Checks that a reply of these types has no object that wasn't requested.
 pub(super) fn strangers(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
-    let Some((asked, parts)) = replied(exchange, types) else { return };
+    let Some((request, parts)) = replied(exchange, types) else { return };
     context.covered();
     let stranger = parts.iter().find_map(|part| {
         let (key, _) =
-            body::members(exchange.body, part).iter().find(|(key, _)| !asked.contains(key.as_ref()))?;
+            body::members(exchange.body, part).iter().find(|(key, _)| !request.contains(key.as_ref()))?;
         Some((*part, key))
     });
     if let Some((part, key)) = stranger {
@@ -78,8 +81,8 @@ pub(super) fn replied<'u>(
     types: &[&str],
 ) -> Option<(&'u BTreeSet<String>, &'static [&'static str])> {
     let name = exchange.type_name.filter(|name| exchange.response(name).is_some() && types.contains(name))?;
-    let asked = exchange.asked_same()?.objects.as_ref()?;
-    Some((asked, parts(name)?.told))
+    let request = exchange.same_type_request()?.objects.as_ref()?;
+    Some((request, parts(name)?.reply_fields))
 }
 
 /// The objects in a part of a reply: the keys of a map, or the strings of a list.
@@ -108,11 +111,11 @@ pub(super) fn listed(exchange: &Exchange<'_>) -> Option<BTreeSet<String>> {
 
 /// True if this is a response of the server, and the request in its `refs` is known.
 pub(super) fn refers(exchange: &Exchange<'_>) -> bool {
-    let is_response = exchange.role == Role::Response && exchange.is_of_server();
-    is_response && exchange.record.connection.is_told && exchange.reference != Reference::Unclear
+    let is_response = exchange.role == Role::Response && exchange.is_from_server();
+    is_response && exchange.record.connection.is_ordered && exchange.reference != Reference::Unclear
 }
 
 /// True if replies of a type may have receipts.
-pub(super) fn gives_receipts(name: &str) -> bool {
+pub(super) fn may_have_receipts(name: &str) -> bool {
     name == "LOG-DATA" || OPERATIONS.contains(&name)
 }

@@ -23,8 +23,8 @@ pub(crate) struct Session {
     pub lines: Vec<Value>,
     connection: &'static str,
     time: f64,
-    asked: u64,
-    said: u64,
+    num_requests: u64,
+    num_messages: u64,
 }
 
 impl Default for Session {
@@ -47,35 +47,36 @@ impl Session {
             session.time += REPORTS.1;
             session.report();
         }
-        session.tells(json!({ "type": "SYS-CLOSE", "reason": "The wind drops" }));
+        session.notify(json!({ "type": "SYS-CLOSE", "reason": "The wind drops" }));
         session.closed("eof");
         session
     }
 
     /// A connection over which nothing has gone yet.
     pub(crate) fn opened() -> Self {
-        let mut session = Self { lines: Vec::new(), connection: "hill", time: BEGIN, asked: 0, said: 0 };
+        let mut session =
+            Self { lines: Vec::new(), connection: "hill", time: BEGIN, num_requests: 0, num_messages: 0 };
         session.event("connect");
         session
     }
 
     /// The client asks, and the server answers with a body of the same type.
-    pub(crate) fn asks(&mut self, request: Value, answer: Value) {
+    pub(crate) fn exchange(&mut self, request: Value, answer: Value) {
         let mut answer = answer;
         answer["type"] = request["type"].clone();
-        self.asks_other(request, answer);
+        self.exchange_with(request, answer);
     }
 
     /// The client asks, and the server answers with this body.
-    pub(crate) fn asks_other(&mut self, request: Value, answer: Value) {
+    pub(crate) fn exchange_with(&mut self, request: Value, answer: Value) {
         let id = self.sends(request);
         self.answers(&id, json!({ "body": answer }));
     }
 
     /// The client asks; the id of its request.
     pub(crate) fn sends(&mut self, request: Value) -> String {
-        self.asked += 1;
-        let id = format!("ask-{}", self.asked);
+        self.num_requests += 1;
+        let id = format!("ask-{}", self.num_requests);
         self.line("out", json!({ "$fw.version": "1.0", "id": id, "body": request }));
         id
     }
@@ -116,7 +117,7 @@ impl Session {
     }
 
     /// The server sends what is no JSON.
-    pub(crate) fn says_raw(&mut self, text: &str) {
+    pub(crate) fn send_raw(&mut self, text: &str) {
         let mut line = self.next("in");
         line["raw"] = text.into();
         self.lines.push(line);
@@ -137,8 +138,9 @@ impl Session {
 
     /// The server answers a request.
     pub(crate) fn answers(&mut self, id: &str, answer: Value) {
-        self.said += 1;
-        let mut message = json!({ "$fw.version": "1.0", "id": format!("say-{}", self.said), "refs": id });
+        self.num_messages += 1;
+        let mut message =
+            json!({ "$fw.version": "1.0", "id": format!("say-{}", self.num_messages), "refs": id });
         if let (Some(message), Value::Object(answer)) = (message.as_object_mut(), answer) {
             message.extend(answer);
         }
@@ -146,9 +148,9 @@ impl Session {
     }
 
     /// The server says something unasked.
-    pub(crate) fn tells(&mut self, body: Value) {
-        self.said += 1;
-        let id = format!("say-{}", self.said);
+    pub(crate) fn notify(&mut self, body: Value) {
+        self.num_messages += 1;
+        let id = format!("say-{}", self.num_messages);
         self.line("in", json!({ "$fw.version": "1.0", "id": id, "body": body }));
     }
 
@@ -185,22 +187,22 @@ impl Session {
     /// What the server says of itself.
     fn server(&mut self) {
         let version = json!({ "software": "Windward", "version": "3.1", "name": "Hill", "revision": "b7" });
-        self.asks(json!({ "type": "SYS-VER" }), version);
-        self.asks_other(json!({ "type": "SYS-PING" }), json!({ "type": "ACK-ACK" }));
+        self.exchange(json!({ "type": "SYS-VER" }), version);
+        self.exchange_with(json!({ "type": "SYS-PING" }), json!({ "type": "ACK-ACK" }));
         for _ in 0..2 {
             let now = self.now() + 40;
-            self.asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": now }));
+            self.exchange(json!({ "type": "SYS-TIME" }), json!({ "timestamp": now }));
         }
-        self.asks(json!({ "type": "SYS-PORTS" }), json!({ "ports": { "tcp": 7001, "udp": 7002 } }));
+        self.exchange(json!({ "type": "SYS-PORTS" }), json!({ "ports": { "tcp": 7001, "udp": 7002 } }));
         self.logs_in();
         // The server wants to know whether the client is there.
-        self.tells(json!({ "type": "SYS-PING" }));
+        self.notify(json!({ "type": "SYS-PING" }));
         let answer = json!({
-            "$fw.version": "1.0", "id": "here-1", "refs": format!("say-{}", self.said), "body": { "type": "ACK-ACK" },
+            "$fw.version": "1.0", "id": "here-1", "refs": format!("say-{}", self.num_messages), "body": { "type": "ACK-ACK" },
         });
         self.line("out", answer);
         let nobody_knows = json!({ "type": "ACK-NAK", "reason": "Nobody here can soar" });
-        self.asks_other(json!({ "type": "UAV-SOAR" }), nobody_knows);
+        self.exchange_with(json!({ "type": "UAV-SOAR" }), nobody_knows);
         let id = self.sends(json!({ "type": "LCN-INF" }));
         self.answers(&id, json!({ "error": { "code": 3, "message": "The licence can't be read" } }));
     }
@@ -208,27 +210,27 @@ impl Session {
     /// The client logs in.
     pub(crate) fn logs_in(&mut self) {
         let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "d2luZDpoaWxs" });
-        self.asks_other(login, json!({ "type": "AUTH-RESP", "result": true, "user": "wind" }));
+        self.exchange_with(login, json!({ "type": "AUTH-RESP", "result": true, "user": "wind" }));
     }
 
     /// Which gliders there are, and how they are.
     fn fleet(&mut self) {
-        self.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] }));
-        self.asks(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
+        self.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] }));
+        self.exchange(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
         let status = json!({ "kite": self.kite(), "swift": self.swift() });
-        let asked = json!({ "type": "UAV-INF", "ids": ["kite", "swift", "owl"] });
-        self.asks(asked, json!({ "status": status, "error": { "owl": "No such glider" } }));
+        let num_requests = json!({ "type": "UAV-INF", "ids": ["kite", "swift", "owl"] });
+        self.exchange(num_requests, json!({ "status": status, "error": { "owl": "No such glider" } }));
         self.report();
-        self.tells(json!({ "type": "OBJ-DEL", "ids": ["vane"] }));
-        self.asks(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift"] }));
+        self.notify(json!({ "type": "OBJ-DEL", "ids": ["vane"] }));
+        self.exchange(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift"] }));
         let items = json!([{ "message": "Thermals in the east", "severity": "info", "sender": "kite" }]);
-        self.tells(json!({ "type": "SYS-MSG", "items": items }));
+        self.notify(json!({ "type": "SYS-MSG", "items": items }));
     }
 
     /// States that come by themselves.
     fn report(&mut self) {
         let status = json!({ "kite": self.kite(), "swift": self.swift() });
-        self.tells(json!({ "type": "UAV-INF", "status": status }));
+        self.notify(json!({ "type": "UAV-INF", "status": status }));
     }
 
     fn kite(&self) -> Value {
@@ -251,29 +253,29 @@ impl Session {
     /// What takes longer than an answer may.
     fn operations(&mut self) {
         let answer = json!({ "receipt": { "kite": "rcpt-1" }, "result": { "swift": true }, "error": { "owl": "No such glider" } });
-        self.asks(json!({ "type": "UAV-TAKEOFF", "ids": ["kite", "swift", "owl"] }), answer);
+        self.exchange(json!({ "type": "UAV-TAKEOFF", "ids": ["kite", "swift", "owl"] }), answer);
         let progress = json!({ "percentage": 40, "message": "Winch is pulling" });
-        self.tells(json!({ "type": "ASYNC-ST", "id": "rcpt-1", "progress": progress }));
+        self.notify(json!({ "type": "ASYNC-ST", "id": "rcpt-1", "progress": progress }));
         let waits = json!({ "percentage": 70 });
-        self.tells(json!({ "type": "ASYNC-ST", "id": "rcpt-1", "progress": waits, "suspended": true }));
+        self.notify(json!({ "type": "ASYNC-ST", "id": "rcpt-1", "progress": waits, "suspended": true }));
         let resume =
             json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-1", "rcpt-9"], "values": { "rcpt-1": "let go" } });
-        self.asks(resume, json!({ "success": ["rcpt-1"], "error": { "rcpt-9": "Unknown" } }));
-        self.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "result": true }));
+        self.exchange(resume, json!({ "success": ["rcpt-1"], "error": { "rcpt-9": "Unknown" } }));
+        self.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "result": true }));
         let answer = json!({ "receipt": { "kite": "rcpt-2", "swift": "rcpt-3" } });
-        self.asks(json!({ "type": "OBJ-CMD", "ids": ["kite", "swift"], "command": "flaps" }), answer);
-        self.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-2"] }));
+        self.exchange(json!({ "type": "OBJ-CMD", "ids": ["kite", "swift"], "command": "flaps" }), answer);
+        self.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-2"] }));
         let cancel = json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-3"] });
-        self.asks(cancel, json!({ "success": ["rcpt-3"] }));
-        self.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-3", "error": "Cancelled" }));
-        self.asks(
+        self.exchange(cancel, json!({ "success": ["rcpt-3"] }));
+        self.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-3", "error": "Cancelled" }));
+        self.exchange(
             json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "7" }),
             json!({ "receipt": "rcpt-4" }),
         );
         let log = json!({ "id": "7", "kind": "text", "body": "Took off" });
-        self.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-4", "result": log }));
+        self.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-4", "result": log }));
         let set = json!({ "type": "PRM-SET-MANY", "ids": ["kite"], "parameters": { "FLAPS": 2, "GEAR": 1 } });
-        self.asks(set, json!({ "result": { "kite": { "success": false, "failed": ["GEAR"] } } }));
+        self.exchange(set, json!({ "result": { "kite": { "success": false, "failed": ["GEAR"] } } }));
     }
 
     /// One of each that is left.
@@ -282,39 +284,39 @@ impl Session {
         let winch =
             json!({ "id": "winch", "purpose": "uavRadioLink", "status": "connected", "timestamp": now });
         let missing = json!({ "gone": "Unknown" });
-        let told = json!({ "status": { "winch": winch }, "error": missing });
-        self.asks(json!({ "type": "CONN-INF", "ids": ["winch", "gone"] }), told);
-        self.tells(json!({ "type": "CONN-INF", "status": { "winch": winch } }));
+        let notified = json!({ "status": { "winch": winch }, "error": missing });
+        self.exchange(json!({ "type": "CONN-INF", "ids": ["winch", "gone"] }), notified);
+        self.notify(json!({ "type": "CONN-INF", "status": { "winch": winch } }));
         let clock = json!({ "id": "day", "retrievedAt": now, "running": true, "ticks": 5 });
-        let told = json!({ "status": { "day": clock }, "error": missing });
-        self.asks(json!({ "type": "CLK-INF", "ids": ["day", "gone"] }), told);
+        let notified = json!({ "status": { "day": clock }, "error": missing });
+        self.exchange(json!({ "type": "CLK-INF", "ids": ["day", "gone"] }), notified);
         let paths = json!(["/kite/vario", "/kite/none"]);
         let error = json!({ "/kite/none": "No such channel" });
-        let told = json!({ "values": { "/kite/vario": 1.5 }, "error": error });
-        self.asks(json!({ "type": "DEV-INF", "paths": paths }), told);
-        let told = json!({ "success": ["/kite/vario"], "error": error });
-        self.asks(json!({ "type": "DEV-SUB", "paths": paths }), told);
-        self.tells(json!({ "type": "DEV-INF", "values": { "/kite/vario": -0.5 } }));
-        let told = json!({ "devices": { "kite": { "type": "object" } }, "error": missing });
-        self.asks(json!({ "type": "DEV-LIST", "ids": ["kite", "gone"] }), told);
+        let notified = json!({ "values": { "/kite/vario": 1.5 }, "error": error });
+        self.exchange(json!({ "type": "DEV-INF", "paths": paths }), notified);
+        let notified = json!({ "success": ["/kite/vario"], "error": error });
+        self.exchange(json!({ "type": "DEV-SUB", "paths": paths }), notified);
+        self.notify(json!({ "type": "DEV-INF", "values": { "/kite/vario": -0.5 } }));
+        let notified = json!({ "devices": { "kite": { "type": "object" } }, "error": missing });
+        self.exchange(json!({ "type": "DEV-LIST", "ids": ["kite", "gone"] }), notified);
         let beacon = json!({ "id": "mast", "timestamp": now, "active": true });
-        let told = json!({ "status": { "mast": beacon }, "error": missing });
-        self.asks(json!({ "type": "BCN-INF", "ids": ["mast", "gone"] }), told);
+        let notified = json!({ "status": { "mast": beacon }, "error": missing });
+        self.exchange(json!({ "type": "BCN-INF", "ids": ["mast", "gone"] }), notified);
         let weather = json!({ "position": [465_410_000, 115_520_000], "timestamp": now, "windSpeed": 6200 });
-        let told = json!({ "status": { "ridge": weather }, "error": missing });
-        self.asks(json!({ "type": "WTH-INF", "ids": ["ridge", "gone"] }), told);
-        let place = json!({ "type": "WTH-AT", "position": [465_410_000, 115_520_000] });
-        self.asks(place, json!({ "weather": weather }));
+        let notified = json!({ "status": { "ridge": weather }, "error": missing });
+        self.exchange(json!({ "type": "WTH-INF", "ids": ["ridge", "gone"] }), notified);
+        let location = json!({ "type": "WTH-AT", "position": [465_410_000, 115_520_000] });
+        self.exchange(location, json!({ "weather": weather }));
         let preset = json!({ "title": "Field", "format": "auto", "sources": ["tcp://field:9000"] });
-        let told = json!({ "preset": { "field": preset }, "error": missing });
-        self.asks(json!({ "type": "RTK-INF", "ids": ["field", "gone"] }), told);
-        self.asks_other(json!({ "type": "RTK-SOURCE", "id": "field" }), json!({ "type": "ACK-ACK" }));
+        let notified = json!({ "preset": { "field": preset }, "error": missing });
+        self.exchange(json!({ "type": "RTK-INF", "ids": ["field", "gone"] }), notified);
+        self.exchange_with(json!({ "type": "RTK-SOURCE", "id": "field" }), json!({ "type": "ACK-ACK" }));
         let extension = json!({ "id": "wind", "loaded": true, "name": "Wind" });
-        let told = json!({ "status": { "wind": extension }, "error": missing });
-        self.asks(json!({ "type": "EXT-INF", "ids": ["wind", "gone"] }), told);
+        let notified = json!({ "status": { "wind": extension }, "error": missing });
+        self.exchange(json!({ "type": "EXT-INF", "ids": ["wind", "gone"] }), notified);
         let checks = json!({ "result": "pass", "items": [{ "id": "spoilers", "result": "pass" }] });
-        let told = json!({ "status": { "kite": checks }, "error": missing });
-        self.asks(json!({ "type": "UAV-PREFLT", "ids": ["kite", "gone"] }), told);
+        let notified = json!({ "status": { "kite": checks }, "error": missing });
+        self.exchange(json!({ "type": "UAV-PREFLT", "ids": ["kite", "gone"] }), notified);
     }
 
     /// Changes the body of the first response of the server that has this type.

@@ -48,16 +48,16 @@ pub(super) fn tried(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> b
 
 /// True if any response would be in the session.
 fn is_over(exchange: &Exchange<'_>) -> bool {
-    exchange.record.note.is_some() && exchange.record.connection.is_told
+    exchange.record.note.is_some() && exchange.record.connection.is_ordered
 }
 
 /// Reports a request that tries the rule and gets no response or no connection. The subject is the part of `how` before
 /// the first colon: several ways of trying show one weakness.
 fn unserved(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, what: &str, actual: &str, how: &str) {
-    let type_name = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
+    let type_name = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
     let (way, kind) = how.split_once(": ").unwrap_or((how, ""));
     let subject = if way.is_empty() { type_name.unwrap_or("message") } else { way };
-    context.violation(subject, exchange.record.place, || {
+    context.violation(subject, exchange.record.location, || {
         let why = match exchange.record.note {
             // The client itself gave up.
             None | Some("client") => String::new(),
@@ -79,7 +79,7 @@ pub(super) fn served(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> 
     let Some((actual, reason)) = refusal(exchange) else { return true };
     let way =
         exchange.tried(context.rule).and_then(|how| how.split(": ").next()).filter(|way| !way.is_empty());
-    context.violation(way.unwrap_or(actual), exchange.record.place, || {
+    context.violation(way.unwrap_or(actual), exchange.record.location, || {
         Detail::new(match reason {
             Some(reason) => format!("refused: {}", body::quoted(reason)),
             None => "refused".to_owned(),
@@ -106,11 +106,11 @@ pub(super) fn in_error(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, t
     if !served(exchange, context) {
         return;
     }
-    let Some((asked, parts)) = reply::replied(exchange, types) else { return };
-    let stands = |object: &str, part: &str| reply::named(exchange, part).any(|other| other == object);
-    let is_told = |object: &String| parts.iter().any(|part| stands(object, part));
-    let wrong = asked.first().filter(|_| asked.iter().all(is_told));
-    if let Some(object) = wrong.filter(|_| !asked.iter().any(|object| stands(object, "error"))) {
+    let Some((request, parts)) = reply::replied(exchange, types) else { return };
+    let listed_in = |object: &str, part: &str| reply::named(exchange, part).any(|other| other == object);
+    let is_ordered = |object: &String| parts.iter().any(|part| listed_in(object, part));
+    let wrong = request.first().filter(|_| request.iter().all(is_ordered));
+    if let Some(object) = wrong.filter(|_| !request.iter().any(|object| listed_in(object, "error"))) {
         exchange.violates(context, || {
             Detail::new(format!("{} has no entry in `error`", body::quoted(object)))
                 .at("/body")

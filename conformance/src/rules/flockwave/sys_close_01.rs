@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Detail, Fault, FlockwaveRule, Level, Message, Mutant, Needs, Role, Rule,
-    RuleContext, Shape, Status, body, mutant, source, sys_close_02,
+    Attribution, Bug, Check, Detail, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Needs,
+    Role, Rule, RuleContext, Status, body, mutant, source, sys_close_02,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "SYS-CLOSE is a notification with an optional string `reason`.",
         source: source::MESSAGES,
         applies_to: "SYS-CLOSE",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-CLOSE"], "reason", &[Fault::Kind])],
@@ -50,5 +53,5 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.role != Role::Notification {
         message.violates(context, || Detail::new("it has `refs`, and is a notification"));
     }
-    body::field(message, context, "reason", false, &Shape::Nullable(&Shape::Text));
+    body::field(message, context, "reason", false, &ExpectedValue::Nullable(&ExpectedValue::Text));
 }

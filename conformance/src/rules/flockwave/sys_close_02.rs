@@ -16,6 +16,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "After SYS-CLOSE the server closes the connection.",
         source: source::DERIVED,
         applies_to: "SYS-CLOSE over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(Closing::default()))],
     covers: &[],
@@ -30,7 +33,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         make: || {
             let mut session = Session::new();
             let closed = session.lines.pop()?;
-            session.tells(json!({ "type": "SYS-MSG", "items": [{ "message": "One more thing" }] }));
+            session.notify(json!({ "type": "SYS-MSG", "items": [{ "message": "One more thing" }] }));
             session.lines.push(closed);
             Some(session.to_bytes())
         },
@@ -39,24 +42,24 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// How much is kept, in bytes.
-const LIMIT: usize = 1 << 20;
+const MEMORY_LIMIT: usize = 1 << 20;
 
 /// The connections that are to be closed.
 struct Closing(Remembered<u64, ()>);
 
 impl Default for Closing {
     fn default() -> Self {
-        Self(Remembered::new(LIMIT))
+        Self(Remembered::new(MEMORY_LIMIT))
     }
 }
 
 impl SessionCheck for Closing {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.is_of_server() || !exchange.record.connection.is_told {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         if self.0.remove(&exchange.serial).is_some() {
-            exchange.violates(context, goes_on);
+            exchange.violates(context, still_sends);
         }
         if exchange.body_of("SYS-CLOSE").is_some() {
             context.covered();
@@ -65,12 +68,12 @@ impl SessionCheck for Closing {
     }
 
     fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
-        if report.connection().is_told && self.0.remove(&report.connection_id().serial).is_some() {
-            report.violates(context, goes_on);
+        if report.connection().is_ordered && self.0.remove(&report.connection_id().serial).is_some() {
+            report.violates(context, still_sends);
         }
     }
 }
 
-fn goes_on() -> Detail {
+fn still_sends() -> Detail {
     Detail::new("the server speaks on after SYS-CLOSE")
 }

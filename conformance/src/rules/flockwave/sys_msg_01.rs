@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status, Tree,
-    attribution, body, mutant, source,
+    Attribution, Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
+    Tree, attribution, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`items` is a list, and each has a string `message`.",
         source: source::MESSAGES,
         applies_to: "SYS-MSG",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -46,11 +49,11 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.body_of("SYS-MSG").is_none() {
         return;
     }
-    body::field(message, context, "items", true, &Shape::List(&Shape::Object));
+    body::field(message, context, "items", true, &ExpectedValue::List(&ExpectedValue::Object));
     if let Some(Tree::List(items)) = message.field("items") {
         for (at, item) in items.iter().enumerate().filter(|(_, item)| matches!(item, Tree::Object(_))) {
             let keys = ["body", "items", &at.to_string()];
-            body::member(message, context, Some(item), &keys, ("message", true), &Shape::Text);
+            body::member(message, context, Some(item), &keys, ("message", true), &ExpectedValue::Text);
         }
     }
 }

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status, Tree,
-    attribution, body, mutant, source,
+    Attribution, Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
+    Tree, attribution, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`severity` of an item is debug, info, warning, error or critical.",
         source: source::MESSAGES,
         applies_to: "SYS-MSG",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-MSG"], "items.*.severity", attribution::WRONG)],
@@ -31,7 +34,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-const SEVERITY: Shape = Shape::Nullable(&Shape::OneOf(&["debug", "info", "warning", "error", "critical"]));
+const SEVERITY: ExpectedValue =
+    ExpectedValue::Nullable(&ExpectedValue::OneOf(&["debug", "info", "warning", "error", "critical"]));
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     let Some(Tree::List(items)) = message.body_of("SYS-MSG").and_then(|body| body.get("items")) else {

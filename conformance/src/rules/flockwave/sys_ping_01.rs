@@ -17,11 +17,14 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "SYS-PING is answered with ACK-ACK.",
         source: source::MESSAGES,
         applies_to: "SYS-PING",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("SYS-PING is answered with ACK-NAK.", |out| {
-        if out.asked() == Some("SYS-PING") {
+        if out.request_type() == Some("SYS-PING") {
             out.message()["body"] = json!({ "type": "ACK-NAK" });
         }
     }),
@@ -42,8 +45,8 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if is_trial && !served::served(exchange, context) {
         return;
     }
-    let asked = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
-    if exchange.role != Role::Response || !exchange.is_of_server() || asked != Some("SYS-PING") {
+    let request = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
+    if exchange.role != Role::Response || !exchange.is_from_server() || request != Some("SYS-PING") {
         return;
     }
     if !is_trial {

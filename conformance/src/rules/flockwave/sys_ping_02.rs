@@ -15,11 +15,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "SYS-PING isn't answered with SYS-PING.",
         source: source::MESSAGES,
         applies_to: "SYS-PING",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("SYS-PING is answered with SYS-PING.", |out| {
-        if out.asked() == Some("SYS-PING") {
+        if out.request_type() == Some("SYS-PING") {
             out.message()["body"] = json!({ "type": "SYS-PING" });
         }
     })
@@ -33,8 +36,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let asked = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
-    if exchange.role != Role::Response || !exchange.is_of_server() || asked != Some("SYS-PING") {
+    let request = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
+    if exchange.role != Role::Response || !exchange.is_from_server() || request != Some("SYS-PING") {
         return;
     }
     context.covered();

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    Attribution, Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
     attribution, body, mutant, source,
 };
 
@@ -17,9 +17,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`ports` maps names to ports, 1 to 65535.",
         source: source::MESSAGES,
         applies_to: "SYS-PORTS",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
-    covers: &[Attribution::new(&["SYS-PORTS"], "ports.**", attribution::UNFIT)],
+    covers: &[Attribution::new(&["SYS-PORTS"], "ports.**", attribution::INVALID)],
     bug: Bug::message("Ports are texts.", |out| {
         for port in out.ports() {
             *port = json!(port.to_string());
@@ -42,6 +45,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.body_of("SYS-PORTS").is_some() {
-        body::field(message, context, "ports", true, &Shape::Map(&Shape::Integer(1, 65535)));
+        body::field(message, context, "ports", true, &ExpectedValue::Map(&ExpectedValue::Integer(1, 65535)));
     }
 }

@@ -5,7 +5,7 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
     RuleContext, SessionCheck, Status, Tree, mutant, source,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
@@ -19,6 +19,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Where SYS-PORTS lists the transport that is in use, it is with the port that is in use.",
         source: source::DERIVED,
         applies_to: "SYS-PORTS on connections whose URL is known",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(Used::default()))],
     covers: &[],
@@ -33,7 +36,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "another port",
         make: || {
             let ports = json!({ "ports": { "tcp": 7004, "udp": 7002 } });
-            mutant::over("tcp#9", |session| session.asks(json!({ "type": "SYS-PORTS" }), ports))
+            mutant::over("tcp#9", |session| session.exchange(json!({ "type": "SYS-PORTS" }), ports))
         },
         also: &[],
     }],
@@ -46,11 +49,11 @@ struct Used(PerConnection<Option<(&'static str, u16)>>);
 impl SessionCheck for Used {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if exchange.role == Role::Event && exchange.record.text == "connect" {
-            *self.0.of(exchange) = exchange.record.note.and_then(in_use);
+            *self.0.get(exchange) = exchange.record.note.and_then(in_use);
             return;
         }
         let Some(body) = exchange.response("SYS-PORTS") else { return };
-        let Some((transport, port)) = *self.0.of(exchange) else { return };
+        let Some((transport, port)) = *self.0.get(exchange) else { return };
         let Some(Tree::Int(listed)) = body.get("ports").and_then(|ports| ports.get(transport)) else {
             return;
         };
@@ -62,7 +65,7 @@ impl SessionCheck for Used {
         }
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.0.clear();
     }
 }

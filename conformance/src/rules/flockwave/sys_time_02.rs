@@ -18,6 +18,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The time that a server tells lies between sending the request and receiving the answer, but for an offset that stays the same.",
         source: source::DERIVED,
         applies_to: "SYS-TIME over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -31,8 +34,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             name: "the second answer is ahead",
             make: || {
                 let later = |session: &mut Session| {
-                    session
-                        .asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_800_000_000_000_u64 }));
+                    session.exchange(
+                        json!({ "type": "SYS-TIME" }),
+                        json!({ "timestamp": 1_800_000_000_000_u64 }),
+                    );
                 };
                 mutant::then(later)
             },
@@ -42,8 +47,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             name: "the time goes back",
             make: || {
                 let before = |session: &mut Session| {
-                    session
-                        .asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_780_000_000_000_u64 }));
+                    session.exchange(
+                        json!({ "type": "SYS-TIME" }),
+                        json!({ "timestamp": 1_780_000_000_000_u64 }),
+                    );
                 };
                 mutant::then(before)
             },

@@ -19,6 +19,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "An `adjustment` of 0 leaves the server's clock as it is.",
         source: source::MESSAGES,
         applies_to: "SYS-TIME over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -38,7 +41,7 @@ fn adjusted(first: usize) -> Option<Vec<u8>> {
             request["type"] = "SYS-TIME".into();
             let ahead = if at < first { 0 } else { 3_600_000 };
             let answer = json!({ "timestamp": session.now() + 40 + ahead });
-            session.asks(request, answer);
+            session.exchange(request, answer);
         }
     })
 }

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    Attribution, Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
     attribution, body, mutant, source,
 };
 
@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`software` is a string.",
         source: source::MESSAGES,
         applies_to: "SYS-VER",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-VER"], "software", attribution::MISSING)],
@@ -38,6 +41,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.body_of("SYS-VER").is_some() {
-        body::field(message, context, "software", true, &Shape::Text);
+        body::field(message, context, "software", true, &ExpectedValue::Text);
     }
 }

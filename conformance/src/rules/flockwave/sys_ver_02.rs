@@ -15,9 +15,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`version` is a string of one to three numbers with dots between them.",
         source: source::MESSAGES,
         applies_to: "SYS-VER",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
-    covers: &[Attribution::new(&["SYS-VER"], "version", attribution::UNFIT)],
+    covers: &[Attribution::new(&["SYS-VER"], "version", attribution::INVALID)],
     bug: Bug::message("The version of the software is a word.", |out| {
         out.set("SYS-VER", "version", json!("newest"));
     }),

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
-    body, mutant, source,
+    Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext,
+    Status, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`name` and `revision`, where they are present, are strings.",
         source: source::MESSAGES,
         applies_to: "SYS-VER",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -41,7 +44,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.body_of("SYS-VER").is_some() {
-        body::field(message, context, "name", false, &Shape::Nullable(&Shape::Text));
-        body::field(message, context, "revision", false, &Shape::Nullable(&Shape::Text));
+        body::field(message, context, "name", false, &ExpectedValue::Nullable(&ExpectedValue::Text));
+        body::field(message, context, "revision", false, &ExpectedValue::Nullable(&ExpectedValue::Text));
     }
 }

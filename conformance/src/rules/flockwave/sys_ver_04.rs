@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
     SessionCheck, Status, Tree, body, mutant, source,
 };
 use crate::json::pointer;
@@ -16,6 +16,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "SYS-VER says the same each time.",
         source: source::DERIVED,
         applies_to: "SYS-VER over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(Versions::default()))],
     covers: &[],
@@ -30,7 +33,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             mutant::over("tcp#9", |session| {
                 for revision in ["b7", "b8"] {
                     let version = json!({ "software": "Windward", "version": "3.1", "revision": revision });
-                    session.asks(json!({ "type": "SYS-VER" }), version);
+                    session.exchange(json!({ "type": "SYS-VER" }), version);
                 }
             })
         },
@@ -50,7 +53,8 @@ struct Versions(PerConnection<Option<[Option<String>; FIELDS.len()]>>);
 
 impl SessionCheck for Versions {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        let Some(body) = exchange.response("SYS-VER").filter(|_| exchange.record.connection.is_told) else {
+        let Some(body) = exchange.response("SYS-VER").filter(|_| exchange.record.connection.is_ordered)
+        else {
             return;
         };
         let text = |value: &Tree<'_>| match value {
@@ -58,19 +62,20 @@ impl SessionCheck for Versions {
             other => other.to_string(),
         };
         let now = FIELDS.map(|field| body.get(field).map(text));
-        let Some(before) = self.0.of(exchange).replace(now.clone()) else { return };
+        let Some(before) = self.0.get(exchange).replace(now.clone()) else { return };
         context.covered();
         let changed = FIELDS.iter().zip(before).zip(now).find(|((_, before), now)| before != now);
         if let Some(((field, before), now)) = changed {
-            let told = |value: Option<String>| {
+            let reported = |value: Option<String>| {
                 value.map_or_else(|| "nothing".to_owned(), |text| body::quoted(&text))
             };
-            exchange
-                .violates(context, || Detail::differs(told(before), told(now)).at(pointer(&["body", field])));
+            exchange.violates(context, || {
+                Detail::differs(reported(before), reported(now)).at(pointer(&["body", field]))
+            });
         }
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.0.clear();
     }
 }

@@ -4,7 +4,7 @@
 //! with is no JSON at all, of which another rule tells.
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Mutant, Place, Rule, RuleContext,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Location, Mutant, Rule, RuleContext,
     SessionCheck, Status, StatusReport, lines, mutant, source,
 };
 
@@ -16,8 +16,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Over TCP each message ends with a line break, and holds none.",
         source: source::TRANSPORT,
         applies_to: "messages of the server on connections whose name begins with `tcp`",
+        why: "",
+        example: "",
+        fix: "",
     },
-    checks: &[Check::Session(|| Box::new(Broken::default()))],
+    checks: &[Check::Session(|| Box::new(SplitMessages::default()))],
     covers: &[],
     bug: Bug::behaviour("Over TCP, notifications are written in several lines."),
     trial: None,
@@ -33,7 +36,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                         "\"vane\"",
                         "] } }",
                     ] {
-                        session.says_raw(line);
+                        session.send_raw(line);
                     }
                 })
             },
@@ -45,7 +48,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                 let message = |id: &str| {
                     format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
                 };
-                mutant::over("tcp#9", |session| session.says_raw(&["a", "b", "c"].map(message).join(" ")))
+                mutant::over("tcp#9", |session| session.send_raw(&["a", "b", "c"].map(message).join(" ")))
             },
             also: &[],
         },
@@ -54,11 +57,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 
 /// Messages that are broken into lines.
 #[derive(Default)]
-struct Broken(Lines);
+struct SplitMessages(Lines);
 
-impl SessionCheck for Broken {
+impl SessionCheck for SplitMessages {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if exchange.is_of_server() && lines::is_called(exchange.record.connection, "tcp") {
+        if exchange.is_from_server() && lines::is_called(exchange.record.connection, "tcp") {
             context.covered();
         }
         if lines::are_several(exchange, "tcp") {
@@ -70,7 +73,7 @@ impl SessionCheck for Broken {
         }
         self.0.other.clear();
         for (line, count) in self.0.whole.drain(..) {
-            context.violation("message", line.place, || {
+            context.violation("message", line.location, || {
                 Detail::new(format!("a message in {count} lines"))
                     .expected("one line")
                     .actual(format!("{count} lines"))
@@ -87,7 +90,7 @@ impl SessionCheck for Broken {
         self.0.other.clear();
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.0.part_all();
     }
 }

@@ -1,8 +1,8 @@
 //! `FW-TCP-02`.
 
 use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, SOON, Sent, Status, Step, Strain, Trial, mutant,
-    served, source,
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, SHORT_PAUSE, Sent, Status, Step, Strain, Trial,
+    mutant, served, source,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
 
@@ -14,6 +14,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Over TCP a message may come in several segments, and several in one.",
         source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],
@@ -33,8 +36,8 @@ fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
     let (one, two) = (|| Sent::request("one", "SYS-VER"), || Sent::request("two", "SYS-VER"));
     let noise = Sent::text("the wind turns", None);
     vec![
-        Attempt::new("a message in two segments", [Step::Pieces(one(), 2, SOON)]),
-        Attempt::new("a message in many segments", [Step::Pieces(one(), 12, SOON / 4)]),
+        Attempt::new("a message in two segments", [Step::Pieces(one(), 2, SHORT_PAUSE)]),
+        Attempt::new("a message in many segments", [Step::Pieces(one(), 12, SHORT_PAUSE / 4)]),
         Attempt::new("two messages in one segment", [Step::Together(vec![one(), two()])]),
         Attempt::new(
             "a message in one segment with a line that is no JSON",

@@ -16,6 +16,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Over TCP half a message waits for the rest of it.",
         source: source::DERIVED,
         applies_to: served::APPLIES_TO,
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],
@@ -30,12 +33,12 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// The pause after which a server may think that nothing follows.
-const LATE: Duration = Duration::from_millis(1_200);
+const LONG_PAUSE: Duration = Duration::from_millis(1_200);
 
 fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
     if !matches!(endpoint, Endpoint::Tcp(_)) {
         return Vec::new();
     }
-    let late = Step::Pieces(Sent::request("one", "SYS-VER"), 2, LATE);
+    let late = Step::Pieces(Sent::request("one", "SYS-VER"), 2, LONG_PAUSE);
     vec![Attempt::new("a message whose second half comes late", [late])]
 }

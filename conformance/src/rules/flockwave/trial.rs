@@ -9,13 +9,13 @@ use crate::flockwave::transport::endpoint::Endpoint;
 use crate::model::Rule;
 
 /// The pause between the pieces of a message that follow each other soon.
-pub(super) const SOON: Duration = Duration::from_millis(60);
+pub(super) const SHORT_PAUSE: Duration = Duration::from_millis(60);
 
 /// An id that no object has.
-pub(crate) const NOBODY: &str = "nobody-knows-this";
+pub(crate) const UNKNOWN_ID: &str = "nobody-knows-this";
 
 /// Texts that are no JSON, by kind.
-const NOISE: [(&str, &[u8]); 4] = [
+const INVALID_TEXTS: [(&str, &[u8]); 4] = [
     ("words", b"the wind turns"),
     ("a message that is cut off", b"{\"$fw.version\":\"1.0\",\"id\":\"cut"),
     ("bytes that are no UTF-8", b"\xff\xfe\x00\x01"),
@@ -138,7 +138,7 @@ pub(super) fn after_noise(before: &str, ids: &[&str]) -> Vec<Attempt> {
         let steps: Vec<Step> = [noise].into_iter().chain(ids.iter().map(|id| Step::request(id))).collect();
         Attempt::new(format!("{before}: {kind}"), steps)
     };
-    NOISE.into_iter().map(attempt).collect()
+    INVALID_TEXTS.into_iter().map(attempt).collect()
 }
 
 /// All requests that try rules over the connection of the survey.

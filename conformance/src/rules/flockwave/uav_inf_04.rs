@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
-    attribution, body, mutant, source,
+    Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext,
+    Status, attribution, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`error` maps ids to strings.",
         source: source::SCHEMA,
         applies_to: "UAV-INF",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -43,6 +46,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.body_of("UAV-INF").is_some() {
-        body::field(message, context, "error", false, &Shape::Nullable(&Shape::Map(&Shape::Text)));
+        body::field(
+            message,
+            context,
+            "error",
+            false,
+            &ExpectedValue::Nullable(&ExpectedValue::Map(&ExpectedValue::Text)),
+        );
     }
 }

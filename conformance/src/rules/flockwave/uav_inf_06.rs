@@ -14,22 +14,25 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The id of a UAV that nobody knows has an entry in `error`, and the request isn't refused.",
         source: source::DERIVED,
         applies_to: "UAV-INF that tries it",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(|exchange, context| served::in_error(exchange, context, &["UAV-INF"]))],
     covers: &[],
     bug: Bug::behaviour("An unknown UAV makes the whole request fail."),
     trial: Some(Trial::Requests(|_| {
-        vec![Request::new("", json!({ "type": "UAV-INF", "ids": [trial::NOBODY] }))]
+        vec![Request::new("", json!({ "type": "UAV-INF", "ids": [trial::UNKNOWN_ID] }))]
     })),
     mutants: &[
         Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant {
             name: "the UAV has a state",
             make: || {
-                let asked = json!({ "type": "UAV-INF", "ids": ["nobody"] });
+                let request = json!({ "type": "UAV-INF", "ids": ["nobody"] });
                 let status = json!({ "nobody": { "id": "nobody", "timestamp": 1_790_000_000_000_u64 } });
-                let told = json!({ "type": "UAV-INF", "status": status });
-                mutant::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", asked, told))
+                let reported = json!({ "type": "UAV-INF", "status": status });
+                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, reported))
             },
             also: &[],
         },

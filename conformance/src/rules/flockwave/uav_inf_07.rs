@@ -14,6 +14,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "UAV-INF serves a request without ids, and one that has an id twice.",
         source: source::DERIVED,
         applies_to: "UAV-INF that tries it",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(listed_uavs::Unknown::to_repeated_ids()))],
     covers: &[],
@@ -24,11 +27,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a UAV that is asked for twice isn't known",
             make: || {
-                let asked = json!({ "type": "UAV-INF", "ids": ["kite", "kite"] });
+                let request = json!({ "type": "UAV-INF", "ids": ["kite", "kite"] });
                 let error = json!({ "type": "UAV-INF", "error": { "kite": "Again" } });
                 mutant::over("tcp#9", |session| {
                     listed_uavs::listed_twice(session, |session| {
-                        session.tries_and_hears(&RULE.rule, "", asked, error);
+                        session.tries_and_receives(&RULE.rule, "", request, error);
                     });
                 })
             },

@@ -16,6 +16,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The timestamp of a UAV doesn't go back.",
         source: source::DERIVED,
         applies_to: "UAV-INF over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(Latest::default()))],
     covers: &[],
@@ -32,7 +35,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// How much is kept, in bytes.
-const LIMIT: usize = 4 << 20;
+const MEMORY_LIMIT: usize = 4 << 20;
 
 /// The longest id that is kept, in bytes: 64 characters of up to four.
 const MAX_ID: usize = 256;
@@ -42,13 +45,13 @@ struct Latest(Ids<i128>);
 
 impl Default for Latest {
     fn default() -> Self {
-        Self(Ids::new(LIMIT))
+        Self(Ids::new(MEMORY_LIMIT))
     }
 }
 
 impl SessionCheck for Latest {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.record.connection.is_told {
+        if !exchange.record.connection.is_ordered {
             return;
         }
         for (uav, state) in body::members(exchange.body_of("UAV-INF"), "status") {
@@ -59,7 +62,7 @@ impl SessionCheck for Latest {
     }
 
     fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
-        if !report.connection().is_told {
+        if !report.connection().is_ordered {
             return;
         }
         for (uav, timestamp) in report.timestamps() {

@@ -1,7 +1,7 @@
 //! `FW-UAV-LIST-01`.
 
 use super::{
-    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    Attribution, Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
     attribution, body, mutant, source,
 };
 
@@ -13,6 +13,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`ids` is a list of strings.",
         source: source::MESSAGES,
         applies_to: "UAV-LIST",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -37,6 +40,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.body_of("UAV-LIST").is_some() {
-        body::field(message, context, "ids", true, &Shape::List(&Shape::Text));
+        body::field(message, context, "ids", true, &ExpectedValue::List(&ExpectedValue::Text));
     }
 }

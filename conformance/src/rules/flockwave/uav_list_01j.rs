@@ -1,8 +1,8 @@
 //! `FW-UAV-LIST-01J`.
 
 use super::{
-    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
-    Tree, body, mutant, source,
+    Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext,
+    Status, Tree, body, mutant, source,
 };
 use crate::flockwave::body_schema::Mismatch;
 
@@ -14,6 +14,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The `ids` are unique, and each has 1 to 64 characters, none of them `/`.",
         source: source::SCHEMA,
         applies_to: "UAV-LIST",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -40,7 +43,8 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     let Some(Tree::List(ids)) = message.body_of("UAV-LIST").and_then(|body| body.get("ids")) else { return };
     body::unique(message, context, "ids");
     // What is no string is another rule's matter.
-    let wrong = ids.iter().filter(|id| id.as_str().is_some()).find_map(|id| Shape::ObjectId.mismatch(id));
+    let wrong =
+        ids.iter().filter(|id| id.as_str().is_some()).find_map(|id| ExpectedValue::ObjectId.mismatch(id));
     if let Some(found) = wrong {
         body::mismatched(message, context, Mismatch { path: "/body/ids".to_owned(), ..found });
     }

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
     SessionCheck, Status, body, mutant, reply, source,
 };
 
@@ -19,6 +19,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "UAV-LIST has the objects that OBJ-LIST has for the type `uav`.",
         source: source::MESSAGES,
         applies_to: "UAV-LIST and OBJ-LIST over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(Uavs::default()))],
     covers: &[],
@@ -37,9 +40,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// These are listed by UAV-LIST before and after those by OBJ-LIST.
 fn listed(uavs: &[&str], objects: &[&str]) -> Option<Vec<u8>> {
     mutant::over("tcp#9", |session| {
-        session.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
-        session.asks(json!({ "type": "OBJ-LIST", "filter": ["uav"] }), json!({ "ids": objects }));
-        session.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
+        session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
+        session.exchange(json!({ "type": "OBJ-LIST", "filter": ["uav"] }), json!({ "ids": objects }));
+        session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
     })
 }
 
@@ -56,44 +59,49 @@ struct Listed {
     /// The latest list of UAV-LIST.
     uavs: Option<BTreeSet<String>>,
     /// The lists of OBJ-LIST since.
-    objects: Vec<(BTreeSet<String>, Place)>,
+    objects: Vec<(BTreeSet<String>, Location)>,
 }
 
 impl SessionCheck for Uavs {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.is_of_server() || !exchange.record.connection.is_told {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         if exchange.notification("OBJ-DEL").is_some() {
-            return *self.0.of(exchange) = Listed::default();
+            return *self.0.get(exchange) = Listed::default();
         }
         let Some(list) = reply::listed(exchange) else { return };
-        let listed = self.0.of(exchange);
-        if let Some(asked) = exchange.response("OBJ-LIST").and(exchange.asked_same()) {
+        let listed = self.0.get(exchange);
+        if let Some(request) = exchange.response("OBJ-LIST").and(exchange.same_type_request()) {
             let is_of_uavs = |filter: &BTreeSet<String>| filter.len() == 1 && filter.contains("uav");
-            if asked.filter.as_ref().is_some_and(is_of_uavs) && listed.objects.len() < MAX_LISTS {
-                listed.objects.push((list, exchange.record.place));
+            if request.filter.as_ref().is_some_and(is_of_uavs) && listed.objects.len() < MAX_LISTS {
+                listed.objects.push((list, exchange.record.location));
             }
         } else if exchange.response("UAV-LIST").is_some() {
             let objects = std::mem::take(&mut listed.objects);
             if listed.uavs.as_ref() == Some(&list) {
-                for (objects, place) in objects {
-                    compare(&list, &objects, place, context);
+                for (objects, location) in objects {
+                    compare(&list, &objects, location, context);
                 }
             }
             listed.uavs = Some(list);
         }
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.0.clear();
     }
 }
 
-fn compare(uavs: &BTreeSet<String>, objects: &BTreeSet<String>, place: Place, context: &mut RuleContext<'_>) {
+fn compare(
+    uavs: &BTreeSet<String>,
+    objects: &BTreeSet<String>,
+    location: Location,
+    context: &mut RuleContext<'_>,
+) {
     context.covered();
     if let Some(id) = uavs.symmetric_difference(objects).next() {
-        context.violation("UAV-LIST", place, || {
+        context.violation("UAV-LIST", location, || {
             let (has, lacks) =
                 if objects.contains(id) { ("OBJ-LIST", "UAV-LIST") } else { ("UAV-LIST", "OBJ-LIST") };
             let id = body::quoted(id);

@@ -12,6 +12,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "UAV-INF knows each UAV that UAV-LIST lists.",
         source: source::DERIVED,
         applies_to: "UAV-LIST and UAV-INF over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Session(|| Box::new(listed_uavs::Unknown::default()))],
     covers: &[],
@@ -35,7 +38,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             mutant::over("tcp#9", |session| {
                 listed_uavs::listed_twice(session, |session| {
                     let error = json!({ "error": { "kite": "No such glider" } });
-                    session.asks(json!({ "type": "UAV-INF", "ids": ["kite"] }), error);
+                    session.exchange(json!({ "type": "UAV-INF", "ids": ["kite"] }), error);
                 });
             })
         },

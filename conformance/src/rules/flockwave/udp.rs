@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use serde_json::json;
 
 use super::{
-    Detail, Exchange, PerConnection, Place, Role, Rule, RuleContext, SessionCheck, StatusReport, lines,
+    Detail, Exchange, Location, PerConnection, Role, Rule, RuleContext, SessionCheck, StatusReport, lines,
     mutant, served,
 };
 
@@ -36,9 +36,9 @@ const MAX_WAYS: usize = 64;
 #[derive(Default)]
 pub(super) struct Trials {
     /// True if a violation is reported although the server never sent anything over UDP.
-    is_silence_told: bool,
+    is_silence_reported: bool,
     /// Whether something was.
-    is_heard: bool,
+    has_received: bool,
     connections: PerConnection<BTreeMap<String, Outcome>>,
 }
 
@@ -46,30 +46,30 @@ pub(super) struct Trials {
 struct Outcome {
     is_answered: bool,
     /// Where its latest request without an answer stands.
-    place: Place,
+    location: Location,
 }
 
 impl Trials {
     /// Trials that fail whenever none of their requests is answered.
     pub(super) fn new() -> Self {
-        Self { is_silence_told: true, ..Self::default() }
+        Self { is_silence_reported: true, ..Self::default() }
     }
 
     /// Trials that fail only if the server sends something else over UDP.
-    pub(super) fn once_heard() -> Self {
+    pub(super) fn if_server_sends() -> Self {
         Self::default()
     }
 }
 
 impl SessionCheck for Trials {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        self.is_heard |= exchange.is_of_server() && lines::is_called(exchange.record.connection, "udp");
+        self.has_received |= exchange.is_from_server() && lines::is_called(exchange.record.connection, "udp");
         if let Some(trials) = self.connections.closed(exchange) {
             for (how, outcome) in trials {
                 context.covered();
-                if !outcome.is_answered && (self.is_heard || self.is_silence_told) {
+                if !outcome.is_answered && (self.has_received || self.is_silence_reported) {
                     let subject = if how.is_empty() { "message" } else { how.as_str() };
-                    context.violation(subject, outcome.place, || {
+                    context.violation(subject, outcome.location, || {
                         Detail::new("no response to any request").expected("a response").actual("none")
                     });
                 }
@@ -81,19 +81,20 @@ impl SessionCheck for Trials {
         // Of a recording that doesn't show how the connection ended, nobody knows what was to come.
         let is_over = exchange.role == Role::Unanswered && exchange.record.note.is_some();
         if let (Some(how), true) = (exchange.tried(context.rule), is_answered || is_over) {
-            let place = exchange.asked.as_ref().map_or(exchange.record.place, |asked| asked.place);
-            let trials = self.connections.of(exchange);
+            let location =
+                exchange.request.as_ref().map_or(exchange.record.location, |request| request.location);
+            let trials = self.connections.get(exchange);
             let how = if trials.len() < MAX_WAYS { how } else { "" };
-            let outcome = trials.entry(how.to_owned()).or_insert(Outcome { is_answered, place });
+            let outcome = trials.entry(how.to_owned()).or_insert(Outcome { is_answered, location });
             outcome.is_answered |= is_answered;
         }
     }
 
     fn status_report(&mut self, report: &StatusReport<'_>, _: &mut RuleContext<'_>) {
-        self.is_heard |= lines::is_called(report.connection(), "udp");
+        self.has_received |= lines::is_called(report.connection(), "udp");
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.connections.clear();
     }
 }

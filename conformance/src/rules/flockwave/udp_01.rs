@@ -13,6 +13,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Over UDP each datagram holds one message.",
         source: source::TRANSPORT,
         applies_to: "messages of the server on connections whose name begins with `udp`",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(check), Check::StatusReport(check_status_report)],
     covers: &[],
@@ -24,14 +27,14 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             let message = |id: &str| {
                 format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
             };
-            mutant::over("udp#9", |session| session.says_raw(&["a", "b"].map(message).join("\n")))
+            mutant::over("udp#9", |session| session.send_raw(&["a", "b"].map(message).join("\n")))
         },
         also: &[],
     }],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if !exchange.is_of_server() || !lines::is_called(exchange.record.connection, "udp") {
+    if !exchange.is_from_server() || !lines::is_called(exchange.record.connection, "udp") {
         return;
     }
     context.covered();

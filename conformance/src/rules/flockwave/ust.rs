@@ -18,6 +18,9 @@ pub(super) const RULE: Rule = Rule {
     statement: "",
     source: source::TYPES,
     applies_to: "states of UAV-INF",
+    why: "",
+    example: "",
+    fix: "",
 };
 
 /// The session in which a field of a state has another value.

@@ -32,7 +32,7 @@ pub(crate) struct Message<'t> {
 
 impl<'t> Message<'t> {
     /// The message of a record, if it is one of the server.
-    pub(crate) fn of(exchange: &'t Exchange<'t>) -> Option<Self> {
+    pub(crate) fn from_exchange(exchange: &'t Exchange<'t>) -> Option<Self> {
         let value = exchange.message()?;
         let Exchange { role, id, body, type_name, ref deviations, .. } = *exchange;
         Some(Self { role, value, id, body, type_name, deviations: deviations.as_deref(), exchange })
@@ -67,7 +67,7 @@ impl<'t> Message<'t> {
     pub(super) fn deviates(&self, context: &mut RuleContext<'_>, field: &str, deviation: &Deviation) {
         let name = self.exchange.subject();
         let subject = if field.is_empty() { name } else { format!("{name}.{field}").into() };
-        context.violation_of(&subject, self.exchange.record.place, deviation.definition, || {
+        context.violation_of(&subject, self.exchange.record.location, deviation.definition, || {
             let Mismatch { path, expected, actual } = &deviation.mismatch;
             Detail::differs(expected, actual).at(path).excerpt(self.exchange.excerpt())
         });
@@ -80,7 +80,7 @@ pub(crate) struct StatusReport<'t>(&'t Exchange<'t>);
 
 impl<'t> StatusReport<'t> {
     /// The status report of a record, if it is one.
-    pub(crate) fn of(exchange: &'t Exchange<'t>) -> Option<Self> {
+    pub(crate) fn from_exchange(exchange: &'t Exchange<'t>) -> Option<Self> {
         exchange.notification(STATUS).map(|_| Self(exchange))
     }
 
@@ -129,6 +129,6 @@ impl<'t> StatusReport<'t> {
 impl Exchange<'_> {
     /// Reports that it violates the rule.
     pub(super) fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
-        context.violation(&self.subject(), self.record.place, || detail().excerpt(self.excerpt()));
+        context.violation(&self.subject(), self.record.location, || detail().excerpt(self.excerpt()));
     }
 }

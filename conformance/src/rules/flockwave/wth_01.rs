@@ -17,6 +17,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`timestamp` of a weather is an integer, in milliseconds.",
         source: source::TYPES,
         applies_to: "WTH-AT, WTH-INF",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[

@@ -12,6 +12,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "In JSON an array has its defined length, and a sequence, a string or the text of a `char` array keeps its bound.",
         source: "the type of the definition, `T[N]`, `T[<=N]`, `string<=N`, `char[N]`",
         applies_to: "messages as JSON",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Value,
     mutants: &[

@@ -10,6 +10,9 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         statement: "The encapsulation header of a CDR payload names an encoding that exists. Those that aren't plain CDR of version 1 are known, and their messages aren't judged.",
         source: "DDSI-RTPS 2.5, section 10.5, and DDS-XTypes 1.3, table 60",
         applies_to: "messages as CDR",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Source,
     mutants: &[Mutant {

@@ -10,6 +10,9 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         statement: "A CDR payload holds its message whole and nothing more but what fills it up to a multiple of four bytes; sequences and strings keep their bounds, and strings end with their NUL.",
         source: "DDS-XTypes 1.3, section 7.4; the types of the definition",
         applies_to: "messages as CDR",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Source,
     mutants: &[

@@ -10,6 +10,9 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         statement: "A payload has the full size of its format, or the full size less the padding at its end.",
         source: "the format in the log, and PX4's logger",
         applies_to: "logs",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Source,
     mutants: &[

@@ -11,6 +11,9 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         statement: "Each payload belongs to a subscription that was made before it.",
         source: "ULog file format, section on data messages",
         applies_to: "logs",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Source,
     mutants: &[

@@ -15,6 +15,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "No two subscriptions of a log have the same topic and the same instance at one time.",
         source: "ULog file format, section on subscription messages",
         applies_to: "logs",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Instances::default())),
     mutants: &[Mutant {
@@ -40,7 +43,7 @@ impl Checker for Instances {
         let first = *self.known.entry((channel.topic.to_owned(), multi_id)).or_insert(channel.index);
         if first != channel.index {
             let definition = context.defined(channel.definition);
-            context.violation_of(channel.topic, channel.place, definition, || {
+            context.violation_of(channel.topic, channel.location, definition, || {
                 Detail::new(format!("a second subscription of instance {multi_id}"))
                     .expected(format!("one subscription of instance {multi_id} at a time"))
                     .actual("a second one")

@@ -17,7 +17,7 @@ use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, MessageId};
 use uavspec_runtime::Number;
 
-use super::{Channel, Checker, Interest, Message, Place, RuleContext};
+use super::{Channel, Checker, Interest, Location, Message, RuleContext};
 
 /// How much two times may differ and yet be the same, in µs: messages of a component have the time of its
 /// computer, which follows that of the flight controller within some milliseconds.
@@ -55,7 +55,7 @@ pub(super) struct Request {
     /// A bit for each registration that exists and answers; none where the release has no such field.
     pub(super) mask: Option<u32>,
     pub(super) definition: Option<MessageId>,
-    pub(super) place: Place,
+    pub(super) location: Location,
 }
 
 /// A component answers.
@@ -66,7 +66,7 @@ pub(super) struct Reply {
     pub(super) registration_id: u8,
     pub(super) time: Option<u64>,
     pub(super) definition: Option<MessageId>,
-    pub(super) place: Place,
+    pub(super) location: Location,
 }
 
 /// A rule that listens to the talk.
@@ -125,16 +125,16 @@ impl<L: Listener> Checker for Talk<L> {
         // Components may share a topic by instances, but there is one who asks.
         let is_instance = channel.multi_id.is_some() && role != Role::Request;
         self.is_unclear |= first != channel.index && !is_instance;
-        if !self.is_unclear && self.hear(role, channel, message, context).is_none() {
+        if !self.is_unclear && self.dispatch(role, channel, message, context).is_none() {
             self.forget();
         }
     }
 
-    fn dropout(&mut self, _: u16, _: Place) {
+    fn dropout(&mut self, _: u16, _: Location) {
         self.forget();
     }
 
-    fn damage(&mut self, _: Place) {
+    fn corruption(&mut self, _: Location) {
         self.forget();
     }
 
@@ -147,7 +147,7 @@ impl<L: Listener> Checker for Talk<L> {
 
 impl<L: Listener> Talk<L> {
     /// Tells what a message says; none where it can't be read.
-    fn hear(
+    fn dispatch(
         &mut self,
         role: Role,
         channel: &Channel<'_>,
@@ -157,18 +157,18 @@ impl<L: Listener> Talk<L> {
         let values = message.values?;
         // 0 is the time of what didn't know any.
         let time = message.timestamp.filter(|time| *time > 0);
-        let (definition, place) = (channel.definition, message.place);
+        let (definition, location) = (channel.definition, message.location);
         match role {
             Role::Request => {
                 let id = number(values, "request_id")?;
                 let mask = number(values, "valid_registrations_mask");
-                self.request(channel.topic, Request { id, time, mask, definition, place }, context);
+                self.request(channel.topic, Request { id, time, mask, definition, location }, context);
             }
             Role::Reply => {
                 let request_id = number(values, "request_id")?;
                 let registration_id = number(values, "registration_id")?;
                 let topic = channel.topic.to_owned();
-                let reply = Reply { topic, request_id, registration_id, time, definition, place };
+                let reply = Reply { topic, request_id, registration_id, time, definition, location };
                 self.listener.reply(reply, context);
             }
             Role::Registration => {
@@ -295,7 +295,7 @@ pub(super) struct Ids([u64; 4]);
 
 impl Ids {
     /// Those of which a mask has a bit.
-    pub(super) fn of_mask(mask: u32) -> Self {
+    pub(super) fn from_mask(mask: u32) -> Self {
         Self([mask.into(), 0, 0, 0])
     }
 

@@ -18,6 +18,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
                 ArmingCheckRequest, or of the one before.",
         source: "`request_id` of ArmingCheckReply and ArmingCheckRequest",
         applies_to: "messages over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Talk::<Answers>::default())),
     mutants: &[
@@ -47,7 +50,7 @@ impl Listener for Answers {
             context.covered();
             if !is_answer(&reply, self.requests.latest_at(reply.time)) {
                 // When it came, this request wasn't there yet.
-                tell(&reply, request.id.wrapping_sub(1), context);
+                report_violation(&reply, request.id.wrapping_sub(1), context);
             }
         }
     }
@@ -71,7 +74,7 @@ impl Listener for Answers {
         for reply in self.waiting.take() {
             let is_behind = latest.wrapping_sub(reply.request_id) < 128;
             if is_behind && self.requests.len() > 1 {
-                tell(&reply, latest, context);
+                report_violation(&reply, latest, context);
             }
         }
     }
@@ -82,10 +85,10 @@ fn is_answer(reply: &Reply, request: Option<&Request>) -> bool {
     request.is_some_and(|request| request.id.wrapping_sub(reply.request_id) < 2)
 }
 
-fn tell(reply: &Reply, latest: u8, context: &mut RuleContext<'_>) {
+fn report_violation(reply: &Reply, latest: u8, context: &mut RuleContext<'_>) {
     let before = latest.wrapping_sub(1);
     let definition = context.field(reply.definition, "request_id");
-    context.violation_of(&format!("{}.request_id", reply.topic), reply.place, definition, || {
+    context.violation_of(&format!("{}.request_id", reply.topic), reply.location, definition, || {
         let Reply { request_id, registration_id, .. } = reply;
         let text = format!(
             "registration {registration_id} answers request {request_id}, where {latest} is the latest"

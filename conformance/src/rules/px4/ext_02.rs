@@ -2,13 +2,13 @@
 //!
 //! What a recording doesn't show may have been before it, so an id that it never saw given out is wrong only where
 //! it shows the beginning: flight controllers ask only while something is registered, and then steadily. Where a
-//! registration comes shortly before the first request ([`SOON`]), and the mask of that request has no other bits, there
+//! registration comes shortly before the first request ([`STARTUP_TIME`]), and the mask of that request has no other bits, there
 //! was none before. That the mask lacks a bit proves nothing alone, as it is clear for those that were slow, too. Nor
 //! does a registration of long ago, as logs begin with the latest message of each topic.
 //!
 //! An id that was given back is wrong in a reply to a request that came after that. The reply to one before may be
 //! under way. Where the mask of a later request has its bit, it was given out again. Where there are no masks, who goes
-//! on to answer was registered again for all that is known ([`SEVERAL`]).
+//! on to answer was registered again for all that is known ([`REQUESTS_TO_WAIT`]).
 
 use super::ext::{Ids, Listener, Reply, Request, TOLERANCE, Talk, Waiting, is_later};
 use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
@@ -24,6 +24,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         source: "`registration_id` of ArmingCheckReply, `arming_check_id` of RegisterExtComponentReply and \
              UnregisterExtComponent",
         applies_to: "messages over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Talk::<Registrations>::default())),
     mutants: &[
@@ -43,14 +46,14 @@ pub(super) static RULE: Px4Rule = Px4Rule {
 
 /// The greatest id that can be given out: `arming_check_id` is an int8. A component whose registration failed
 /// may take its -1 for 255.
-const GREATEST: u8 = 127;
+const MAX_REGISTRATION_ID: u8 = 127;
 
 /// How long after the first registration of all the first request comes at the latest, in µs: twice the period in which
 /// PX4 asks.
-const SOON: u64 = 600_000;
+const STARTUP_TIME: u64 = 600_000;
 
 /// With so many requests more it is clear whether who was held to have left goes on to answer.
-const SEVERAL: u8 = 3;
+const REQUESTS_TO_WAIT: u8 = 3;
 
 /// What is known of an id.
 #[derive(Clone, Copy, Default)]
@@ -112,7 +115,7 @@ impl Listener for Registrations {
     }
 
     fn request(&mut self, _: &str, request: Request, context: &mut RuleContext<'_>) {
-        self.judge_suspects(request.id, context);
+        self.check_suspects(request.id, context);
         self.request_id = Some(request.id);
         self.is_masked = request.mask.is_some();
         self.look_for_the_beginning(&request);
@@ -120,7 +123,7 @@ impl Listener for Registrations {
         for reply in self.waiting.take().into_iter().filter(|_| self.whole == Whole::Yes) {
             context.covered();
             if matches!(self.known[usize::from(reply.registration_id)], Known::Nothing) {
-                tell(&reply, "was never given out", context);
+                report_violation(&reply, "was never given out", context);
             }
         }
     }
@@ -129,8 +132,8 @@ impl Listener for Registrations {
         if self.whole == Whole::Open {
             self.whole = Whole::No;
         }
-        if reply.registration_id > GREATEST {
-            return tell(&reply, "can't be given out", context);
+        if reply.registration_id > MAX_REGISTRATION_ID {
+            return report_violation(&reply, "can't be given out", context);
         }
         match self.known[usize::from(reply.registration_id)] {
             Known::Given(_) => context.covered(),
@@ -141,7 +144,7 @@ impl Listener for Registrations {
                     return;
                 }
                 if self.is_masked {
-                    tell(&reply, LEFT, context);
+                    report_violation(&reply, LEFT, context);
                 } else {
                     self.suspect(reply);
                 }
@@ -190,8 +193,8 @@ impl Registrations {
             (Whole::Yes, ..) => Whole::Yes,
             (Whole::Likely(first), Some(mask), Some(time))
                 if first <= time.saturating_add(TOLERANCE)
-                    && time <= first.saturating_add(SOON)
-                    && Ids::of_mask(mask).iter().all(is_given) =>
+                    && time <= first.saturating_add(STARTUP_TIME)
+                    && Ids::from_mask(mask).iter().all(is_given) =>
             {
                 Whole::Yes
             }
@@ -201,7 +204,7 @@ impl Registrations {
 
     /// The mask of a request says who is registered.
     fn learn(&mut self, request: &Request) {
-        let mask = Ids::of_mask(request.mask.unwrap_or_default());
+        let mask = Ids::from_mask(request.mask.unwrap_or_default());
         for id in 0..=u8::MAX {
             let known = &mut self.known[usize::from(id)];
             let is_news = match known {
@@ -236,15 +239,15 @@ impl Registrations {
     }
 
     /// Tells of those that didn't go on to answer until this request.
-    fn judge_suspects(&mut self, request_id: u8, context: &mut RuleContext<'_>) {
+    fn check_suspects(&mut self, request_id: u8, context: &mut RuleContext<'_>) {
         let is_next = self.request_id.is_some_and(|latest| latest.wrapping_add(1) == request_id);
         if !is_next {
             self.suspects.clear();
         }
         self.suspects.retain(|reply| {
-            let is_open = request_id.wrapping_sub(reply.request_id) < SEVERAL;
+            let is_open = request_id.wrapping_sub(reply.request_id) < REQUESTS_TO_WAIT;
             if !is_open {
-                tell(reply, LEFT, context);
+                report_violation(reply, LEFT, context);
             }
             is_open
         });
@@ -254,9 +257,9 @@ impl Registrations {
 /// What is said of a reply of who has left.
 const LEFT: &str = "was given back before this was asked";
 
-fn tell(reply: &Reply, what: &str, context: &mut RuleContext<'_>) {
+fn report_violation(reply: &Reply, what: &str, context: &mut RuleContext<'_>) {
     let definition = context.field(reply.definition, "registration_id");
-    context.violation_of(&format!("{}.registration_id", reply.topic), reply.place, definition, || {
+    context.violation_of(&format!("{}.registration_id", reply.topic), reply.location, definition, || {
         let id = reply.registration_id;
         Detail::new(format!("{id} as the id of who answers, which {what}"))
             .expected("an id from RegisterExtComponentReply")

@@ -1,7 +1,7 @@
 //! `PX-EXT-03`.
 //!
 //! That an answer isn't in a recording doesn't yet say that none was sent: a logger may take only some of them. So
-//! a component is judged once it answered some requests in a row ([`IN_A_ROW`]), which also gives it time to start.
+//! a component is judged once it answered some requests in a row ([`MAX_MISSES`]), which also gives it time to start.
 //! It has to answer a request if its bit is set in the mask of this one and still in that of the next, since it may
 //! leave at any time, and a flight controller doesn't wait for those that were slow too often. Releases without
 //! masks leave what was said of registrations.
@@ -24,6 +24,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "Each registered component replies to each ArmingCheckRequest before the next one.",
         source: "ArmingCheckRequest",
         applies_to: "messages over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Talk::<Silence>::default())),
     mutants: &[Mutant { name: "a reply is missing", change: Change::Flight(silent), also: &[] }],
@@ -31,10 +34,10 @@ pub(super) static RULE: Px4Rule = Px4Rule {
 
 /// How many requests in a row a component answers until its answers are known to be in the recording; and how many
 /// answers without a time stand behind the next request until they are known to be late.
-const IN_A_ROW: u8 = 3;
+const MAX_MISSES: u8 = 3;
 
 /// A request that was sent, and what came of it.
-struct Asked {
+struct SentRequest {
     request: Request,
     /// Those of which it asks an answer.
     who: Ids,
@@ -48,7 +51,7 @@ struct Asked {
 struct Silence {
     requests: Requests,
     /// The latest requests, none of which is missing; at most two between messages.
-    asked: VecDeque<Asked>,
+    requests_sent: VecDeque<SentRequest>,
     /// Replies to what isn't known, or not yet.
     waiting: Waiting,
     /// By what was said of registrations.
@@ -63,7 +66,7 @@ impl Default for Silence {
     fn default() -> Self {
         Self {
             requests: Requests::default(),
-            asked: VecDeque::new(),
+            requests_sent: VecDeque::new(),
             waiting: Waiting::default(),
             registered: Ids::default(),
             in_a_row: [0; 256],
@@ -75,38 +78,38 @@ impl Default for Silence {
 impl Listener for Silence {
     fn request(&mut self, topic: &str, request: Request, context: &mut RuleContext<'_>) {
         if !self.requests.push(request) {
-            self.asked.clear();
+            self.requests_sent.clear();
         }
-        let who = request.mask.map_or(self.registered, Ids::of_mask);
+        let who = request.mask.map_or(self.registered, Ids::from_mask);
         let [answered, late, behind] = [Ids::default(); 3];
-        let mut asked = Asked { request, who, answered, late, behind };
+        let mut sent = SentRequest { request, who, answered, late, behind };
         for reply in self.waiting.take() {
             // It stands before the request only in the file.
             if reply.request_id == request.id && !is_later(request.time, reply.time) {
-                asked.answered.insert(reply.registration_id);
+                sent.answered.insert(reply.registration_id);
             }
         }
-        self.asked.push_back(asked);
-        if self.asked.len() > 2 {
-            self.judge(topic, context);
+        self.requests_sent.push_back(sent);
+        if self.requests_sent.len() > 2 {
+            self.check_oldest(topic, context);
         }
     }
 
     fn reply(&mut self, reply: Reply, _: &mut RuleContext<'_>) {
-        let Some(at) = self.asked.iter().rposition(|asked| asked.request.id == reply.request_id) else {
+        let Some(at) = self.requests_sent.iter().rposition(|sent| sent.request.id == reply.request_id) else {
             return self.waiting.push(reply);
         };
-        let next = self.asked.get(at + 1).map(|next| next.request.time);
+        let next = self.requests_sent.get(at + 1).map(|next| next.request.time);
         let id = reply.registration_id;
-        let asked = &mut self.asked[at];
+        let sent = &mut self.requests_sent[at];
         match next {
-            Some(next) if is_later(reply.time, next) => return asked.late.insert(id),
-            Some(next) if reply.time.zip(next).is_none() && !asked.answered.contains(id) => {
-                asked.behind.insert(id);
+            Some(next) if is_later(reply.time, next) => return sent.late.insert(id),
+            Some(next) if reply.time.zip(next).is_none() && !sent.answered.contains(id) => {
+                sent.behind.insert(id);
             }
             _ => {}
         }
-        asked.answered.insert(id);
+        sent.answered.insert(id);
     }
 
     /// Who comes isn't the one that had this id before; who goes needn't have answered.
@@ -132,33 +135,33 @@ impl Silence {
     }
 
     /// Judges the oldest request: two more have come.
-    fn judge(&mut self, topic: &str, context: &mut RuleContext<'_>) {
-        let Some(oldest) = self.asked.pop_front() else { return };
-        let Some(next) = self.asked.front() else { return };
+    fn check_oldest(&mut self, topic: &str, context: &mut RuleContext<'_>) {
+        let Some(oldest) = self.requests_sent.pop_front() else { return };
+        let Some(next) = self.requests_sent.front() else { return };
         for id in oldest.who.iter().filter(|id| next.who.contains(*id)) {
             let in_a_row = &mut self.in_a_row[usize::from(id)];
             let behind = &mut self.behind_in_a_row[usize::from(id)];
             *behind = if oldest.behind.contains(id) { behind.saturating_add(1) } else { 0 };
-            if *behind >= IN_A_ROW {
-                tell(topic, &oldest, id, context);
+            if *behind >= MAX_MISSES {
+                report_violation(topic, &oldest, id, context);
             }
             if oldest.answered.contains(id) {
                 *in_a_row = in_a_row.saturating_add(1);
-            } else if *in_a_row < IN_A_ROW {
+            } else if *in_a_row < MAX_MISSES {
                 *in_a_row = 0;
             } else {
-                tell(topic, &oldest, id, context);
+                report_violation(topic, &oldest, id, context);
             }
             context.covered();
         }
     }
 }
 
-fn tell(topic: &str, asked: &Asked, id: u8, context: &mut RuleContext<'_>) {
-    let definition = context.defined(asked.request.definition);
-    context.violation_of(topic, asked.request.place, definition, || {
-        let request = asked.request.id;
-        let (when, found) = if asked.late.contains(id) || asked.behind.contains(id) {
+fn report_violation(topic: &str, sent: &SentRequest, id: u8, context: &mut RuleContext<'_>) {
+    let definition = context.defined(sent.request.definition);
+    context.violation_of(topic, sent.request.location, definition, || {
+        let request = sent.request.id;
+        let (when, found) = if sent.late.contains(id) || sent.behind.contains(id) {
             ("answers it only after the next one", "a reply after the next request")
         } else {
             ("doesn't answer it", "none")

@@ -18,6 +18,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
                 are ignored.",
         source: "`num_events` and `events` of ArmingCheckReply, `id` of Event",
         applies_to: "values of messages",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Reasons)),
     mutants: &[Mutant { name: "an event without an id", change: Change::Flight(nameless), also: &[] }],
@@ -40,7 +43,7 @@ impl Checker for Reasons {
             let Some(id) = number::<u32>(event, "id") else { return };
             context.covered();
             if id == 0 {
-                context.violation_in_field(channel, "events", message.place, || {
+                context.violation_in_field(channel, "events", message.location, || {
                     Detail::new(format!("an event without an id, where {in_use} are in use"))
                         .at(format!("events[{index}].id"))
                         .expected("an id other than 0")

@@ -15,6 +15,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "An ArmingCheckReply whose `can_arm_and_run` is false has at least one event that says why.",
         source: "`can_arm_and_run` and `events` of ArmingCheckReply",
         applies_to: "values of messages",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Refusals)),
     mutants: &[Mutant {
@@ -37,7 +40,7 @@ impl Checker for Refusals {
         let (Some(false), Some(events)) = (is_agreed, number::<u64>(values, "num_events")) else { return };
         context.covered();
         if events == 0 {
-            context.violation_in_field(channel, "num_events", message.place, || {
+            context.violation_in_field(channel, "num_events", message.location, || {
                 Detail::new("can_arm_and_run is false, and no event says why")
                     .expected("1 or more")
                     .actual("0")

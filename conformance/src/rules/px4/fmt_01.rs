@@ -11,6 +11,9 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         statement: "A format that a log brings equals the definition: fields, order, types, lengths of arrays, padding. Logs of other firmware differ without being wrong, so this is shown and judged only with `--strict-formats`.",
         source: "the definition",
         applies_to: "logs",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Source,
     mutants: &[

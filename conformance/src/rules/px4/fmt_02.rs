@@ -11,6 +11,9 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         statement: "Each type that a format nests has a format in the same log.",
         source: "ULog file format, section on format messages",
         applies_to: "logs",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Source,
     mutants: &[Mutant {

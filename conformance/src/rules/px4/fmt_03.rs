@@ -10,6 +10,9 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         statement: "Each message has a field `timestamp` of type uint64.",
         source: "ULog file format, section on format messages",
         applies_to: "logs",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Source,
     mutants: &[Mutant {

@@ -2,7 +2,7 @@
 //!
 //! Which flag belongs to which requirement, their names say. A flag is called as its requirement, with words more
 //! that say what is wrong ([`STATES`]): `mode_req_local_position_relaxed` and `local_position_invalid_relaxed`.
-//! Where the names don't say it, a table does ([`OTHERS`]). Flags that belong to none aren't looked at.
+//! Where the names don't say it, a table does ([`RENAMED_REQUIREMENTS`]). Flags that belong to none aren't looked at.
 
 use uavspec_codegen::dynamic::{DynamicView, Value};
 
@@ -22,11 +22,14 @@ pub(super) static RULE: Px4Rule = Px4Rule {
                 `mode_req` are 0, keeps no mode from running.",
         source: "FailsafeFlags",
         applies_to: "values of messages",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Flags::default())),
     mutants: &[Mutant {
         name: "a flag is set that no mode requires",
-        change: Change::Flight(unasked),
+        change: Change::Flight(not_required),
         also: &[],
     }],
 };
@@ -37,7 +40,7 @@ const REQUIREMENT: &str = "mode_req_";
 const STATES: [&str; 6] = ["invalid", "lost", "missing", "auto", "control", "signal"];
 
 /// Flags whose requirement has another name.
-const OTHERS: [(&str, &str); 2] = [
+const RENAMED_REQUIREMENTS: [(&str, &str); 2] = [
     ("wind_limit_exceeded", "wind_and_flight_time_compliance"),
     ("flight_time_limit_exceeded", "wind_and_flight_time_compliance"),
 ];
@@ -63,15 +66,15 @@ impl Checker for Flags {
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
-        let (Some(values), Some(fields)) = (message.values, self.channels.of(channel)) else { return };
+        let (Some(values), Some(fields)) = (message.values, self.channels.get(channel)) else { return };
         // All messages of a channel have the same fields.
-        let fields = fields.get_or_insert_with(|| Fields::of(values));
+        let fields = fields.get_or_insert_with(|| Fields::new(values));
         let is_set = |at: &usize| values.field(*at).map(is_set);
         for (flag, requirement) in &fields.pairs {
             context.covered();
             if is_set(flag) == Some(true) && is_set(requirement) == Some(false) {
                 let [flag, requirement] = [&fields.names[*flag], &fields.names[*requirement]];
-                context.violation_in_field(channel, flag, message.place, || {
+                context.violation_in_field(channel, flag, message.location, || {
                     Detail::new(format!("set, and {requirement} is 0: no mode requires it"))
                         .expected(format!("not set, or {requirement} other than 0"))
                         .actual("set")
@@ -82,7 +85,7 @@ impl Checker for Flags {
 }
 
 impl Fields {
-    fn of(values: DynamicView<'_>) -> Self {
+    fn new(values: DynamicView<'_>) -> Self {
         let mut pairs = Vec::new();
         for (requirement, (name, _)) in values.fields().enumerate() {
             let Some(required) = name.strip_prefix(REQUIREMENT) else { continue };
@@ -110,11 +113,11 @@ fn is_of(flag: &str, required: &str) -> bool {
             || STATES.contains(&word)
     };
     let is_same = flag.split('_').all(is_known) && rest.peek().is_none();
-    is_same && !flag.starts_with(REQUIREMENT) || OTHERS.contains(&(flag, required))
+    is_same && !flag.starts_with(REQUIREMENT) || RENAMED_REQUIREMENTS.contains(&(flag, required))
 }
 
 /// The last flags have one that is set without being required.
-fn unasked<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
+fn not_required<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     let topic = flight.topic("FailsafeFlags")?;
     flight.with_last(topic, |flags| {
         flags["mode_req_attitude"] = 0.into();

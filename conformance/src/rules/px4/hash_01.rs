@@ -10,6 +10,9 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         statement: "A hash that is stated for the type of messages is that of the definition. Where the source brings a schema of its own that differs, so does the hash, which is no breach of its own.",
         source: "ROS 2's REP 2016 (RIHS01)",
         applies_to: "what a source says of its types",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Source,
     mutants: &[Mutant {

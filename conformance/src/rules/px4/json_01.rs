@@ -11,6 +11,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "A message in JSON has exactly the fields of its definition: none is missing, unknown or there twice.",
         source: "the fields of the definition; the published JSON Schema",
         applies_to: "messages as JSON",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Value,
     mutants: &[

@@ -10,6 +10,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "Each value in JSON has the JSON type of its field and lies in the range of its type; a float that is NaN is null, infinity can't be said.",
         source: "the type of the definition; RFC 8259 for numbers",
         applies_to: "messages as JSON",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Value,
     mutants: &[

@@ -1,7 +1,7 @@
 //! `PX-NAN-01`.
 
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
-use uavspec_runtime::Rule as Broken;
+use uavspec_runtime::Rule as Violated;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -11,11 +11,14 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "NaN stands only where the definition gives it a meaning; so in fields that it restricts.",
         source: "`@invalid NaN` of the definition, or its text",
         applies_to: "values of messages",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Value,
     mutants: &[Mutant {
         name: "NaN without a meaning",
-        change: Change::Flight(|flight| flight.breaking(Broken::Nan)),
+        change: Change::Flight(|flight| flight.violating(Violated::Nan)),
         also: &[],
     }],
 };

@@ -16,6 +16,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "A topic doesn't publish more messages at one time than its queue holds: subscribers would miss some.",
         source: "ORB_QUEUE_LENGTH of the definition; 1 where it says nothing",
         applies_to: "messages over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Bursts::default())),
     mutants: &[Mutant {
@@ -51,7 +54,7 @@ impl Checker for Bursts {
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
-        let Some(burst) = self.channels.of(channel) else { return };
+        let Some(burst) = self.channels.get(channel) else { return };
         let (Some(timestamp), Some(length)) = (message.timestamp, burst.length) else { return };
         // 0 is the time of what was never published.
         if timestamp != burst.timestamp || timestamp == 0 {
@@ -61,7 +64,7 @@ impl Checker for Bursts {
         context.covered();
         if burst.count == length.saturating_add(1) && length > DEFAULT {
             let definition = context.defined(channel.definition);
-            context.violation_of(channel.topic, message.place, definition, || {
+            context.violation_of(channel.topic, message.location, definition, || {
                 Detail::new(format!(
                     "more than {length} messages at {timestamp} µs, which is all that its queue holds"
                 ))

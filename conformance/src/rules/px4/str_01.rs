@@ -11,13 +11,16 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "Text in a `char` array is UTF-8 up to its first NUL.",
         source: "`char[N]` of the definition",
         applies_to: "values of messages",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Value,
     mutants: &[
         Mutant {
             name: "text that is no UTF-8",
             change: Change::Ulog(|flight, log| {
-                let (topic, at) = flight.place(is_text)?;
+                let (topic, at) = flight.find_field(is_text)?;
                 log.with_payload(topic, |payload| payload[at] = 0xff)
             }),
             also: &[],
@@ -25,7 +28,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         Mutant {
             name: "text with a NUL",
             change: Change::Flight(|flight| {
-                let (topic, _) = flight.place(is_text)?;
+                let (topic, _) = flight.find_field(is_text)?;
                 let name = flight.type_of(topic).layout().find(is_text)?.name;
                 flight.with_last(topic, |message| message[name] = "D\0".into())
             }),

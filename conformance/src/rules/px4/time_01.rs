@@ -15,6 +15,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
                 it may be 0.",
         source: "uORB publishes in order; `timestamp` is the time since system start",
         applies_to: "messages over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Times::default())),
     mutants: &[Mutant {
@@ -37,12 +40,12 @@ impl Checker for Times {
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
-        let (Some(timestamp), Some(latest)) = (message.timestamp, self.latest.of(channel)) else {
+        let (Some(timestamp), Some(latest)) = (message.timestamp, self.latest.get(channel)) else {
             return;
         };
         if timestamp < *latest && timestamp != 0 {
             let latest = *latest;
-            context.violation_in_field(channel, "timestamp", message.place, || {
+            context.violation_in_field(channel, "timestamp", message.location, || {
                 Detail::new(format!("timestamp is {timestamp}, and was {latest} before"))
                     .expected(format!("{latest} or later"))
                     .actual(timestamp.to_string())

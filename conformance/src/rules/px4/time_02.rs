@@ -1,7 +1,7 @@
 //! `PX-TIME-02`.
 
 use super::{
-    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Place, Px4Rule,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, PerChannel, Px4Rule,
     Rule, RuleContext, Status,
 };
 use crate::rules::sample::Flight;
@@ -14,19 +14,22 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "Where a topic that comes regularly pauses for more than ten of its periods, a dropout stands nearby.",
         source: "derived: PX4's logger writes a dropout where it lost data",
         applies_to: "messages over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Gaps::default())),
     mutants: &[Mutant { name: "a topic pauses", change: Change::Flight(pause), also: &[] }],
 };
 
 /// How many periods a channel is looked at before anything is said of it.
-const LEARNED: usize = 32;
+const LEARNING_PERIODS: usize = 32;
 
 /// A pause is one from so many periods on.
 const PAUSE: u64 = 10;
 
 /// How far a dropout reaches beyond its length, in µs: what was lost then was published shortly before.
-const NEARBY: u64 = 1_000_000;
+const DROPOUT_MARGIN: u64 = 1_000_000;
 
 #[derive(Default)]
 struct Gaps {
@@ -54,7 +57,7 @@ impl Checker for Gaps {
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
-        let (Some(timestamp), Some(rhythm)) = (message.timestamp, self.channels.of(channel)) else {
+        let (Some(timestamp), Some(rhythm)) = (message.timestamp, self.channels.get(channel)) else {
             return;
         };
         self.now = self.now.max(timestamp);
@@ -68,7 +71,7 @@ impl Checker for Gaps {
         context.covered();
         if pause > period.saturating_mul(PAUSE) && latest > self.excused_until {
             let definition = context.defined(channel.definition);
-            context.violation_of(channel.topic, message.place, definition, || {
+            context.violation_of(channel.topic, message.location, definition, || {
                 let (pause, most) = (time_text(pause), time_text(period.saturating_mul(PAUSE)));
                 let period = time_text(period);
                 Detail::new(format!("{pause} without a message, where one comes each {period}"))
@@ -78,8 +81,8 @@ impl Checker for Gaps {
         }
     }
 
-    fn dropout(&mut self, milliseconds: u16, _: Place) {
-        let reach = u64::from(milliseconds) * 1000 + NEARBY;
+    fn dropout(&mut self, milliseconds: u16, _: Location) {
+        let reach = u64::from(milliseconds) * 1000 + DROPOUT_MARGIN;
         self.excused_until = self.now.saturating_add(reach);
     }
 }
@@ -92,9 +95,9 @@ impl Rhythm {
             return;
         }
         self.first.push(pause);
-        if self.first.len() == LEARNED {
+        if self.first.len() == LEARNING_PERIODS {
             let mut first = std::mem::take(&mut self.first);
-            let (_, median, _) = first.select_nth_unstable(LEARNED / 2);
+            let (_, median, _) = first.select_nth_unstable(LEARNING_PERIODS / 2);
             self.period = Some(*median);
         }
     }

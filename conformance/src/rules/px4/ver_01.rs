@@ -12,6 +12,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "The version behind the name of a topic, `_vN`, is that of the message.",
         source: "MESSAGE_VERSION of the type that a file brings along, or else of the definition",
         applies_to: "names of topics",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Versions)),
     mutants: &[Mutant {
@@ -44,7 +47,7 @@ impl Checker for Versions {
         };
         if version != stated.to_string() {
             let definition = context.defined(channel.definition);
-            context.violation_of(channel.topic, channel.place, definition, || {
+            context.violation_of(channel.topic, channel.location, definition, || {
                 Detail::new(format!("the topic is of version {version}, {whose} of version {stated}"))
                     .expected(stated.to_string())
                     .actual(version)

@@ -11,7 +11,7 @@ use super::Flight;
 use crate::capture::MCAP_MAGIC;
 
 /// What stands between the definitions of a schema.
-const RULER: &str = "================================================================================";
+const SEPARATOR: &str = "================================================================================";
 
 /// A file of MCAP without chunks.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ pub(crate) struct BagChannel {
 
 impl Bag {
     /// The file of a flight.
-    pub(super) fn of(flight: &Flight<'_>) -> Self {
+    pub(super) fn from_flight(flight: &Flight<'_>) -> Self {
         let schema = &flight.definitions.schema;
         let channels = flight.topics.iter().map(|topic| {
             let message = schema.message(topic.message);
@@ -111,19 +111,19 @@ fn text(text: &str) -> Vec<u8> {
 /// The definition of a message as ROS 2 has it, and those of the messages that it nests.
 fn text_of(schema: &Schema, of: MessageId) -> String {
     let mut text = String::new();
-    let mut told = BTreeSet::from([of.0]);
+    let mut reported = BTreeSet::from([of.0]);
     let mut waiting = vec![of];
     while let Some(id) = waiting.pop() {
         let message = schema.message(id);
         if id != of {
             let name = ros_name(schema, message).replace("/msg/", "/");
             // Writing to a string can't fail.
-            let _ = write!(text, "{RULER}\nMSG: {name}\n");
+            let _ = write!(text, "{SEPARATOR}\nMSG: {name}\n");
         }
         text += &fields(schema, message);
         for field in &message.fields {
             if let Element::Message(nested) = field.ty.element
-                && told.insert(nested.0)
+                && reported.insert(nested.0)
             {
                 waiting.push(nested);
             }

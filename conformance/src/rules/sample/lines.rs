@@ -20,7 +20,7 @@ impl Lines {
             let package = &schema.package_of(message).name;
             json!({ "type": format!("{package}/{}", message.name), "message": value })
         };
-        Self::of(flight, line)
+        Self::from_flight(flight, line)
     }
 
     /// Each line names the topic of its message, as rosbridge does.
@@ -29,10 +29,10 @@ impl Lines {
             let topic = format!("/fmu/out/{}", flight.topics[topic].name);
             json!({ "op": "publish", "topic": topic, "msg": value })
         };
-        Self::of(flight, line)
+        Self::from_flight(flight, line)
     }
 
-    fn of(flight: &Flight<'_>, line: impl Fn(usize, &Value) -> Value) -> Self {
+    fn from_flight(flight: &Flight<'_>, line: impl Fn(usize, &Value) -> Value) -> Self {
         Self { lines: flight.messages.iter().map(|sent| line(sent.topic, &sent.value).to_string()).collect() }
     }
 

@@ -37,7 +37,7 @@ pub(crate) enum Entry {
 
 impl Log {
     /// The log of a flight: the id of a topic is its index.
-    pub(super) fn of(flight: &Flight<'_>) -> Self {
+    pub(super) fn from_flight(flight: &Flight<'_>) -> Self {
         let mut log =
             Self { entries: vec![Entry::FlagBits, Entry::Information("char[3] sys_name", b"PX4".to_vec())] };
         let mut named = BTreeSet::new();

@@ -18,7 +18,7 @@ pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Ans
 
 fn cancel(hub: &mut Hub, session: SessionId, request: async_cancel::Request) -> Answer {
     let (is_forgetting, is_pretending) = (hub.has_bug(&asy_17::RULE), hub.has_bug(&asy_18::RULE));
-    let outcomes = Outcomes::of(request.ids, |receipt| {
+    let outcomes = Outcomes::collect(request.ids, |receipt| {
         match hub.operation(session, receipt) {
             Some(operation) if !is_forgetting => operation.cancel(),
             None if !is_pretending => return Err("no such operation is under way".to_owned()),
@@ -32,12 +32,13 @@ fn cancel(hub: &mut Hub, session: SessionId, request: async_cancel::Request) -> 
 
 fn resume(hub: &mut Hub, session: SessionId, request: async_resume::Request) -> Answer {
     let is_lenient = hub.has_bug(&asy_19::RULE);
-    let outcomes =
-        Outcomes::of(request.ids, |receipt| match hub.operation(session, receipt).map(Operation::resume) {
+    let outcomes = Outcomes::collect(request.ids, |receipt| {
+        match hub.operation(session, receipt).map(Operation::resume) {
             Some(was_suspended) if was_suspended || is_lenient => Ok(()),
             Some(_) => Err("the operation isn't suspended".to_owned()),
             None => Err("no such operation is under way".to_owned()),
-        })?;
+        }
+    })?;
     let (success, error) = outcomes.into_list();
     Ok(async_resume::Response { success, error }.into())
 }

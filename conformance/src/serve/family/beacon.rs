@@ -20,12 +20,12 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
     match request {
         Request::BcnInf(request) => {
             let now = hub.timestamp();
-            let outcomes = Outcomes::of(request.ids, |id| Ok(status(id, find(id)?.0, now)))?;
+            let outcomes = Outcomes::collect(request.ids, |id| Ok(status(id, find(id)?.0, now)))?;
             let (status, error) = outcomes.into_maps();
             Ok(bcn_inf::Response { status, error }.into())
         }
         Request::BcnProps(request) => {
-            let outcomes = Outcomes::of(request.ids, |id| {
+            let outcomes = Outcomes::collect(request.ids, |id| {
                 let name = find(id)?.1.to_owned();
                 Ok(Outcome::Value(BeaconBasicProperties { id: id.into(), name }))
             })?;

@@ -16,7 +16,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
     match request {
         Request::ClkList(_) => Ok(clk_list::Response { ids: CLOCKS.map(ClockId::from).into() }.into()),
         Request::ClkInf(request) => {
-            let outcomes = Outcomes::of(request.ids, |id| match id {
+            let outcomes = Outcomes::collect(request.ids, |id| match id {
                 SYSTEM => Ok(system(hub)),
                 "simulation" => Ok(simulation(hub)),
                 _ => Err("there is no such clock".to_owned()),

@@ -20,7 +20,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
             Ok(conn_list::Response { ids: [RADIO, CORRECTIONS].map(ConnectionId::from).into() }.into())
         }
         Request::ConnInf(request) => {
-            let outcomes = Outcomes::of(request.ids, |id| match id {
+            let outcomes = Outcomes::collect(request.ids, |id| match id {
                 RADIO => Ok(radio(hub)),
                 CORRECTIONS => Ok(corrections(hub)),
                 _ => Err("there is no such connection".to_owned()),

@@ -18,18 +18,18 @@ const SUBSCRIPTION_LIMIT: usize = 10_000;
 pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
     match request {
         Request::DevInf(request) => {
-            let outcomes = Outcomes::of(request.paths, |path| hub.world.values_at(path))?;
+            let outcomes = Outcomes::collect(request.paths, |path| hub.world.values_at(path))?;
             let (values, error) = outcomes.into_maps();
             Ok(dev_inf::Response { values, error }.into())
         }
         Request::DevList(request) => {
-            let outcomes = Outcomes::of(request.ids, |id| tree(hub, id))?;
+            let outcomes = Outcomes::collect(request.ids, |id| tree(hub, id))?;
             let (devices, error) = outcomes.into_maps();
             Ok(dev_list::Response { devices, error }.into())
         }
         Request::DevListsub(request) => subscriptions(hub, session, request),
         Request::DevSub(request) => {
-            let outcomes = Outcomes::of(request.paths, |path| subscribe(hub, session, path))?;
+            let outcomes = Outcomes::collect(request.paths, |path| subscribe(hub, session, path))?;
             let (success, error) = outcomes.into_list();
             Ok(dev_sub::Response { success, error }.into())
         }
@@ -107,7 +107,7 @@ fn unsubscribe(hub: &mut Hub, session: SessionId, request: dev_unsub::Request) -
             });
             if is_for_all || left == 0 {
                 session.subscriptions.remove(&path);
-                session.told.remove(&path);
+                session.last_sent.remove(&path);
             }
             outcomes.put(path, Ok(()));
         }

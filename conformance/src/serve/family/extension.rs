@@ -20,12 +20,12 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
     match request {
         Request::ExtList(_) => Ok(list(hub).into()),
         Request::ExtCfg(request) => {
-            let outcomes = Outcomes::of(request.ids, |id| Ok(find(hub, id)?.configuration.clone()))?;
+            let outcomes = Outcomes::collect(request.ids, |id| Ok(find(hub, id)?.configuration.clone()))?;
             let (status, error) = outcomes.into_maps();
             Ok(ext_cfg::Response { status, error }.into())
         }
         Request::ExtInf(request) => {
-            let outcomes = Outcomes::of(request.ids, |id| {
+            let outcomes = Outcomes::collect(request.ids, |id| {
                 let Extension { is_loaded, name, .. } = *find(hub, id)?;
                 let (id, name) = (id.into(), name.to_owned());
                 Ok(ExtensionInfo { id, loaded: is_loaded, name, description: None })
@@ -34,11 +34,12 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
             Ok(ext_inf::Response { status, error }.into())
         }
         Request::ExtLoad(request) => {
-            let (status, error) = Outcomes::of(request.ids, |id| load(find(hub, id)?, true))?.into_maps();
+            let (status, error) =
+                Outcomes::collect(request.ids, |id| load(find(hub, id)?, true))?.into_maps();
             Ok(ext_load::Response { status, error }.into())
         }
         Request::ExtUnload(request) => {
-            let outcomes = Outcomes::of(request.ids, |id| match id {
+            let outcomes = Outcomes::collect(request.ids, |id| match id {
                 "simulation" => Err("the server can't do without it".to_owned()),
                 _ => load(find(hub, id)?, false),
             })?;
@@ -46,7 +47,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
             Ok(ext_unload::Response { status, error }.into())
         }
         Request::ExtReload(request) => {
-            let outcomes = Outcomes::of(request.ids, |id| {
+            let outcomes = Outcomes::collect(request.ids, |id| {
                 let is_loaded = find(hub, id)?.is_loaded;
                 is_loaded.then(BTreeMap::new).ok_or_else(|| "it isn't loaded".to_owned())
             })?;

@@ -21,7 +21,7 @@ const FETCHING: f64 = 2.0;
 pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
     match request {
         Request::LogInf(request) => {
-            let outcomes = Outcomes::of(request.ids, |id| match hub.uav(id) {
+            let outcomes = Outcomes::collect(request.ids, |id| match hub.uav(id) {
                 Some(_) => Ok(Outcome::Value(vec![metadata()])),
                 None => Err(no_such_uav()),
             })?;

@@ -42,9 +42,9 @@ fn command(hub: &mut Hub, request: obj_cmd::Request) -> Answer {
     let command = request.command.as_str();
     let arguments = limited(request.args.unwrap_or_default())?;
     let mut lost = Vec::new();
-    let outcomes = Outcomes::of(request.ids, |id| {
+    let outcomes = Outcomes::collect(request.ids, |id| {
         let is_fixture = FIXTURES.iter().any(|fixture| fixture.id == id);
-        let said = match hub.uav(id) {
+        let text = match hub.uav(id) {
             Some(_) if command == "lose" => {
                 lost.push(id.to_owned());
                 "nothing will be heard of it".to_owned()
@@ -55,7 +55,7 @@ fn command(hub: &mut Hub, request: obj_cmd::Request) -> Answer {
         };
         Ok(Outcome::Value(ResponseResult::CommandResponse(CommandResponse {
             r#type: CommandResponseType::Plain,
-            data: json!(said),
+            data: json!(text),
         })))
     })?;
     hub.lose(&lost);

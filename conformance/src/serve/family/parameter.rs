@@ -13,20 +13,22 @@ use crate::serve::world::PARAMETERS;
 pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
     match request {
         Request::PrmGet(request) => {
-            let outcomes = Outcomes::of(request.ids, |id| get(hub, id, &request.name).map(Outcome::Value))?;
+            let outcomes =
+                Outcomes::collect(request.ids, |id| get(hub, id, &request.name).map(Outcome::Value))?;
             let (result, error, receipt) = outcomes.into_maps_with_receipts();
             Ok(prm_get::Response { result, error, receipt }.into())
         }
         Request::PrmSet(request) => {
-            let outcomes = Outcomes::of(request.ids, |id| {
+            let outcomes = Outcomes::collect(request.ids, |id| {
                 set(hub, id, &request.name, &request.value).map(|()| Outcome::Value(true))
             })?;
             let (result, error, receipt) = outcomes.into_maps_with_receipts();
             Ok(prm_set::Response { result, error, receipt }.into())
         }
         Request::PrmSetMany(request) => {
-            let outcomes =
-                Outcomes::of(request.ids, |id| set_many(hub, id, &request.parameters).map(Outcome::Value))?;
+            let outcomes = Outcomes::collect(request.ids, |id| {
+                set_many(hub, id, &request.parameters).map(Outcome::Value)
+            })?;
             let (result, error, receipt) = outcomes.into_maps_with_receipts();
             Ok(prm_set_many::Response { result, error, receipt }.into())
         }

@@ -33,7 +33,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
             Ok(rtk_list::Response { ids }.into())
         }
         Request::RtkInf(request) => {
-            let (preset, error) = Outcomes::of(request.ids, |id| find(id).map(describe))?.into_maps();
+            let (preset, error) = Outcomes::collect(request.ids, |id| find(id).map(describe))?.into_maps();
             Ok(rtk_inf::Response { preset, error }.into())
         }
         Request::RtkSource(request) => match request.id {

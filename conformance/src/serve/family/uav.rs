@@ -40,61 +40,72 @@ macro_rules! respond {
 
 pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
     match request {
-        Request::UavTakeoff(asked) => respond!(uav_takeoff, obey(hub, session, asked.ids, Command::TakeOff)),
-        Request::UavLand(asked) => respond!(uav_land, obey(hub, session, asked.ids, Command::Land)),
-        Request::UavRth(asked) => respond!(uav_rth, obey(hub, session, asked.ids, Command::ReturnHome)),
-        Request::UavHover(asked) => respond!(uav_hover, obey(hub, session, asked.ids, Command::Hover)),
-        Request::UavHalt(asked) => respond!(uav_halt, obey(hub, session, asked.ids, Command::Halt)),
-        Request::UavSleep(asked) => respond!(uav_sleep, obey(hub, session, asked.ids, Command::Sleep)),
-        Request::UavWakeup(asked) => respond!(uav_wakeup, obey(hub, session, asked.ids, Command::WakeUp)),
-        Request::UavFly(asked) => {
-            respond!(uav_fly, obey(hub, session, asked.ids, Command::FlyTo(target(&asked.target)?)))
+        Request::UavTakeoff(requested) => {
+            respond!(uav_takeoff, obey(hub, session, requested.ids, Command::TakeOff))
         }
-        Request::UavMotor(asked) => {
-            let is_forced = asked.force.unwrap_or_default();
+        Request::UavLand(requested) => respond!(uav_land, obey(hub, session, requested.ids, Command::Land)),
+        Request::UavRth(requested) => {
+            respond!(uav_rth, obey(hub, session, requested.ids, Command::ReturnHome))
+        }
+        Request::UavHover(requested) => {
+            respond!(uav_hover, obey(hub, session, requested.ids, Command::Hover))
+        }
+        Request::UavHalt(requested) => respond!(uav_halt, obey(hub, session, requested.ids, Command::Halt)),
+        Request::UavSleep(requested) => {
+            respond!(uav_sleep, obey(hub, session, requested.ids, Command::Sleep))
+        }
+        Request::UavWakeup(requested) => {
+            respond!(uav_wakeup, obey(hub, session, requested.ids, Command::WakeUp))
+        }
+        Request::UavFly(requested) => {
+            respond!(uav_fly, obey(hub, session, requested.ids, Command::FlyTo(target(&requested.target)?)))
+        }
+        Request::UavMotor(requested) => {
+            let is_forced = requested.force.unwrap_or_default();
             respond!(
                 uav_motor,
-                obey(hub, session, asked.ids, Command::Motors { is_start: asked.start, is_forced })
+                obey(hub, session, requested.ids, Command::Motors { is_start: requested.start, is_forced })
             )
         }
-        Request::UavSignal(asked) => {
+        Request::UavSignal(requested) => {
             respond!(
                 uav_signal,
-                obey(hub, session, asked.ids, Command::Signal { seconds: signal(asked.duration)? })
+                obey(hub, session, requested.ids, Command::Signal { seconds: signal(requested.duration)? })
             )
         }
-        Request::UavCalib(asked) => {
-            let component = asked.component.as_ref();
+        Request::UavCalib(requested) => {
+            let component = requested.component.as_ref();
             let is_there = component.is_none_or(CalibrationComponent::is_known);
             // Somebody has to turn the UAV while its compass is calibrated.
             let is_suspending = component == Some(&CalibrationComponent::Compass);
             let kind = if is_suspending { Operation::suspending } else { Operation::lasting };
             respond!(
                 uav_calib,
-                examine(hub, session, asked.ids, is_there, |receipt| {
+                examine(hub, session, requested.ids, is_there, |receipt| {
                     kind(receipt, CALIBRATION, json!(true))
                 })
             )
         }
-        Request::UavTest(asked) => {
-            let is_there = asked.component.is_none_or(|component| component.is_known());
+        Request::UavTest(requested) => {
+            let is_there = requested.component.is_none_or(|component| component.is_known());
             respond!(
                 uav_test,
-                examine(hub, session, asked.ids, is_there, |receipt| {
+                examine(hub, session, requested.ids, is_there, |receipt| {
                     Operation::lasting(receipt, TEST, json!(true))
                 })
             )
         }
-        Request::UavRst(asked) => {
-            let is_whole = asked.component.is_none_or(|component| component.is_empty());
-            respond!(uav_rst, restart(hub, session, asked.ids, is_whole))
+        Request::UavRst(requested) => {
+            let is_whole = requested.component.is_none_or(|component| component.is_empty());
+            respond!(uav_rst, restart(hub, session, requested.ids, is_whole))
         }
-        Request::UavVer(asked) => respond!(uav_ver, versions(hub, session, asked.ids)),
-        Request::UavInf(asked) => state(hub, asked.ids),
+        Request::UavVer(requested) => respond!(uav_ver, versions(hub, session, requested.ids)),
+        Request::UavInf(requested) => state(hub, requested.ids),
         Request::UavList(_) => Ok(list(hub).into()),
-        Request::UavPreflt(asked) => {
-            let outcomes =
-                Outcomes::of(asked.ids, |id| hub.uav(id).map(|uav| checks(uav)).ok_or_else(no_such))?;
+        Request::UavPreflt(requested) => {
+            let outcomes = Outcomes::collect(requested.ids, |id| {
+                hub.uav(id).map(|uav| checks(uav)).ok_or_else(no_such)
+            })?;
             let (status, error) = outcomes.into_maps();
             Ok(uav_preflt::Response { status, error }.into())
         }
@@ -117,7 +128,7 @@ fn state(hub: &mut Hub, ids: Vec<ObjectId>) -> Answer {
     if hub.has_bug(&uav_inf_06::RULE) && ids.iter().any(|id| hub.uav(&id.0).is_none()) {
         return Err(no_such());
     }
-    let outcomes = Outcomes::of(ids, |id| hub.uav(id).map(|uav| uav.status()).ok_or_else(no_such))?;
+    let outcomes = Outcomes::collect(ids, |id| hub.uav(id).map(|uav| uav.status()).ok_or_else(no_such))?;
     let (status, error) = outcomes.into_maps();
     Ok(uav_inf::Response { status, error }.into())
 }
@@ -152,7 +163,7 @@ fn checks(uav: &Uav) -> PreflightCheckInfo {
 
 fn versions(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>) -> Obeyed<BTreeMap<String, String>> {
     let version = BTreeMap::from([("simulation".to_owned(), env!("CARGO_PKG_VERSION").to_owned())]);
-    Outcomes::of(ids, |id| reach(hub, session, id, |_| Ok(version.clone())))
+    Outcomes::collect(ids, |id| reach(hub, session, id, |_| Ok(version.clone())))
 }
 
 /// Tells a UAV something, or asks it. Nothing is heard of one that sleeps: then this is the receipt under which that
@@ -161,13 +172,13 @@ fn reach<T>(
     hub: &mut Hub,
     session: SessionId,
     id: &str,
-    tell: impl FnOnce(&mut Uav) -> Result<T, String>,
+    apply: impl FnOnce(&mut Uav) -> Result<T, String>,
 ) -> Result<Outcome<T>, String> {
     let uav = hub.uav(id).ok_or_else(no_such)?;
     if uav.is_sleeping() {
         return hub.start(session, Operation::unanswered).map(Outcome::Receipt);
     }
-    tell(uav).map(Outcome::Value)
+    apply(uav).map(Outcome::Value)
 }
 
 /// Starts an operation of each UAV that can be told to.
@@ -175,10 +186,10 @@ fn start_each(
     hub: &mut Hub,
     session: SessionId,
     ids: Vec<ObjectId>,
-    tell: impl Fn(&mut Uav) -> Result<(), String>,
+    apply: impl Fn(&mut Uav) -> Result<(), String>,
     operation: impl Fn(String) -> Operation,
 ) -> Obeyed {
-    Outcomes::of(ids, |id| match reach(hub, session, id, &tell)? {
+    Outcomes::collect(ids, |id| match reach(hub, session, id, &apply)? {
         Outcome::Value(()) => hub.start(session, &operation).map(Outcome::Receipt),
         Outcome::Receipt(receipt) => Ok(Outcome::Receipt(receipt)),
     })
@@ -197,24 +208,24 @@ fn examine(
 }
 
 fn restart(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, is_whole: bool) -> Obeyed {
-    let tell = |uav: &mut Uav| {
+    let apply = |uav: &mut Uav| {
         if is_whole {
             uav.command(Command::Restart)
         } else {
             Err("it has no components that can be restarted".to_owned())
         }
     };
-    start_each(hub, session, ids, tell, |receipt| Operation::lasting(receipt, RESTART, json!(true)))
+    start_each(hub, session, ids, apply, |receipt| Operation::lasting(receipt, RESTART, json!(true)))
 }
 
 /// Gives a command that UAVs confirm at once.
 fn obey(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, command: Command) -> Obeyed {
     // A UAV that sleeps hears these all the same.
-    let is_always_heard = matches!(command, Command::Sleep | Command::WakeUp);
-    let tell = |uav: &mut Uav| uav.command(command).map(|()| true);
-    Outcomes::of(ids, |id| match hub.uav(id) {
-        Some(uav) if is_always_heard => tell(uav).map(Outcome::Value),
-        _ => reach(hub, session, id, tell),
+    let is_always_received = matches!(command, Command::Sleep | Command::WakeUp);
+    let apply = |uav: &mut Uav| uav.command(command).map(|()| true);
+    Outcomes::collect(ids, |id| match hub.uav(id) {
+        Some(uav) if is_always_received => apply(uav).map(Outcome::Value),
+        _ => reach(hub, session, id, apply),
     })
 }
 

@@ -17,7 +17,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
         Request::WthList(_) => Ok(wth_list::Response { ids: vec![ObjectId::from(STATION)] }.into()),
         Request::WthAt(_) => Ok(wth_at::Response { weather: Some(weather(hub)) }.into()),
         Request::WthInf(request) => {
-            let outcomes = Outcomes::of(request.ids, |id| match id {
+            let outcomes = Outcomes::collect(request.ids, |id| match id {
                 STATION => Ok(weather(hub)),
                 _ => Err("there is no such station".to_owned()),
             })?;

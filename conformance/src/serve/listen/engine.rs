@@ -12,7 +12,7 @@ use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
 use self::session::Session;
-use super::{LOOK, SEND_LIMIT, Shared};
+use super::{POLL_INTERVAL, SEND_LIMIT, Shared};
 use crate::flockwave::transport::MESSAGE_LIMIT;
 use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
 use crate::flockwave::transport::http::{Connection, Request, Response, is_silence};
@@ -29,7 +29,7 @@ const PACKETS_AT_ONCE: usize = 16;
 const POLL_LIMIT: Duration = Duration::from_secs(60);
 
 /// How long a WebSocket is read from before it is seen whether something is to be sent.
-const TURN: Duration = Duration::from_millis(10);
+const READ_TIMEOUT: Duration = Duration::from_millis(10);
 
 /// All sessions, by their ids.
 #[derive(Default)]
@@ -82,7 +82,7 @@ fn refused(reason: &str) -> Response {
 
 /// What a request is about: a session that is there, or a new one.
 fn session(shared: &Shared, request: &Request) -> Result<Arc<Session>, Response> {
-    let revision = request.field("EIO").and_then(Revision::of);
+    let revision = request.field("EIO").and_then(Revision::from_number);
     let revision = revision.ok_or_else(|| refused("EIO must be 3 or 4"))?;
     match request.field("sid") {
         Some(sid) => {
@@ -176,7 +176,7 @@ pub(super) fn over_web_socket(
         )
         .as_bytes(),
     )?;
-    stream.set_read_timeout(Some(TURN))?;
+    stream.set_read_timeout(Some(READ_TIMEOUT))?;
     stream.set_write_timeout(Some(SEND_LIMIT))?;
     let limit = MESSAGE_LIMIT + 1024;
     let config = WebSocketConfig::default().max_message_size(Some(limit)).max_frame_size(Some(limit));
@@ -184,7 +184,7 @@ pub(super) fn over_web_socket(
     if request.field("sid").is_none() {
         session.upgrade();
     }
-    let ending = converse(shared, &session, socket);
+    let ending = serve_connection(shared, &session, socket);
     if session.is_upgraded() {
         session.end(shared);
     }
@@ -195,7 +195,7 @@ pub(super) fn over_web_socket(
 }
 
 /// Reads and writes in turn, until either side ends.
-fn converse(
+fn serve_connection(
     shared: &Shared,
     session: &Session,
     mut socket: WebSocket<std::net::TcpStream>,
@@ -210,7 +210,7 @@ fn converse(
                     }
                     continue_reading(&mut socket, Duration::from_millis(1))?;
                 }
-                Taken::Nothing => continue_reading(&mut socket, TURN)?,
+                Taken::Nothing => continue_reading(&mut socket, READ_TIMEOUT)?,
                 Taken::End => {
                     socket.close(None)?;
                     return farewell(&mut socket);
@@ -247,8 +247,8 @@ fn continue_reading(socket: &mut WebSocket<std::net::TcpStream>, wait: Duration)
 
 /// Waits for the client to close as well, but not for long.
 fn farewell(socket: &mut WebSocket<std::net::TcpStream>) -> Result<(), Error> {
-    continue_reading(socket, LOOK)?;
-    let until = Instant::now() + LOOK * 5;
+    continue_reading(socket, POLL_INTERVAL)?;
+    let until = Instant::now() + POLL_INTERVAL * 5;
     while Instant::now() < until {
         match socket.read() {
             Ok(_) => {}

@@ -13,16 +13,16 @@ use uavspec::flockwave::json as flockwave;
 
 use super::Shared;
 use crate::flockwave::transport::http::{Request, Response};
-use crate::serve::hub::{Manner, SessionId, Sink};
+use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::message::{envelope, value};
 use crate::serve::outbox::{Outbox, Taken};
 use crate::serve::request::Incoming;
 
 /// How long operations are waited for.
-const PATIENCE: Duration = Duration::from_secs(20);
+const OPERATION_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// The id of requests that came without an envelope.
-const NAMELESS: &str = "http";
+const DEFAULT_ID: &str = "http";
 
 struct BoxSink(Arc<Outbox>);
 
@@ -48,9 +48,9 @@ pub(super) fn answer(shared: &Shared, request: &Request) -> Response {
         Err(error) => return Response::refusal("400 Bad Request", format!("the body is no JSON: {error}")),
     };
     let has_envelope = message.get("body").is_some() || message.get("$fw.version").is_some();
-    let message = if has_envelope { message } else { envelope(NAMELESS, None, message) };
+    let message = if has_envelope { message } else { envelope(DEFAULT_ID, None, message) };
     let outbox = Arc::new(Outbox::default());
-    let session = shared.open(Manner::OneShot, Arc::new(BoxSink(Arc::clone(&outbox))));
+    let session = shared.open(ConnectionKind::OneShot, Arc::new(BoxSink(Arc::clone(&outbox))));
     let response = exchange(shared, request, session, &outbox, message, has_envelope);
     shared.close(session);
     response
@@ -69,7 +69,7 @@ fn exchange(
     {
         return Response::refusal("403 Forbidden", "these aren't the name and password");
     }
-    let incoming = Incoming::of(message);
+    let incoming = Incoming::from_value(message);
     if incoming == Incoming::Ignored {
         return Response::refusal(
             "400 Bad Request",
@@ -96,7 +96,7 @@ fn is_logged_in(shared: &Shared, session: SessionId, outbox: &Outbox, credential
         data: data.trim().to_owned(),
         session: None,
     });
-    shared.hub().take(session, Incoming::of(envelope("login", None, value(&request))));
+    shared.hub().take(session, Incoming::from_value(envelope("login", None, value(&request))));
     next(outbox, Instant::now()).is_some_and(|answer| answer.message["body"]["result"] == json!(true))
 }
 
@@ -131,7 +131,7 @@ fn await_operations(outbox: &Outbox, answer: &mut Answered) {
         }
         _ => return,
     };
-    let until = Instant::now() + PATIENCE;
+    let until = Instant::now() + OPERATION_TIMEOUT;
     let body = &mut answer.message["body"];
     let mut settle = |open: &mut BTreeMap<String, Option<String>>,
                       receipt: &str,

@@ -9,11 +9,11 @@ use std::time::Instant;
 use serde::de::IgnoredAny;
 use serde_json::Value;
 
-use super::{LOOK, SEND_LIMIT, Shared};
+use super::{POLL_INTERVAL, SEND_LIMIT, Shared};
 use crate::flockwave::transport::http::is_silence;
 use crate::flockwave::transport::lines::{Line, Lines};
 use crate::rules::flockwave::{env_25, tcp_01, tcp_02, tcp_03, tcp_04};
-use crate::serve::hub::{Manner, SessionId, Sink};
+use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::outbox::{Outbox, Taken};
 
 /// How many messages are written at once.
@@ -44,16 +44,16 @@ fn spread(text: &str) -> Option<String> {
 }
 
 /// Serves a connection to its end.
-pub(super) fn converse(shared: &Arc<Shared>, mut stream: TcpStream) -> io::Result<()> {
+pub(super) fn serve_connection(shared: &Arc<Shared>, mut stream: TcpStream) -> io::Result<()> {
     stream.set_nodelay(true)?;
-    stream.set_read_timeout(Some(LOOK))?;
+    stream.set_read_timeout(Some(POLL_INTERVAL))?;
     stream.set_write_timeout(Some(SEND_LIMIT))?;
     let outbox = Arc::new(Outbox::default());
     let own = stream.try_clone()?;
     let taken = Arc::clone(&outbox);
     let writer = thread::spawn(move || write(own, &taken));
     let sink = LineSink { outbox: Arc::clone(&outbox), is_spread: shared.has_bug(&tcp_01::RULE) };
-    let id = shared.open(Manner::Standing, Arc::new(sink));
+    let id = shared.open(ConnectionKind::Persistent, Arc::new(sink));
     let ending = read(shared, id, &mut stream, &writer);
     shared.close(id);
     // What was asked before the client had said all is still answered.

@@ -10,17 +10,17 @@ use std::time::{Duration, Instant};
 use serde::de::IgnoredAny;
 use serde_json::Value;
 
-use super::{LOOK, Shared};
+use super::{POLL_INTERVAL, Shared};
 use crate::flockwave::transport::http::is_silence;
 use crate::rules::flockwave::{udp_01, udp_02, udp_03};
-use crate::serve::hub::{Manner, SessionId, Sink};
+use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::message::{enveloped, refusal, text};
 
 /// The longest message that fits into a datagram.
 const DATAGRAM_LIMIT: usize = 65_507;
 
 /// How long a client counts as there after its last datagram: the time that the specification advises.
-const PATIENCE: Duration = Duration::from_secs(60);
+const CLIENT_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// How many clients there may be at a time.
 const CLIENT_LIMIT: usize = 1024;
@@ -59,7 +59,7 @@ fn shortened(long: &str) -> Option<String> {
 
 struct Peer {
     session: SessionId,
-    heard: Instant,
+    last_received: Instant,
 }
 
 /// Serves all clients until the server ends.
@@ -67,14 +67,15 @@ pub(super) fn serve(shared: &Arc<Shared>, socket: &UdpSocket) {
     let mut peers: BTreeMap<SocketAddr, Peer> = BTreeMap::new();
     let mut datagram = vec![0; DATAGRAM_LIMIT + 1];
     while !shared.is_ending() {
-        let received = socket.set_read_timeout(Some(LOOK)).and_then(|()| socket.recv_from(&mut datagram));
+        let received =
+            socket.set_read_timeout(Some(POLL_INTERVAL)).and_then(|()| socket.recv_from(&mut datagram));
         drop_silent(shared, &mut peers);
         let (length, client) = match received {
             Ok(received) => received,
             // Some systems say here that an earlier datagram didn't arrive.
             Err(error) if is_silence(&error) || error.kind() == io::ErrorKind::ConnectionReset => continue,
             Err(_) => {
-                thread::sleep(LOOK);
+                thread::sleep(POLL_INTERVAL);
                 continue;
             }
         };
@@ -96,7 +97,7 @@ fn session(
     client: SocketAddr,
 ) -> Option<SessionId> {
     if let Some(peer) = peers.get_mut(&client) {
-        peer.heard = Instant::now();
+        peer.last_received = Instant::now();
         return Some(peer.session);
     }
     if peers.len() >= CLIENT_LIMIT {
@@ -108,14 +109,14 @@ fn session(
     }
     let is_doubling = shared.has_bug(&udp_01::RULE);
     let sink = DatagramSink { socket: socket.try_clone().ok()?, client: answered, is_doubling };
-    let session = shared.open(Manner::Datagrams, Arc::new(sink));
-    peers.insert(client, Peer { session, heard: Instant::now() });
+    let session = shared.open(ConnectionKind::Datagrams, Arc::new(sink));
+    peers.insert(client, Peer { session, last_received: Instant::now() });
     Some(session)
 }
 
 fn drop_silent(shared: &Shared, peers: &mut BTreeMap<SocketAddr, Peer>) {
     peers.retain(|_, peer| {
-        let is_there = peer.heard.elapsed() < PATIENCE;
+        let is_there = peer.last_received.elapsed() < CLIENT_TIMEOUT;
         if !is_there {
             shared.close(peer.session);
         }

@@ -5,21 +5,21 @@ use std::net::TcpStream;
 use std::sync::Arc;
 
 use super::{Shared, engine, one_shot};
-use crate::flockwave::transport::http::{Came, Connection, Request, Response};
+use crate::flockwave::transport::http::{Connection, Incoming, Request, Response};
 use crate::flockwave::transport::{ONE_SHOT_PATH, SOCKET_IO_PATH};
 
 /// Serves a connection. One-shots and Socket.IO have the same port, where a client expects them so.
-pub(super) fn converse(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<()> {
+pub(super) fn serve_connection(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<()> {
     let mut connection = Connection::new(stream)?;
     let is_wanted = || !shared.has_ended();
     loop {
         let request = match connection.next(&is_wanted)? {
-            Came::Request(request) => request,
-            Came::Refused(response) => {
+            Incoming::Request(request) => request,
+            Incoming::Refused(response) => {
                 connection.respond(None, &response)?;
                 return Ok(());
             }
-            Came::Nothing => return Ok(()),
+            Incoming::Nothing => return Ok(()),
         };
         let is_socket_io = is_at(&request, SOCKET_IO_PATH);
         if is_socket_io && request.has_word("upgrade", "websocket") {
@@ -35,9 +35,9 @@ pub(super) fn converse(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<()
                     .with("Allow", "POST")
             }
             _ => {
-                let places =
+                let location =
                     format!("messages go to {ONE_SHOT_PATH}, and Socket.IO is served at {SOCKET_IO_PATH}");
-                Response::refusal("404 Not Found", places)
+                Response::refusal("404 Not Found", location)
             }
         };
         if !connection.respond(Some(&request), &for_browsers(&request, response))? {

@@ -23,7 +23,7 @@ impl Uav {
     pub(in crate::serve) fn codes(&self) -> Vec<ErrorCode> {
         let state = match self.activity {
             Activity::Sleeping => Some(ErrorCode::SLEEP),
-            Activity::Standing => Some(ErrorCode::GROUND),
+            Activity::OnGround => Some(ErrorCode::GROUND),
             Activity::MotorsOn => Some(ErrorCode::MOTORS),
             Activity::TakingOff => Some(ErrorCode::TAKEOFF),
             Activity::Returning => Some(ErrorCode::RTH),
@@ -40,7 +40,7 @@ impl Uav {
     pub(super) fn mode(&self) -> FlightMode {
         match self.activity {
             Activity::Sleeping => FlightMode::Unknown,
-            Activity::Standing | Activity::MotorsOn => FlightMode::Stab,
+            Activity::OnGround | Activity::MotorsOn => FlightMode::Stab,
             Activity::TakingOff => FlightMode::Takeoff,
             Activity::Hovering => FlightMode::Loiter,
             Activity::FlyingTo(_) => FlightMode::Guided,
@@ -81,7 +81,7 @@ impl Uav {
 
     /// A value that wavers a little from moment to moment, from 0 up to below `span`.
     fn wobble(&self, span: u64) -> i64 {
-        (self.random.at(self.heard / 500) % span).cast_signed()
+        (self.random.at(self.last_received / 500) % span).cast_signed()
     }
 
     /// Its state as messages have it.
@@ -94,9 +94,9 @@ impl Uav {
         let light = ColorRGB565(if self.signal > 0.0 { 0x07E0 } else { 0xFFFF });
         UAVStatusInfo {
             id: self.id.as_str().into(),
-            timestamp: Timestamp(self.heard.cast_signed()),
+            timestamp: Timestamp(self.last_received.cast_signed()),
             mode: Some(self.mode()),
-            position: Some(self.place()),
+            position: Some(self.gps_coordinate()),
             position_xyz: Some(PositionXYZ { x, y: -y, z }),
             gps: Some(self.fix()),
             heading: Some(heading),
@@ -119,7 +119,7 @@ impl Uav {
         }
     }
 
-    fn place(&self) -> GPSCoordinate {
+    fn gps_coordinate(&self) -> GPSCoordinate {
         let [latitude, longitude, amsl, ahl, agl] = self.coordinates();
         GPSCoordinate {
             latitude: Latitude(latitude),

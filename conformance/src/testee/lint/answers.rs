@@ -2,16 +2,16 @@
 
 use serde_json::Value;
 
-use super::{Bench, Check, Manner};
+use super::{Bench, Check, CheckOutcome};
 use crate::testee::case::{Case, Input};
 use crate::testee::wire::to_base64;
 
 /// How many questions are asked where there should be several.
-const SEVERAL: usize = 16;
+const NUM_CASES: usize = 16;
 
 /// How large a long question is, in bytes: images of a firmware's parameters or of a mission come near to it, and no
 /// buffer of a usual size holds it.
-const LONG: usize = 1 << 20;
+const LONG_REQUEST_LENGTH: usize = 1 << 20;
 
 /// Integers that some type of a usual size doesn't hold, and the outermost that every reader of JSON keeps.
 const IDS: [i64; 15] = [
@@ -81,45 +81,45 @@ pub(super) const ONLY_ANSWERS: Check = Check {
     attempt: only_answers,
 };
 
-fn answers_have_ids(bench: &mut Bench<'_>) -> Manner {
+fn answers_have_ids(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         for case in several(bench)? {
-            session.ask(case);
+            session.send_case(case);
         }
-        let heard = session.hear();
+        let received = session.receive();
         // An answer may come late. How it ends is for another check.
         let _ = session.part();
-        match session.heard().foreign {
+        match session.received().foreign {
             Some(id) => Err(format!("an answer to id {id}, which no question has")),
             // One that lacks its id is seen as no answer, so none may be missing.
-            None => heard,
+            None => received,
         }
     })
 }
 
-fn one_answer_each(bench: &mut Bench<'_>) -> Manner {
+fn one_answer_each(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         for case in several(bench)? {
-            session.ask(case);
+            session.send_case(case);
         }
-        session.hear()?;
+        session.receive()?;
         // A second answer may come late. How it ends is for another check.
         let _ = session.part();
-        match session.heard().repeated {
+        match session.received().repeated {
             Some(id) => Err(format!("more than one answer to id {id}")),
             None => Ok(()),
         }
     })
 }
 
-fn ids_of_any_size(bench: &mut Bench<'_>) -> Manner {
+fn ids_of_any_size(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         let case = bench.plain_case()?;
         for id in IDS {
             let mut question = case.request(0);
             question["id"] = id.into();
             session.send(id, &question);
-            session.hear().map_err(|wrong| match session.heard().foreign {
+            session.receive().map_err(|wrong| match session.received().foreign {
                 Some(other) => format!("a question with id {id} is answered as {other}"),
                 None => wrong,
             })?;
@@ -128,7 +128,7 @@ fn ids_of_any_size(bench: &mut Bench<'_>) -> Manner {
     })
 }
 
-fn questions_in_one_write(bench: &mut Bench<'_>) -> Manner {
+fn questions_in_one_write(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         let mut lines = String::new();
         for case in several(bench)? {
@@ -138,11 +138,11 @@ fn questions_in_one_write(bench: &mut Bench<'_>) -> Manner {
             lines.push('\n');
         }
         session.send_bytes(lines.into_bytes());
-        session.hear()
+        session.receive()
     })
 }
 
-fn question_in_many_writes(bench: &mut Bench<'_>) -> Manner {
+fn question_in_many_writes(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         let case = bench.plain_case()?;
         let (first, question) = session.question(case);
@@ -153,38 +153,40 @@ fn question_in_many_writes(bench: &mut Bench<'_>) -> Manner {
         let text = format!("{question}\n{other}\n");
         let (text, end) = text.as_bytes().split_at(text.len() - 1);
         session.send_parts(text.chunks(text.len().div_ceil(7)).chain([end]));
-        session.hear()
+        session.receive()
     })
 }
 
-fn long_question(bench: &mut Bench<'_>) -> Manner {
+fn long_question(bench: &mut Bench<'_>) -> CheckOutcome {
     let Some(case) = bench.known_case(|case| case.input != Input::Nothing).cloned() else {
-        return Manner::NotApplicable("none of its ops on types of the definitions has an input".to_owned());
+        return CheckOutcome::NotApplicable(
+            "none of its ops on types of the definitions has an input".to_owned(),
+        );
     };
     bench.attempt(|bench, session| {
         let (id, mut question) = session.question(&case);
         let (member, long): (&str, Value) = match case.input {
             // Three bytes become four letters.
-            Input::Bytes(_) => ("bytes", to_base64(&vec![0; LONG / 4 * 3]).into()),
-            Input::Value(_) | Input::Nothing => ("value", "x".repeat(LONG).into()),
+            Input::Bytes(_) => ("bytes", to_base64(&vec![0; LONG_REQUEST_LENGTH / 4 * 3]).into()),
+            Input::Value(_) | Input::Nothing => ("value", "x".repeat(LONG_REQUEST_LENGTH).into()),
         };
         question[member] = long;
         session.send(id, &question);
-        session.hear()?;
+        session.receive()?;
         session.survive(bench.plain_case()?)
     })
 }
 
-fn only_answers(bench: &mut Bench<'_>) -> Manner {
-    bench.strays.told().map_or(Manner::Good, Manner::Bad)
+fn only_answers(bench: &mut Bench<'_>) -> CheckOutcome {
+    bench.strays.summary().map_or(CheckOutcome::Good, CheckOutcome::Bad)
 }
 
 /// Cases to ask at once: such as the testee knows, where there are any, and again from the first where they are few.
 fn several<'b>(bench: &'b Bench<'_>) -> Result<impl Iterator<Item = &'b Case>, String> {
     let plain = bench.plain_case()?;
-    let mut known: Vec<&Case> = bench.known_cases().take(SEVERAL).collect();
+    let mut known: Vec<&Case> = bench.known_cases().take(NUM_CASES).collect();
     if known.is_empty() {
         known.push(plain);
     }
-    Ok(known.into_iter().cycle().take(SEVERAL))
+    Ok(known.into_iter().cycle().take(NUM_CASES))
 }

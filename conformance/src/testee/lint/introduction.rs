@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use super::{Bench, Check, Manner};
+use super::{Bench, Check, CheckOutcome};
 use crate::testee::link::Link;
 use crate::testee::options::excerpt;
 use crate::testee::protocol::{Format, Hello, Op};
@@ -31,19 +31,19 @@ pub(super) const SECOND_HELLO: Check = Check {
     attempt: second_hello,
 };
 
-fn introduction(bench: &mut Bench<'_>) -> Manner {
+fn introduction(bench: &mut Bench<'_>) -> CheckOutcome {
     let opened = bench.first.take().map_or_else(|| Link::open(bench.options, true), Ok);
     match opened.and_then(|mut link| link.introduction(bench.options)) {
         Ok(introduced) => {
             bench.introduced = Some(introduced);
-            Manner::Good
+            CheckOutcome::Good
         }
-        Err(wrong) => Manner::Bad(wrong),
+        Err(wrong) => CheckOutcome::Bad(wrong),
     }
 }
 
-fn hello_members(bench: &mut Bench<'_>) -> Manner {
-    let Some((hello, line)) = &bench.introduced else { return Manner::Good };
+fn hello_members(bench: &mut Bench<'_>) -> CheckOutcome {
+    let Some((hello, line)) = &bench.introduced else { return CheckOutcome::Good };
     // It was read before, so this is JSON.
     let value: Value = serde_json::from_slice(line).unwrap_or_default();
     let wrong = [
@@ -54,7 +54,7 @@ fn hello_members(bench: &mut Bench<'_>) -> Manner {
         wrong_list(&value, "types", is_type_name),
     ];
     let wrong: Vec<String> = wrong.into_iter().flatten().collect();
-    if wrong.is_empty() { Manner::Good } else { Manner::Bad(wrong.join("; ")) }
+    if wrong.is_empty() { CheckOutcome::Good } else { CheckOutcome::Bad(wrong.join("; ")) }
 }
 
 /// What is wrong with a list of names. One that is absent was let through, so it may be.
@@ -85,14 +85,14 @@ fn is_type_name(name: &str) -> bool {
     name.split_once('/').is_some_and(|(package, name)| is_of(package, &[]) && is_of(name, &['-', '.']))
 }
 
-fn second_hello(bench: &mut Bench<'_>) -> Manner {
+fn second_hello(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         let case = bench.plain_case()?;
         session.survive(case)?;
         session.send_hello();
         session.survive(case)?;
         let first = bench.introduced.as_ref().map(|(hello, _)| hello);
-        match session.heard().hellos.iter().find(|line| Hello::read(line).ok().as_ref() != first) {
+        match session.received().hellos.iter().find(|line| Hello::read(line).ok().as_ref() != first) {
             Some(line) => Err(format!("the second hello says something else: {}", excerpt(line))),
             None => Ok(()),
         }

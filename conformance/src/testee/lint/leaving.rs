@@ -1,9 +1,9 @@
 //! How it ends.
 
-use super::{Bench, Check, Manner};
+use super::{Bench, Check, CheckOutcome};
 
 /// How many questions are on their way when the input closes.
-const SEVERAL: usize = 8;
+const NUM_CASES: usize = 8;
 
 pub(super) const ANSWERS_BEFORE_END: Check = Check {
     id: "answers-before-end",
@@ -19,11 +19,11 @@ pub(super) const ENDS_BY_ITSELF: Check = Check {
     attempt: ends_by_itself,
 };
 
-fn answers_before_end(bench: &mut Bench<'_>) -> Manner {
+fn answers_before_end(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         let case = bench.plain_case()?;
-        for _ in 0..SEVERAL {
-            session.ask(case);
+        for _ in 0..NUM_CASES {
+            session.send_case(case);
         }
         // How it ends is for another check.
         let _ = session.part();
@@ -31,9 +31,9 @@ fn answers_before_end(bench: &mut Bench<'_>) -> Manner {
     })
 }
 
-fn ends_by_itself(bench: &mut Bench<'_>) -> Manner {
+fn ends_by_itself(bench: &mut Bench<'_>) -> CheckOutcome {
     let idle = bench.attempt(|_, session| session.part());
-    if idle != Manner::Good {
+    if idle != CheckOutcome::Good {
         return idle;
     }
     bench.attempt(|bench, session| {

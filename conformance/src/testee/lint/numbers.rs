@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 
-use super::{Bench, Check, Manner};
-use crate::testee::case::{Case, Input, Want};
+use super::{Bench, Check, CheckOutcome};
+use crate::testee::case::{Case, ExpectedAnswer, Input};
 use crate::testee::protocol::{Answer, Op};
 use crate::testee::wire::{has_tag, to_wire};
 
@@ -14,7 +14,7 @@ const INTEGERS: &[&str] = &["$u64", "$i64"];
 const FLOATS: &[&str] = &["$f"];
 
 /// How many cases are asked for each check.
-const SEVERAL: usize = 16;
+const NUM_CASES: usize = 16;
 
 pub(super) const TAGGED_INTEGERS: Check = Check {
     id: "tagged-integers",
@@ -30,10 +30,10 @@ pub(super) const TAGGED_FLOATS: Check = Check {
     attempt: |bench| tagged(bench, FLOATS),
 };
 
-fn tagged(bench: &mut Bench<'_>, tags: &[&str]) -> Manner {
+fn tagged(bench: &mut Bench<'_>, tags: &[&str]) -> CheckOutcome {
     let is_right = |case: &&Case| case.rule.is_none() && !case.expected.rejection;
     let wanted = |case: &Case| match (&case.op, &case.expected.ok) {
-        (Op::Decode, Want::Message(value)) => {
+        (Op::Decode, ExpectedAnswer::Message(value)) => {
             let message = case.type_name.split_once('/');
             let message = message.and_then(|(package, name)| bench.types.find(package, name));
             Some(to_wire(value, message)).filter(|wire| has(wire, tags))
@@ -45,26 +45,27 @@ fn tagged(bench: &mut Bench<'_>, tags: &[&str]) -> Manner {
         .known_cases()
         .filter(is_right)
         .filter_map(|case| Some((case.clone(), wanted(case)?)))
-        .take(SEVERAL)
+        .take(NUM_CASES)
         .collect();
-    let sent: Vec<Case> = bench.known_cases().filter(is_right).filter(sends).take(SEVERAL).cloned().collect();
+    let sent: Vec<Case> =
+        bench.known_cases().filter(is_right).filter(sends).take(NUM_CASES).cloned().collect();
     if decoded.is_empty() && sent.is_empty() {
-        return Manner::NotApplicable("none of the types that it knows holds such numbers".to_owned());
+        return CheckOutcome::NotApplicable("none of the types that it knows holds such numbers".to_owned());
     }
     bench.attempt(|_, session| {
         for (case, wanted) in &decoded {
-            let id = session.ask(case);
-            session.hear()?;
+            let id = session.send_case(case);
+            session.receive()?;
             // Whether it decodes at all is for `uavspec test`.
             if let Some(Answer::Ok(actual)) = session.answer(id)
-                && let Some(place) = untagged(wanted, actual, tags, "")
+                && let Some(location) = untagged(wanted, actual, tags, "")
             {
-                return Err(format!("{} gives {place}", case.name()));
+                return Err(format!("{} gives {location}", case.name()));
             }
         }
         for case in &sent {
-            let id = session.ask(case);
-            session.hear()?;
+            let id = session.send_case(case);
+            session.receive()?;
             if let Some(Answer::Rejected(reason) | Answer::Error(reason)) = session.answer(id) {
                 return Err(format!("{} is not understood: {reason}", case.name()));
             }

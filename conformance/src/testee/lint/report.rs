@@ -5,14 +5,14 @@ use std::fmt::{self, Write as _};
 use anstyle::{AnsiColor, Style};
 use serde_json::{Value, json};
 
-use super::{Found, Manner};
+use super::{CheckOutcome, Found};
 
 /// The version of the JSON form; it rises when a member changes its meaning or goes.
 const VERSION: u32 = 1;
 
 const FAIL: Style = AnsiColor::Red.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
-const PALE: Style = Style::new().dimmed();
+const DIMMED: Style = Style::new().dimmed();
 
 /// For people, with colours; a stream that knows drops them where they would not be shown.
 pub(crate) fn to_text(found: &Found) -> String {
@@ -26,22 +26,22 @@ fn write_text(found: &Found, text: &mut String) -> fmt::Result {
     if let Some(hello) = &found.hello {
         writeln!(text, "{hello}\n")?;
     }
-    for (check, manner) in &found.manners {
+    for (check, manner) in &found.outcomes {
         let (style, word) = match manner {
-            Manner::Good => (PASS, "pass"),
-            Manner::Bad(_) => (FAIL, "FAIL"),
-            Manner::NotApplicable(_) => (PALE, "n/a"),
+            CheckOutcome::Good => (PASS, "pass"),
+            CheckOutcome::Bad(_) => (FAIL, "FAIL"),
+            CheckOutcome::NotApplicable(_) => (DIMMED, "n/a"),
         };
         writeln!(text, "{style}{word:<4}{style:#}  {:<24} {}", check.id, check.statement)?;
         for (index, line) in manner.message().unwrap_or_default().lines().enumerate() {
             let mark = if index == 0 { "" } else { "| " };
             writeln!(text, "      {mark}{}", shown(line))?;
         }
-        if matches!(manner, Manner::Bad(_)) {
+        if matches!(manner, CheckOutcome::Bad(_)) {
             writeln!(text, "      help: {}", check.help)?;
         }
     }
-    let count = |name: &str| found.manners.iter().filter(|(_, manner)| manner.name() == name).count();
+    let count = |name: &str| found.outcomes.iter().filter(|(_, manner)| manner.name() == name).count();
     let (passed, failed, other) = (count("pass"), count("fail"), count("not applicable"));
     writeln!(text, "\n{passed} passed, {failed} failed, {other} not applicable")?;
     if found.are_good() {
@@ -59,7 +59,7 @@ fn shown(line: &str) -> String {
 
 /// For programs.
 pub(crate) fn to_json(found: &Found) -> String {
-    let checks = found.manners.iter().map(|(check, manner)| {
+    let checks = found.outcomes.iter().map(|(check, manner)| {
         json!({
             "id": check.id, "statement": check.statement, "verdict": manner.name(),
             "message": manner.message(), "help": check.help,

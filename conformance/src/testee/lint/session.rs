@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use crate::testee::case::Case;
-use crate::testee::link::{Link, Said, last_words};
+use crate::testee::link::{Link, Received, remaining_stderr};
 use crate::testee::options::{Options, excerpt};
 use crate::testee::protocol::{Answer, Hello};
 
@@ -22,12 +22,12 @@ pub(super) struct Session<'o> {
     link: Link,
     options: &'o Options,
     next_id: i64,
-    heard: Heard,
+    received: ReceivedAnswers,
 }
 
 /// What was heard, and what may still come.
 #[derive(Default)]
-pub(super) struct Heard {
+pub(super) struct ReceivedAnswers {
     /// Questions without an answer.
     open: BTreeSet<i64>,
     /// Questions that need no answer, but may have one.
@@ -57,10 +57,10 @@ pub(super) struct Strays {
 
 impl Strays {
     /// Most that are kept.
-    const MOST: usize = 5;
+    const MAX_KEPT: usize = 5;
 
     fn push(&mut self, what: String) {
-        if self.first.len() < Self::MOST {
+        if self.first.len() < Self::MAX_KEPT {
             self.first.push(what);
         } else {
             self.more += 1;
@@ -74,7 +74,7 @@ impl Strays {
     }
 
     /// All of it in words; none where there is nothing.
-    pub(super) fn told(&self) -> Option<String> {
+    pub(super) fn summary(&self) -> Option<String> {
         let more = if self.more > 0 { format!("; and {} more", self.more) } else { String::new() };
         (!self.first.is_empty()).then(|| self.first.join("; ") + &more)
     }
@@ -84,7 +84,7 @@ impl<'o> Session<'o> {
     pub(super) fn start(options: &'o Options) -> Result<Self, String> {
         let mut link = Link::open(options, true)?;
         link.introduction(options).map_err(|wrong| format!("it doesn't introduce itself again: {wrong}"))?;
-        Ok(Self { link, options, next_id: FIRST_ID, heard: Heard::default() })
+        Ok(Self { link, options, next_id: FIRST_ID, received: ReceivedAnswers::default() })
     }
 
     /// An id that no question has.
@@ -108,7 +108,7 @@ impl<'o> Session<'o> {
     }
 
     /// Asks a case.
-    pub(super) fn ask(&mut self, case: &Case) -> i64 {
+    pub(super) fn send_case(&mut self, case: &Case) -> i64 {
         let (id, question) = self.question(case);
         self.send(id, &question);
         id
@@ -116,7 +116,7 @@ impl<'o> Session<'o> {
 
     /// Notes a question that is sent by other means.
     pub(super) fn expect(&mut self, id: i64) {
-        self.heard.open.insert(id);
+        self.received.open.insert(id);
     }
 
     /// Sends bytes with one write.
@@ -133,95 +133,95 @@ impl<'o> Session<'o> {
     }
 
     /// Sends a line that is no question: it may be answered under the id, or refused without one, or passed over.
-    pub(super) fn send_damage(&mut self, id: Option<i64>, line: &[u8]) {
-        self.heard.optional.extend(id);
-        self.heard.refusals += 1;
+    pub(super) fn send_malformed(&mut self, id: Option<i64>, line: &[u8]) {
+        self.received.optional.extend(id);
+        self.received.refusals += 1;
         self.link.send_bytes([line, b"\n"].concat());
     }
 
     /// Asks for one more hello, which may be given, refused or passed over.
     pub(super) fn send_hello(&mut self) {
-        self.heard.hellos_due += 1;
-        self.heard.refusals += 1;
+        self.received.hellos_due += 1;
+        self.received.refusals += 1;
         self.link.send(Hello::request());
     }
 
     /// Waits until all questions have their answers.
-    pub(super) fn hear(&mut self) -> Result<(), String> {
+    pub(super) fn receive(&mut self) -> Result<(), String> {
         let mut until = Instant::now() + self.options.timeout;
         while !self.is_answered() {
-            let wrong = match self.link.hear(until) {
-                Said::Line(line) => {
+            let wrong = match self.link.receive(until) {
+                Received::Line(line) => {
                     // Lines that are no answers don't win time.
-                    if self.heard.take(&line) {
+                    if self.received.take(&line) {
                         until = Instant::now() + self.options.timeout;
                     }
                     continue;
                 }
-                Said::Nothing => {
+                Received::Nothing => {
                     let after = self.options.timeout.as_secs_f32();
                     format!("no answer to {} within {after} s", self.missing())
                 }
-                Said::TooLong => {
+                Received::TooLong => {
                     let what = format!("a line of more than {} bytes", self.options.line_limit);
-                    self.heard.strays.push(what.clone());
+                    self.received.strays.push(what.clone());
                     what
                 }
-                Said::Closed => {
+                Received::Closed => {
                     format!("{}, without an answer to {}", self.link.ending(until), self.missing())
                 }
-                Said::Lost(how) => format!("{how}, without an answer to {}", self.missing()),
+                Received::Lost(how) => format!("{how}, without an answer to {}", self.missing()),
             };
-            return Err(wrong + &last_words(&self.link.kill()));
+            return Err(wrong + &remaining_stderr(&self.link.kill()));
         }
         Ok(())
     }
 
     /// Asks a case, and waits for the answer: whatever came before has been seen, and survived.
     pub(super) fn survive(&mut self, case: &Case) -> Result<(), String> {
-        self.ask(case);
-        self.hear()
+        self.send_case(case);
+        self.receive()
     }
 
     /// Closes the input of the testee, and hears it out.
     pub(super) fn part(&mut self) -> Result<(), String> {
-        let heard = &mut self.heard;
+        let received = &mut self.received;
         let parted = self.link.part(self.options.timeout, |line| {
-            heard.take(line);
+            received.take(line);
         });
-        parted.map_err(|wrong| wrong + &last_words(&self.link.kill()))
+        parted.map_err(|wrong| wrong + &remaining_stderr(&self.link.kill()))
     }
 
     /// The answer to a question.
     pub(super) fn answer(&self, id: i64) -> Option<&Answer> {
-        self.heard.answers.get(&id)
+        self.received.answers.get(&id)
     }
 
     /// The questions without an answer, in words; the first few, where there are many.
     pub(super) fn missing(&self) -> String {
-        let ids: Vec<String> = self.heard.open.iter().take(3).map(|id| format!("id {id}")).collect();
-        let more = self.heard.open.len() - ids.len();
+        let ids: Vec<String> = self.received.open.iter().take(3).map(|id| format!("id {id}")).collect();
+        let more = self.received.open.len() - ids.len();
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         ids.join(", ") + &more
     }
 
     /// Whether all questions have answers.
     pub(super) fn is_answered(&self) -> bool {
-        self.heard.open.is_empty()
+        self.received.open.is_empty()
     }
 
     /// What was heard so far.
-    pub(super) const fn heard(&self) -> &Heard {
-        &self.heard
+    pub(super) const fn received(&self) -> &ReceivedAnswers {
+        &self.received
     }
 
     /// What was said that answers nothing.
     pub(super) fn into_strays(self) -> Strays {
-        self.heard.strays
+        self.received.strays
     }
 }
 
-impl Heard {
+impl ReceivedAnswers {
     /// Takes a line; whether it is the answer to a question that needs one.
     fn take(&mut self, line: &[u8]) -> bool {
         match Answer::read(line.trim_ascii()) {

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::session::Session;
-use super::{Bench, Check, Manner};
+use super::{Bench, Check, CheckOutcome};
 use crate::testee::case::Case;
 use crate::testee::protocol::Answer;
 
@@ -35,14 +35,14 @@ pub(super) const MISSING_MEMBER: Check = Check {
     attempt: missing_member,
 };
 
-fn unknown_op(bench: &mut Bench<'_>) -> Manner {
+fn unknown_op(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         let case = bench.plain_case()?;
         refuses(session, case, &["op"], Some(&"levitate".into()))
     })
 }
 
-fn unknown_type(bench: &mut Bench<'_>) -> Manner {
+fn unknown_type(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         let case = bench.plain_case()?;
         let other = case.type_name.clone() + "ThatNobodyKnows";
@@ -52,14 +52,16 @@ fn unknown_type(bench: &mut Bench<'_>) -> Manner {
     })
 }
 
-fn unknown_format(bench: &mut Bench<'_>) -> Manner {
+fn unknown_format(bench: &mut Bench<'_>) -> CheckOutcome {
     let Some(case) = bench.known_case(|case| case.format.is_some()).cloned() else {
-        return Manner::NotApplicable("none of its ops on types of the definitions has a format".to_owned());
+        return CheckOutcome::NotApplicable(
+            "none of its ops on types of the definitions has a format".to_owned(),
+        );
     };
     bench.attempt(|_, session| refuses(session, &case, &["format"], Some(&"morse".into())))
 }
 
-fn missing_member(bench: &mut Bench<'_>) -> Manner {
+fn missing_member(bench: &mut Bench<'_>) -> CheckOutcome {
     // One case of each op, since each has members of its own.
     let mut cases: Vec<Case> = Vec::new();
     for case in bench.known_cases().filter(|case| case.rule.is_none()) {
@@ -68,7 +70,7 @@ fn missing_member(bench: &mut Bench<'_>) -> Manner {
         }
     }
     if cases.is_empty() {
-        return Manner::NotApplicable("it knows no type of the definitions".to_owned());
+        return CheckOutcome::NotApplicable("it knows no type of the definitions".to_owned());
     }
     bench.attempt(|_, session| {
         cases.iter().try_for_each(|case| {
@@ -101,7 +103,7 @@ fn refuses(
             Some(value) => format!("{} with \"{member}\":{value}", case.action()),
             None => format!("{} without \"{member}\"", case.action()),
         };
-        session.hear().map_err(|wrong| format!("{what}: {wrong}"))?;
+        session.receive().map_err(|wrong| format!("{what}: {wrong}"))?;
         let wrong = match session.answer(id) {
             Some(Answer::Ok(_)) => "ok",
             Some(Answer::Rejected(_)) => "rejected",

@@ -6,7 +6,7 @@ use crate::check::{CaptureResult, check_ulog};
 use crate::definitions::Definitions;
 use tempfile::TempDir;
 
-use super::{FORMAT, Glider, MARK_FORMAT, PERIOD, broken, judge};
+use super::{FORMAT, Glider, MARK_FORMAT, PERIOD, run_check, violated};
 use crate::tests::support::Writer;
 
 /// A log of a glider with so many marks, of which so many are in use.
@@ -24,14 +24,14 @@ fn glider_of(marks: usize, num_marks: u8) -> Writer {
 /// Firmware may have a longer array than the definition, or a shorter one.
 #[test]
 fn a_count_is_held_to_the_array_that_the_log_has() {
-    for (marks, num_marks, is_broken) in
+    for (marks, num_marks, is_violating) in
         [(8, 7, false), (8, 8, false), (8, 9, true), (2, 2, false), (2, 3, true)]
     {
-        let found = broken(&judge(&glider_of(marks, num_marks)));
+        let found = violated(&run_check(&glider_of(marks, num_marks)));
         let found: Vec<_> = found.into_iter().filter(|(rule, _)| *rule != "PX-FMT-01").collect();
-        let said =
+        let message =
             ("PX-LEN-01", format!("glider.num_marks: {num_marks} entries in use of an array of {marks}"));
-        assert_eq!(found, if is_broken { vec![said] } else { vec![] }, "{num_marks} of {marks}");
+        assert_eq!(found, if is_violating { vec![message] } else { vec![] }, "{num_marks} of {marks}");
     }
 }
 
@@ -41,7 +41,7 @@ fn a_count_of_an_array_that_the_log_lacks_may_be_any() {
     log.format("glider:uint64_t timestamp;uint8_t num_marks;uint8_t[7] _padding0;");
     log.subscribe(5, 0, "glider");
     log.data(5, &[[0; 8], [200; 8]].concat());
-    assert!(broken(&judge(&log)).iter().all(|(rule, _)| *rule == "PX-FMT-01"));
+    assert!(violated(&run_check(&log)).iter().all(|(rule, _)| *rule == "PX-FMT-01"));
 }
 
 const TOW: &str = "\
@@ -71,7 +71,7 @@ fn tow() -> (TempDir, Definitions) {
 }
 
 /// A message of the tow: its ropes and how many there are, and the same of knots, each with its turns.
-fn judge_tow(ropes: (u8, [u8; 4]), num_knots: i8, knots: [(u8, [u8; 3], u8); 2]) -> CaptureResult {
+fn check_tow(ropes: (u8, [u8; 4]), num_knots: i8, knots: [(u8, [u8; 3], u8); 2]) -> CaptureResult {
     let mut log = Writer::with_flags();
     log.format(
         "tow:uint64_t timestamp;uint8_t num_ropes;uint8_t[4] ropes;int8_t num_knots;uint8_t[2] _padding0;\
@@ -112,9 +112,9 @@ fn entries_that_are_not_in_use_are_ignored() {
         // A count that makes no sense says nothing of what is in use.
         ((4, [10; 4]), -1, [knot, (1, [0; 3], 1)], "knots[1].turns[0]"),
     ] {
-        let judgement = judge_tow(ropes, num_knots, knots);
+        let result = check_tow(ropes, num_knots, knots);
         let paths: Vec<&str> =
-            judgement.findings.groups().map(|group| group.examples[0].1.path.as_str()).collect();
+            result.findings.groups().map(|group| group.examples[0].1.path.as_str()).collect();
         let expected: &[&str] = if path.is_empty() { &[] } else { &[path] };
         assert_eq!(paths, expected, "{ropes:?} {num_knots} {knots:?}");
     }

@@ -6,7 +6,7 @@ use crate::check::{CaptureResult, check_ulog};
 use crate::definitions::Definitions;
 use crate::rules::rule;
 
-use super::{Glider, PERIOD, broken, judge, start};
+use super::{Glider, PERIOD, run_check, start, violated};
 use crate::tests::support::Writer;
 
 /// When the first message comes. It is no multiple of the period, as a flight controller is up before it logs.
@@ -26,8 +26,8 @@ fn regular(messages: u64) -> (Writer, u64) {
     (log, FIRST + (messages - 1) * PERIOD)
 }
 
-fn exercised(judgement: &CaptureResult, id: &str) -> u64 {
-    judgement.findings.exercised(rule(id).expect("a rule"))
+fn covered(result: &CaptureResult, id: &str) -> u64 {
+    result.findings.covered(rule(id).expect("a rule"))
 }
 
 /// Nothing is found when a message comes at this time, and a pause when it comes a microsecond later.
@@ -35,7 +35,7 @@ fn check_longest(log: &Writer, last: u64) {
     for (time, is_pause) in [(last, false), (last + 1, true)] {
         let mut log = log.clone();
         at(&mut log, [time]);
-        let found: Vec<&str> = broken(&judge(&log)).iter().map(|(rule, _)| *rule).collect();
+        let found: Vec<&str> = violated(&run_check(&log)).iter().map(|(rule, _)| *rule).collect();
         assert_eq!(found, if is_pause { vec!["PX-TIME-02"] } else { vec![] }, "at {time}");
     }
 }
@@ -45,21 +45,21 @@ fn a_pause_is_longer_than_ten_periods() {
     let (mut log, last) = regular(40);
     check_longest(&log, last + 10 * PERIOD);
     at(&mut log, [last + 11 * PERIOD]);
-    let judgement = judge(&log);
-    let group = judgement.findings.groups().next().expect("a finding");
+    let result = run_check(&log);
+    let group = result.findings.groups().next().expect("a finding");
     let detail = &group.examples[0].1;
     assert_eq!(detail.message, "220 ms without a message, where one comes each 20 ms");
     assert_eq!((&*detail.expected, &*detail.actual), ("200 ms at most, or a dropout", "220 ms"));
 }
 
 #[test]
-fn nothing_is_said_of_a_rhythm_that_is_not_known_yet() {
+fn reports_no_gap_before_the_period_is_learned() {
     for (messages, is_known) in [(32, false), (33, true)] {
         let (mut log, last) = regular(messages);
         at(&mut log, [last + 20 * PERIOD]);
-        let judgement = judge(&log);
-        assert_eq!(broken(&judgement).len(), usize::from(is_known), "{messages}");
-        assert_eq!(exercised(&judgement, "PX-TIME-02"), u64::from(is_known), "{messages}");
+        let result = run_check(&log);
+        assert_eq!(violated(&result).len(), usize::from(is_known), "{messages}");
+        assert_eq!(covered(&result, "PX-TIME-02"), u64::from(is_known), "{messages}");
     }
 }
 
@@ -70,13 +70,13 @@ fn a_beginning_that_is_out_of_time_makes_no_pauses() {
         let mut log = start();
         at(&mut log, [first]);
         at(&mut log, (0..400).map(|number| FIRST + number * PERIOD));
-        assert_eq!(broken(&judge(&log)), [], "{first}");
+        assert_eq!(violated(&run_check(&log)), [], "{first}");
     }
     let mut log = start();
     at(&mut log, (0..40).map(|number| FIRST + number * 20));
     at(&mut log, [FIRST + 39 * 20 + 300]);
-    let judgement = judge(&log);
-    let detail = &judgement.findings.groups().next().expect("a finding").examples[0].1;
+    let result = run_check(&log);
+    let detail = &result.findings.groups().next().expect("a finding").examples[0].1;
     assert_eq!(detail.message, "300 µs without a message, where one comes each 20 µs");
 }
 
@@ -98,7 +98,7 @@ fn messages_of_one_time_and_those_without_any_have_no_part_in_the_rhythm() {
     at(&mut log, [0, 0, 0]);
     let last = FIRST + 60 * PERIOD;
     at(&mut log, [last]);
-    assert_eq!(broken(&judge(&log)), []);
+    assert_eq!(violated(&run_check(&log)), []);
     check_longest(&log, last + 10 * PERIOD);
 }
 
@@ -109,20 +109,20 @@ fn a_dropout_is_a_reason_for_as_long_as_it_took_and_a_second_more() {
         log.dropout(400);
         at(&mut log, (1..=messages).map(|number| last + number * PERIOD));
         at(&mut log, [last + (messages + 20) * PERIOD]);
-        let found = broken(&judge(&log)).len();
+        let found = violated(&run_check(&log)).len();
         assert_eq!(found, usize::from(!is_excused), "{messages} messages after it");
     }
 }
 
 #[test]
-fn times_that_can_not_be_are_judged_like_any_other() {
+fn checks_impossible_times_like_others() {
     let mut log = start();
     at(&mut log, [1, u64::MAX].repeat(60));
     log.dropout(u16::MAX);
     at(&mut log, [1, u64::MAX, 0].repeat(60));
-    let judgement = judge(&log);
-    assert_eq!(judgement.judged, 300);
-    assert!(broken(&judgement).iter().all(|(rule, _)| *rule == "PX-TIME-01"));
+    let result = run_check(&log);
+    assert_eq!(result.checked, 300);
+    assert!(violated(&result).iter().all(|(rule, _)| *rule == "PX-TIME-01"));
 }
 
 #[test]
@@ -130,9 +130,9 @@ fn one_time_that_is_wrong_is_one_finding() {
     let count = |times: &[u64]| {
         let mut log = start();
         at(&mut log, times.iter().copied());
-        let judgement = judge(&log);
+        let result = run_check(&log);
         let found: Vec<u64> =
-            judgement.findings.of(rule("PX-TIME-01").expect("a rule")).map(|group| group.count).collect();
+            result.findings.groups_of(rule("PX-TIME-01").expect("a rule")).map(|group| group.count).collect();
         found.first().copied().unwrap_or_default()
     };
     let [second, third, fourth] = [2, 3, 4].map(|number| FIRST + number * PERIOD);
@@ -152,9 +152,9 @@ fn who_subscribes_again_begins_anew() {
     log.subscribe(5, 0, "glider");
     let mut pause = log.clone();
     at(&mut pause, [last + 20 * PERIOD]);
-    assert_eq!(broken(&judge(&pause)), []);
+    assert_eq!(violated(&run_check(&pause)), []);
     at(&mut log, [FIRST]);
-    assert_eq!(broken(&judge(&log)), []);
+    assert_eq!(violated(&run_check(&log)), []);
 }
 
 #[test]
@@ -165,11 +165,11 @@ fn a_queue_may_be_filled_and_is_too_full_once() {
         at(&mut log, [0; 5]);
         at(&mut log, vec![last + PERIOD; messages]);
         at(&mut log, [last + 2 * PERIOD, last + 2 * PERIOD]);
-        let judgement = judge(&log);
-        let broken = broken(&judgement);
-        assert_eq!(broken.len(), found, "{messages}: {broken:?}");
-        assert_eq!(exercised(&judgement, "PX-QUEUE-01"), 47 + messages as u64);
-        if let Some(group) = judgement.findings.groups().next() {
+        let result = run_check(&log);
+        let violated = violated(&result);
+        assert_eq!(violated.len(), found, "{messages}: {violated:?}");
+        assert_eq!(covered(&result, "PX-QUEUE-01"), 47 + messages as u64);
+        if let Some(group) = result.findings.groups().next() {
             assert_eq!((group.rule.id, group.count), ("PX-QUEUE-01", 1));
         }
     }
@@ -184,7 +184,7 @@ uint64 timestamp # [us] Time since system start
 ";
 
 /// A log of a message without a queue, on topics of these names.
-fn judge_sonde(topics: &[&str], times: &[u64]) -> CaptureResult {
+fn check_sonde(topics: &[&str], times: &[u64]) -> CaptureResult {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("Sonde.msg"), SONDE).expect("a file");
     let definitions = Definitions::load(folder.path()).expect("definitions");
@@ -203,26 +203,26 @@ fn judge_sonde(topics: &[&str], times: &[u64]) -> CaptureResult {
 
 #[test]
 fn a_topic_without_a_queue_may_repeat_a_time() {
-    let judgement = judge_sonde(&["sonde"], &[FIRST, FIRST, FIRST, FIRST + 1]);
-    assert_eq!(broken(&judgement), []);
-    assert_eq!(exercised(&judgement, "PX-QUEUE-01"), 4);
+    let result = check_sonde(&["sonde"], &[FIRST, FIRST, FIRST, FIRST + 1]);
+    assert_eq!(violated(&result), []);
+    assert_eq!(covered(&result, "PX-QUEUE-01"), 4);
 }
 
 #[test]
-fn of_what_has_no_definition_only_the_time_is_judged() {
-    let judgement = judge_sonde(&["balloon"], &[FIRST; 4]);
-    assert_eq!(broken(&judgement), []);
-    assert_eq!(exercised(&judgement, "PX-QUEUE-01"), 0);
-    assert_eq!(exercised(&judgement, "PX-TIME-01"), 4);
+fn checks_only_timestamps_without_a_definition() {
+    let result = check_sonde(&["balloon"], &[FIRST; 4]);
+    assert_eq!(violated(&result), []);
+    assert_eq!(covered(&result, "PX-QUEUE-01"), 0);
+    assert_eq!(covered(&result, "PX-TIME-01"), 4);
 }
 
 #[test]
-fn a_version_is_what_stands_behind_a_name_unless_a_topic_is_called_so() {
-    let judgement = judge_sonde(&["sonde", "sonde_v8", "sonde_v9"], &[FIRST]);
-    assert_eq!((broken(&judgement), exercised(&judgement, "PX-VER-01")), (vec![], 0));
-    let judgement = judge_sonde(&["sonde_v3"], &[FIRST]);
-    assert_eq!((broken(&judgement), exercised(&judgement, "PX-VER-01")), (vec![], 1));
-    let judgement = judge_sonde(&["sonde_v3", "sonde_v4"], &[FIRST]);
-    let said = "sonde_v4: the topic is of version 4, the definition of version 3";
-    assert_eq!(broken(&judgement), [("PX-VER-01", said.to_owned())]);
+fn reads_a_version_suffix_unless_a_topic_has_that_name() {
+    let result = check_sonde(&["sonde", "sonde_v8", "sonde_v9"], &[FIRST]);
+    assert_eq!((violated(&result), covered(&result, "PX-VER-01")), (vec![], 0));
+    let result = check_sonde(&["sonde_v3"], &[FIRST]);
+    assert_eq!((violated(&result), covered(&result, "PX-VER-01")), (vec![], 1));
+    let result = check_sonde(&["sonde_v3", "sonde_v4"], &[FIRST]);
+    let message = "sonde_v4: the topic is of version 4, the definition of version 3";
+    assert_eq!(violated(&result), [("PX-VER-01", message.to_owned())]);
 }

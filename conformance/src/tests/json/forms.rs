@@ -3,7 +3,7 @@
 use crate::check::Summary;
 use serde_json::{Value, json};
 
-use super::{PERIOD, broken, damage, glider, judge_bare, judge_bytes, published, source, type_name};
+use super::{PERIOD, check_bare, check_bytes, corruption, glider, published, source, type_name, violated};
 use crate::tests::support::Writer;
 
 #[test]
@@ -18,11 +18,11 @@ fn messages_come_in_several_forms() {
         (format!("\n {}\n{}", pretty(&one), pretty(&two)), 79),
         (format!("{}\n", pretty(&json!([one, two]))), 80),
     ] {
-        let judgement = judge_bare(&text);
-        assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]), "{text}");
-        assert_eq!((judgement.records, judgement.judged), (2, 2), "{text}");
+        let result = check_bare(&text);
+        assert_eq!((violated(&result), corruption(&result)), (vec![], vec![]), "{text}");
+        assert_eq!((result.records, result.checked), (2, 2), "{text}");
         if lines < 10 {
-            assert_eq!(source(&judgement).lines, lines, "{text}");
+            assert_eq!(source(&result).lines, lines, "{text}");
         }
     }
     let swapped = format!(r#"{{"message":{one},"id":1,"type":"{}"}}"#, type_name());
@@ -35,10 +35,10 @@ fn messages_come_in_several_forms() {
         swapped,
         format!(r#"{{"topic":"/2/fmu/out/glider","msg":{two},"op":"publish"}}"#),
     ];
-    let judgement = judge_bytes(mixed.join("\n").as_bytes());
-    assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]));
-    assert_eq!((judgement.records, judgement.judged), (6, 4));
-    let found = source(&judgement);
+    let result = check_bytes(mixed.join("\n").as_bytes());
+    assert_eq!((violated(&result), corruption(&result)), (vec![], vec![]));
+    assert_eq!((result.records, result.checked), (6, 4));
+    let found = source(&result);
     assert_eq!((found.lines, found.types, found.skipped), (7, 1, 1));
     assert_eq!(found.undefined.iter().collect::<Vec<_>>(), ["/fmu/out/kite"]);
 }
@@ -63,11 +63,11 @@ fn topics_have_the_type_that_was_advertised() {
     lines.push(json!({"op": "subscribe", "topic": "/some"}).to_string());
     lines.push(json!({"op": "subscribe", "topic": "/more", "type": "px4_msgs/msg/Glider"}).to_string());
     lines.push(published("/more", &glider(PERIOD)));
-    let judgement = judge_bytes(lines.join("\n").as_bytes());
-    assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]));
-    assert_eq!((judgement.records, judgement.judged), (6, 4));
-    assert_eq!(source(&judgement).undefined.iter().collect::<Vec<_>>(), ["/other", "/robot/glider"]);
-    assert_eq!(source(&judgement).skipped, 5);
+    let result = check_bytes(lines.join("\n").as_bytes());
+    assert_eq!((violated(&result), corruption(&result)), (vec![], vec![]));
+    assert_eq!((result.records, result.checked), (6, 4));
+    assert_eq!(source(&result).undefined.iter().collect::<Vec<_>>(), ["/other", "/robot/glider"]);
+    assert_eq!(source(&result).skipped, 5);
 }
 
 /// A topic is known by its name with the number of its instance, as it is in MCAP.
@@ -77,13 +77,13 @@ fn instances_of_a_topic_are_of_its_type() {
         .iter()
         .map(|topic| published(topic, &glider(PERIOD)))
         .collect();
-    let judgement = judge_bytes(lines.join("\n").as_bytes());
-    assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]));
-    assert_eq!((judgement.judged, source(&judgement).undefined.len()), (5, 0));
+    let result = check_bytes(lines.join("\n").as_bytes());
+    assert_eq!((violated(&result), corruption(&result)), (vec![], vec![]));
+    assert_eq!((result.checked, source(&result).undefined.len()), (5, 0));
     let mut wrong = glider(PERIOD);
     wrong["speed"] = json!(61);
-    let judgement = judge_bytes(published("/fmu/out/glider/1", &wrong).as_bytes());
-    assert_eq!(broken(&judgement), [("PX-RANGE-01", "glider.speed: 61 is out of range, 0 to 60".to_owned())]);
+    let result = check_bytes(published("/fmu/out/glider/1", &wrong).as_bytes());
+    assert_eq!(violated(&result), [("PX-RANGE-01", "glider.speed: 61 is out of range, 0 to 60".to_owned())]);
 }
 
 #[test]
@@ -96,31 +96,30 @@ fn what_rosbridge_writes_is_understood_and_named() {
         message
     });
     message["name"] = json!("RC0xAA==");
-    let judgement = judge_bytes(format!("{numbers}\n{}\n", published("/glider", &message)).as_bytes());
-    assert_eq!((broken(&judgement), damage(&judgement), judgement.judged), (vec![], vec![], 2));
-    let dialects: Vec<String> =
-        source(&judgement).dialects.iter().map(|dialect| dialect.to_string()).collect();
+    let result = check_bytes(format!("{numbers}\n{}\n", published("/glider", &message)).as_bytes());
+    assert_eq!((violated(&result), corruption(&result), result.checked), (vec![], vec![], 2));
+    let dialects: Vec<String> = source(&result).dialects.iter().map(|dialect| dialect.to_string()).collect();
     assert_eq!(dialects, ["base64 for arrays of uint8 (rosbridge)", "numbers for char[N] (ROS 2)"]);
     message["raw"] = json!("AQID");
-    let judgement = judge_bytes(published("/glider", &message).as_bytes());
-    assert_eq!(broken(&judgement), [("PX-ARR-01", "glider.raw: expected 5 elements, found 3".to_owned())]);
+    let result = check_bytes(published("/glider", &message).as_bytes());
+    assert_eq!(violated(&result), [("PX-ARR-01", "glider.raw: expected 5 elements, found 3".to_owned())]);
 }
 
 #[test]
 fn integers_of_64_bits_are_exact() {
     let mut message = glider(u64::MAX);
     message["serial"] = json!(i64::MAX);
-    let judgement = judge_bare(&message.to_string());
-    assert_eq!(broken(&judgement), []);
+    let result = check_bare(&message.to_string());
+    assert_eq!(violated(&result), []);
     let text = message.to_string().replace(&i64::MAX.to_string(), "9223372036854775808");
-    assert_eq!(broken(&judge_bare(&text)).len(), 1);
+    assert_eq!(violated(&check_bare(&text)).len(), 1);
     let text = message.to_string().replace(&u64::MAX.to_string(), "18446744073709551616");
-    assert_eq!(broken(&judge_bare(&text)).len(), 1);
+    assert_eq!(violated(&check_bare(&text)).len(), 1);
 }
 
 #[test]
 fn logs_are_still_known_by_their_magic() {
-    let judgement = judge_bytes(&Writer::with_flags().bytes);
-    assert!(matches!(judgement.summary, Summary::Log(_)));
-    assert!(matches!(judge_bytes(b"").summary, Summary::Json(_)));
+    let result = check_bytes(&Writer::with_flags().bytes);
+    assert!(matches!(result.summary, Summary::Log(_)));
+    assert!(matches!(check_bytes(b"").summary, Summary::Json(_)));
 }

@@ -6,11 +6,11 @@ use crate::capture::json::{Event, MAX_LENGTH, Problem, Reader};
 use crate::check::check_json;
 use proptest::prelude::*;
 
-use super::{PERIOD, broken, damage, definitions, glider, judge_bare, judge_bytes, source, typed};
+use super::{PERIOD, check_bare, check_bytes, corruption, definitions, glider, source, typed, violated};
 
 /// Something that can't be read, between two messages that can, and what is said of it.
 #[test]
-fn what_cannot_be_read_is_told_with_its_line_and_reading_goes_on() {
+fn reports_unreadable_lines_and_continues() {
     let good = typed(&glider(PERIOD));
     let long = format!("{{\"type\":\"{}\"", "x".repeat(20 << 20));
     let cases: [(&[u8], &str); 12] = [
@@ -27,53 +27,53 @@ fn what_cannot_be_read_is_told_with_its_line_and_reading_goes_on() {
         (b"\xef\xbb\xbf{}", "line 2: no JSON: expected a value at byte 0"),
         (long.as_bytes(), "line 2: 20971530 bytes, where at most 16777216 are read"),
     ];
-    for (bytes, said) in cases {
+    for (bytes, message) in cases {
         let input = [good.as_bytes(), b"\n", bytes, b"\n", good.as_bytes(), b"\n"].concat();
-        let judgement = judge_bytes(&input);
-        let found = damage(&judgement);
-        assert!(found.len() == 1 && found[0].starts_with(said), "{said}: {found:?}");
-        assert_eq!((judgement.judged, broken(&judgement)), (2, vec![]), "{said}");
-        assert_eq!((source(&judgement).lines, judgement.bytes), (3, input.len() as u64), "{said}");
+        let result = check_bytes(&input);
+        let found = corruption(&result);
+        assert!(found.len() == 1 && found[0].starts_with(message), "{message}: {found:?}");
+        assert_eq!((result.checked, violated(&result)), (2, vec![]), "{message}");
+        assert_eq!((source(&result).lines, result.bytes), (3, input.len() as u64), "{message}");
     }
     for open in ["[", "{\"a\":"] {
         let deep = format!("{good}\n{}\n{good}\n", open.repeat(100_000));
-        let judgement = judge_bytes(deep.as_bytes());
-        assert_eq!(judgement.judged, 2);
-        assert!(damage(&judgement)[0].starts_with("line 2: no JSON: values nest too deep"), "{judgement:?}");
+        let result = check_bytes(deep.as_bytes());
+        assert_eq!(result.checked, 2);
+        assert!(corruption(&result)[0].starts_with("line 2: no JSON: values nest too deep"), "{result:?}");
     }
-    let judgement = judge_bytes(format!("\u{feff}{good}\n").as_bytes());
-    assert_eq!(damage(&judgement).len(), 1);
-    assert!(damage(&judgement)[0].starts_with("line 1: a byte order mark"), "{judgement:?}");
-    assert_eq!(judgement.judged, 1);
+    let result = check_bytes(format!("\u{feff}{good}\n").as_bytes());
+    assert_eq!(corruption(&result).len(), 1);
+    assert!(corruption(&result)[0].starts_with("line 1: a byte order mark"), "{result:?}");
+    assert_eq!(result.checked, 1);
     let cut = format!("{good}\n{}", &good[..good.len() / 2]);
-    let judgement = judge_bytes(cut.as_bytes());
-    assert!(damage(&judgement)[0].starts_with("line 2: the last value is cut off after"), "{judgement:?}");
+    let result = check_bytes(cut.as_bytes());
+    assert!(corruption(&result)[0].starts_with("line 2: the last value is cut off after"), "{result:?}");
 }
 
 #[test]
-fn arrays_that_are_broken_are_told() {
+fn reports_malformed_arrays() {
     let one = glider(PERIOD);
-    for (text, judged, said) in [
+    for (text, checked, message) in [
         (format!("[{one},{one}"), 2, vec!["line 1: the array is not closed"]),
         (format!("[{one}\n{one}]"), 2, vec!["line 2: `{` where a comma should be"]),
         (format!("[{one},\n]"), 1, vec!["line 2: `]` where a value should be"]),
         (format!("[{one},,\n{one}]"), 2, vec!["line 1: `,` where a value should be"]),
         (format!("[{one}]\n}}"), 1, vec!["line 2: `}` where a value should be"]),
     ] {
-        let judgement = judge_bare(&text);
+        let result = check_bare(&text);
         assert_eq!(
-            (damage(&judgement), judgement.judged),
-            (said.iter().map(ToString::to_string).collect(), judged),
+            (corruption(&result), result.checked),
+            (message.iter().map(ToString::to_string).collect(), checked),
             "{text}"
         );
     }
-    let judgement = judge_bare(&format!("[{one}, 5, {{}}]"));
-    assert_eq!(judgement.judged, 3);
-    assert_eq!(broken(&judgement).len(), 12, "{judgement:?}");
+    let result = check_bare(&format!("[{one}, 5, {{}}]"));
+    assert_eq!(result.checked, 3);
+    assert_eq!(violated(&result).len(), 12, "{result:?}");
     let long = format!("[{one}, \"{}\", {one}]", "x".repeat(20 << 20));
-    let judgement = judge_bare(&long);
-    assert_eq!(damage(&judgement), ["line 1: 20971522 bytes, where at most 16777216 are read; skipped"]);
-    assert_eq!(judgement.judged, 2);
+    let result = check_bare(&long);
+    assert_eq!(corruption(&result), ["line 1: 20971522 bytes, where at most 16777216 are read; skipped"]);
+    assert_eq!(result.checked, 2);
 }
 
 /// Gives at most so many bytes at a time.
@@ -101,7 +101,7 @@ fn events(bytes: &[u8], piece: usize) -> (Vec<String>, u64) {
 
 proptest! {
     #[test]
-    fn any_bytes_are_cut_the_same_in_any_pieces(
+    fn splits_any_bytes_the_same_in_any_pieces(
         parts in prop::collection::vec(prop::sample::select(&[
             "{", "}", "[", "]", ",", ":", "\"", "\\", "\n", " ", "\r\n", "1", "null", "{\"a\":[1]}", "\u{feff}", "é",
             "{\"type\":\"x/Glider\",\"message\":{}}",
@@ -154,12 +154,12 @@ fn a_line_without_an_end_takes_no_room() {
 #[test]
 fn names_are_bounded_and_shown_harmlessly() {
     let named = |ty: &str| format!("{}\n", serde_json::json!({"type": ty, "message": {}}));
-    let judgement = judge_bytes(format!("{}{}", named(&"x".repeat(300)), named("x/\u{1b}[31m")).as_bytes());
-    assert_eq!(damage(&judgement), ["line 1: a topic or type whose name has more than 256 bytes"]);
-    assert_eq!(source(&judgement).undefined.iter().collect::<Vec<_>>(), ["x/\\u{1b}[31m"]);
+    let result = check_bytes(format!("{}{}", named(&"x".repeat(300)), named("x/\u{1b}[31m")).as_bytes());
+    assert_eq!(corruption(&result), ["line 1: a topic or type whose name has more than 256 bytes"]);
+    assert_eq!(source(&result).undefined.iter().collect::<Vec<_>>(), ["x/\\u{1b}[31m"]);
     let mut message = glider(PERIOD);
     message["\u{1b}[31m"] = 1.into();
-    let judgement = judge_bytes(typed(&message).as_bytes());
-    let said = "Glider.\\u{1b}[31m: Glider has no such field; found 1".to_owned();
-    assert_eq!(broken(&judgement), [("PX-JSON-01", said)]);
+    let result = check_bytes(typed(&message).as_bytes());
+    let message = "Glider.\\u{1b}[31m: Glider has no such field; found 1".to_owned();
+    assert_eq!(violated(&result), [("PX-JSON-01", message)]);
 }

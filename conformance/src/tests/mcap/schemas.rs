@@ -2,25 +2,25 @@
 
 use std::fs;
 
-use crate::check::{Basis, CaptureResult, Standing, Summary, check_mcap};
+use crate::check::{Basis, CaptureResult, CheckStatus, Summary, check_mcap};
 use crate::definitions::Definitions;
 use crate::px4::comparison::Differences;
 use serde_json::{Value, json};
 
 use super::file::{channel, file, message, schema};
-use super::{GLIDER, Glider, PERIOD, broken, damages, equal, good, judged, ros, ros2msg, source};
+use super::{GLIDER, Glider, PERIOD, checked, corrupt_count, equal, good, ros, ros2msg, source, violated};
 use crate::tests::support::shared;
 
 /// What the only channel of a file is judged by.
-fn basis(judgement: &CaptureResult) -> &Basis {
-    match &source(judgement).channels[0].standing {
-        Standing::Judged(basis) => basis,
+fn basis(result: &CaptureResult) -> &Basis {
+    match &source(result).channels[0].status {
+        CheckStatus::Checked(basis) => basis,
         other => panic!("{other:?}"),
     }
 }
 
-fn differences(judgement: &CaptureResult) -> &Differences {
-    source(judgement).channels[0].standing.differences().expect("the schema differs")
+fn differences(result: &CaptureResult) -> &Differences {
+    source(result).channels[0].status.differences().expect("the schema differs")
 }
 
 /// Gliders whose schema has another field before the others.
@@ -43,25 +43,25 @@ fn longer(change: impl Fn(&mut Glider)) -> Vec<u8> {
 }
 
 #[test]
-fn what_differs_is_read_by_its_own_schema_and_judged_where_it_agrees() {
-    let judgement = judged(&longer(|_| ()));
-    let said = "glider: it also has number (uint64); its hash is another, too".to_owned();
-    assert_eq!(broken(&judgement), [("PX-FMT-01", said.clone())], "the hash is part of the difference");
-    assert_eq!((judgement.judged, judgement.duration, damages(&judgement)), (60, 59 * PERIOD, vec![]));
-    let found = differences(&judgement);
+fn reads_differing_schemas_and_checks_common_fields() {
+    let result = checked(&longer(|_| ()));
+    let message = "glider: it also has number (uint64); its hash is another, too".to_owned();
+    assert_eq!(violated(&result), [("PX-FMT-01", message.clone())], "the hash is part of the difference");
+    assert_eq!((result.checked, result.duration, corrupt_count(&result)), (60, 59 * PERIOD, vec![]));
+    let found = differences(&result);
     assert_eq!(found.extra, ["number (uint64)"]);
-    assert!(source(&judgement).channels[0].has_other_hash);
+    assert!(source(&result).channels[0].has_other_hash);
 
-    let judgement = judged(&longer(|glider| {
+    let result = checked(&longer(|glider| {
         glider.speed = 61.0;
         glider.is_landed = 7;
         glider.name = [255; 4];
         glider.heights[2] = -501;
     }));
-    let ids: Vec<(&str, String)> = broken(&judgement);
+    let ids: Vec<(&str, String)> = violated(&result);
     let expected = [
         ("PX-BOOL-01", "glider.is_landed: 7 where a bool is 0 or 1"),
-        ("PX-FMT-01", said.as_str()),
+        ("PX-FMT-01", message.as_str()),
         ("PX-RANGE-01", "glider.marks.height: marks[2].height: -501 is out of range, -500 to 9000"),
         ("PX-RANGE-01", "glider.speed: 61 is out of range, 0 to 60"),
         ("PX-STR-01", "glider.name: no UTF-8 from its byte 0 on"),
@@ -73,7 +73,7 @@ fn what_differs_is_read_by_its_own_schema_and_judged_where_it_agrees() {
 #[test]
 fn a_count_is_held_to_the_array_that_the_schema_has() {
     let (name, _) = ros("Glider");
-    for (marks, num_marks, is_broken) in [(8, 7, false), (8, 9, true), (2, 2, false), (2, 3, true)] {
+    for (marks, num_marks, is_violating) in [(8, 7, false), (8, 9, true), (2, 2, false), (2, 3, true)] {
         let text = format!("uint64 timestamp\nuint8 num_marks\nuint8[{marks}] marks\n");
         let payload = [&[0, 1, 0, 0][..], &PERIOD.to_le_bytes(), &[num_marks], &vec![1; marks]].concat();
         let records = [
@@ -81,11 +81,11 @@ fn a_count_is_held_to_the_array_that_the_schema_has() {
             channel(3, 1, "/glider", "cdr", &[]),
             message(3, &payload),
         ];
-        let found = broken(&judged(&file(&records.concat())));
+        let found = violated(&checked(&file(&records.concat())));
         let found: Vec<_> = found.into_iter().filter(|(rule, _)| *rule != "PX-FMT-01").collect();
-        let said =
+        let message =
             ("PX-LEN-01", format!("glider.num_marks: {num_marks} entries in use of an array of {marks}"));
-        assert_eq!(found, if is_broken { vec![said] } else { vec![] }, "{num_marks} of {marks}");
+        assert_eq!(found, if is_violating { vec![message] } else { vec![] }, "{num_marks} of {marks}");
     }
 }
 
@@ -96,7 +96,7 @@ fn a_topic_has_the_version_of_its_own_schema() {
     let of_version =
         |number: u32| GLIDER.replace("MESSAGE_VERSION = 2", &format!("MESSAGE_VERSION = {number}"));
     let without = GLIDER.replace("uint32 MESSAGE_VERSION = 2", "");
-    for (topic, text, said) in [
+    for (topic, text, problem) in [
         ("/glider_v2", of_version(2), ""),
         ("/glider_v3", of_version(3), ""),
         ("/glider_v2", of_version(3), "glider_v2: the topic is of version 2, its schema of version 3"),
@@ -117,8 +117,8 @@ fn a_topic_has_the_version_of_its_own_schema() {
             channel(3, 1, topic, "cdr", &[]),
             message(3, &good().cdr()),
         ];
-        let found = broken(&judged(&file(&records.concat())));
-        let expected = if said.is_empty() { vec![] } else { vec![("PX-VER-01", said.to_owned())] };
+        let found = violated(&checked(&file(&records.concat())));
+        let expected = if problem.is_empty() { vec![] } else { vec![("PX-VER-01", problem.to_owned())] };
         assert_eq!(found, expected, "{topic} {text}");
     }
 }
@@ -128,7 +128,7 @@ fn the_order_of_fields_counts_and_comments_and_constants_do_not() {
     let (name, _) = ros("Glider");
     let with = |text: &str| {
         let records = [schema(1, &name, "ros2msg", text.as_bytes()), channel(3, 1, "/glider", "cdr", &[])];
-        judged(&file(&records.concat()))
+        checked(&file(&records.concat()))
     };
     let swapped = GLIDER
         .replace("uint8 mode ", "uint8 n ")
@@ -152,7 +152,7 @@ fn the_order_of_fields_counts_and_comments_and_constants_do_not() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_judged_by_its_name() {
+fn checks_incomparable_schemas_by_name() {
     let (name, _) = ros("Glider");
     for (encoding, text, expected) in [
         ("ros2idl", &b"module club { struct Glider {}; };"[..], "a schema in `ros2idl`, which isn't read"),
@@ -168,14 +168,11 @@ fn what_cannot_be_compared_is_judged_by_its_name() {
             channel(3, 1, "/any", "cdr", &[]),
             message(3, &Glider { is_landed: 2, ..good() }.cdr()),
         ];
-        let judgement = judged(&file(&records.concat()));
-        let problem = basis(&judgement).problem().expect("it can't be compared");
+        let result = checked(&file(&records.concat()));
+        let problem = basis(&result).problem().expect("it can't be compared");
         assert!(problem.starts_with(expected), "{problem}");
-        assert_eq!(
-            broken(&judgement),
-            [("PX-BOOL-01", "any.is_landed: 2 where a bool is 0 or 1".to_owned())]
-        );
-        assert_eq!(judgement.judged, 1);
+        assert_eq!(violated(&result), [("PX-BOOL-01", "any.is_landed: 2 where a bool is 0 or 1".to_owned())]);
+        assert_eq!(result.checked, 1);
     }
 }
 
@@ -185,7 +182,7 @@ fn schemas_of_json_are_compared_where_they_say_something() {
     let with = |schema_text: &str| {
         let records =
             [schema(1, &name, "jsonschema", schema_text.as_bytes()), channel(3, 1, "/x", "json", &[])];
-        judged(&file(&records.concat()))
+        checked(&file(&records.concat()))
     };
     let mark = json!({"type": "object", "properties": {"timestamp": {"type": "integer"}, "height": {"type": "number"}}});
     let text = json!({"$ref": "#/$defs/glider", "$defs": {"mark": mark, "glider": {"properties": {
@@ -214,9 +211,9 @@ fn schemas_of_json_are_compared_where_they_say_something() {
     let mut partly = text.clone();
     partly["$defs"]["glider"]["required"] =
         json!(["timestamp", "speed", "flaps", "mode", "num_marks", "marks", "name"]);
-    let judgement = with(&partly.to_string());
-    assert_eq!(differences(&judgement).optional, ["is_landed"]);
-    assert_eq!(broken(&judgement), [("PX-FMT-01", "x: it doesn't require is_landed".to_owned())]);
+    let result = with(&partly.to_string());
+    assert_eq!(differences(&result).optional, ["is_landed"]);
+    assert_eq!(violated(&result), [("PX-FMT-01", "x: it doesn't require is_landed".to_owned())]);
 
     for nothing in ["{}", r#"{"type": "object"}"#, "true", "[]", "7", r##"{"$ref": "#"}"##] {
         assert_eq!(basis(&with(nothing)), &Basis::NoSchema, "{nothing}");
@@ -258,11 +255,11 @@ fn definitions_of_real_releases_equal_themselves() {
                 schema(1, &format!("px4_msgs/msg/{name}"), "ros2msg", format!("{text}\n{others}").as_bytes()),
                 channel(1, 1, "/any", "cdr", &[]),
             ];
-            let judgement = check_mcap(&file(&records.concat())[..], &definitions);
-            let Summary::Mcap(found) = &judgement.summary else { panic!("MCAP") };
-            let standing = &found.channels[0].standing;
-            let is_equal = *standing == Standing::Judged(equal());
-            assert!(is_equal || *standing == Standing::Undefined, "{release} {name}: {standing:?}");
+            let result = check_mcap(&file(&records.concat())[..], &definitions);
+            let Summary::Mcap(found) = &result.summary else { panic!("MCAP") };
+            let status = &found.channels[0].status;
+            let is_equal = *status == CheckStatus::Checked(equal());
+            assert!(is_equal || *status == CheckStatus::Undefined, "{release} {name}: {status:?}");
             compared += usize::from(is_equal);
         }
     }

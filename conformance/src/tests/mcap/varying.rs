@@ -10,7 +10,7 @@ use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_runtime::cdr::ByteOrder;
 
 use super::file::{channel, file, message, schema};
-use super::{broken, damages, equal, source};
+use super::{corrupt_count, equal, source, violated};
 
 const ROPE: &str = "\
 uint64 timestamp
@@ -42,7 +42,7 @@ fn cdr(rope: &Value) -> Vec<u8> {
     ty.from_json(rope).expect("a message").to_cdr(ByteOrder::LittleEndian).expect("CDR")
 }
 
-fn judged(payload: &[u8]) -> CaptureResult {
+fn checked(payload: &[u8]) -> CaptureResult {
     let rope = DEFINITIONS.schema.messages.iter().find(|message| message.name == "Rope").expect("a message");
     let name = ros_name(&DEFINITIONS.schema, rope);
     let text = format!("{ROPE}{}\nMSG: club_msgs/Strand\n{STRAND}", "=".repeat(80));
@@ -56,10 +56,10 @@ fn judged(payload: &[u8]) -> CaptureResult {
 
 #[test]
 fn what_conforms_breaks_nothing() {
-    let judgement = judged(&cdr(&rope()));
-    assert_eq!((broken(&judgement), damages(&judgement), judgement.judged), (vec![], vec![], 1));
-    let standing = &source(&judgement).channels[0].standing;
-    assert_eq!(*standing, crate::check::Standing::Judged(equal()));
+    let result = checked(&cdr(&rope()));
+    assert_eq!((violated(&result), corrupt_count(&result), result.checked), (vec![], vec![], 1));
+    let status = &source(&result).channels[0].status;
+    assert_eq!(*status, crate::check::CheckStatus::Checked(equal()));
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn each_mutant_breaks_its_rule() {
         payload[at] = byte;
         payload
     };
-    for (id, payload, said) in [
+    for (id, payload, message) in [
         ("PX-BOOL-01", with(knots + 1, 9), "rope.knots: knots[1]: 9 where a bool is 0 or 1"),
         ("PX-CDR-02", with(name + 4, b'x'), "rope: name at byte "),
         ("PX-CDR-02", with(name, 0xff), "rope: name at byte "),
@@ -89,8 +89,11 @@ fn each_mutant_breaks_its_rule() {
         ("PX-ENUM-01", value("/strands/1/kind", json!(2)), "rope.strands.kind: strands[1].kind: 2 "),
         ("PX-RANGE-01", value("/tension", json!(11.0)), "rope.tension: 11 is out of range, 0 to 10"),
     ] {
-        let found = broken(&judged(&payload));
-        assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(said), "{said}: {found:?}");
+        let found = violated(&checked(&payload));
+        assert!(
+            found.len() == 1 && found[0].0 == id && found[0].1.starts_with(message),
+            "{message}: {found:?}"
+        );
     }
 }
 
@@ -99,8 +102,8 @@ fn counts_each_violation_in_a_sequence() {
     let mut payload = cdr(&rope());
     let knots = (4 + 8 + 4 + 5_usize).next_multiple_of(4) + 4;
     payload[knots..knots + 2].copy_from_slice(&[9, 7]);
-    let judgement = judged(&payload);
-    let groups: Vec<_> = judgement.findings.groups().collect();
+    let result = checked(&payload);
+    let groups: Vec<_> = result.findings.groups().collect();
     assert_eq!(groups.len(), 1);
     assert_eq!(
         (groups[0].rule.id, groups[0].subject.as_str(), groups[0].count),

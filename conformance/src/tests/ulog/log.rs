@@ -5,7 +5,7 @@ use super::seen::problems;
 use crate::tests::support::Writer;
 
 #[test]
-fn data_that_has_no_type_is_told() {
+fn reports_data_without_a_type() {
     let mut log = definitions();
     let early = log.data(2, &[0; 16]);
     let again = log.data(2, &[0; 16]);
@@ -45,7 +45,7 @@ fn data_that_has_no_type_is_told() {
 }
 
 #[test]
-fn formats_that_are_unusable_or_late_are_told() {
+fn reports_unusable_and_late_formats() {
     let mut log = Writer::with_flags();
     let own = log.format("self:self a;");
     let waits = log.format("waits:later a;");
@@ -85,7 +85,7 @@ fn formats_that_are_unusable_or_late_are_told() {
 }
 
 #[test]
-fn what_is_kept_of_formats_is_bounded() {
+fn stores_a_bounded_number_of_formats() {
     let mut log = Writer::with_flags();
     for index in 0..8_192 {
         log.format(&format!("f{index}:uint8_t a;"));

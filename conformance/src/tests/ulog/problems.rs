@@ -74,7 +74,7 @@ fn headers_that_are_none_end_the_log() {
 }
 
 #[test]
-fn newer_versions_and_missing_flag_bits_are_told() {
+fn reports_newer_versions_and_missing_flag_bits() {
     let mut log = Writer::new(2);
     log.flag_bits([0; 8], [0; 3], 0);
     check(&log.bytes, &[(7, "the log has version 2; versions up to 1 are known")]);
@@ -93,7 +93,7 @@ fn newer_versions_and_missing_flag_bits_are_told() {
 }
 
 #[test]
-fn flag_bits_of_the_future_are_told_or_refused() {
+fn reports_or_refuses_unknown_flag_bits() {
     let mut log = Writer::new(1);
     log.flag_bits([0; 8], [0; 3], 5);
     log.sync();
@@ -173,7 +173,7 @@ fn appended_data_is_read_where_it_starts() {
 }
 
 #[test]
-fn what_is_lost_before_appended_data_is_told() {
+fn reports_data_lost_before_appended_data() {
     let mut log = Writer::new(1);
     log.flag_bits([1, 0, 0, 0, 0, 0, 0, 0], [100, 0, 0], 0);
     let noise = log.offset();
@@ -183,7 +183,7 @@ fn what_is_lost_before_appended_data_is_told() {
 }
 
 #[test]
-fn unknown_kinds_are_told_once_and_counted() {
+fn reports_unknown_kinds_once_with_a_count() {
     let mut log = definitions();
     log.data(1, &[0; 16]);
     let first = log.message(b'x', &[b"of the future"]);

@@ -30,7 +30,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_bytes_are_read_to_their_end_and_every_byte_is_told(bytes in bytes()) {
+    fn reads_any_bytes_and_accounts_for_each(bytes in bytes()) {
         read(&bytes);
         problems(&bytes);
     }
@@ -44,7 +44,7 @@ proptest! {
     }
 
     #[test]
-    fn items_do_not_depend_on_how_the_input_is_cut(
+    fn items_do_not_depend_on_how_the_input_is_split(
         bytes in bytes(),
         sizes in vec(prop_oneof![1_usize..9, 1_usize..4_000, Just(0)], 1..8),
     ) {

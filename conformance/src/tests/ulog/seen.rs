@@ -69,9 +69,9 @@ pub(crate) fn problems(bytes: &[u8]) -> (Vec<String>, usize) {
         if let Event::Problem(problem) = &item.event {
             found.push(format!("{}: {problem}", item.offset));
         }
-        let mut tell = |offset, problem: LogProblem| found.push(format!("{offset}: {problem}"));
-        if let Some(record) = log.take(&item, &mut tell) {
-            record.of.view_uorb(record.payload).expect("data of the right size");
+        let mut report = |offset, problem: LogProblem| found.push(format!("{offset}: {problem}"));
+        if let Some(record) = log.take(&item, &mut report) {
+            record.message_type.view_uorb(record.payload).expect("data of the right size");
             records += 1;
         }
     }

@@ -4,7 +4,9 @@ use ratatui::text::{Line, Span};
 use uavspec_runtime::Severity;
 
 use super::super::codes::severity_name;
-use super::super::format::{ABSENT, ODD, age, coordinates, field, fixed, metres, number, volts};
+use super::super::format::{
+    INVALID_VALUE, MISSING_VALUE, age, coordinates, field, fixed, metres, number, volts,
+};
 use super::super::state::{Battery, Errors, Field, Gps, Position, State};
 use super::super::words::shown_id;
 use super::Scene;
@@ -16,9 +18,11 @@ const INDENT: usize = 13;
 pub(super) fn lines(scene: &Scene<'_>, id: &str, width: usize) -> Vec<Line<'static>> {
     let Some(uav) = scene.fleet.get(id) else { return vec![Line::raw(format!("{} is gone", shown_id(id)))] };
     let mut lines = vec![Line::styled(shown_id(id), scene.theme().title())];
-    let heard = age(scene.fleet.age(uav, scene.now));
-    let mut fields =
-        vec![("heard of", if heard == ABSENT { "never".to_owned() } else { format!("{heard} ago") })];
+    let received = age(scene.fleet.age(uav, scene.now));
+    let mut fields = vec![(
+        "heard of",
+        if received == MISSING_VALUE { "never".to_owned() } else { format!("{received} ago") },
+    )];
     fields.extend(uav.refusal.iter().map(|reason| ("refused", reason.clone())));
     if let Some(state) = &uav.state {
         fields.extend(values(state, id));
@@ -30,7 +34,7 @@ pub(super) fn lines(scene: &Scene<'_>, id: &str, width: usize) -> Vec<Line<'stat
     }
     if let Some(state) = &uav.state {
         match &state.errors {
-            Field::Known(errors) => lines.extend(errors_told(scene, errors, width)),
+            Field::Known(errors) => lines.extend(describe_errors(scene, errors, width)),
             other => lines.extend(labelled("errors", &field(other, |_| String::new()), width)),
         }
     }
@@ -126,7 +130,7 @@ fn battery(battery: &Battery) -> String {
     let left = format!("{} V, {} %", number(&battery.voltage, volts), number(&battery.percent, whole));
     match battery.is_charging {
         Field::Absent => left,
-        Field::Odd => format!("{left}, charging: {ODD}"),
+        Field::Odd => format!("{left}, charging: {INVALID_VALUE}"),
         Field::Known(true) => format!("{left}, charging"),
         Field::Known(false) => format!("{left}, not charging"),
     }
@@ -143,11 +147,11 @@ fn light(colour: i64) -> String {
 fn signals(values: &[Field<i64>]) -> String {
     let signal = |value: i64| if value < 0 { "none".to_owned() } else { format!("{value} %") };
     let parts: Vec<String> = values.iter().map(|value| number(value, signal)).collect();
-    if parts.is_empty() { ABSENT.to_owned() } else { parts.join(", ") }
+    if parts.is_empty() { MISSING_VALUE.to_owned() } else { parts.join(", ") }
 }
 
 /// Each error code with all that is known of it.
-fn errors_told(scene: &Scene<'_>, errors: &Errors, width: usize) -> Vec<Line<'static>> {
+fn describe_errors(scene: &Scene<'_>, errors: &Errors, width: usize) -> Vec<Line<'static>> {
     let mut lines = Vec::new();
     if errors.codes.is_empty() && errors.odd == 0 {
         lines.extend(labelled("errors", "none", width));
@@ -161,7 +165,8 @@ fn errors_told(scene: &Scene<'_>, errors: &Errors, width: usize) -> Vec<Line<'st
         lines.extend(meaning.into_iter().map(|part| Line::raw(format!("{:8}{part}", ""))));
     }
     if errors.odd > 0 || errors.more > 0 {
-        let text = format!("{ODD}: {} of a wrong type, {} more than are shown", errors.odd, errors.more);
+        let text =
+            format!("{INVALID_VALUE}: {} of a wrong type, {} more than are shown", errors.odd, errors.more);
         lines.extend(labelled("errors", &text, width));
     }
     lines

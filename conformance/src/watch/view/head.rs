@@ -28,9 +28,9 @@ pub(super) fn lines<'s>(scene: &'s Scene<'_>, width: u16) -> Vec<Ends<'s>> {
         ]
     };
     lines.extend(
-        troubles(scene)
+        server_errors(scene)
             .into_iter()
-            .map(|trouble| Ends::new(Line::styled(trouble, theme.trouble()), Line::default())),
+            .map(|server_error| Ends::new(Line::styled(server_error, theme.server_error()), Line::default())),
     );
     lines
 }
@@ -61,19 +61,19 @@ fn counts<'s>(scene: &Scene<'_>, name: fn(Severity) -> &'static str) -> Line<'s>
 }
 
 /// What is wrong with the server.
-fn troubles(scene: &Scene<'_>) -> Vec<String> {
+fn server_errors(scene: &Scene<'_>) -> Vec<String> {
     let fleet = scene.fleet;
-    let mut troubles = Vec::new();
+    let mut server_errors = Vec::new();
     if let Link::Lost { reason, .. } = &fleet.link {
-        troubles.push(crate::text::shown(reason));
+        server_errors.push(crate::text::shown(reason));
     }
-    troubles.extend(fleet.remark.clone());
+    server_errors.extend(fleet.remark.clone());
     if fleet.unreadable > 0 {
         let messages = if fleet.unreadable == 1 { "message" } else { "messages" };
-        troubles.push(format!("{} {messages} that can't be read", Grouped(fleet.unreadable)));
+        server_errors.push(format!("{} {messages} that can't be read", Grouped(fleet.unreadable)));
     }
     if fleet.is_overfull {
-        troubles.push("the server has more UAVs than are shown".to_owned());
+        server_errors.push("the server has more UAVs than are shown".to_owned());
     }
-    troubles
+    server_errors
 }

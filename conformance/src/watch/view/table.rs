@@ -12,7 +12,7 @@ use uavspec_runtime::Severity;
 use super::super::codes::{severity_letter, severity_name};
 use super::super::fleet::{Link, Uav};
 use super::super::format::{
-    ABSENT, ODD, age, charge, coordinates, field, first_sentence, metres, part, volts,
+    INVALID_VALUE, MISSING_VALUE, age, charge, coordinates, field, first_sentence, metres, part, volts,
 };
 use super::super::screen::Screen;
 use super::super::words::shown_id;
@@ -63,7 +63,7 @@ const fn number(kind: Kind, title: &'static str, width: u16) -> Column {
 
 /// The columns of narrow screens, of usual ones, and of wide ones. The first is as wide as the ids need, at most as
 /// wide as it stands here; the last takes what is left.
-const NARROW: [Column; 6] = [
+const NARROW_COLUMNS: [Column; 6] = [
     text(Kind::Id, "ID", 12),
     text(Kind::Mark, "", 1),
     text(Kind::Mode, "MODE", 7),
@@ -72,7 +72,7 @@ const NARROW: [Column; 6] = [
     text(Kind::Errors, "ERRORS", 0),
 ];
 
-const MIDDLE: [Column; 10] = [
+const MEDIUM_COLUMNS: [Column; 10] = [
     text(Kind::Id, "ID", 16),
     text(Kind::Mark, "", 1),
     text(Kind::Mode, "MODE", 8),
@@ -85,7 +85,7 @@ const MIDDLE: [Column; 10] = [
     text(Kind::Errors, "ERRORS", 0),
 ];
 
-const WIDE: [Column; 12] = [
+const WIDE_COLUMNS: [Column; 12] = [
     text(Kind::Id, "ID", 24),
     text(Kind::Severity, "SEVERITY", 8),
     text(Kind::Mode, "MODE", 10),
@@ -125,9 +125,9 @@ pub(super) fn draw(
 /// The columns for a screen, with their widths.
 fn columns<'i>(width: u16, ids: impl Iterator<Item = &'i str>) -> Vec<Column> {
     let mut columns = match width {
-        ..MIDDLE_WIDTH => NARROW.to_vec(),
-        MIDDLE_WIDTH..WIDE_WIDTH => MIDDLE.to_vec(),
-        WIDE_WIDTH.. => WIDE.to_vec(),
+        ..MIDDLE_WIDTH => NARROW_COLUMNS.to_vec(),
+        MIDDLE_WIDTH..WIDE_WIDTH => MEDIUM_COLUMNS.to_vec(),
+        WIDE_WIDTH.. => WIDE_COLUMNS.to_vec(),
     };
     let longest = ids.map(|id| Span::raw(shown_id(id)).width()).max().unwrap_or_default();
     let longest = u16::try_from(longest).unwrap_or(u16::MAX);
@@ -160,7 +160,9 @@ fn cell<'c>(scene: &Scene<'_>, id: &str, uav: &Uav, kind: Kind) -> Line<'c> {
     let text = match kind {
         Kind::Id => shown_id(id),
         Kind::Mark | Kind::Severity => return severity(scene, uav, kind == Kind::Mark),
-        Kind::Mode => state.map_or_else(|| ABSENT.to_owned(), |state| field(&state.mode, Clone::clone)),
+        Kind::Mode => {
+            state.map_or_else(|| MISSING_VALUE.to_owned(), |state| field(&state.mode, Clone::clone))
+        }
         Kind::Voltage => part(battery, |battery| &battery.voltage, volts),
         Kind::Charge => charge(battery),
         Kind::Latitude => latitude,
@@ -196,7 +198,7 @@ fn errors<'c>(scene: &Scene<'_>, uav: &Uav) -> Line<'c> {
         spans.push(Span::styled(scene.codes.short(*code), scene.theme().severity(Severity::of(*code))));
     }
     if errors.and_then(|errors| errors.known()).is_some_and(|errors| errors.odd > 0) {
-        spans.push(Span::raw(format!(" {ODD}")));
+        spans.push(Span::raw(format!(" {INVALID_VALUE}")));
     }
     if let Some(code) = uav.codes().first() {
         let meaning = format!(" – {}", first_sentence(scene.codes.meaning(*code)));
@@ -206,7 +208,7 @@ fn errors<'c>(scene: &Scene<'_>, uav: &Uav) -> Line<'c> {
 }
 
 /// An error code with all that is to be known of it on one line.
-pub(super) fn told<'l>(scene: &Scene<'_>, code: u32) -> Line<'l> {
+pub(super) fn describe_code<'l>(scene: &Scene<'_>, code: u32) -> Line<'l> {
     let severity = Severity::of(code);
     let name = Span::styled(
         format!("{:<7} {}", severity_name(severity), scene.codes.named(code)),

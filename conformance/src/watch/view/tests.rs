@@ -15,7 +15,7 @@ use super::super::session::Event;
 use super::*;
 use crate::definitions::Definitions;
 
-static CODES: LazyLock<Codes> = LazyLock::new(|| Codes::of(&Definitions::built_in()));
+static CODES: LazyLock<Codes> = LazyLock::new(|| Codes::new(&Definitions::built_in()));
 
 const FLEET: &str = r#"{"body": {"type": "UAV-INF", "status": {
     "glider-1": {"id": "glider-1", "timestamp": 60000, "mode": "loiter", "errors": [],
@@ -64,9 +64,9 @@ struct Watched {
 impl Watched {
     fn new() -> Self {
         let mut watched = Self::empty();
-        watched.hear(r#"{"type": "SYS-VER", "software": "sky", "version": "2.10"}"#);
-        watched.hear(r#"{"type": "SYS-TIME", "timestamp": 60000}"#);
-        watched.hear(FLEET);
+        watched.receive(r#"{"type": "SYS-VER", "software": "sky", "version": "2.10"}"#);
+        watched.receive(r#"{"type": "SYS-TIME", "timestamp": 60000}"#);
+        watched.receive(FLEET);
         watched
     }
 
@@ -75,8 +75,8 @@ impl Watched {
         Self { fleet: Fleet::default(), codes, start: Instant::now(), screen: Screen::default() }
     }
 
-    fn hear(&mut self, text: &str) {
-        self.fleet.take(Event::Heard(Message::read(text.as_bytes())), self.start);
+    fn receive(&mut self, text: &str) {
+        self.fleet.take(Event::Received(Message::read(text.as_bytes())), self.start);
     }
 
     fn press(&mut self, keys: &[KeyCode]) {
@@ -145,9 +145,9 @@ fn usual_screens_show_where_uavs_are() {
             "",
             "",
             "glider-2",
-            "fatal   193 MAG: Fault of a magnetometer",
-            "warning 66 LOWBAT: Charge is running low",
-            "info    1 GROUND: The UAV stands on the ground",
+            "fatal   193 MAG: Magnetometer fault",
+            "warning 66 LOWBAT: Battery charge is low",
+            "info    1 GROUND: The UAV is on the ground",
             "q quit  s sort: id  / filter  ? help  Enter details  ↑↓ move",
         ]
     );
@@ -165,7 +165,7 @@ fn wide_screens_show_all_and_what_it_means() {
                 .to_owned(),
             "glider-1           loiter     12.6  98%+    50.49800      9.95200   905.0   12.3   12.3    2s".to_owned(),
             "glider-2  fatal    ?             -     -    50.49804            ?       -      -      -    3s MAG, LOWBAT, \
-             GROUND ? – Fault of a magnetomet…"
+             GROUND ? – Magnetometer fault"
                 .to_owned(),
             "glider-10 error    \\u{1b}[31… 10.1    7%     0.00000   -180.00000       -      -    1.5   52s SENSOR, 40000, \
              12 – Any sensor failure withou…"
@@ -177,7 +177,7 @@ fn wide_screens_show_all_and_what_it_means() {
 }
 
 #[test]
-fn of_one_uav_everything_is_told() {
+fn shows_all_details_of_a_uav() {
     let mut watched = Watched::new();
     watched.draw(80, 40, true, 2);
     watched.press(&[KeyCode::Down, KeyCode::Enter]);
@@ -200,7 +200,7 @@ fn of_one_uav_everything_is_told() {
         "signal       80 %, none",
         "             wind: an array of 1",
         "fatal   193 MAG",
-        "        Fault of a magnetometer.",
+        "        Magnetometer fault.",
         "info    1 GROUND",
         "errors       ?: 1 of a wrong type, 0 more than are shown",
         "q quit  Esc back  ↑↓ scroll  ? help",
@@ -210,7 +210,7 @@ fn of_one_uav_everything_is_told() {
     watched.press(&[KeyCode::PageDown, KeyCode::PageDown, KeyCode::PageDown]);
     let end = watched.lines(40, 12);
     assert_eq!(end[10], "             more than are shown", "{}", end.join("\n"));
-    watched.hear(r#"{"type": "OBJ-DEL", "ids": ["glider-2"]}"#);
+    watched.receive(r#"{"type": "OBJ-DEL", "ids": ["glider-2"]}"#);
     assert!(watched.draw(80, 40, true, 2).has("glider-2 is gone"));
 }
 
@@ -229,13 +229,13 @@ fn colours_say_how_grave_it_is_and_nothing_by_themselves() {
 }
 
 #[test]
-fn what_is_wrong_with_the_server_is_told_and_what_was_known_stays() {
+fn shows_server_errors_and_keeps_known_states() {
     let mut watched = Watched::empty();
     let picture = watched.draw(80, 10, true, 0);
     assert!(picture.has("connecting") && picture.has("no UAV is known yet"));
-    watched.hear(FLEET);
-    watched.hear("glider");
-    watched.hear(r#"{"type": "ACK-NAK", "reason": "log in\u0007 first"}"#);
+    watched.receive(FLEET);
+    watched.receive("glider");
+    watched.receive(r#"{"type": "ACK-NAK", "reason": "log in\u0007 first"}"#);
     let reason = "it went\u{1b}[0m away".to_owned();
     watched.fleet.take(Event::Lost { reason, pause: Duration::from_secs(4) }, watched.start);
     let picture = watched.draw(80, 12, true, 1);
@@ -281,7 +281,7 @@ proptest! {
     ) {
         let mut watched = Watched::new();
         let state = serde_json::json!({ "mode": mode, "errors": [1, 255, 70_000, -1] });
-        watched.hear(&serde_json::json!({ "type": "UAV-INF", "status": { id: state } }).to_string());
+        watched.receive(&serde_json::json!({ "type": "UAV-INF", "status": { id: state } }).to_string());
         watched.draw(width, height, true, 0);
         for key in keys.chars() {
             watched.press(&[if key == '\n' { KeyCode::Enter } else { KeyCode::Char(key) }]);

@@ -26,12 +26,12 @@ impl Theme {
         match link {
             Link::Connecting => self.colour(Color::Yellow),
             Link::Connected => self.colour(Color::Green),
-            Link::Lost { .. } => self.trouble(),
+            Link::Lost { .. } => self.server_error(),
         }
     }
 
     /// Of what is wrong with the server.
-    pub(super) fn trouble(self) -> Style {
+    pub(super) fn server_error(self) -> Style {
         self.colour(Color::LightRed).add_modifier(Modifier::BOLD)
     }
 

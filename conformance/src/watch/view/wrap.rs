@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_too_long_is_cut_and_says_so() {
+    fn marks_truncated_text() {
         for (text, width, shown) in [
             ("glider", 6, "glider"),
             ("glider", 5, "glid…"),
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_are_broken_between_words() {
+    fn wraps_texts_between_words() {
         assert_eq!(wrapped("the wind blows", 8), ["the wind", "blows"]);
         assert_eq!(wrapped("a windsock", 4), ["a", "wind", "sock"]);
         assert_eq!(wrapped("", 4), [""]);

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use uavspec_codegen::dynamic::{DynamicMessage, Error, MessageType, Types};
 use uavspec_codegen::schema::{Message, Schema};
-use uavspec_conformance::body_schema::Shapes;
+use uavspec_conformance::body_schema::DefinedSchemas;
 use uavspec_conformance::json::Tree;
 use uavspec_conformance::testee::{PROTOCOL, from_base64, from_wire, to_base64, to_wire};
 use uavspec_runtime::cdr::ByteOrder;
@@ -14,7 +14,7 @@ const CODE: &str = "flockwave/ErrorCode";
 const LIST: &str = "flockwave/ErrorList";
 
 /// Why there is nothing in `ok`.
-enum Wrong {
+enum CodecError {
     /// What was asked about isn't right.
     Input(String),
     /// The question itself isn't.
@@ -30,7 +30,7 @@ pub(crate) struct Codec<'s> {
     /// Their types.
     pub(crate) types: &'s Types,
     /// The shapes of what is JSON by definition.
-    pub(crate) shapes: &'s Shapes,
+    pub(crate) body_schemas: &'s DefinedSchemas,
 }
 
 impl Codec<'_> {
@@ -38,7 +38,7 @@ impl Codec<'_> {
         let messages = self.types.iter().map(|message| format!("{}/{}", message.package(), message.name()));
         let types: Vec<String> = messages
             .chain([CODE.to_owned(), LIST.to_owned()])
-            .chain(self.shapes.names().map(str::to_owned))
+            .chain(self.body_schemas.names().map(str::to_owned))
             .collect();
         let ops = ["decode", "encode", "roundtrip", "validate", "severity", "hash", "layout"];
         json!({
@@ -54,27 +54,29 @@ impl Codec<'_> {
         }
         let id = question.get("id")?.clone();
         let mut answer = self.answer(question).unwrap_or_else(|wrong| match wrong {
-            Wrong::Input(reason) => json!({ "rejected": reason }),
-            Wrong::Question(what) => json!({ "error": what }),
-            Wrong::Unknown => json!({ "unsupported": true }),
+            CodecError::Input(reason) => json!({ "rejected": reason }),
+            CodecError::Question(what) => json!({ "error": what }),
+            CodecError::Unknown => json!({ "unsupported": true }),
         });
         answer["id"] = id;
         Some(answer)
     }
 
-    fn answer(&self, question: &Value) -> Result<Value, Wrong> {
-        let name = question["type"].as_str().ok_or(Wrong::Question("no type"))?;
-        let op = question["op"].as_str().ok_or(Wrong::Question("no op"))?;
+    fn answer(&self, question: &Value) -> Result<Value, CodecError> {
+        let name = question["type"].as_str().ok_or(CodecError::Question("no type"))?;
+        let op = question["op"].as_str().ok_or(CodecError::Question("no op"))?;
         let ok = match (name, op) {
             (CODE, "validate") => Self::code(value_of(question)?).map(|_| Value::Null)?,
             (CODE, "severity") => {
                 let code = Self::code(value_of(question)?)?;
                 json!({ "class": ErrorClass::of(code).name(), "severity": Severity::of(code).name() })
             }
-            (_, "validate") if self.shapes.has_shape(name) => self.shaped(name, value_of(question)?)?,
+            (_, "validate") if self.body_schemas.has_schema(name) => {
+                self.check_body(name, value_of(question)?)?
+            }
             (LIST, "validate") => self.list(value_of(question)?).map(|()| Value::Null)?,
             _ => {
-                let (message, of) = self.find(name).ok_or(Wrong::Unknown)?;
+                let (message, of) = self.find(name).ok_or(CodecError::Unknown)?;
                 answer(op, question, message, of)?
             }
         };
@@ -89,54 +91,55 @@ impl Codec<'_> {
     }
 
     /// Whether a value has the shape of this name.
-    fn shaped(&self, name: &str, value: &Value) -> Result<Value, Wrong> {
+    fn check_body(&self, name: &str, value: &Value) -> Result<Value, CodecError> {
         let text = from_wire(value).to_string();
-        let tree = Tree::read(&text).map_err(|error| Wrong::Input(error.to_string()))?;
-        match self.shapes.mismatch(name, &tree).flatten() {
+        let tree = Tree::read(&text).map_err(|error| CodecError::Input(error.to_string()))?;
+        match self.body_schemas.mismatch(name, &tree).flatten() {
             None => Ok(Value::Null),
-            Some(found) => Err(Wrong::Input(format!(
+            Some(found) => Err(CodecError::Input(format!(
                 "{}: expected {}, found {}",
                 found.path, found.expected, found.actual
             ))),
         }
     }
 
-    fn code(value: &Value) -> Result<u32, Wrong> {
+    fn code(value: &Value) -> Result<u32, CodecError> {
         let code = value.as_u64().and_then(|code| u32::try_from(code).ok());
-        code.ok_or_else(|| Wrong::Input("no code".to_owned()))
+        code.ok_or_else(|| CodecError::Input("no code".to_owned()))
     }
 
-    fn list(&self, value: &Value) -> Result<(), Wrong> {
-        let items = value.as_array().ok_or_else(|| Wrong::Input("no list".to_owned()))?;
+    fn list(&self, value: &Value) -> Result<(), CodecError> {
+        let items = value.as_array().ok_or_else(|| CodecError::Input("no list".to_owned()))?;
         let known = || self.schema.packages.iter().flat_map(|it| &it.error_tables).flat_map(|it| &it.codes);
         for item in items {
             if Self::code(item)? == 0 {
-                return Err(Wrong::Input("0 is no error".to_owned()));
+                return Err(CodecError::Input("0 is no error".to_owned()));
             }
             let alternatives = known().filter(|code| *item == code.code).flat_map(|code| &code.alternatives);
             if let Some(other) =
                 alternatives.into_iter().find(|other| items.iter().any(|item| item == *other))
             {
-                return Err(Wrong::Input(format!("{item} and {other} are alternatives")));
+                return Err(CodecError::Input(format!("{item} and {other} are alternatives")));
             }
         }
         Ok(())
     }
 }
 
-fn answer(op: &str, question: &Value, message: &Message, of: MessageType<'_>) -> Result<Value, Wrong> {
-    let said = |error: Error| Wrong::Input(error.to_string());
+fn answer(op: &str, question: &Value, message: &Message, of: MessageType<'_>) -> Result<Value, CodecError> {
+    let said = |error: Error| CodecError::Input(error.to_string());
     let is_cdr = || match question["format"].as_str() {
         Some("cdr") => Ok(true),
         Some("uorb") => Ok(false),
-        Some(_) => Err(Wrong::Unknown),
-        None => Err(Wrong::Question("no format")),
+        Some(_) => Err(CodecError::Unknown),
+        None => Err(CodecError::Question("no format")),
     };
-    let decode = || -> Result<DynamicMessage<'_>, Wrong> {
-        let bytes = question["bytes"].as_str().and_then(from_base64).ok_or(Wrong::Question("no base64"))?;
+    let decode = || -> Result<DynamicMessage<'_>, CodecError> {
+        let bytes =
+            question["bytes"].as_str().and_then(from_base64).ok_or(CodecError::Question("no base64"))?;
         if is_cdr()? { of.decode_cdr_strict(&bytes) } else { of.decode_uorb_strict(&bytes) }.map_err(said)
     };
-    let encode = |message: &DynamicMessage<'_>| -> Result<Value, Wrong> {
+    let encode = |message: &DynamicMessage<'_>| -> Result<Value, CodecError> {
         let bytes = if is_cdr()? { message.to_cdr(ByteOrder::LittleEndian) } else { message.to_uorb() };
         bytes.map(|bytes| to_base64(&bytes).into()).map_err(said)
     };
@@ -147,21 +150,21 @@ fn answer(op: &str, question: &Value, message: &Message, of: MessageType<'_>) ->
         "roundtrip" => encode(&decode()?),
         "validate" => match read()?.validate().first() {
             None => Ok(Value::Null),
-            Some(violation) => Err(Wrong::Input(violation.to_string())),
+            Some(violation) => Err(CodecError::Input(violation.to_string())),
         },
         "hash" if is_cdr()? => Ok(message.type_hash.clone().into()),
         "hash" => Ok(message.hash.into()),
-        "layout" if is_cdr()? => Err(Wrong::Unknown),
+        "layout" if is_cdr()? => Err(CodecError::Unknown),
         "layout" => {
-            let size = of.size().ok_or_else(|| Wrong::Input("its size varies".to_owned()))?;
+            let size = of.size().ok_or_else(|| CodecError::Input("its size varies".to_owned()))?;
             let offsets = of.layout().map(|field| (field.name.to_owned(), field.offset.into()));
             let offsets: serde_json::Map<String, Value> = offsets.collect();
             Ok(json!({ "size": size.padded, "size_no_padding": size.no_padding, "offsets": offsets }))
         }
-        _ => Err(Wrong::Unknown),
+        _ => Err(CodecError::Unknown),
     }
 }
 
-fn value_of(question: &Value) -> Result<&Value, Wrong> {
-    question.get("value").ok_or(Wrong::Question("no value"))
+fn value_of(question: &Value) -> Result<&Value, CodecError> {
+    question.get("value").ok_or(CodecError::Question("no value"))
 }

@@ -26,7 +26,7 @@ fn main() -> io::Result<()> {
         _ => return Err(io::Error::other("usage: uavspec-testee [--definitions PATH]")),
     };
     let types = definitions.types();
-    let codec = Codec { schema: &definitions.schema, types, shapes: definitions.shapes() };
+    let codec = Codec { schema: &definitions.schema, types, body_schemas: definitions.defined_schemas() };
     let mut output = io::stdout().lock();
     // As bytes: a line that is no UTF-8 must not be the end.
     for line in io::stdin().lock().split(b'\n') {

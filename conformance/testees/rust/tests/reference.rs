@@ -25,7 +25,7 @@ fn it_is_right() {
     let outcome = run(&cases, &all, types, &options(), &|_, _| {}).expect("it introduces itself");
     let failed: BTreeSet<String> = outcome.failures().map(|(case, _)| Case::name(case)).collect();
     assert_eq!(failed, BTreeSet::new());
-    assert!(outcome.manners.are_good(), "{:?}", outcome.manners);
+    assert!(outcome.protocol_remarks.are_good(), "{:?}", outcome.protocol_remarks);
     assert!(!cases.is_empty() && outcome.counts().passed == cases.len(), "{:?}", outcome.counts());
 }
 
@@ -34,7 +34,7 @@ fn it_has_manners() {
     let definitions = Definitions::built_in();
     let types = definitions.types();
     let found = lint(&cases(&definitions, types), types, &options(), &[], &|_, _| {}).expect("it starts");
-    for (check, manner) in &found.manners {
-        assert_eq!(manner.name(), "pass", "{}: {manner:?}", check.id);
+    for (check, outcome) in &found.outcomes {
+        assert_eq!(outcome.name(), "pass", "{}: {outcome:?}", check.id);
     }
 }

@@ -90,7 +90,10 @@ impl Leaf {
         let (kind, value) = (self.kind, self.value);
         let progress = self.progress.get_or_insert_with(|| Box::new(start(kind, value)));
         let next = match (progress.as_mut(), kind, value) {
-            (Progress::Search(search), ..) => search.simplify(),
+            (Progress::Search(search), ..) => {
+                let next = search.simplify();
+                next_valid(kind, value, next, search)
+            }
             (Progress::Flags { next, before }, Kind::Number(_, constraint), Number::Int(value)) => {
                 let dropped = drop_flag(constraint, value, next);
                 *before = dropped.map(|_| value);
@@ -103,7 +106,10 @@ impl Leaf {
 
     pub(super) fn complicate(&mut self) -> bool {
         let next = match self.progress.as_deref_mut() {
-            Some(Progress::Search(search)) => search.complicate(),
+            Some(Progress::Search(search)) => {
+                let next = search.complicate();
+                next_valid(self.kind, self.value, next, search)
+            }
             Some(Progress::Flags { before, .. }) => before.take().map(Number::Int),
             None => None,
         };
@@ -114,6 +120,17 @@ impl Leaf {
         self.value = value.unwrap_or(self.value);
         value.is_some()
     }
+}
+
+/// The first of the next values of a search that is valid, if `value` is.
+fn next_valid(kind: Kind, value: Number, mut next: Option<Number>, search: &mut Search) -> Option<Number> {
+    let Kind::Number(_, constraint) = kind else { return next };
+    if constraint.broken_by(value).is_none() {
+        while next.is_some_and(|next| constraint.broken_by(next).is_some()) {
+            next = search.complicate();
+        }
+    }
+    next
 }
 
 /// The value without the next of its flags.
@@ -153,6 +170,13 @@ pub(super) struct Allowed<'k> {
 
 impl Allowed<'_> {
     fn draw(self, random: &mut Random) -> Option<Number> {
+        /// The bounds of a constraint are met by each draw, and its other demands by some.
+        const DRAWS: usize = 64;
+        let is_valid = |drawn: &Number| self.constraint.broken_by(*drawn).is_none();
+        (0..DRAWS).find_map(|_| self.draw_once(random).filter(is_valid))
+    }
+
+    fn draw_once(self, random: &mut Random) -> Option<Number> {
         if random.once_in(8)
             && let Some(special) = self.special(random)
         {

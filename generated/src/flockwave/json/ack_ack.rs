@@ -2,13 +2,13 @@
 
 //! The bodies of `ACK-ACK`.
 //!
-//! The request was carried out, and there is nothing to report.
+//! The request succeeded, and there is no result to return.
 
 use uavspec_runtime::json_object;
 
 /// The body of a response of the type `ACK-ACK`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -2,7 +2,7 @@
 
 //! The bodies of `ACK-NAK`.
 //!
-//! The request was turned down, or it was tried and failed. Any request may be answered so; one that needs a login is, where nobody has logged in.
+//! The request was refused or failed. ACK-NAK may answer any request. It also answers a request that requires a login if no user is logged in.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;
@@ -11,10 +11,10 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-/// Disputed: the text about SHOW-SETCFG and SHOW-SETLIGHTS writes ACK-NACK. No such type is defined; this one is meant.
+/// Disputed: the specification text of SHOW-SETCFG and SHOW-SETLIGHTS mentions ACK-NACK. No such type is defined; ACK-NAK is meant.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Why, in words for people.
+    /// Human-readable reason.
     pub reason: Option<String>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `ASYNC-CANCEL`.
 //!
-//! The client has lost interest in operations. Those that were cancelled still end in an ASYNC-RESP, with an error.
+//! Cancels operations that the client no longer needs. A cancelled operation still ends with an ASYNC-RESP that contains an error.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `ASYNC-CANCEL`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The operations.
+    /// Receipts of the operations.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ReceiptId>,
@@ -30,11 +30,11 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The operations that were cancelled.
+    /// Cancelled operations.
     ///
     /// No element stands in it twice.
     pub success: Option<Vec<super::ReceiptId>>,
-    /// Why others weren't, by receipt.
+    /// Reason for each failure, by receipt.
     pub error: Option<BTreeMap<String, String>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `ASYNC-RESP`.
 //!
-//! An operation has come to its end. Exactly one of result and error is there.
+//! Reports the end of an operation. Exactly one of result and error is present.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_type::Json;
@@ -10,14 +10,14 @@ use uavspec_runtime::json_object;
 
 /// The body of a notification of the type `ASYNC-RESP`.
 ///
-/// Disputed: the result is an object in the text's table, a number in its example, and anything in the schema. Here it may be anything.
+/// Disputed: the result is an object in the table of the specification text, a number in its example, and any value in the JSON Schema. This definition allows any value.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notification {
-    /// The operation.
+    /// Receipt of the operation.
     pub id: super::ReceiptId,
-    /// What came of it, in the form in which the response would have had it.
+    /// Result, in the form that the response would have used.
     pub result: Option<Json>,
-    /// Why nothing came of it.
+    /// Reason for the failure.
     pub error: Option<String>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `ASYNC-RESUME`.
 //!
-//! The client has what suspended operations are waiting for.
+//! Resumes suspended operations with the values that they wait for.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -12,16 +12,16 @@ use uavspec_runtime::json_object;
 
 /// The body of a request of the type `ASYNC-RESUME`.
 ///
-/// Disputed: the values are objects in the text and anything in the schema. Here they may be anything.
+/// Disputed: the values are objects in the specification text and any values in the JSON Schema. This definition allows any value.
 ///
 /// Answered by `ASYNC-RESUME`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The operations.
+    /// Receipts of the operations.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ReceiptId>,
-    /// What to hand to them, by receipt.
+    /// Values to pass to the operations, by receipt.
     pub values: Option<BTreeMap<String, Json>>,
 }
 
@@ -36,11 +36,11 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The operations that go on.
+    /// Resumed operations.
     ///
     /// No element stands in it twice.
     pub success: Option<Vec<super::ReceiptId>>,
-    /// Why others don't, by receipt.
+    /// Reason for each failure, by receipt.
     pub error: Option<BTreeMap<String, String>>,
 }
 

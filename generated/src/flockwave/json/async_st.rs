@@ -2,20 +2,20 @@
 
 //! The bodies of `ASYNC-ST`.
 //!
-//! How an operation is getting on, or that it waits for the client.
+//! Reports the progress of an operation, or that it is suspended.
 
 use uavspec_runtime::json_object;
 
 /// The body of a notification of the type `ASYNC-ST`.
 ///
-/// Disputed: the percentage of the progress may be null by the text, but not by the schema. Here it may.
+/// Disputed: the specification text allows null for the percentage of the progress; the JSON Schema does not. This definition allows it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notification {
-    /// The operation.
+    /// Receipt of the operation.
     pub id: super::ReceiptId,
-    /// How far it has got.
+    /// Progress.
     pub progress: super::Progress,
-    /// Whether it waits for an ASYNC-RESUME.
+    /// True if the operation waits for an ASYNC-RESUME.
     pub suspended: Option<bool>,
 }
 

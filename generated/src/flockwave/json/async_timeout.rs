@@ -2,7 +2,7 @@
 
 //! The bodies of `ASYNC-TIMEOUT`.
 //!
-//! The server has given up waiting for operations.
+//! Reports operations that the server no longer waits for.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -10,7 +10,7 @@ use uavspec_runtime::json_object;
 /// The body of a notification of the type `ASYNC-TIMEOUT`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notification {
-    /// The operations.
+    /// Receipts of the operations.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ReceiptId>,

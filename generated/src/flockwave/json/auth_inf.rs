@@ -2,14 +2,14 @@
 
 //! The bodies of `AUTH-INF`.
 //!
-//! Asks how to log in, and whether one has to.
+//! Queries the authentication methods and whether authentication is required.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `AUTH-INF`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -24,9 +24,9 @@ json_object! {
 /// The body of a response of the type `AUTH-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The ways to log in.
+    /// Supported authentication methods.
     pub methods: Vec<super::AuthenticationMethod>,
-    /// Whether one has to log in.
+    /// True if authentication is required.
     pub required: bool,
 }
 

@@ -2,23 +2,23 @@
 
 //! The bodies of `AUTH-REQ`.
 //!
-//! Logs in, or takes the next step of a login that has several.
+//! Starts a login, or takes the next step of a login with several steps.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `AUTH-REQ`.
 ///
-/// Disputed: without session the request belongs to the login under way, says the text; the schema takes it for 0 then.
+/// Disputed: according to the specification text, a request without session continues the current login; according to the JSON Schema, session defaults to 0.
 ///
 /// Answered by `AUTH-RESP`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    /// The way to log in.
+    /// Authentication method.
     pub method: super::AuthenticationMethod,
-    /// What this step of the method demands.
+    /// Data for this step of the method.
     pub data: String,
-    /// Tells a login from one given up before: another number starts afresh.
+    /// Number of the login attempt. A new number starts a new attempt and abandons the previous one.
     pub session: Option<i64>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `AUTH-RESP`.
 //!
-//! The outcome of a login, or a challenge for its next step. Exactly one of result and data is there, and user exactly where result is true.
+//! Reports the outcome of a login, or a challenge for its next step. Exactly one of result and data is present. user is present exactly if result is true.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;
@@ -11,16 +11,16 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-/// Disputed: reason is in the schema only. The schema also has a pattern for user that the text doesn't know and that one of its examples breaks, by a blank; here any text will do.
+/// Disputed: only the JSON Schema includes reason. The JSON Schema also has a pattern for user, which the specification text does not mention and which one of its examples violates with a space. This definition allows any string.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Whether the user is logged in.
+    /// True if the user is logged in.
     pub result: Option<bool>,
-    /// Who that is: a name, perhaps with @ and a domain.
+    /// Name of the user, optionally with @ and a domain.
     pub user: Option<String>,
-    /// The challenge.
+    /// Challenge.
     pub data: Option<String>,
-    /// Why the login failed.
+    /// Reason for the failure of the login.
     pub reason: Option<String>,
 }
 

@@ -2,14 +2,14 @@
 
 //! The bodies of `AUTH-WHOAMI`.
 //!
-//! Asks who is logged in on this connection.
+//! Queries the user who is logged in on this connection.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `AUTH-WHOAMI`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -24,7 +24,7 @@ json_object! {
 /// The body of a response of the type `AUTH-WHOAMI`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Who that is: a name, perhaps with @ and a domain. Empty where nobody is.
+    /// Name of the user, optionally with @ and a domain. Empty if no user is logged in.
     pub user: String,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `BCN-INF`.
 //!
-//! Asks for the state of beacons.
+//! Queries the state of beacons.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `BCN-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The beacons.
+    /// Ids of the beacons.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
@@ -27,14 +27,14 @@ json_object! {
 
 /// The body of a response of the type `BCN-INF`.
 ///
-/// Each beacon that was asked for stands in exactly one of the two maps.
+/// Each requested beacon appears in exactly one of the two maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The state, by beacon.
+    /// State of each beacon, by id.
     pub status: Option<BTreeMap<String, super::BeaconStatusInfo>>,
-    /// Why there is none, by beacon.
+    /// Reason for each failure, by beacon id.
     pub error: Option<BTreeMap<String, String>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `BCN-PROPS`.
 //!
-//! Asks for what hardly ever changes about beacons.
+//! Queries properties of beacons that rarely change.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `BCN-PROPS`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The beacons.
+    /// Ids of the beacons.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
@@ -27,16 +27,16 @@ json_object! {
 
 /// The body of a response of the type `BCN-PROPS`.
 ///
-/// Each beacon that was asked for stands in exactly one of the three maps.
+/// Each requested beacon appears in exactly one of the three maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The properties, by beacon.
+    /// Properties of each beacon, by id.
     pub result: Option<BTreeMap<String, super::BeaconBasicProperties>>,
-    /// Why there are none, by beacon.
+    /// Reason for each failure, by beacon id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where they come later: the receipt, by beacon.
+    /// Receipt of each pending operation, by beacon id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `CLK-INF`.
 //!
-//! Asks for the state of clocks. The server also sends it by itself when one is started, stopped or set.
+//! Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `CLK-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The clocks.
+    /// Ids of the clocks.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ClockId>,
@@ -27,14 +27,14 @@ json_object! {
 
 /// The body of a response of the type `CLK-INF`.
 ///
-/// Each clock that was asked for stands in exactly one of the two maps.
+/// Each requested clock appears in exactly one of the two maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The state, by clock.
+    /// State of each clock, by id.
     pub status: Option<BTreeMap<String, super::ClockInfo>>,
-    /// Why there is none, by clock.
+    /// Reason for each failure, by clock id.
     pub error: Option<BTreeMap<String, String>>,
 }
 
@@ -46,12 +46,12 @@ json_object! {
 
 /// The body of a notification of the type `CLK-INF`.
 ///
-/// Not stated: the fields of the notification. They are taken to be those of the response without error, as in CONN-INF.
+/// Not stated: the fields of the notification. This definition uses those of the response except error, as in CONN-INF.
 ///
-/// Disputed: the published schema of notifications lacks this one, which the text allows.
+/// Disputed: the specification text allows this notification; the JSON Schema of notifications does not include it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notification {
-    /// The state, by clock.
+    /// State of each clock, by id.
     pub status: Option<BTreeMap<String, super::ClockInfo>>,
 }
 

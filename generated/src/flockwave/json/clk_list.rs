@@ -2,14 +2,14 @@
 
 //! The bodies of `CLK-LIST`.
 //!
-//! Asks which clocks there are.
+//! Lists the ids of all clocks.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `CLK-LIST`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -26,7 +26,7 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The clocks.
+    /// Ids of the clocks.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ClockId>,

@@ -2,7 +2,7 @@
 
 //! The bodies of `CONN-DEL`.
 //!
-//! Connections are gone from the server.
+//! Reports connections that no longer exist on the server.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -10,7 +10,7 @@ use uavspec_runtime::json_object;
 /// The body of a notification of the type `CONN-DEL`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notification {
-    /// The connections.
+    /// Ids of the connections.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ConnectionId>,

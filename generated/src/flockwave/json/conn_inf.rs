@@ -2,7 +2,7 @@
 
 //! The bodies of `CONN-INF`.
 //!
-//! Asks for the state of connections. The server also sends it by itself when the state of one changes.
+//! Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `CONN-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The connections.
+    /// Ids of the connections.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ConnectionId>,
@@ -27,14 +27,14 @@ json_object! {
 
 /// The body of a response of the type `CONN-INF`.
 ///
-/// Each connection that was asked for stands in exactly one of the two maps.
+/// Each requested connection appears in exactly one of the two maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The state, by connection.
+    /// State of each connection, by id.
     pub status: Option<BTreeMap<String, super::ConnectionInfo>>,
-    /// Why there is none, by connection.
+    /// Reason for each failure, by connection id.
     pub error: Option<BTreeMap<String, String>>,
 }
 
@@ -46,12 +46,12 @@ json_object! {
 
 /// The body of a notification of the type `CONN-INF`.
 ///
-/// Nothing but status should be there.
+/// status should be the only field.
 ///
-/// Disputed: the published schema of notifications lacks this one, which the text allows.
+/// Disputed: the specification text allows this notification; the JSON Schema of notifications does not include it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notification {
-    /// The state, by connection.
+    /// State of each connection, by id.
     pub status: Option<BTreeMap<String, super::ConnectionInfo>>,
 }
 

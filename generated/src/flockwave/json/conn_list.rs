@@ -2,14 +2,14 @@
 
 //! The bodies of `CONN-LIST`.
 //!
-//! Asks which connections there are.
+//! Lists the ids of all connections.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `CONN-LIST`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -24,7 +24,7 @@ json_object! {
 /// The body of a response of the type `CONN-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The connections.
+    /// Ids of the connections.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ConnectionId>,

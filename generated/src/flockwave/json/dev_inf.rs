@@ -2,7 +2,7 @@
 
 //! The bodies of `DEV-INF`.
 //!
-//! Asks for the values of channels. A path that names a device stands for all channels below it: its value is then an object that has the form of that part of the tree. The server also sends it by itself when a channel changes that the client has subscribed to.
+//! Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -15,7 +15,7 @@ use uavspec_runtime::json_object;
 /// Answered by `DEV-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The channels and devices.
+    /// Paths of the channels and devices.
     pub paths: Vec<super::DeviceTreePath>,
 }
 
@@ -26,16 +26,16 @@ json_object! {
 
 /// The body of a response of the type `DEV-INF`.
 ///
-/// Each path that was asked for stands in exactly one of the two maps.
+/// Each requested path appears in exactly one of the two maps.
 ///
 /// The object is closed.
 ///
-/// Disputed: the schema requires values, the text doesn't. Here they may be left out. Elsewhere the text calls them status, which no message of this type has.
+/// Disputed: the JSON Schema requires values; the specification text does not. This definition makes it optional. Another part of the text calls the field status, which no message of this type has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The values, by path; null where one isn't known yet.
+    /// Value of each channel or device, by path; null if not known yet.
     pub values: Option<BTreeMap<String, Json>>,
-    /// Why there is none, by path.
+    /// Reason for each failure, by path.
     pub error: Option<BTreeMap<String, String>>,
 }
 
@@ -47,12 +47,12 @@ json_object! {
 
 /// The body of a notification of the type `DEV-INF`.
 ///
-/// Nothing but values should be there.
+/// values should be the only field.
 ///
-/// Disputed: the published schema of notifications lacks this one, which the text allows.
+/// Disputed: the specification text allows this notification; the JSON Schema of notifications does not include it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notification {
-    /// The values, by path; null where one isn't known yet.
+    /// Value of each channel or device, by path; null if not known yet.
     pub values: Option<BTreeMap<String, Json>>,
 }
 

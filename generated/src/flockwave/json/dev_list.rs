@@ -2,7 +2,7 @@
 
 //! The bodies of `DEV-LIST`.
 //!
-//! Asks for the device trees of objects.
+//! Queries the device trees of objects.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `DEV-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The objects.
+    /// Ids of the objects.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
@@ -27,14 +27,14 @@ json_object! {
 
 /// The body of a response of the type `DEV-LIST`.
 ///
-/// Each object that was asked for stands in exactly one of the two maps. One without devices has an empty tree.
+/// Each requested object appears in exactly one of the two maps. An object without devices has an empty tree.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The trees, by object.
+    /// Device tree of each object, by id.
     pub devices: Option<BTreeMap<String, super::DeviceTreeNode>>,
-    /// Why there is none, by object.
+    /// Reason for each failure, by object id.
     pub error: Option<BTreeMap<String, String>>,
 }
 

@@ -2,19 +2,19 @@
 
 //! The bodies of `DEV-LISTSUB`.
 //!
-//! Asks what the client has subscribed to.
+//! Lists the subscriptions of the client.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `DEV-LISTSUB`.
 ///
-/// Disputed: the schema requires the filter, the text doesn't. Here it may be left out.
+/// Disputed: the JSON Schema requires the filter; the specification text does not. This definition makes it optional.
 ///
 /// Answered by `DEV-LISTSUB`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// Only subscriptions at or below these paths are wanted. Left out, all are.
+    /// Paths to filter by: only subscriptions at or below them are listed. If omitted, all are listed.
     pub path_filter: Option<Vec<super::DeviceTreePath>>,
 }
 
@@ -27,10 +27,10 @@ json_object! {
 ///
 /// The object is closed.
 ///
-/// Disputed: the text requires the paths, the schema doesn't. Here they may be left out.
+/// Disputed: the specification text requires paths; the JSON Schema does not. This definition makes it optional.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The subscriptions. A path stands there as often as it was subscribed to, and again for each filter that it fits.
+    /// Subscribed paths. A path appears once per subscription, and again for each filter that matches it.
     pub paths: Option<Vec<super::DeviceTreePath>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `DEV-SUB`.
 //!
-//! Subscribes to channels, or to all channels below devices. The same path may be subscribed to several times.
+//! Subscribes to channels, or to all channels below devices. A client may subscribe to the same path several times.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,14 +11,14 @@ use uavspec_runtime::json_object;
 
 /// The body of a request of the type `DEV-SUB`.
 ///
-/// Not stated: what lazy means. The text doesn't have it; the schema has its type and no more.
+/// Not stated: the meaning of lazy. The specification text does not mention it; the JSON Schema only gives its type.
 ///
 /// Answered by `DEV-SUB`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The channels and devices.
+    /// Paths of the channels and devices.
     pub paths: Vec<super::DeviceTreePath>,
-    /// See below.
+    /// Not stated.
     pub lazy: Option<bool>,
 }
 
@@ -33,9 +33,9 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// What the client is subscribed to now.
+    /// Paths that the client is now subscribed to.
     pub success: Option<Vec<super::DeviceTreePath>>,
-    /// Why it isn't, by path.
+    /// Reason for each failure, by path.
     pub error: Option<BTreeMap<String, String>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `DEV-UNSUB`.
 //!
-//! Takes subscriptions back: for each path one, or all.
+//! Removes one or all subscriptions to each path.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,11 +14,11 @@ use uavspec_runtime::json_object;
 /// Answered by `DEV-UNSUB`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The paths as they were subscribed to.
+    /// Paths as they were subscribed to.
     pub paths: Vec<super::DeviceTreePath>,
-    /// Whether all subscriptions to a path end, not only one. Left out, only one.
+    /// True to remove all subscriptions to each path; false to remove only one. Defaults to false.
     pub remove_all: Option<bool>,
-    /// Whether subscriptions below the paths end, too. Left out, they don't.
+    /// True to also remove subscriptions below the paths. Defaults to false.
     pub include_subtrees: Option<bool>,
 }
 
@@ -34,9 +34,9 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// What ended. With includeSubtrees there may be paths that the request doesn't have.
+    /// Removed subscriptions. With includeSubtrees, this may include paths that are not in the request.
     pub success: Option<Vec<super::DeviceTreePath>>,
-    /// Why others didn't, by path.
+    /// Reason for each failure, by path.
     pub error: Option<BTreeMap<String, String>>,
 }
 

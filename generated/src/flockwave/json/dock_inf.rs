@@ -2,7 +2,7 @@
 
 //! The bodies of `DOCK-INF`.
 //!
-//! Asks for the state of docking stations.
+//! Queries the state of docking stations.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `DOCK-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The stations.
+    /// Ids of the stations.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
@@ -27,14 +27,14 @@ json_object! {
 
 /// The body of a response of the type `DOCK-INF`.
 ///
-/// Each station that was asked for stands in exactly one of the two maps.
+/// Each requested station appears in exactly one of the two maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The state, by station.
+    /// State of each station, by id.
     pub status: Option<BTreeMap<String, super::DockStatusInfo>>,
-    /// Why there is none, by station.
+    /// Reason for each failure, by station id.
     pub error: Option<BTreeMap<String, String>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `EXT-INF`.
 //!
-//! Asks for particulars of extensions.
+//! Queries information about extensions.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `EXT-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The extensions.
+    /// Ids of the extensions.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ExtensionId>,
@@ -27,14 +27,14 @@ json_object! {
 
 /// The body of a response of the type `EXT-INF`.
 ///
-/// Each extension that was asked for stands in exactly one of the two maps.
+/// Each requested extension appears in exactly one of the two maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The particulars, by extension.
+    /// Information about each extension, by id.
     pub status: Option<BTreeMap<String, super::ExtensionInfo>>,
-    /// Why there are none, by extension.
+    /// Reason for each failure, by extension id.
     pub error: Option<BTreeMap<String, String>>,
 }
 

@@ -2,14 +2,14 @@
 
 //! The bodies of `EXT-LIST`.
 //!
-//! Asks which extensions there are.
+//! Lists the loaded and available extensions.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `EXT-LIST`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -26,11 +26,11 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Those that are in use.
+    /// Loaded extensions.
     ///
     /// No element stands in it twice.
     pub loaded: Vec<super::ExtensionId>,
-    /// Those that aren't and could be.
+    /// Extensions that are not loaded but could be.
     ///
     /// No element stands in it twice.
     pub available: Vec<super::ExtensionId>,

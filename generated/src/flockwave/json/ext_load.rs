@@ -2,7 +2,7 @@
 
 //! The bodies of `EXT-LOAD`.
 //!
-//! Takes extensions into use.
+//! Loads extensions.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -15,7 +15,7 @@ use uavspec_runtime::json_object;
 /// Answered by `EXT-LOAD`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The extensions.
+    /// Ids of the extensions.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ExtensionId>,
@@ -31,9 +31,9 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The extensions that are loaded now.
+    /// Extensions that are now loaded.
     pub status: Option<BTreeMap<String, BTreeMap<String, Json>>>,
-    /// Why others aren't, by extension.
+    /// Reason for each failure, by extension id.
     pub error: Option<BTreeMap<String, String>>,
 }
 

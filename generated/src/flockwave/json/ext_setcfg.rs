@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `EXT-SETCFG`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The new configuration, by extension.
+    /// New configuration of each extension, by id.
     pub ids: BTreeMap<String, BTreeMap<String, Json>>,
 }
 
@@ -28,9 +28,9 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The extensions that are configured so now.
+    /// Extensions that now have the new configuration.
     pub status: Option<BTreeMap<String, BTreeMap<String, Json>>>,
-    /// Why others aren't, by extension.
+    /// Reason for each failure, by extension id.
     pub error: Option<BTreeMap<String, String>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `FW-OBJECT-LIST`.
 //!
-//! Asks which objects can take firmware.
+//! Lists the objects whose firmware can be updated.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -12,7 +12,7 @@ use uavspec_runtime::json_object;
 /// Answered by `FW-OBJECT-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// Only objects that have all these targets are wanted. Left out, all that have any.
+    /// Targets to filter by: only objects that have all of them are listed. If omitted, objects with any target are listed.
     ///
     /// No element stands in it twice.
     pub supports: Option<Vec<super::FirmwareUpdateTargetId>>,
@@ -28,7 +28,7 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The objects.
+    /// Ids of the objects.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,

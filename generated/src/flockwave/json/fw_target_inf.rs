@@ -2,7 +2,7 @@
 
 //! The bodies of `FW-TARGET-INF`.
 //!
-//! Asks for particulars of targets.
+//! Queries information about targets.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `FW-TARGET-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The targets.
+    /// Ids of the targets.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::FirmwareUpdateTargetId>,
@@ -27,14 +27,14 @@ json_object! {
 
 /// The body of a response of the type `FW-TARGET-INF`.
 ///
-/// Each target that was asked for stands in exactly one of the two maps.
+/// Each requested target appears in exactly one of the two maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The particulars, by target.
+    /// Information about each target, by id.
     pub result: Option<BTreeMap<String, super::FirmwareUpdateTarget>>,
-    /// Why there are none, by target.
+    /// Reason for each failure, by target id.
     pub error: Option<BTreeMap<String, String>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `FW-TARGET-LIST`.
 //!
-//! Asks which targets there are.
+//! Lists the targets.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -12,7 +12,7 @@ use uavspec_runtime::json_object;
 /// Answered by `FW-TARGET-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// Only targets that all these objects have are wanted. Left out, all are.
+    /// Objects to filter by: only targets that all of them have are listed. If omitted, all targets are listed.
     ///
     /// No element stands in it twice.
     pub supported_by: Option<Vec<super::ObjectId>>,
@@ -28,7 +28,7 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The targets.
+    /// Ids of the targets.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::FirmwareUpdateTargetId>,

@@ -2,7 +2,7 @@
 
 //! The bodies of `FW-UPLOAD`.
 //!
-//! Puts firmware on objects.
+//! Uploads firmware to objects.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,13 +14,13 @@ use uavspec_runtime::{json_either, json_object};
 /// Answered by `FW-UPLOAD`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The objects.
+    /// Ids of the objects.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
-    /// The part of them that takes it.
+    /// Target to update.
     pub target: super::FirmwareUpdateTargetId,
-    /// The firmware.
+    /// Firmware image.
     pub blob: super::Base64,
 }
 
@@ -33,18 +33,18 @@ json_object! {
 
 /// The body of a response of the type `FW-UPLOAD`.
 ///
-/// Each object that was asked for stands in exactly one of the three maps.
+/// Each requested object appears in exactly one of the three maps.
 ///
 /// The object is closed.
 ///
-/// Disputed: the results are booleans in the text; in the schema they are those of OBJ-CMD. Here both are allowed.
+/// Disputed: the results are booleans in the specification text; in the JSON Schema, they have the same type as in OBJ-CMD. This definition allows both.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Whether it succeeded, by object.
+    /// Result of each update, by object id.
     pub result: Option<BTreeMap<String, ResponseResult>>,
-    /// Why it failed, by object.
+    /// Reason for each failure, by object id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where the result comes later: the receipt, by object.
+    /// Receipt of each pending operation, by object id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

@@ -2,13 +2,13 @@
 
 //! The bodies of `LCN-INF`.
 //!
-//! Asks for the licence.
+//! Queries the licence.
 
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `LCN-INF`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// Answered by `LCN-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,7 +23,7 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The licence.
+    /// Licence of the server.
     pub license: super::License,
 }
 

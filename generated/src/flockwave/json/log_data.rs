@@ -2,7 +2,7 @@
 
 //! The bodies of `LOG-DATA`.
 //!
-//! Asks a UAV for one of its logs.
+//! Downloads one log of a UAV.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;
@@ -12,9 +12,9 @@ use uavspec_runtime::json_object;
 /// Answered by `LOG-DATA`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The UAV.
+    /// Id of the UAV.
     pub uav_id: super::ObjectId,
-    /// The log.
+    /// Id of the log.
     pub log_id: super::FlightLogId,
 }
 
@@ -26,16 +26,16 @@ json_object! {
 
 /// The body of a response of the type `LOG-DATA`.
 ///
-/// Exactly one of the fields is there.
+/// Exactly one of the fields is present.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The log.
+    /// Log.
     pub result: Option<super::FlightLog>,
-    /// Why there is none.
+    /// Reason for the failure.
     pub error: Option<String>,
-    /// Where it comes later: the receipt.
+    /// Receipt, if the log follows later.
     pub receipt: Option<super::ReceiptId>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `LOG-INF`.
 //!
-//! Asks which logs UAVs have.
+//! Lists the logs of UAVs.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `LOG-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The UAVs.
+    /// Ids of the UAVs.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
@@ -27,16 +27,16 @@ json_object! {
 
 /// The body of a response of the type `LOG-INF`.
 ///
-/// Each UAV that was asked for stands in exactly one of the three maps.
+/// Each requested UAV appears in exactly one of the three maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Its logs, by UAV.
+    /// Logs of each UAV, by UAV id.
     pub result: Option<BTreeMap<String, Vec<super::FlightLogMetadata>>>,
-    /// Why nothing is known, by UAV.
+    /// Reason for each failure, by UAV id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where the result comes later: the receipt, by UAV.
+    /// Receipt of each pending operation, by UAV id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

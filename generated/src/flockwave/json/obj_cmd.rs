@@ -2,7 +2,7 @@
 
 //! The bodies of `OBJ-CMD`.
 //!
-//! Hands a command on to objects. What it means is up to each of them; the server doesn't look into it.
+//! Forwards a command to objects. Each object interprets the command; the server does not.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -15,15 +15,15 @@ use uavspec_runtime::{json_either, json_object};
 /// Answered by `OBJ-CMD`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The objects.
+    /// Ids of the objects.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
-    /// The command.
+    /// Command.
     pub command: String,
-    /// Its arguments by position.
+    /// Positional arguments.
     pub args: Option<Vec<Json>>,
-    /// Its arguments by name.
+    /// Named arguments.
     pub kwds: Option<BTreeMap<String, Json>>,
 }
 
@@ -37,18 +37,18 @@ json_object! {
 
 /// The body of a response of the type `OBJ-CMD`.
 ///
-/// Each object that was asked for stands in exactly one of the three maps.
+/// Each requested object appears in exactly one of the three maps.
 ///
 /// The object is closed.
 ///
-/// Disputed: the chapter on this message lets later results come as notifications of type OBJ-CMD; the chapter on asynchronous operations and the schema know ASYNC-RESP alone. Here it is ASYNC-RESP.
+/// Disputed: the chapter on this message allows later results as notifications of type OBJ-CMD; the chapter on asynchronous operations and the JSON Schema only allow ASYNC-RESP. This definition uses ASYNC-RESP.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// What the command gave back, by object.
+    /// Response of each object, by object id.
     pub result: Option<BTreeMap<String, ResponseResult>>,
-    /// Why it failed, by object.
+    /// Reason for each failure, by object id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where the result comes later: the receipt, by object.
+    /// Receipt of each pending operation, by object id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `OBJ-DEL`.
 //!
-//! Objects are gone from the server, mostly since nothing was heard of them.
+//! Reports objects that no longer exist on the server, usually because nothing has been received from them.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -10,7 +10,7 @@ use uavspec_runtime::json_object;
 /// The body of a notification of the type `OBJ-DEL`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notification {
-    /// The objects.
+    /// Ids of the objects.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,

@@ -2,7 +2,7 @@
 
 //! The bodies of `OBJ-LIST`.
 //!
-//! Asks which objects the server knows. When it counts an object as known is up to the server.
+//! Lists the objects that the server knows. The server decides when an object counts as known.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `OBJ-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// Only objects of these types are wanted. Left out, all are.
+    /// Types to filter by: only objects of these types are listed. If omitted, all objects are listed.
     ///
     /// No element stands in it twice.
     pub filter: Option<Vec<super::ObjectType>>,
@@ -30,7 +30,7 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The objects.
+    /// Ids of the objects.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,

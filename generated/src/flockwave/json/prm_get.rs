@@ -2,7 +2,7 @@
 
 //! The bodies of `PRM-GET`.
 //!
-//! Asks for the value of a parameter.
+//! Queries the value of a parameter.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -15,11 +15,11 @@ use uavspec_runtime::json_object;
 /// Answered by `PRM-GET`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The objects.
+    /// Ids of the objects.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
-    /// The parameter.
+    /// Name of the parameter.
     pub name: String,
 }
 
@@ -31,16 +31,16 @@ json_object! {
 
 /// The body of a response of the type `PRM-GET`.
 ///
-/// Each object that was asked for stands in exactly one of the three maps.
+/// Each requested object appears in exactly one of the three maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The value, by object; mostly a number or a text.
+    /// Value of the parameter, usually a number or string, by object id.
     pub result: Option<BTreeMap<String, Json>>,
-    /// Why there is none, by object.
+    /// Reason for each failure, by object id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where it comes later: the receipt, by object.
+    /// Receipt of each pending operation, by object id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `PRM-SET`.
 //!
-//! Gives a parameter another value.
+//! Sets the value of a parameter.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -15,13 +15,13 @@ use uavspec_runtime::json_object;
 /// Answered by `PRM-SET`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The objects.
+    /// Ids of the objects.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
-    /// The parameter.
+    /// Name of the parameter.
     pub name: String,
-    /// Its new value.
+    /// New value.
     pub value: Json,
 }
 
@@ -34,16 +34,16 @@ json_object! {
 
 /// The body of a response of the type `PRM-SET`.
 ///
-/// Each object that was asked for stands in exactly one of the three maps.
+/// Each requested object appears in exactly one of the three maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Whether it was set, by object.
+    /// True if the parameter was set, by object id.
     pub result: Option<BTreeMap<String, bool>>,
-    /// Why it failed, by object.
+    /// Reason for each failure, by object id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where the result comes later: the receipt, by object.
+    /// Receipt of each pending operation, by object id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

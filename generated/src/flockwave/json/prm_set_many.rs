@@ -2,7 +2,7 @@
 
 //! The bodies of `PRM-SET-MANY`.
 //!
-//! Gives several parameters other values.
+//! Sets the values of several parameters.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -15,11 +15,11 @@ use uavspec_runtime::json_object;
 /// Answered by `PRM-SET-MANY`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The objects.
+    /// Ids of the objects.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
-    /// The new values, by parameter.
+    /// New values, by parameter name.
     pub parameters: BTreeMap<String, Json>,
 }
 
@@ -31,16 +31,16 @@ json_object! {
 
 /// The body of a response of the type `PRM-SET-MANY`.
 ///
-/// Each object that was asked for stands in exactly one of the three maps.
+/// Each requested object appears in exactly one of the three maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// How it turned out, by object.
+    /// Result for each object, by id.
     pub result: Option<BTreeMap<String, super::ParameterOutcome>>,
-    /// Why it failed, by object.
+    /// Reason for each failure, by object id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where the result comes later: the receipt, by object.
+    /// Receipt of each pending operation, by object id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

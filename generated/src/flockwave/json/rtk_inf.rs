@@ -2,7 +2,7 @@
 
 //! The bodies of `RTK-INF`.
 //!
-//! Asks for particulars of presets.
+//! Queries information about presets.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `RTK-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The presets.
+    /// Ids of the presets.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::RTKPresetId>,
@@ -27,16 +27,16 @@ json_object! {
 
 /// The body of a response of the type `RTK-INF`.
 ///
-/// Each preset that was asked for stands in exactly one of the two maps.
+/// Each requested preset appears in exactly one of the two maps.
 ///
 /// The object is closed.
 ///
-/// Disputed: the schema requires preset, the text doesn't. Here it may be left out. Elsewhere the text calls it status, which no message of this type has.
+/// Disputed: the JSON Schema requires preset; the specification text does not. This definition makes it optional. Another part of the text calls the field status, which no message of this type has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The particulars, by preset.
+    /// Information about each preset, by id.
     pub preset: Option<BTreeMap<String, super::RTKConfigurationPreset>>,
-    /// Why there are none, by preset.
+    /// Reason for each failure, by preset id.
     pub error: Option<BTreeMap<String, String>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `RTK-SOURCE`.
 //!
-//! Asks which preset is in use, or takes one into use. With id it sets, and is answered by ACK-ACK; without, it asks, and is answered by its own type.
+//! Queries or selects the active preset. A request with id selects a preset and is answered by ACK-ACK. A request without id queries the active preset and is answered by RTK-SOURCE.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;
@@ -12,7 +12,7 @@ use uavspec_runtime::json_object;
 /// Answered by `RTK-SOURCE`, `ACK-ACK`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The preset to use; null for none. Left out, the request only asks.
+    /// Preset to select; null to select none. If omitted, the request is a query.
     pub id: Option<Option<String>>,
 }
 
@@ -26,7 +26,7 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The preset in use; null where there is none.
+    /// Active preset; null if there is none.
     pub id: Option<String>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `RTK-STAT`.
 //!
-//! Asks how corrections come in and go out at present.
+//! Queries the current reception and transmission of corrections.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -10,7 +10,7 @@ use uavspec_runtime::json_object;
 
 /// The body of a request of the type `RTK-STAT`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -26,18 +26,18 @@ json_object! {
 ///
 /// The object is closed.
 ///
-/// Disputed: the text requires messages_tx, the schema doesn't. Here it may be left out. The schema forgets to require type, which every body has.
+/// Disputed: the specification text requires messages_tx; the JSON Schema does not. This definition makes it optional. The JSON Schema fails to require type, which every body has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The antenna of the base station.
+    /// Antenna of the base station.
     pub antenna: super::RTKAntennaInfo,
-    /// What comes in, by kind of message, such as rtcm3/1077.
+    /// Received messages, by kind of message, such as rtcm3/1077.
     pub messages: BTreeMap<String, super::RTKMessageObservations>,
-    /// What goes on to UAVs, by kind of message.
+    /// Messages forwarded to UAVs, by kind of message.
     pub messages_tx: Option<BTreeMap<String, super::RTKMessageObservations>>,
-    /// How well the station receives, by satellite.
+    /// Carrier-to-noise ratio at the base station, by satellite.
     pub cnr: BTreeMap<String, super::CarrierToNoiseRatio>,
-    /// How far the station has got in finding its own position.
+    /// Survey status of the base station.
     pub survey: super::RTKSurveyStatus,
 }
 

@@ -2,18 +2,18 @@
 
 //! The bodies of `RTK-SURVEY`.
 //!
-//! Makes the base station in use find its own position, or tells it where it stands.
+//! Makes the active base station survey its own position, or sets that position.
 
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `RTK-SURVEY`.
 ///
-/// Not stated: what happens without settings. The response suggests that the request then only asks for those in use.
+/// Not stated: the effect of a request without settings. The response suggests that such a request queries the current settings.
 ///
 /// Answered by `RTK-SURVEY`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// How to go about it.
+    /// Survey settings.
     pub settings: Option<super::RTKSurveySettings>,
 }
 
@@ -26,10 +26,10 @@ json_object! {
 ///
 /// The object is closed.
 ///
-/// Disputed: the schema requires the settings, the text doesn't. Here they may be left out.
+/// Disputed: the JSON Schema requires settings; the specification text does not. This definition makes it optional.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// How it goes about it.
+    /// Survey settings in use.
     pub settings: Option<super::RTKSurveySettings>,
 }
 

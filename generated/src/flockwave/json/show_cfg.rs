@@ -2,13 +2,13 @@
 
 //! The bodies of `SHOW-CFG`.
 //!
-//! Asks how the show is configured.
+//! Queries the configuration of the show.
 
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `SHOW-CFG`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -23,7 +23,7 @@ json_object! {
 /// The body of a response of the type `SHOW-CFG`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
-    /// The configuration.
+    /// Configuration of the show.
     pub configuration: super::DroneShowConfiguration,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `SHOW-CRTH-PLAN`.
 //!
-//! Has ways home worked out for a show: at certain moments of it, all UAVs could break off and fly home together without coming too close to each other.
+//! Plans collective returns to home for a show. Such a return starts at one of several points in time: all UAVs leave the show and fly home together at a safe distance from each other.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -14,37 +14,37 @@ use uavspec_runtime::json_object;
 /// Answered by `SHOW-CRTH-PLAN`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The show, as a file of the format .skyc.
+    /// Show as a .skyc file.
     pub show: super::Base64,
-    /// The distance between UAVs to aim at.
+    /// Preferred distance between UAVs.
     ///
     /// Unit: m (metres).
     pub preferred_distance: Option<Option<f64>>,
-    /// The least distance between UAVs.
+    /// Minimum distance between UAVs.
     ///
     /// Unit: m (metres).
     pub min_distance: Option<Option<f64>>,
-    /// The greatest speed in the horizontal plane.
+    /// Maximum horizontal speed.
     ///
     /// Unit: m/s (metres per second).
     pub velocity_xy: Option<Option<f64>>,
-    /// The greatest speed upwards and downwards.
+    /// Maximum vertical speed, up and down.
     ///
     /// Unit: m/s (metres per second).
     pub velocity_z: Option<Option<f64>>,
-    /// The greatest acceleration.
+    /// Maximum acceleration.
     ///
     /// Unit: m/s^2 (metres per second squared).
     pub acceleration: Option<Option<f64>>,
-    /// Time from one moment to the next.
+    /// Interval between possible starts of a return.
     ///
     /// Unit: s (seconds).
     pub time_resolution: Option<Option<i64>>,
-    /// The first moment, from the start of the show on.
+    /// First possible start of a return, since the start of the show.
     ///
     /// Unit: s (seconds).
     pub first_time: Option<Option<i64>>,
-    /// The last moment, from the start of the show on.
+    /// Last possible start of a return, since the start of the show.
     ///
     /// Unit: s (seconds).
     pub last_time: Option<Option<i64>>,
@@ -68,13 +68,13 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The show with the ways home, in the same format.
+    /// Show with the planned returns, as a .skyc file.
     pub show: super::Base64,
-    /// How long the show takes, flight home and landing included.
+    /// Duration of the show, including return and landing.
     ///
     /// Unit: s (seconds).
     pub show_duration: f64,
-    /// Figures for each moment.
+    /// Statistics for each possible start of a return.
     pub stats: Vec<super::CollectiveRTHPlanStatistics>,
 }
 

@@ -2,14 +2,14 @@
 
 //! The bodies of `SHOW-CRTH-START`.
 //!
-//! Makes all UAVs of a show break off and fly home together.
+//! Makes all UAVs of a show leave it and fly home together.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `SHOW-CRTH-START`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -26,7 +26,7 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// How the time of the show goes on from now.
+    /// Schedule of the show from now on.
     pub schedule: Vec<super::TimeAxisScheduleSegment>,
 }
 

@@ -2,13 +2,13 @@
 
 //! The bodies of `SHOW-LIGHTS`.
 //!
-//! Asks what the lights of the UAVs are told to do.
+//! Queries the configuration of the UAV lights.
 
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `SHOW-LIGHTS`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -23,7 +23,7 @@ json_object! {
 /// The body of a response of the type `SHOW-LIGHTS`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// What they are told.
+    /// Configuration of the lights.
     pub configuration: super::DroneLightsConfiguration,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `SHOW-SETCFG`.
 //!
-//! Configures the show.
+//! Sets the configuration of the show.
 
 use uavspec_runtime::json_object;
 
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 /// Answered by `ACK-ACK`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    /// The configuration.
+    /// New configuration of the show.
     pub configuration: super::DroneShowConfiguration,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `SHOW-SETLIGHTS`.
 //!
-//! Tells the lights of the UAVs what to do.
+//! Sets the configuration of the UAV lights.
 
 use uavspec_runtime::json_object;
 
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 /// Answered by `ACK-ACK`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// What they are told.
+    /// New configuration of the lights.
     pub configuration: super::DroneLightsConfiguration,
 }
 

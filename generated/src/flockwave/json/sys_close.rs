@@ -2,7 +2,7 @@
 
 //! The bodies of `SYS-CLOSE`.
 //!
-//! The server is about to cut the connection to this client. It is a courtesy: connections may end without it.
+//! Announces that the server is about to close the connection to this client. Connections may also end without it.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;
@@ -10,7 +10,7 @@ use uavspec_runtime::json_object;
 /// The body of a notification of the type `SYS-CLOSE`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notification {
-    /// Why, in words for people.
+    /// Human-readable reason.
     pub reason: Option<String>,
 }
 

@@ -2,17 +2,17 @@
 
 //! The bodies of `SYS-MSG`.
 //!
-//! Messages to the people at the client.
+//! Sends messages to the users of the client.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
 
 /// The body of a notification of the type `SYS-MSG`.
 ///
-/// Not stated: that there is at least one item. The schema alone says so.
+/// Not stated: that there is at least one item. Only the JSON Schema requires it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notification {
-    /// The messages.
+    /// Messages.
     ///
     /// Length: 1 or more.
     pub items: Vec<super::LogMessage>,

@@ -2,13 +2,13 @@
 
 //! The bodies of `SYS-PING`.
 //!
-//! Asks whether the other side is still there. Client and server may both send it, whenever they like.
+//! Checks whether the other side still responds. Client and server may both send it at any time.
 
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `SYS-PING`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// Answered by `ACK-ACK`.
 #[derive(Clone, Debug, Default, PartialEq)]

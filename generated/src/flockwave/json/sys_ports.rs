@@ -2,7 +2,7 @@
 
 //! The bodies of `SYS-PORTS`.
 //!
-//! Asks where the services of the server are to be found.
+//! Queries the ports of the server's services.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -10,7 +10,7 @@ use uavspec_runtime::json_object;
 
 /// The body of a request of the type `SYS-PORTS`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -24,12 +24,12 @@ json_object! {
 
 /// The body of a response of the type `SYS-PORTS`.
 ///
-/// Not stated: the names. The reference server uses tcp and udp for Flockwave itself, http for its pages and WebSockets, and ssdp for being found.
+/// Not stated: the service names. The reference server uses tcp and udp for Flockwave itself, http for its web pages and WebSockets, and ssdp for service discovery.
 ///
-/// Disputed: a port is a TCP or UDP port by the text, hence from 1 to 65535; the schema takes any number.
+/// Disputed: in the specification text, a port is a TCP or UDP port, so between 1 and 65535; the JSON Schema allows any number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The port of each service, by its name.
+    /// Port of each service, by service name.
     pub ports: BTreeMap<String, super::PortNumber>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `SYS-TIME`.
 //!
-//! Asks for the time of the server, or sets its clock.
+//! Queries the time of the server, or adjusts its clock.
 
 use uavspec_runtime::json_object;
 
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 /// Answered by `SYS-TIME`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// By how much to put the clock forward; 0 finds out whether that is possible at all. Left out, the clock is only read.
+    /// Amount to add to the server clock; 0 only checks whether the clock can be adjusted. If omitted, the clock is only read.
     ///
     /// Unit: ms (milliseconds).
     pub adjustment: Option<f64>,
@@ -27,7 +27,7 @@ json_object! {
 /// The body of a response of the type `SYS-TIME`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The time when the request came in, or after an adjustment, the time that is now set.
+    /// Server time when the request was received or, after an adjustment, the newly set time.
     pub timestamp: super::Timestamp,
 }
 

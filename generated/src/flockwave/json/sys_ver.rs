@@ -2,14 +2,14 @@
 
 //! The bodies of `SYS-VER`.
 //!
-//! Asks which server this is.
+//! Queries the name and version of the server.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `SYS-VER`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -24,13 +24,13 @@ json_object! {
 /// The body of a response of the type `SYS-VER`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The name of the program.
+    /// Name of the server software.
     pub software: String,
-    /// The version of the program.
+    /// Version of the server software.
     pub version: super::Version,
-    /// The name of this server, where there are several.
+    /// Name of this server, to tell several servers apart.
     pub name: Option<String>,
-    /// A closer designation of the version, such as a commit.
+    /// Revision within the version, such as a commit.
     pub revision: Option<String>,
 }
 

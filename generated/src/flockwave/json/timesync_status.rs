@@ -2,13 +2,13 @@
 
 //! The bodies of `TIMESYNC-STATUS`.
 //!
-//! Asks how the server's clock stands to the time of the world. The server also sends it by itself: it has to when the clock falls out of step or back into it, and it may when the offset changes.
+//! Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
 
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `TIMESYNC-STATUS`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -25,7 +25,7 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
-    /// How the clock stands.
+    /// Synchronisation status.
     pub status: super::TimeSyncSnapshot,
 }
 
@@ -39,7 +39,7 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Notification {
-    /// How the clock stands.
+    /// Synchronisation status.
     pub status: super::TimeSyncSnapshot,
 }
 

@@ -11,7 +11,7 @@ use uavspec_runtime::{
     json_either, json_integers, json_named, json_object, json_strings, json_tuple,
 };
 
-/// How a UAV is turned in space.
+/// Attitude of a UAV.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Attitude {
     /// Roll.
@@ -29,16 +29,16 @@ json_tuple! {
     yaw required;
 }
 
-/// An open set: ways to log in. The specification defines these two; both take one step.
+/// Authentication method. The set is open; the specification defines two methods, each with one step.
 ///
 /// Disputed: an example of jwt has basic in its field method.
 ///
 /// Open: other values are kept as they are.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum AuthenticationMethod {
-    /// `basic`: User name and password with a colon between them, in Base64.
+    /// `basic`: User name and password, separated by a colon and Base64-encoded.
     Basic,
-    /// `jwt`: A JSON Web Token.
+    /// `jwt`: JSON Web Token.
     Jwt,
     /// A value that the definition doesn't name.
     Unnamed(String),
@@ -50,18 +50,18 @@ json_strings! {
     Jwt "jwt";
 }
 
-/// A closed set: what the start of a show is allowed for.
+/// Scope of the authorisation to start a show. The set is closed.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum AuthorizationScope {
-    /// `none`: Nothing: it may not start.
+    /// `none`: No start is allowed.
     None,
-    /// `live`: A show before an audience, with all that keeps it safe.
+    /// `live`: Live show with an audience, with all safety features.
     Live,
-    /// `rehearsal`: A rehearsal, for which some of that is switched off: only where nobody is near.
+    /// `rehearsal`: Rehearsal with some safety features disabled, for areas without people nearby.
     Rehearsal,
-    /// `lights`: Lights alone: no motor may turn.
+    /// `lights`: Lights only; no motor may turn.
     Lights,
 }
 
@@ -73,7 +73,7 @@ json_strings! {
     Lights "lights";
 }
 
-/// Bytes, encoded in Base64 by RFC 4648.
+/// Binary data, Base64-encoded as in RFC 4648.
 ///
 /// Format: base64.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -92,20 +92,20 @@ json_named! {
     Base64 text;
 }
 
-/// The state of a UAV's battery.
+/// State of a UAV battery.
 ///
-/// Disputed: any negative percentage says "unknown" in the text; the schema takes -1 alone. Here any negative one is allowed.
+/// Disputed: in the specification text, any negative percentage means "unknown"; the JSON Schema allows only -1. This definition allows any negative value.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BatteryInfo {
-    /// Voltage; 0 where unknown.
+    /// Voltage; 0 if unknown.
     ///
     /// Unit: dV (tenths of a volt); range: 0 or more.
     pub voltage: i64,
-    /// State of charge, from 0; negative or left out where unknown.
+    /// State of charge, from 0; negative or omitted if unknown.
     ///
     /// Unit: % (percent); range: at most 100.
     pub percentage: Option<i64>,
-    /// Whether it is being charged; left out, it isn't.
+    /// True if the battery is charging. Defaults to false.
     pub charging: Option<bool>,
 }
 
@@ -116,12 +116,12 @@ json_tuple! {
     charging optional;
 }
 
-/// What hardly ever changes about a beacon.
+/// Properties of a beacon that rarely change.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BeaconBasicProperties {
-    /// The beacon.
+    /// Id of the beacon.
     pub id: ObjectId,
-    /// Its name on displays.
+    /// Display name.
     pub name: String,
 }
 
@@ -131,18 +131,18 @@ json_object! {
     name "name" required;
 }
 
-/// The state of one beacon.
+/// State of one beacon.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BeaconStatusInfo {
-    /// The beacon.
+    /// Id of the beacon.
     pub id: ObjectId,
-    /// When the server last heard of the beacon's state.
+    /// Time when the server last received the state of the beacon.
     pub timestamp: Timestamp,
-    /// Where it is.
+    /// Geographic position.
     pub position: Option<GPSCoordinate>,
-    /// Where it points.
+    /// Heading.
     pub heading: Option<Heading>,
-    /// Whether it works. May be left out for beacons that only mark a place.
+    /// True if the beacon is active. May be omitted for beacons that only mark a position.
     pub active: Option<bool>,
 }
 
@@ -155,7 +155,7 @@ json_object! {
     active "active" optional;
 }
 
-/// Year, month and day.
+/// Date as year, month and day.
 ///
 /// Pattern: `^[0-9]{4}-[0-9]{2}-[0-9]{2}$`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -174,20 +174,20 @@ json_named! {
     CalendarDate text;
 }
 
-/// An open set: what can be calibrated. No UAV has to support them all.
+/// Component that can be calibrated. The set is open, and no UAV has to support all values.
 ///
 /// Open: other values are kept as they are.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum CalibrationComponent {
-    /// `baro`: The barometer.
+    /// `baro`: Barometer.
     Baro,
-    /// `compass`: The compass.
+    /// `compass`: Compass.
     Compass,
-    /// `esc`: The electronic speed controllers.
+    /// `esc`: Electronic speed controllers.
     Esc,
-    /// `gyro`: The gyroscope.
+    /// `gyro`: Gyroscope.
     Gyro,
-    /// `rc`: The remote control.
+    /// `rc`: Remote control.
     Rc,
     /// A value that the definition doesn't name.
     Unnamed(String),
@@ -202,7 +202,7 @@ json_strings! {
     Rc "rc";
 }
 
-/// How much stronger the signal of a satellite is than the noise.
+/// Carrier-to-noise ratio of a satellite signal.
 ///
 /// Unit: dB (decibels).
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
@@ -221,14 +221,14 @@ json_named! {
     CarrierToNoiseRatio value;
 }
 
-/// A closed set: what may be done with a channel.
+/// Operation that a channel supports. The set is closed.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ChannelOperation {
-    /// `read`: Its value can be asked for.
+    /// `read`: The value can be read.
     Read,
-    /// `write`: A value can be sent to it.
+    /// `write`: The value can be written.
     Write,
 }
 
@@ -238,36 +238,36 @@ json_strings! {
     Write "write";
 }
 
-/// A closed set: what values a channel has.
+/// Type of the values of a channel. The set is closed.
 ///
-/// Disputed: the list of types in the text lacks cartesian and gps, which its chapter on devices and the schema have.
+/// Disputed: the list of types in the specification text lacks cartesian and gps. The text's chapter on devices and the JSON Schema include them.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ChannelType {
-    /// `audio`: The URL of a stream of sound.
+    /// `audio`: URL of an audio stream.
     Audio,
-    /// `boolean`: Yes or no.
+    /// `boolean`: Boolean.
     Boolean,
-    /// `bytes`: An array of bytes.
+    /// `bytes`: Array of bytes.
     Bytes,
-    /// `cartesian`: Coordinates X, Y and Z in some fixed flat frame.
+    /// `cartesian`: Coordinates X, Y and Z in a fixed flat-Earth frame.
     Cartesian,
-    /// `color`: A colour as an array of three or four bytes: RGB, RGBA or RGBW.
+    /// `color`: Colour as an array of three or four bytes: RGB, RGBA or RGBW.
     Color,
-    /// `duration`: A span of time, in seconds.
+    /// `duration`: Duration in seconds.
     Duration,
-    /// `gps`: A geographic position as an array of numbers: latitude and longitude in 1e-7 degrees, altitudes above sea level and above ground in millimetres.
+    /// `gps`: Geographic position as an array of numbers: latitude and longitude in 1e-7 degrees, altitudes above sea level and above ground in millimetres.
     Gps,
-    /// `number`: A number in double precision.
+    /// `number`: Double-precision number.
     Number,
-    /// `object`: A JSON object.
+    /// `object`: JSON object.
     Object,
-    /// `string`: A text.
+    /// `string`: String.
     String,
-    /// `time`: A moment, in seconds from 1970-01-01 00:00 UTC.
+    /// `time`: Time in seconds since 1970-01-01 00:00 UTC.
     Time,
-    /// `video`: The URL of a stream of pictures.
+    /// `video`: URL of a video stream.
     Video,
 }
 
@@ -287,7 +287,7 @@ json_strings! {
     Video "video";
 }
 
-/// Where the count of a clock starts: the word unix for 1970-01-01 00:00 UTC, or a date and time by ISO 8601 in UTC.
+/// Epoch of a clock: unix for 1970-01-01 00:00 UTC, or an ISO 8601 date and time in UTC.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ClockEpoch(
     /// The value as it stands in JSON.
@@ -304,7 +304,7 @@ json_named! {
     ClockEpoch text;
 }
 
-/// Names a clock. Three ids have a fixed meaning: system is the server's own clock, gps the time of a GPS receiver, mtc a MIDI time code.
+/// Id of a clock. Three ids are predefined: system is the clock of the server, gps the time of a GPS receiver, mtc a MIDI timecode.
 ///
 /// Length: 1 to 64.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -323,22 +323,22 @@ json_named! {
     ClockId text;
 }
 
-/// The state of one clock.
+/// State of one clock.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClockInfo {
-    /// The clock.
+    /// Id of the clock.
     pub id: ClockId,
-    /// When the server read the clock, by its own time.
+    /// Server time at which the clock was read.
     pub retrieved_at: Timestamp,
-    /// Whether it is running.
+    /// True if the clock is running.
     pub running: bool,
-    /// How many ticks it has counted.
+    /// Number of elapsed ticks.
     pub ticks: f64,
-    /// Ticks in a second, more than 0; left out, 1.
+    /// Ticks per second, greater than 0. Defaults to 1.
     ///
     /// Range: 0 or more.
     pub ticks_per_second: Option<f64>,
-    /// From when on it counts. Left out, that is unknown or means nothing.
+    /// Epoch of the clock. If omitted, it is unknown or has no meaning.
     pub epoch: Option<ClockEpoch>,
 }
 
@@ -352,18 +352,18 @@ json_object! {
     epoch "epoch" optional;
 }
 
-/// Figures for one moment at which the UAVs could fly home together.
+/// Statistics for one possible start of a collective return to home.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CollectiveRTHPlanStatistics {
-    /// The moment, from the start of the show on.
+    /// Start of the return, since the start of the show.
     ///
     /// Unit: s (seconds).
     pub time: f64,
-    /// How long the flight home takes, without landing.
+    /// Duration of the return, without landing.
     ///
     /// Unit: s (seconds).
     pub duration: f64,
-    /// How long the whole show takes then, flight home and landing included.
+    /// Duration of the whole show if this return is flown, including return and landing.
     ///
     /// Unit: s (seconds).
     pub show_duration: f64,
@@ -376,9 +376,9 @@ json_object! {
     show_duration "showDuration" required;
 }
 
-/// How bright one of the three primary colours is.
+/// Brightness of one primary colour.
 ///
-/// Disputed: an integer in the text, any number in the schema. Here any number is allowed.
+/// Disputed: an integer in the specification text, any number in the JSON Schema. This definition allows any number.
 ///
 /// Range: 0 to 255.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
@@ -406,7 +406,7 @@ json_named! {
     ColorComponent value;
 }
 
-/// A colour in 16 bits: red in the upper 5, green in the middle 6, blue in the lower 5.
+/// 16-bit colour: red in the upper 5 bits, green in the middle 6, blue in the lower 5.
 ///
 /// Range: 0 to 65535.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -434,14 +434,14 @@ json_named! {
     ColorRGB565 value;
 }
 
-/// What a command gave back.
+/// Response to a command.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CommandResponse {
-    /// How to show it.
+    /// Display format.
     pub r#type: CommandResponseType,
-    /// What it is.
+    /// Content of the response.
     pub data: Json,
 }
 
@@ -451,16 +451,16 @@ json_object! {
     data "data" required;
 }
 
-/// An open set: how to show what a command gave back. Users may add to it.
+/// Display format of a command response. The set is open: users may add formats.
 ///
 /// Open: other values are kept as they are.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum CommandResponseType {
-    /// `plain`: Text that may be wrapped and set in any font.
+    /// `plain`: Plain text that may be wrapped and shown in any font.
     Plain,
-    /// `preformatted`: Text in a font of fixed width, line breaks and tabs kept.
+    /// `preformatted`: Preformatted text: fixed-width font, with line breaks and tabs preserved.
     Preformatted,
-    /// `markdown`: Text in Markdown.
+    /// `markdown`: Markdown text.
     Markdown,
     /// A value that the definition doesn't name.
     Unnamed(String),
@@ -473,7 +473,7 @@ json_strings! {
     Markdown "markdown";
 }
 
-/// Names a connection that the server manages, such as a radio link.
+/// Id of a connection that the server manages, such as a radio link.
 ///
 /// Length: 1 to 64.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -492,18 +492,18 @@ json_named! {
     ConnectionId text;
 }
 
-/// What the server knows of one connection.
+/// State of one connection as known to the server.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConnectionInfo {
-    /// The connection.
+    /// Id of the connection.
     pub id: ConnectionId,
-    /// What it is for.
+    /// Purpose of the connection.
     pub purpose: ConnectionPurpose,
-    /// Its state.
+    /// State of the connection.
     pub status: ConnectionStatus,
-    /// A description for people.
+    /// Human-readable description.
     pub description: Option<String>,
-    /// When the last packet came in, or where that isn't known, when the state last changed.
+    /// Time of the last received packet or, if unknown, of the last state change.
     pub timestamp: Option<Timestamp>,
 }
 
@@ -516,26 +516,26 @@ json_object! {
     timestamp "timestamp" optional;
 }
 
-/// A closed set: what a connection is for.
+/// Purpose of a connection. The set is closed.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ConnectionPurpose {
-    /// `debug`: Finding mistakes, and nothing else.
+    /// `debug`: Debugging only.
     Debug,
-    /// `dgps`: Corrections for DGPS or RTK come in here.
+    /// `dgps`: Source of DGPS or RTK corrections.
     Dgps,
     /// `dock`: State of a docking station.
     Dock,
-    /// `gps`: Data of a GPS receiver.
+    /// `gps`: Data from a GPS receiver.
     Gps,
-    /// `mocap`: A system that captures motion.
+    /// `mocap`: Motion capture system.
     Mocap,
-    /// `time`: A source of time, such as an NTP server or MIDI time code.
+    /// `time`: Time source, such as an NTP server or MIDI timecode.
     Time,
-    /// `uavRadioLink`: State of UAVs comes in here, and commands may go out.
+    /// `uavRadioLink`: Radio link that receives the state of UAVs and may carry commands to them.
     UavRadioLink,
-    /// `other`: Anything else; its description should say what.
+    /// `other`: Any other purpose; the description of the connection should explain it.
     Other,
 }
 
@@ -551,20 +551,20 @@ json_strings! {
     Other "other";
 }
 
-/// A closed set: the state of a connection.
+/// State of a connection. The set is closed.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ConnectionStatus {
-    /// `disconnected`: Down, and nobody is trying to get it up.
+    /// `disconnected`: Not connected, and not trying to connect.
     Disconnected,
-    /// `connecting`: Down, and an attempt is under way.
+    /// `connecting`: Not connected yet; an attempt is in progress.
     Connecting,
-    /// `connected`: Up.
+    /// `connected`: Connected.
     Connected,
-    /// `disconnecting`: No longer in use, but not yet down.
+    /// `disconnecting`: No longer in use, but not yet disconnected.
     Disconnecting,
-    /// `unknown`: Nothing is known, mostly since nothing has been heard of it.
+    /// `unknown`: Unknown, usually because nothing has been received on the connection.
     Unknown,
 }
 
@@ -577,56 +577,56 @@ json_strings! {
     Unknown "unknown";
 }
 
-/// A closed set: the kind of a device, for displays.
+/// Class of a device, for user interfaces. The set is closed.
 ///
-/// Disputed: rangefinder and sprayer are in the schema only.
+/// Disputed: only the JSON Schema includes rangefinder and sprayer.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum DeviceClass {
-    /// `accelerometer`: An accelerometer.
+    /// `accelerometer`: Accelerometer.
     Accelerometer,
-    /// `actuator`: An actuator of no other kind.
+    /// `actuator`: Any other actuator.
     Actuator,
-    /// `altimeter`: An altimeter by pressure, radar or sound.
+    /// `altimeter`: Pressure, radar or sonic altimeter.
     Altimeter,
-    /// `battery`: A battery.
+    /// `battery`: Battery.
     Battery,
-    /// `camera`: A camera of any sort.
+    /// `camera`: Camera of any type.
     Camera,
-    /// `cpu`: A processor, of the UAV or of the computer beside its autopilot.
+    /// `cpu`: Processor of the UAV or of its companion computer.
     Cpu,
-    /// `cpuCore`: A core of a processor.
+    /// `cpuCore`: Processor core.
     CpuCore,
-    /// `gps`: A GPS receiver.
+    /// `gps`: GPS receiver.
     Gps,
-    /// `group`: Several devices taken together.
+    /// `group`: Group of devices.
     Group,
-    /// `gyroscope`: A gyroscope.
+    /// `gyroscope`: Gyroscope.
     Gyroscope,
-    /// `led`: An LED or a strip of them.
+    /// `led`: LED or LED strip.
     Led,
-    /// `magnetometer`: A magnetometer.
+    /// `magnetometer`: Magnetometer.
     Magnetometer,
-    /// `microphone`: A microphone.
+    /// `microphone`: Microphone.
     Microphone,
-    /// `misc`: A device of no other kind; the class of a device that names none.
+    /// `misc`: Any other device; the default if a device has no class.
     Misc,
-    /// `pyro`: A pyrotechnic device.
+    /// `pyro`: Pyrotechnic device.
     Pyro,
-    /// `radio`: A radio transmitter or receiver.
+    /// `radio`: Radio transmitter or receiver.
     Radio,
-    /// `rangefinder`: A rangefinder.
+    /// `rangefinder`: Rangefinder.
     Rangefinder,
-    /// `rc`: A receiver of remote control.
+    /// `rc`: Remote control receiver.
     Rc,
-    /// `rotor`: A rotor.
+    /// `rotor`: Rotor.
     Rotor,
-    /// `sensor`: A sensor of no other kind.
+    /// `sensor`: Any other sensor.
     Sensor,
-    /// `speaker`: A loudspeaker.
+    /// `speaker`: Loudspeaker.
     Speaker,
-    /// `sprayer`: A sprayer.
+    /// `sprayer`: Sprayer.
     Sprayer,
 }
 
@@ -656,22 +656,22 @@ json_strings! {
     Sprayer "sprayer";
 }
 
-/// A node of the device tree, with all below it. A channel has subType and operations; no other node has these or unit. No node but a device has class.
+/// Node of the device tree, including its subtree. A channel has subType and operations; no other node has these or unit. Only a device has class.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceTreeNode {
-    /// What the node stands for.
+    /// Type of the node.
     pub r#type: DeviceTreeNodeType,
-    /// Of a channel: what values it has.
+    /// Channels only: type of the values.
     pub sub_type: Option<ChannelType>,
-    /// Of a device: its kind.
+    /// Devices only: class of the device.
     pub class: Option<DeviceClass>,
-    /// The nodes below, by name.
+    /// Child nodes, by name.
     pub children: Option<BTreeMap<String, DeviceTreeNode>>,
-    /// Of a channel: what may be done with it.
+    /// Channels only: supported operations.
     pub operations: Option<Vec<ChannelOperation>>,
-    /// Of a channel: the unit of its values.
+    /// Channels only: unit of the values.
     pub unit: Option<String>,
 }
 
@@ -685,20 +685,20 @@ json_object! {
     unit "unit" optional;
 }
 
-/// A closed set: what a node of the device tree stands for.
+/// Type of a node in the device tree. The set is closed.
 ///
-/// Disputed: the text once speaks of nodes of type uav. Neither its list of types nor the schema has that one; object is meant.
+/// Disputed: the specification text mentions nodes of type uav once. Neither its list of types nor the JSON Schema includes that type; object is meant.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum DeviceTreeNodeType {
-    /// `root`: The root, above all objects.
+    /// `root`: Root of the tree, the parent of all objects.
     Root,
-    /// `object`: An object that the server knows by its id. Its parent is the root, its children are devices.
+    /// `object`: Object with an id on the server. Its parent is the root, its children are devices.
     Object,
-    /// `device`: A device of an object, or of another device.
+    /// `device`: Device of an object or of another device.
     Device,
-    /// `channel`: A channel of a device: something to read or write.
+    /// `channel`: Channel of a device, a value to read or write.
     Channel,
 }
 
@@ -710,7 +710,7 @@ json_strings! {
     Channel "channel";
 }
 
-/// The place of an object, device or channel in the device tree, from the root down, each part after a slash: /glider-1/battery/voltage. The root itself is /.
+/// Path of an object, device or channel in the device tree, such as /glider-1/battery/voltage. The path of the root is /.
 ///
 /// Length: 1 or more; pattern: `^((/[^/]+)+|/)$`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -729,14 +729,14 @@ json_named! {
     DeviceTreePath text;
 }
 
-/// The state of one docking station.
+/// State of one docking station.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DockStatusInfo {
-    /// The station.
+    /// Id of the station.
     pub id: ObjectId,
-    /// When the server last heard of the station's state.
+    /// Time when the server last received the state of the station.
     pub timestamp: Timestamp,
-    /// Where it is.
+    /// Geographic position.
     pub position: Option<GPSCoordinate>,
 }
 
@@ -747,14 +747,14 @@ json_object! {
     position "position" optional;
 }
 
-/// What the lights of the UAVs are told to do.
+/// Configuration of the UAV lights.
 ///
-/// Not stated: how many components there have to be.
+/// Not stated: the required number of colour components.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DroneLightsConfiguration {
-    /// The effect.
+    /// Light effect.
     pub effect: Option<LightEffect>,
-    /// Its colour: red, green, blue.
+    /// Colour of the effect: red, green, blue.
     pub color: Option<Vec<ColorComponent>>,
 }
 
@@ -764,14 +764,14 @@ json_object! {
     color "color" optional;
 }
 
-/// How a show is configured.
+/// Configuration of a show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DroneShowConfiguration {
-    /// How it starts.
+    /// Start conditions.
     pub start: StartConditions,
-    /// The UAV for each index that the show uses; null where none is known.
+    /// UAV for each index in the show; null if unknown.
     pub mapping: Option<Vec<Option<ObjectId>>>,
-    /// How long it takes.
+    /// Duration of the show.
     ///
     /// Unit: s (seconds); range: 0 or more.
     pub duration: Option<f64>,
@@ -784,18 +784,18 @@ json_object! {
     duration "duration" optional;
 }
 
-/// A position in the frame that turns with the Earth: from its centre, X towards latitude and longitude 0, Z towards the North Pole.
+/// Position in the Earth-centred, Earth-fixed frame. X points from the centre of the Earth to latitude and longitude 0, Z to the North Pole.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ECEFCoordinate {
-    /// Along X.
+    /// X coordinate.
     ///
     /// Unit: mm (millimetres).
     pub x: f64,
-    /// Along Y.
+    /// Y coordinate.
     ///
     /// Unit: mm (millimetres).
     pub y: f64,
-    /// Along Z.
+    /// Z coordinate.
     ///
     /// Unit: mm (millimetres).
     pub z: f64,
@@ -808,22 +808,22 @@ json_tuple! {
     z required;
 }
 
-/// body and error exclude each other, and one of them is there. Keys that start with \$ are reserved for later versions of the protocol; any others may be added.
+/// A message has either body or error, never both. Keys that start with \$ are reserved for later versions of the protocol; any other keys may be added.
 ///
-/// Not stated: which version messages of specification 2.10 have to carry. All examples say 1.0.
+/// Not stated: the version number in messages of specification 2.10. All examples use 1.0.
 ///
-/// Disputed: the text has body as an object; the published schema also lets it be null. Here it is an object.
+/// Disputed: in the specification text, body is an object; the JSON Schema also allows null. This definition requires an object.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Envelope {
-    /// The version of the protocol that the message follows. By this field a receiver knows a Flockwave message.
+    /// Version of the protocol that the message follows. This field identifies a Flockwave message.
     pub fw_version: Version,
-    /// Names the message. On one connection the server gives each of its messages another id; a client doesn't use one again before it is answered.
+    /// Message id. On one connection, the server never reuses an id; a client does not reuse an id before the request is answered.
     pub id: MessageId,
-    /// In a response: the id of the request that it answers.
+    /// In a response: id of the request that it answers.
     pub refs: Option<MessageId>,
-    /// What the message says.
+    /// Message body.
     pub body: Option<MessageBody>,
-    /// What went wrong, in place of a body.
+    /// Error, in place of a body.
     pub error: Option<EnvelopeError>,
 }
 
@@ -836,14 +836,14 @@ json_object! {
     error "error" optional;
 }
 
-/// At least one of the two fields is there.
+/// Error in an envelope. At least one of the two fields is present.
 ///
-/// Not stated: what the numbers mean. Nothing says that they are those of the error codes, which describe the state of UAVs.
+/// Not stated: the meaning of the numbers. Nothing indicates that they are error codes, which describe the state of UAVs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EnvelopeError {
-    /// The error as a number.
+    /// Error number.
     pub code: Option<i64>,
-    /// The error in words, for people.
+    /// Human-readable error message.
     pub message: Option<String>,
 }
 
@@ -853,7 +853,7 @@ json_object! {
     message "message" optional;
 }
 
-/// Names an extension of the server.
+/// Id of a server extension.
 ///
 /// Length: 1 to 64.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -872,16 +872,16 @@ json_named! {
     ExtensionId text;
 }
 
-/// What the server says of one of its extensions.
+/// Information about a server extension.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExtensionInfo {
-    /// The extension.
+    /// Id of the extension.
     pub id: ExtensionId,
-    /// Whether it is loaded.
+    /// True if the extension is loaded.
     pub loaded: bool,
-    /// Its name.
+    /// Name of the extension.
     pub name: String,
-    /// What it is good for.
+    /// Purpose of the extension.
     pub description: Option<String>,
 }
 
@@ -893,12 +893,12 @@ json_object! {
     description "description" optional;
 }
 
-/// A part of objects that can take firmware.
+/// Part of an object whose firmware can be updated.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FirmwareUpdateTarget {
-    /// The target.
+    /// Id of the target.
     pub id: FirmwareUpdateTargetId,
-    /// Its name on displays.
+    /// Display name.
     pub name: String,
 }
 
@@ -908,7 +908,7 @@ json_object! {
     name "name" required;
 }
 
-/// Names a target.
+/// Id of a target.
 ///
 /// Length: 1 or more.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -927,18 +927,18 @@ json_named! {
     FirmwareUpdateTargetId text;
 }
 
-/// A log with what is in it.
+/// Flight log with its contents.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlightLog {
-    /// The log.
+    /// Id of the log.
     pub id: FlightLogId,
-    /// Its kind.
+    /// Kind of the log.
     pub kind: String,
-    /// What is in it.
+    /// Contents of the log.
     pub body: FlightLogBody,
-    /// Its time.
+    /// Timestamp of the log.
     pub timestamp: Option<f64>,
-    /// Its size.
+    /// Size of the log.
     pub size: Option<f64>,
 }
 
@@ -966,7 +966,7 @@ json_either! {
     Map;
 }
 
-/// Names a log of a UAV.
+/// Id of a log of a UAV.
 ///
 /// Length: 1 or more.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -985,18 +985,18 @@ json_named! {
     FlightLogId text;
 }
 
-/// What is known of a log.
+/// Metadata of a flight log.
 ///
-/// Not stated: which kinds there are, what time timestamp is, and the units of timestamp and size; the same holds for FlightLog.
+/// Not stated: the possible kinds, the event to which timestamp refers, and the units of timestamp and size. The same applies to FlightLog.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FlightLogMetadata {
-    /// The log.
+    /// Id of the log.
     pub id: FlightLogId,
-    /// Its kind.
+    /// Kind of the log.
     pub kind: String,
-    /// Its time.
+    /// Timestamp of the log.
     pub timestamp: Option<f64>,
-    /// Its size.
+    /// Size of the log.
     pub size: Option<f64>,
 }
 
@@ -1008,46 +1008,46 @@ json_object! {
     size "size" optional;
 }
 
-/// An open set: a UAV may have other modes. These have a fixed meaning.
+/// Flight mode of a UAV. The set is open: UAVs may have other modes.
 ///
 /// Open: other values are kept as they are.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FlightMode {
-    /// `acro`: The pilot steers the attitude itself; nothing levels the UAV.
+    /// `acro`: Acrobatic: the pilot controls the attitude directly, without self-levelling.
     Acro,
-    /// `alt`: Without input the UAV keeps its altitude and levels itself.
+    /// `alt`: Altitude hold: without pilot input, the UAV levels itself and keeps its altitude.
     Alt,
-    /// `auto`: Some algorithm flies, and nobody has to step in.
+    /// `auto`: Autonomous flight controlled by an algorithm; no operator intervention is needed.
     Auto,
-    /// `circle`: Circling around a given point.
+    /// `circle`: Circling around a point.
     Circle,
-    /// `flow`: Staying in place by an optical flow sensor.
+    /// `flow`: Position hold based on an optical flow sensor.
     Flow,
-    /// `follow`: Going after another device.
+    /// `follow`: Following another device.
     Follow,
-    /// `guided`: Led by a computer beside the autopilot.
+    /// `guided`: Controlled by a companion computer.
     Guided,
-    /// `land`: Landing by itself.
+    /// `land`: Automatic landing.
     Land,
-    /// `loiter`: Staying in place and at altitude by GPS; the pilot's sticks give velocities.
+    /// `loiter`: GPS position and altitude hold; the pilot's sticks set velocities.
     Loiter,
-    /// `mission`: Flying a mission that was prepared beforehand.
+    /// `mission`: Flying a predefined mission.
     Mission,
-    /// `other`: None of the modes of this list.
+    /// `other`: Any mode not in this list.
     Other,
-    /// `pos`: Staying in place and at altitude by GPS; sticks off centre give roll and pitch.
+    /// `pos`: GPS position and altitude hold; moving the sticks off centre sets roll and pitch.
     Pos,
-    /// `precland`: Landing on a precise spot, mostly with the help of a beacon or sensor.
+    /// `precland`: Precision landing, usually guided by a beacon or sensor.
     Precland,
-    /// `rth`: Flying home by itself, and perhaps landing there.
+    /// `rth`: Return to home, with or without landing.
     Rth,
-    /// `simple`: Steered in a simplified way.
+    /// `simple`: Simplified manual control.
     Simple,
-    /// `stab`: Roll and pitch level themselves; altitude is left to the pilot.
+    /// `stab`: Stabilised: roll and pitch are levelled automatically, the pilot controls the altitude.
     Stab,
-    /// `takeoff`: Taking off by itself.
+    /// `takeoff`: Automatic takeoff.
     Takeoff,
-    /// `unknown`: Nobody knows.
+    /// `unknown`: Unknown mode.
     Unknown,
     /// A value that the definition doesn't name.
     Unnamed(String),
@@ -1075,7 +1075,7 @@ json_strings! {
     Unknown "unknown";
 }
 
-/// A closed set: satellite systems.
+/// Satellite navigation system. The set is closed.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -1086,7 +1086,7 @@ pub enum GNSSType {
     Glonass,
     /// `galileo`: Galileo.
     Galileo,
-    /// `sbas`: Satellites that improve other systems.
+    /// `sbas`: Satellite-based augmentation systems.
     Sbas,
     /// `qzss`: QZSS.
     Qzss,
@@ -1107,12 +1107,12 @@ json_strings! {
     Irnss "irnss";
 }
 
-/// A position by WGS 84. Elements at the end that would be null may be left out.
+/// WGS 84 position. Trailing elements that would be null may be omitted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GPSCoordinate {
-    /// Geographic latitude.
+    /// Latitude.
     pub latitude: Latitude,
-    /// Geographic longitude.
+    /// Longitude.
     pub longitude: Longitude,
     /// Altitude above mean sea level.
     ///
@@ -1122,7 +1122,7 @@ pub struct GPSCoordinate {
     ///
     /// Unit: mm (millimetres).
     pub ahl: Option<i64>,
-    /// Altitude above the ground below.
+    /// Altitude above ground level.
     ///
     /// Unit: mm (millimetres).
     pub agl: Option<i64>,
@@ -1137,18 +1137,18 @@ json_tuple! {
     agl omissible;
 }
 
-/// How good the position from GPS is.
+/// Quality of a GPS position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GPSFix {
-    /// The kind of fix.
+    /// Fix type.
     pub r#type: GPSFixType,
     /// Number of satellites used.
     pub satellites: Option<i64>,
-    /// Accuracy in the horizontal plane.
+    /// Horizontal accuracy.
     ///
     /// Unit: mm (millimetres).
     pub horizontal_accuracy: Option<i64>,
-    /// Accuracy of the altitude.
+    /// Vertical accuracy.
     ///
     /// Unit: mm (millimetres).
     pub vertical_accuracy: Option<i64>,
@@ -1162,26 +1162,26 @@ json_tuple! {
     vertical_accuracy omissible;
 }
 
-/// A closed set of numbers: how good the position from GPS is.
+/// Type of a GPS fix. The set is closed.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum GPSFixType {
-    /// `0`: There is no GPS receiver.
+    /// `0`: No GPS receiver.
     Value0,
-    /// `1`: There is a receiver, but no fix yet.
+    /// `1`: GPS receiver without a fix.
     Value1,
-    /// `2`: Fix without altitude.
+    /// `2`: 2D fix, without altitude.
     Value2,
-    /// `3`: Fix with altitude.
+    /// `3`: 3D fix, with altitude.
     Value3,
-    /// `4`: Fix with altitude, improved by DGPS, SBAS or the like.
+    /// `4`: 3D fix, improved by DGPS, SBAS or a similar system.
     Value4,
-    /// `5`: RTK, float solution.
+    /// `5`: RTK float solution.
     Value5,
-    /// `6`: RTK, fixed solution.
+    /// `6`: RTK fixed solution.
     Value6,
-    /// `7`: Not measured: the position was known beforehand and doesn't change.
+    /// `7`: Static: a known, constant position that is not measured.
     Value7,
 }
 
@@ -1197,7 +1197,7 @@ json_integers! {
     Value7 7;
 }
 
-/// A direction in the horizontal plane. Never 3600, which is 0.
+/// Direction in the horizontal plane. A full turn is written as 0, never as 3600.
 ///
 /// Unit: ddeg (tenths of a degree); range: 0 to 3599.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -1225,9 +1225,9 @@ json_named! {
     Heading value;
 }
 
-/// Geographic latitude by WGS 84, north positive.
+/// WGS 84 latitude, positive north.
 ///
-/// Disputed: the text leaves 90° itself out, the schema lets it in. Here it is in.
+/// Disputed: the specification text excludes 90° itself; the JSON Schema includes it. This definition includes it.
 ///
 /// Unit: degE7 (ten-millionths of a degree); range: -900000000 to 900000000.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -1255,24 +1255,24 @@ json_named! {
     Latitude value;
 }
 
-/// A licence. The id is empty where the server runs without.
+/// Licence of a server. The id is empty if the server has no licence.
 ///
-/// Not stated: what licensee is where the server runs without a licence.
+/// Not stated: the value of licensee if the server has no licence.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct License {
-    /// Names the licence; no other licence of the vendor ever has the same.
+    /// Id of the licence, unique among all licences of the vendor.
     pub id: String,
-    /// Who holds it.
+    /// Licensee.
     pub licensee: String,
-    /// Its version; left out, 1.
+    /// Version of the licence. Defaults to 1.
     ///
     /// Range: 1 or more.
     pub version: Option<i64>,
-    /// The day on which it ends. Left out, it doesn't.
+    /// Expiry date. If omitted, the licence does not expire.
     pub expiry_date: Option<CalendarDate>,
-    /// What it doesn't allow.
+    /// Restrictions of the licence.
     pub restrictions: Option<Vec<LicenseRestriction>>,
-    /// What it allows in addition.
+    /// Additional features that the licence allows.
     pub features: Option<Vec<LicenseFeature>>,
 }
 
@@ -1286,16 +1286,16 @@ json_object! {
     features "features" optional;
 }
 
-/// Something that a licence allows in addition.
+/// Additional feature that a licence allows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LicenseFeature {
-    /// What it is.
+    /// Type of the feature.
     pub r#type: String,
-    /// The same in words, for people.
+    /// Human-readable label.
     pub label: Option<String>,
-    /// More in words, such as the main parameters.
+    /// Additional label, for example with the main parameters.
     pub secondary_label: Option<String>,
-    /// Particulars, as the type demands them.
+    /// Parameters, depending on the type.
     pub parameters: Option<BTreeMap<String, Json>>,
 }
 
@@ -1307,16 +1307,16 @@ json_object! {
     parameters "parameters" optional;
 }
 
-/// Something that a licence doesn't allow.
+/// Restriction of a licence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LicenseRestriction {
-    /// What it is.
+    /// Type of the restriction.
     pub r#type: LicenseRestrictionType,
-    /// The same in words, for people, without the parameters.
+    /// Human-readable label, without the parameters.
     pub label: Option<String>,
-    /// More in words, such as the parameters.
+    /// Additional label, for example with the parameters.
     pub secondary_label: Option<String>,
-    /// Particulars, as the type demands them.
+    /// Parameters, depending on the type.
     pub parameters: Option<BTreeMap<String, Json>>,
 }
 
@@ -1328,16 +1328,16 @@ json_object! {
     parameters "parameters" optional;
 }
 
-/// An open set: what a licence may not allow.
+/// Type of a licence restriction. The set is open.
 ///
 /// Open: other values are kept as they are.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LicenseRestrictionType {
-    /// `mac`: Machines but those whose MAC addresses stand in the parameter addresses.
+    /// `mac`: Only machines whose MAC addresses are in the parameter addresses.
     Mac,
-    /// `hwid`: Machines but those whose ids stand in the parameter ids.
+    /// `hwid`: Only machines whose ids are in the parameter ids.
     Hwid,
-    /// `drones`: More UAVs at a time than the parameter maxCount.
+    /// `drones`: At most as many UAVs at a time as the parameter maxCount.
     Drones,
     /// A value that the definition doesn't name.
     Unnamed(String),
@@ -1350,16 +1350,16 @@ json_strings! {
     Drones "drones";
 }
 
-/// An open set: what lights may be told to do.
+/// Light effect. The set is open.
 ///
-/// Disputed: the text knows these two; the schema takes any text. Here any text will do.
+/// Disputed: the specification text only lists these two effects; the JSON Schema allows any string. This definition allows any string.
 ///
 /// Open: other values are kept as they are.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LightEffect {
-    /// `off`: Nothing: the server leaves them alone.
+    /// `off`: No effect: the server does not control the lights.
     Off,
-    /// `solid`: Shine steadily in one colour.
+    /// `solid`: Steady light of one colour.
     Solid,
     /// A value that the definition doesn't name.
     Unnamed(String),
@@ -1371,16 +1371,16 @@ json_strings! {
     Solid "solid";
 }
 
-/// A message to people, of the server itself or of an object that it speaks for.
+/// Log message of the server, or of an object that the server represents.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LogMessage {
-    /// What it says.
+    /// Text of the message.
     pub message: String,
-    /// How serious it is; left out, info.
+    /// Severity. Defaults to info.
     pub severity: Option<LogSeverity>,
-    /// The object that says it. Left out, the server does.
+    /// Object that sent the message. If omitted, the server sent it.
     pub sender: Option<ObjectId>,
-    /// When it was made, or when the server received it.
+    /// Time at which the message was created, or at which the server received it.
     pub timestamp: Option<Timestamp>,
 }
 
@@ -1392,20 +1392,20 @@ json_object! {
     timestamp "timestamp" optional;
 }
 
-/// A closed set: how serious a message to people is.
+/// Severity of a log message. The set is closed.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LogSeverity {
-    /// `debug`: For developers.
+    /// `debug`: Debugging information for developers.
     Debug,
-    /// `info`: Good to know.
+    /// `info`: Useful information.
     Info,
-    /// `warning`: Something may go wrong.
+    /// `warning`: Potential problem.
     Warning,
-    /// `error`: Something went wrong.
+    /// `error`: Error.
     Error,
-    /// `critical`: Somebody has to act at once.
+    /// `critical`: Critical error that requires immediate action.
     Critical,
 }
 
@@ -1418,9 +1418,9 @@ json_strings! {
     Critical "critical";
 }
 
-/// Geographic longitude by WGS 84, east positive.
+/// WGS 84 longitude, positive east.
 ///
-/// Disputed: the schema lets 180° in, the text leaves it out. Here it is out: -180° is the same meridian.
+/// Disputed: the JSON Schema includes 180°; the specification text excludes it. This definition excludes it: -180° is the same meridian.
 ///
 /// Unit: degE7 (ten-millionths of a degree); range: -1800000000 to 1799999999.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -1448,14 +1448,14 @@ json_named! {
     Longitude value;
 }
 
-/// A magnetic field, in nanoteslas.
+/// Magnetic field vector in nanoteslas.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MagneticVector {
-    /// Northwards.
+    /// North component.
     pub north: i64,
-    /// Eastwards.
+    /// East component.
     pub east: i64,
-    /// Downwards.
+    /// Down component.
     pub down: i64,
 }
 
@@ -1466,12 +1466,12 @@ json_tuple! {
     down required;
 }
 
-/// What all bodies have in common. Which other fields there are is a matter of the type and the direction.
+/// Common part of all message bodies. The other fields depend on the message type and direction.
 ///
-/// Disputed: a type has two parts of 2 to 8 upper-case characters, says the text. Seven standard types have another form: FW-OBJECT-LIST, FW-TARGET-INF, FW-TARGET-LIST, PRM-SET-MANY, SHOW-CRTH-PLAN, SHOW-CRTH-START and SHOW-SETLIGHTS.
+/// Disputed: according to the specification text, a type has two parts of 2 to 8 upper-case characters. Seven standard types have a different form: FW-OBJECT-LIST, FW-TARGET-INF, FW-TARGET-LIST, PRM-SET-MANY, SHOW-CRTH-PLAN, SHOW-CRTH-START and SHOW-SETLIGHTS.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MessageBody {
-    /// The type of the message: a family and a name with a hyphen between them, such as UAV-INF.
+    /// Message type: family and name joined by a hyphen, such as UAV-INF.
     pub r#type: String,
 }
 
@@ -1480,9 +1480,9 @@ json_object! {
     r#type "type" required;
 }
 
-/// The id of a message. Any text will do; UUIDs are common.
+/// Id of a message. Any string is valid; UUIDs are common.
 ///
-/// Not stated: a bound of the length. Only the published schema has one.
+/// Not stated: a maximum length. Only the JSON Schema has one.
 ///
 /// Length: 1 to 36.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -1501,9 +1501,9 @@ json_named! {
     MessageId text;
 }
 
-/// Names a UAV, beacon, docking station or any other object that the server knows. No two objects have the same id, whatever their types.
+/// Id of a UAV, beacon, docking station or other object known to the server. Ids are unique across all object types.
 ///
-/// Not stated: the length and the slash. Only the schema bounds them; the same holds for the ids that follow.
+/// Not stated: the length limits and the excluded slash. Only the JSON Schema has them; this also applies to the limits of the id types below.
 ///
 /// Length: 1 to 64; pattern: `^[^/]+$`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -1522,20 +1522,20 @@ json_named! {
     ObjectId text;
 }
 
-/// An open set: extensions of a server may bring types of their own. A server that is asked for objects of a type that it doesn't know should answer with an empty list.
+/// Type of an object. The set is open: server extensions may define other types. If a client requests objects of a type that the server does not know, the server should return an empty list.
 ///
 /// Open: other values are kept as they are.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ObjectType {
-    /// `beacon`: A beacon on the ground or in the air, or a waypoint where nothing stands.
+    /// `beacon`: Beacon on the ground or in the air, or a waypoint without a physical object.
     Beacon,
-    /// `dock`: A docking station.
+    /// `dock`: Docking station.
     Dock,
-    /// `other`: None of the others.
+    /// `other`: Any other object.
     Other,
-    /// `uav`: An unmanned aerial vehicle.
+    /// `uav`: Unmanned aerial vehicle.
     Uav,
-    /// `weatherStation`: A weather station.
+    /// `weatherStation`: Weather station.
     WeatherStation,
     /// A value that the definition doesn't name.
     Unnamed(String),
@@ -1550,12 +1550,12 @@ json_strings! {
     WeatherStation "weatherStation";
 }
 
-/// How setting several parameters of one object turned out.
+/// Result of setting several parameters of one object.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ParameterOutcome {
-    /// Whether all of them were set. Then failed is empty or left out.
+    /// True if all parameters were set. In that case, failed is empty or omitted.
     pub success: bool,
-    /// The names of those that weren't, where that is known for sure.
+    /// Names of the parameters that could not be set, as far as known.
     pub failed: Option<Vec<String>>,
 }
 
@@ -1565,7 +1565,7 @@ json_object! {
     failed "failed" optional;
 }
 
-/// A share in whole percent.
+/// Percentage as a whole number.
 ///
 /// Unit: % (percent); range: 0 to 100.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -1593,7 +1593,7 @@ json_named! {
     Percentage value;
 }
 
-/// A TCP or UDP port.
+/// TCP or UDP port number.
 ///
 /// Range: 1 to 65535.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -1621,20 +1621,20 @@ json_named! {
     PortNumber value;
 }
 
-/// A position in a flat right-handed frame of the UAV's own: where it starts and where X points is up to the UAV, Z points up.
+/// Position in a flat-Earth, right-handed frame of the UAV. Z points up; the UAV chooses the origin and the direction of X.
 ///
-/// Disputed: the text calls the elements numbers, the schema integers. Here they are integers, as in all examples; the same holds for VelocityNED and VelocityXYZ.
+/// Disputed: in the specification text, the elements are numbers; in the JSON Schema, they are integers. This definition requires integers, as in all examples. The same applies to VelocityNED and VelocityXYZ.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PositionXYZ {
-    /// Along X.
+    /// X coordinate.
     ///
     /// Unit: mm (millimetres).
     pub x: i64,
-    /// Along Y.
+    /// Y coordinate.
     ///
     /// Unit: mm (millimetres).
     pub y: i64,
-    /// Along Z, upwards.
+    /// Z coordinate, positive up.
     ///
     /// Unit: mm (millimetres).
     pub z: i64,
@@ -1647,14 +1647,14 @@ json_tuple! {
     z required;
 }
 
-/// The checks of one UAV before flight.
+/// Preflight checks of one UAV.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreflightCheckInfo {
-    /// The result of all of them together.
+    /// Combined result of all checks.
     pub result: PreflightCheckResult,
-    /// The single checks.
+    /// Individual checks.
     pub items: Vec<PreflightCheckItem>,
-    /// What to show beside the result.
+    /// Message to show with the result.
     pub message: Option<String>,
 }
 
@@ -1665,16 +1665,16 @@ json_object! {
     message "message" optional;
 }
 
-/// A single check before flight.
+/// Result of a single preflight check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreflightCheckItem {
-    /// Names the check. It has the form of an object's id without being one.
+    /// Id of the check. It has the same format as an object id, but names no object.
     pub id: ObjectId,
-    /// How it turned out.
+    /// Result of the check.
     pub result: PreflightCheckResult,
-    /// What to call it on a display.
+    /// Display name of the check.
     pub label: Option<String>,
-    /// What to show beside the result.
+    /// Message to show with the result.
     pub message: Option<String>,
 }
 
@@ -1686,24 +1686,24 @@ json_object! {
     message "message" optional;
 }
 
-/// A closed set: how a check before flight, or all of them together, turned out.
+/// Result of one preflight check, or of all checks combined. The set is closed.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum PreflightCheckResult {
-    /// `off`: Not checked: the check is switched off.
+    /// `off`: Check disabled.
     Off,
     /// `pass`: Passed.
     Pass,
-    /// `warning`: Something was found that doesn't prevent a takeoff.
+    /// `warning`: A problem was found that does not prevent takeoff.
     Warning,
-    /// `running`: Not finished.
+    /// `running`: Check in progress.
     Running,
-    /// `softFailure`: Failed, and likely to pass soon without anybody doing anything.
+    /// `softFailure`: Failed, but likely to pass soon without intervention.
     SoftFailure,
-    /// `failure`: Failed, and somebody has to do something.
+    /// `failure`: Failed; intervention required.
     Failure,
-    /// `error`: The check itself broke, so there is no result.
+    /// `error`: The check itself failed to run, so there is no result.
     Error,
 }
 
@@ -1718,18 +1718,18 @@ json_strings! {
     Error "error";
 }
 
-/// How far an operation has got.
+/// Progress of an operation.
 ///
 /// The object is closed.
 ///
-/// Disputed: percentage and message may be null by the text, but not by the schema. Here they may.
+/// Disputed: the specification text allows null for percentage and message; the JSON Schema does not. This definition allows it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// How much is done; null where that can't be said.
+    /// Completed percentage; null if it cannot be determined.
     pub percentage: Option<Option<Percentage>>,
-    /// The state in words, for people.
+    /// Human-readable progress message.
     pub message: Option<Option<String>>,
-    /// The state in a form that server and client have agreed on.
+    /// Structured progress data in a format known to server and client.
     pub object: Option<BTreeMap<String, Json>>,
 }
 
@@ -1740,20 +1740,20 @@ json_object! {
     object "object" optional;
 }
 
-/// The antenna of an RTK base station.
+/// Antenna of an RTK base station.
 ///
-/// Disputed: by the text all five may be null where unknown, by the schema none. stationId is an integer in the text, any number in the schema, and a string in an example. Here null and any number are allowed.
+/// Disputed: the specification text allows null for unknown values of all five fields; the JSON Schema does not. stationId is an integer in the text, any number in the schema, and a string in an example. This definition allows any number and null.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RTKAntennaInfo {
-    /// The number of the station.
+    /// Station number.
     pub station_id: Option<Option<f64>>,
-    /// The type of the antenna.
+    /// Antenna type.
     pub descriptor: Option<Option<String>>,
-    /// Its serial number.
+    /// Serial number.
     pub serial_number: Option<Option<String>>,
-    /// Where it stands on the globe.
+    /// Geographic position.
     pub position: Option<Option<GPSCoordinate>>,
-    /// Where it stands in the frame of the Earth.
+    /// Position in the Earth-centred, Earth-fixed frame.
     pub position_ecef: Option<Option<ECEFCoordinate>>,
 }
 
@@ -1766,16 +1766,16 @@ json_object! {
     position_ecef "positionECEF" optional;
 }
 
-/// One or more sources of RTK corrections, to be chosen together.
+/// RTK preset: one or more correction sources that are selected together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RTKConfigurationPreset {
-    /// Its name on displays.
+    /// Display name.
     pub title: String,
-    /// The format in which corrections come in.
+    /// Format of the corrections.
     pub format: RTKMessageFormat,
-    /// The connections that they come from.
+    /// Connections that provide the corrections.
     pub sources: Vec<RTKSource>,
-    /// Where the preset comes from.
+    /// Origin of the preset.
     pub r#type: Option<RTKPresetType>,
 }
 
@@ -1787,18 +1787,18 @@ json_object! {
     r#type "type" optional;
 }
 
-/// A closed set: formats of corrections.
+/// Format of RTK corrections. The set is closed.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RTKMessageFormat {
-    /// `auto`: Found out by the server.
+    /// `auto`: Detected by the server.
     Auto,
     /// `rtcm2`: RTCM 2.
     Rtcm2,
     /// `rtcm3`: RTCM 3.
     Rtcm3,
-    /// `ubx`: UBX of u-blox.
+    /// `ubx`: u-blox UBX.
     Ubx,
 }
 
@@ -1810,16 +1810,16 @@ json_strings! {
     Ubx "ubx";
 }
 
-/// How often messages of one kind come.
+/// Reception statistics for one kind of message.
 ///
-/// Disputed: the rate is an integer in the text and any number in the schema. Here any number is allowed.
+/// Disputed: the bit rate is an integer in the specification text and any number in the JSON Schema. This definition allows any number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RTKMessageObservations {
-    /// Time since the last one.
+    /// Time since the last message.
     ///
     /// Unit: ms (milliseconds).
     pub age: i64,
-    /// Mean rate over the last ten seconds.
+    /// Average bit rate over the last ten seconds.
     ///
     /// Unit: bit/s (bits per second).
     pub bitrate: f64,
@@ -1831,14 +1831,14 @@ json_tuple! {
     bitrate required;
 }
 
-/// A closed set: sets of RTCM messages with observations.
+/// Set of RTCM observation messages. The set is closed.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RTKMessageSet {
-    /// `msm4`: The compact one.
+    /// `msm4`: MSM4, the compact variant.
     Msm4,
-    /// `msm7`: The one of full precision.
+    /// `msm7`: MSM7, the full-precision variant.
     Msm7,
 }
 
@@ -1848,7 +1848,7 @@ json_strings! {
     Msm7 "msm7";
 }
 
-/// Names an RTK preset: one or more sources of corrections.
+/// Id of an RTK preset, a set of one or more correction sources.
 ///
 /// Length: 1 to 64.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -1867,16 +1867,16 @@ json_named! {
     RTKPresetId text;
 }
 
-/// A closed set: where a preset comes from.
+/// Origin of a preset. The set is closed.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RTKPresetType {
-    /// `builtin`: From the configuration of the server; users can't change it.
+    /// `builtin`: Part of the server configuration; users cannot change it.
     Builtin,
-    /// `dynamic`: Made by the server for hardware that it found; users can't change it.
+    /// `dynamic`: Created by the server for detected hardware; users cannot change it.
     Dynamic,
-    /// `user`: Made by a user, who may change it.
+    /// `user`: Created by a user, who may change it.
     User,
 }
 
@@ -1887,7 +1887,7 @@ json_strings! {
     User "user";
 }
 
-/// Names a connection that corrections come from.
+/// Name of a connection that provides corrections.
 ///
 /// Length: 1 or more.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -1906,24 +1906,24 @@ json_named! {
     RTKSource text;
 }
 
-/// How a base station finds its own position.
+/// Settings of the survey with which a base station determines its own position.
 ///
 /// Not stated: the unit of duration.
 ///
-/// Disputed: the text requires messageSet, the schema doesn't. Here it may be left out.
+/// Disputed: the specification text requires messageSet; the JSON Schema does not. This definition makes it optional.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RTKSurveySettings {
-    /// How long to survey at least.
+    /// Minimum duration of the survey.
     pub duration: f64,
-    /// How accurate the position has to be.
+    /// Required accuracy of the position.
     ///
     /// Unit: m (metres).
     pub accuracy: f64,
-    /// Which messages to send.
+    /// Set of messages to send.
     pub message_set: Option<RTKMessageSet>,
-    /// The position of the antenna.
+    /// Position of the antenna.
     pub position: Option<ECEFCoordinate>,
-    /// Which satellite systems to use.
+    /// Satellite systems to use.
     pub gnss_types: Option<Vec<GNSSType>>,
 }
 
@@ -1936,14 +1936,14 @@ json_object! {
     gnss_types "gnssTypes" optional;
 }
 
-/// How far a base station has got in finding its own position.
+/// Progress of the survey with which a base station determines its own position.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RTKSurveyStatus {
     /// Accuracy of the position so far.
     ///
     /// Unit: m (metres).
     pub accuracy: f64,
-    /// A sum: 1 the station can survey, 2 it is surveying, 4 its position is valid; 0 where nothing is known.
+    /// Sum of flags: 1 if the station supports surveying, 2 if a survey is active, 4 if the position is valid. 0 if nothing is known.
     ///
     /// Range: 0 to 7.
     pub flags: i64,
@@ -1955,7 +1955,7 @@ json_object! {
     flags "flags" required;
 }
 
-/// Names an operation that the server goes on with after its response.
+/// Id of an operation that continues after the response.
 ///
 /// Length: 1 to 64.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -1974,7 +1974,7 @@ json_named! {
     ReceiptId text;
 }
 
-/// Strength of the received signal, from 0 to 100 without a unit; -1 where there is no reading.
+/// Received signal strength from 0 to 100, without a unit; -1 if there is no reading.
 ///
 /// Range: -1 to 100.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -2002,7 +2002,7 @@ json_named! {
     Rssi value;
 }
 
-/// An angle that is 0 in level flight.
+/// Angle relative to level flight.
 ///
 /// Unit: ddeg (tenths of a degree); range: -1800 to 1799.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -2030,22 +2030,22 @@ json_named! {
     SignedAngle value;
 }
 
-/// How a show starts.
+/// Start conditions of a show.
 ///
-/// Disputed: the time is a timestamp in the text, hence in milliseconds, and can't be null; the schema lets it be null, and of the examples one is in milliseconds and others are in seconds. Here any number and null are allowed.
+/// Disputed: in the specification text, the time is a timestamp, so in milliseconds, and never null; the JSON Schema allows null. One example is in milliseconds, others are in seconds. This definition allows any number and null.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartConditions {
-    /// Whether a person has allowed the start.
+    /// True if a person has authorised the start.
     pub authorized: bool,
-    /// The clock by which the time of the start counts; null for the time of the world.
+    /// Clock of the start time; null for wall-clock time.
     pub clock: Option<ClockId>,
-    /// When to start.
+    /// Start time.
     pub time: Option<f64>,
-    /// What makes the show start.
+    /// Trigger of the start.
     pub method: StartMethod,
-    /// The UAVs that start by themselves.
+    /// UAVs that start automatically.
     pub uav_ids: Vec<ObjectId>,
-    /// What the start is allowed for. Left out, live where it is allowed at all, none where not.
+    /// Scope of the authorisation. Defaults to live if the start is authorised, and to none if not.
     pub authorization_scope: Option<AuthorizationScope>,
 }
 
@@ -2059,14 +2059,14 @@ json_object! {
     authorization_scope "authorizationScope" optional;
 }
 
-/// A closed set: what makes a show start.
+/// Trigger of the start of a show. The set is closed.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum StartMethod {
-    /// `auto`: The time of the start.
+    /// `auto`: The start time is reached.
     Auto,
-    /// `rc`: A person with a remote control.
+    /// `rc`: A person starts the show with a remote control.
     Rc,
 }
 
@@ -2076,9 +2076,9 @@ json_strings! {
     Rc "rc";
 }
 
-/// An absolute temperature in tenths of a kelvin.
+/// Absolute temperature in tenths of a kelvin.
 ///
-/// Disputed: for temperature and feelsLike of the weather the schema speaks of kelvin. The text prescribes tenths for all temperatures, and the examples are in tenths.
+/// Disputed: for the weather fields temperature and feelsLike, the JSON Schema gives kelvin. The specification text requires tenths of a kelvin for all temperatures, and the examples follow it.
 ///
 /// Range: 0 or more.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -2106,14 +2106,14 @@ json_named! {
     Temperature value;
 }
 
-/// An open set: what can be tested. No UAV has to support them all.
+/// Component that can be tested. The set is open, and no UAV has to support all values.
 ///
 /// Open: other values are kept as they are.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum TestComponent {
-    /// `led`: The lights.
+    /// `led`: Lights.
     Led,
-    /// `motor`: The motors.
+    /// `motor`: Motors.
     Motor,
     /// A value that the definition doesn't name.
     Unnamed(String),
@@ -2125,18 +2125,18 @@ json_strings! {
     Motor "motor";
 }
 
-/// A stretch of the time of a show.
+/// Segment of the schedule of a show.
 ///
-/// Disputed: the times are milliseconds in the schema, as their names have it, and seconds in the text. Both count from 1970; one example counts from the start of the show.
+/// Disputed: the times are milliseconds in the JSON Schema, as their names suggest, and seconds in the specification text. Both count from 1970; one example counts from the start of the show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeAxisScheduleSegment {
-    /// What happens then.
+    /// Type of the segment.
     pub r#type: TimeAxisSegmentType,
-    /// When it begins.
+    /// Start of the segment.
     pub start_ms: i64,
-    /// When it ends: auto where that isn't known yet, inf where it doesn't.
+    /// End of the segment: auto if not known yet, inf if it never ends.
     pub end_ms: TimeAxisScheduleSegmentEndMs,
-    /// Particulars.
+    /// Parameters of the segment.
     pub params: Option<BTreeMap<String, Json>>,
 }
 
@@ -2178,22 +2178,22 @@ json_either! {
     Constant;
 }
 
-/// A closed set: what happens in a stretch of time.
+/// Type of a segment of the schedule. The set is closed.
 ///
-/// Not stated: what the values mean. The descriptions go by their names.
+/// Not stated: the meaning of the values. The descriptions are derived from the names.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum TimeAxisSegmentType {
-    /// `preparation`: The UAVs are made ready.
+    /// `preparation`: Preparation of the UAVs.
     Preparation,
-    /// `rth`: They fly home.
+    /// `rth`: Return to home.
     Rth,
-    /// `show`: They fly the show.
+    /// `show`: The show itself.
     Show,
-    /// `slowdown`: The show gets slower.
+    /// `slowdown`: Slowdown of the show.
     Slowdown,
-    /// `speedup`: The show gets faster.
+    /// `speedup`: Speedup of the show.
     Speedup,
 }
 
@@ -2206,20 +2206,20 @@ json_strings! {
     Speedup "speedup";
 }
 
-/// How the server's clock stands to the time of the world.
+/// Synchronisation of the server clock with wall-clock time.
 ///
-/// Not stated: in which direction the offset counts, and the unit of jitter.
+/// Not stated: the sign of the offset and the unit of jitter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeSyncSnapshot {
-    /// Whether it is right.
+    /// State of the synchronisation.
     pub state: TimeSyncState,
-    /// By how much it is off; null where unknown.
+    /// Clock offset; null if unknown.
     ///
     /// Unit: s (seconds).
     pub offset: Option<f64>,
-    /// The source that the offset was found by; null where unknown.
+    /// Time source that the offset is based on; null if unknown.
     pub source: Option<String>,
-    /// How unsteady that source is; null where unknown.
+    /// Jitter of the time source; null if unknown.
     pub jitter: Option<f64>,
 }
 
@@ -2231,18 +2231,18 @@ json_object! {
     jitter "jitter" required;
 }
 
-/// A closed set: whether a clock is right.
+/// State of the synchronisation of a clock. The set is closed.
 ///
 /// Closed: there are no other values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum TimeSyncState {
-    /// `unknown`: Nobody knows.
+    /// `unknown`: Unknown.
     Unknown,
-    /// `sync`: It is right.
+    /// `sync`: Synchronised.
     Sync,
-    /// `unsync`: It is off by more than it should be.
+    /// `unsync`: Not synchronised: the offset is larger than it should be.
     Unsync,
-    /// `error`: It can't be said, since all sources failed.
+    /// `error`: Cannot be determined because all time sources failed.
     Error,
 }
 
@@ -2254,9 +2254,9 @@ json_strings! {
     Error "error";
 }
 
-/// A moment, counted from 1970-01-01 00:00 UTC. Negative only where the field gives that a meaning.
+/// Time since 1970-01-01 00:00 UTC. Negative values are only allowed if the field defines their meaning.
 ///
-/// Disputed: the text counts whole milliseconds, and all its examples are integers; most schemas allow any number. Here it is an integer.
+/// Disputed: the specification text counts whole milliseconds, and all its examples are integers; most JSON Schemas allow any number. This definition requires an integer.
 ///
 /// Unit: ms (milliseconds).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -2275,16 +2275,16 @@ json_named! {
     Timestamp value;
 }
 
-/// How commands should reach the UAVs. These are wishes: what takes the command may be unable to grant them.
+/// Delivery options for commands to UAVs. They are hints: a recipient may be unable to follow them.
 ///
-/// Not stated: a default of ignoreIds in its table; the rules below it treat a missing one as false. Whether channel may be negative isn't stated either.
+/// Not stated: the table has no default for ignoreIds; the rules below it treat a missing value as false. It is also not stated whether channel may be negative.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TransportOptions {
-    /// Which of several ways to a UAV to take: 0, which is also the default, is the main one, 1 the first in reserve.
+    /// Index of the channel to use if a UAV has several: 0 is the primary channel and the default, 1 the first fallback.
     pub channel: Option<i64>,
-    /// Whether one message to all in range may stand for one to each UAV. Left out, it may not.
+    /// True if one broadcast message may replace the separate messages to each UAV. Defaults to false.
     pub broadcast: Option<bool>,
-    /// With broadcast: whether all UAVs of all networks are addressed, whatever ids the request has.
+    /// With broadcast: true to address all UAVs of all networks, whatever ids the request has.
     pub ignore_ids: Option<bool>,
 }
 
@@ -2295,14 +2295,14 @@ json_object! {
     ignore_ids "ignoreIds" optional;
 }
 
-/// An open set: ways to draw attention.
+/// Kind of signal. The set is open.
 ///
 /// Open: other values are kept as they are.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum UAVSignal {
-    /// `light`: By light.
+    /// `light`: Light signal.
     Light,
-    /// `sound`: By sound.
+    /// `sound`: Sound signal.
     Sound,
     /// A value that the definition doesn't name.
     Unnamed(String),
@@ -2314,40 +2314,40 @@ json_strings! {
     Sound "sound";
 }
 
-/// What the server knows of one UAV.
+/// State of one UAV as known to the server.
 ///
-/// Disputed: the text of error code 65 names 131 as the code for the other case, where 132 is meant.
+/// Disputed: the specification text of error code 65 refers to 131 as its alternative; 132 is meant.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UAVStatusInfo {
-    /// The UAV.
+    /// Id of the UAV.
     pub id: ObjectId,
-    /// When the server last heard of the UAV's state.
+    /// Time when the server last received the state of the UAV.
     pub timestamp: Timestamp,
-    /// What it is doing, or how it is steered.
+    /// Flight mode.
     pub mode: Option<FlightMode>,
-    /// Where it is on the globe.
+    /// Geographic position.
     pub position: Option<GPSCoordinate>,
-    /// Where it is in its own flat frame.
+    /// Position in the flat-Earth frame of the UAV.
     pub position_xyz: Option<PositionXYZ>,
-    /// How good its position is.
+    /// Quality of the GPS position.
     pub gps: Option<GPSFix>,
-    /// Where its nose points.
+    /// Heading.
     pub heading: Option<Heading>,
-    /// How it is turned in space.
+    /// Attitude.
     pub attitude: Option<Attitude>,
-    /// How it moves over the globe.
+    /// Velocity in the north, east and down directions.
     pub velocity: Option<VelocityNED>,
-    /// How it moves in its own flat frame.
+    /// Velocity in the flat-Earth frame of the UAV.
     pub velocity_xyz: Option<VelocityXYZ>,
-    /// State of its battery.
+    /// State of the battery.
     pub battery: Option<BatteryInfo>,
-    /// Colour of its main light, where it has one.
+    /// Colour of the main light, if the UAV has one.
     pub light: Option<ColorRGB565>,
-    /// Strength of its signal, channel by channel.
+    /// Signal strength of each channel.
     pub rssi: Option<Vec<Rssi>>,
-    /// What is the matter with it, by the tables of error codes. Left out, nothing is.
+    /// Current error codes. Defaults to an empty list: no errors.
     pub errors: Option<Vec<super::super::ErrorCode>>,
-    /// Bytes that its algorithm gives for the search of mistakes.
+    /// Debugging data from the UAV's algorithm.
     pub debug: Option<Base64>,
 }
 
@@ -2370,18 +2370,18 @@ json_object! {
     debug "debug" optional;
 }
 
-/// A velocity in the directions of the compass.
+/// Velocity in the north, east and down directions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VelocityNED {
-    /// Northwards.
+    /// Velocity north.
     ///
     /// Unit: mm/s (millimetres per second).
     pub north: i64,
-    /// Eastwards.
+    /// Velocity east.
     ///
     /// Unit: mm/s (millimetres per second).
     pub east: i64,
-    /// Downwards: negative in climb.
+    /// Velocity down: negative when climbing.
     ///
     /// Unit: mm/s (millimetres per second).
     pub down: i64,
@@ -2394,18 +2394,18 @@ json_tuple! {
     down required;
 }
 
-/// A velocity in the frame of PositionXYZ.
+/// Velocity in the frame of PositionXYZ.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VelocityXYZ {
-    /// Along X.
+    /// Velocity along X.
     ///
     /// Unit: mm/s (millimetres per second).
     pub x: i64,
-    /// Along Y.
+    /// Velocity along Y.
     ///
     /// Unit: mm/s (millimetres per second).
     pub y: i64,
-    /// Along Z: positive in climb.
+    /// Velocity along Z: positive when climbing.
     ///
     /// Unit: mm/s (millimetres per second).
     pub z: i64,
@@ -2418,7 +2418,7 @@ json_tuple! {
     z required;
 }
 
-/// One to three numbers with dots between them: major, minor, patch.
+/// Version number: major, minor and patch, separated by dots. The last two parts are optional.
 ///
 /// Pattern: `^[0-9]+([.][0-9]+){0,2}$`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -2437,60 +2437,60 @@ json_named! {
     Version text;
 }
 
-/// The weather at a place and time.
+/// Weather at a position and time.
 ///
-/// Disputed: stationId is in the schema and in examples, but not in the text's table. An example calls magneticVector magneticField.
+/// Disputed: the JSON Schema and the examples include stationId; the table of the specification text does not. In one example, magneticVector is called magneticField.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Weather {
-    /// The place.
+    /// Position.
     pub position: GPSCoordinate,
-    /// The time.
+    /// Time.
     pub timestamp: Timestamp,
-    /// The weather station that says it.
+    /// Weather station that provided the data.
     pub station_id: Option<ObjectId>,
-    /// The conditions, by the numbers of OpenWeatherMap.
+    /// Weather condition code, as defined by OpenWeatherMap.
     ///
     /// Range: 200 to 804.
     pub code: Option<i64>,
-    /// When the Sun rises; negative where it doesn't on that day.
+    /// Time of sunrise; negative if the Sun does not rise on that day.
     pub sunrise: Option<Timestamp>,
-    /// When the Sun sets; negative where it doesn't on that day.
+    /// Time of sunset; negative if the Sun does not set on that day.
     pub sunset: Option<Timestamp>,
-    /// Temperature of the air.
+    /// Air temperature.
     pub temperature: Option<Temperature>,
-    /// The temperature that people feel.
+    /// Perceived temperature.
     pub feels_like: Option<Temperature>,
-    /// Pressure of the air at sea level.
+    /// Air pressure at sea level.
     ///
     /// Unit: Pa (pascals).
     pub pressure: Option<i64>,
     /// Relative humidity.
     pub humidity: Option<Percentage>,
-    /// Below it water condenses.
+    /// Dew point.
     pub dew_point: Option<Temperature>,
-    /// How much of the sky is covered.
+    /// Cloud cover.
     pub clouds: Option<Percentage>,
-    /// A hundred times the UV index.
+    /// UV index, multiplied by 100.
     ///
     /// Range: 0 or more.
     pub uv_index: Option<i64>,
-    /// Planetary K-index: how disturbed the Earth's magnetic field is.
+    /// Planetary K-index, a measure of geomagnetic disturbance.
     ///
     /// Range: 0 to 9.
     pub kp_index: Option<i64>,
-    /// The Earth's magnetic field there.
+    /// Magnetic field of the Earth at the position.
     pub magnetic_vector: Option<MagneticVector>,
-    /// How far one sees.
+    /// Visibility.
     ///
     /// Unit: m (metres); range: 0 or more.
     pub visibility: Option<i64>,
-    /// Where the wind comes from, clockwise from north.
+    /// Direction from which the wind blows, clockwise from north.
     pub wind_direction: Option<Heading>,
-    /// Speed of the wind.
+    /// Wind speed.
     ///
     /// Unit: mm/s (millimetres per second); range: 0 or more.
     pub wind_speed: Option<i64>,
-    /// Speed of the gusts.
+    /// Wind gust speed.
     ///
     /// Unit: mm/s (millimetres per second); range: 0 or more.
     pub wind_gust: Option<i64>,

@@ -2,7 +2,7 @@
 
 //! The bodies of `UAV-CALIB`.
 //!
-//! Calibrates a component. What counts as success depends on the component: that calibration is done, or where people have to take part, that it has begun.
+//! Calibrates a component. Depending on the component, success means that the calibration is complete or, if a person has to assist, that it has started.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -12,18 +12,18 @@ use uavspec_runtime::json_object;
 
 /// The body of a request of the type `UAV-CALIB`.
 ///
-/// Disputed: the text requires component; of the published schemas and the types made from them, some do and some don't. Here it may be left out. The text mentions parameters, but not all versions of its table and of the schemas have them.
+/// Disputed: the specification text requires component; some of the published JSON Schemas and the types generated from them do not. This definition makes it optional. The text mentions parameters, but some versions of its table and of the schemas lack it.
 ///
 /// Answered by `UAV-CALIB`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The UAVs.
+    /// Ids of the UAVs.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
-    /// What to calibrate.
+    /// Component to calibrate.
     pub component: Option<super::CalibrationComponent>,
-    /// Particulars, as the component demands them.
+    /// Parameters, depending on the component.
     pub parameters: Option<BTreeMap<String, Json>>,
 }
 
@@ -36,16 +36,16 @@ json_object! {
 
 /// The body of a response of the type `UAV-CALIB`.
 ///
-/// Each UAV that was asked for stands in exactly one of the three maps.
+/// Each requested UAV appears in exactly one of the three maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Whether it was calibrated, by UAV.
+    /// True if the calibration succeeded, by UAV id.
     pub result: Option<BTreeMap<String, bool>>,
-    /// Why it failed, by UAV.
+    /// Reason for each failure, by UAV id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where the result comes later: the receipt, by UAV.
+    /// Receipt of each pending operation, by UAV id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

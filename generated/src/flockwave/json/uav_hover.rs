@@ -2,7 +2,7 @@
 
 //! The bodies of `UAV-HOVER`.
 //!
-//! Makes UAVs stop and stay where they are in the air. Nothing for those that can't fly on the spot.
+//! Makes UAVs stop and hover in place. Not applicable to UAVs that cannot hover.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,16 +11,16 @@ use uavspec_runtime::json_object;
 
 /// The body of a request of the type `UAV-HOVER`.
 ///
-/// Disputed: the text has transport, but not all versions of the schema have it. Here it is allowed.
+/// Disputed: the specification text includes transport; some versions of the JSON Schema do not. This definition allows it.
 ///
 /// Answered by `UAV-HOVER`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The UAVs.
+    /// Ids of the UAVs.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
-    /// How the command should reach the UAVs.
+    /// Delivery options for the command.
     pub transport: Option<super::TransportOptions>,
 }
 
@@ -32,16 +32,16 @@ json_object! {
 
 /// The body of a response of the type `UAV-HOVER`.
 ///
-/// Each UAV that was asked for stands in exactly one of the three maps.
+/// Each requested UAV appears in exactly one of the three maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Whether the UAV confirmed it or, if it confirms none, it was sent, by UAV.
+    /// Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands.
     pub result: Option<BTreeMap<String, bool>>,
-    /// Why it failed, by UAV.
+    /// Reason for each failure, by UAV id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where the result comes later: the receipt, by UAV.
+    /// Receipt of each pending operation, by UAV id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

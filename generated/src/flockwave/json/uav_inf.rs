@@ -2,7 +2,7 @@
 
 //! The bodies of `UAV-INF`.
 //!
-//! Asks for the state of UAVs. The server also sends it by itself when the state of some changes.
+//! Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `UAV-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The UAVs.
+    /// Ids of the UAVs.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
@@ -27,14 +27,14 @@ json_object! {
 
 /// The body of a response of the type `UAV-INF`.
 ///
-/// Each UAV that was asked for stands in exactly one of the two maps.
+/// Each requested UAV appears in exactly one of the two maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The state, by UAV.
+    /// State of each UAV, by id.
     pub status: Option<BTreeMap<String, super::UAVStatusInfo>>,
-    /// Why there is none, by UAV.
+    /// Reason for each failure, by UAV id.
     pub error: Option<BTreeMap<String, String>>,
 }
 
@@ -46,12 +46,12 @@ json_object! {
 
 /// The body of a notification of the type `UAV-INF`.
 ///
-/// Nothing but status should be there.
+/// status should be the only field.
 ///
-/// Disputed: the published schema of notifications lacks this one, which the text allows.
+/// Disputed: the specification text allows this notification; the JSON Schema of notifications does not include it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notification {
-    /// The state, by UAV.
+    /// State of each UAV, by id.
     pub status: Option<BTreeMap<String, super::UAVStatusInfo>>,
 }
 

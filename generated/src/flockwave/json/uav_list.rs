@@ -2,14 +2,14 @@
 
 //! The bodies of `UAV-LIST`.
 //!
-//! Asks which UAVs the server knows. It is the same as OBJ-LIST with a filter of uav alone.
+//! Lists the UAVs that the server knows. Equivalent to OBJ-LIST with the filter uav.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `UAV-LIST`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -23,10 +23,10 @@ json_object! {
 
 /// The body of a response of the type `UAV-LIST`.
 ///
-/// Disputed: the text keeps it for old clients and announces that Flockwave 2.0 will discourage it. Specification 2.10 still has it among the messages that a server has to support.
+/// Disputed: the specification text keeps this message for old clients and announces that Flockwave 2.0 will discourage it. Specification 2.10 still lists it among the messages that servers must support.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The UAVs.
+    /// Ids of the UAVs.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,

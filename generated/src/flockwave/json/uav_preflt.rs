@@ -2,7 +2,7 @@
 
 //! The bodies of `UAV-PREFLT`.
 //!
-//! Asks for the checks of UAVs before flight. The server may also send it by itself.
+//! Queries the preflight checks of UAVs. The server may also send it as a notification.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `UAV-PREFLT`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The UAVs.
+    /// Ids of the UAVs.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
@@ -27,14 +27,14 @@ json_object! {
 
 /// The body of a response of the type `UAV-PREFLT`.
 ///
-/// Each UAV that was asked for stands in exactly one of the two maps.
+/// Each requested UAV appears in exactly one of the two maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The checks, by UAV.
+    /// Preflight checks of each UAV, by id.
     pub status: Option<BTreeMap<String, super::PreflightCheckInfo>>,
-    /// Why there are none, by UAV.
+    /// Reason for each failure, by UAV id.
     pub error: Option<BTreeMap<String, String>>,
 }
 
@@ -46,12 +46,12 @@ json_object! {
 
 /// The body of a notification of the type `UAV-PREFLT`.
 ///
-/// Nothing but status should be there.
+/// status should be the only field.
 ///
-/// Disputed: the published schema of notifications lacks this one, for which the text has rules.
+/// Disputed: the specification text has rules for this notification; the JSON Schema of notifications does not include it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notification {
-    /// The checks, by UAV.
+    /// Preflight checks of each UAV, by id.
     pub status: Option<BTreeMap<String, super::PreflightCheckInfo>>,
 }
 

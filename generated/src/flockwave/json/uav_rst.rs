@@ -2,7 +2,7 @@
 
 //! The bodies of `UAV-RST`.
 //!
-//! Restarts UAVs, or a component of them.
+//! Restarts UAVs or one of their components.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,13 +14,13 @@ use uavspec_runtime::json_object;
 /// Answered by `UAV-RST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The UAVs.
+    /// Ids of the UAVs.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
-    /// What to restart, by a name of the UAV's own. Empty or left out, the whole UAV.
+    /// Component to restart, by a name that the UAV defines. If empty or omitted, the whole UAV is restarted.
     pub component: Option<String>,
-    /// How the command should reach the UAVs.
+    /// Delivery options for the command.
     pub transport: Option<super::TransportOptions>,
 }
 
@@ -33,16 +33,16 @@ json_object! {
 
 /// The body of a response of the type `UAV-RST`.
 ///
-/// Each UAV that was asked for stands in exactly one of the three maps.
+/// Each requested UAV appears in exactly one of the three maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Whether the UAV confirmed it or, if it confirms none, it was sent, by UAV.
+    /// Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands.
     pub result: Option<BTreeMap<String, bool>>,
-    /// Why it failed, by UAV.
+    /// Reason for each failure, by UAV id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where the result comes later: the receipt, by UAV.
+    /// Receipt of each pending operation, by UAV id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `UAV-SIGNAL`.
 //!
-//! Makes UAVs draw attention to themselves.
+//! Makes UAVs attract attention, for example with light or sound.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,22 +11,22 @@ use uavspec_runtime::json_object;
 
 /// The body of a request of the type `UAV-SIGNAL`.
 ///
-/// Disputed: the text requires signals and duration, the latter as an integer; the schema requires neither and takes any number. Here both may be left out.
+/// Disputed: the specification text requires signals and duration, the latter as an integer; the JSON Schema requires neither and allows any number. This definition makes both optional.
 ///
 /// Answered by `UAV-SIGNAL`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The UAVs.
+    /// Ids of the UAVs.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
-    /// How to. A UAV should pass over those that it doesn't know.
+    /// Kinds of signal. A UAV should ignore kinds that it does not know.
     pub signals: Option<Vec<super::UAVSignal>>,
-    /// How long. A UAV may take a time of its own instead.
+    /// Duration of the signal. A UAV may use a fixed duration instead.
     ///
     /// Unit: ms (milliseconds); range: 0 or more.
     pub duration: Option<f64>,
-    /// How the command should reach the UAVs.
+    /// Delivery options for the command.
     pub transport: Option<super::TransportOptions>,
 }
 
@@ -40,16 +40,16 @@ json_object! {
 
 /// The body of a response of the type `UAV-SIGNAL`.
 ///
-/// Each UAV that was asked for stands in exactly one of the three maps.
+/// Each requested UAV appears in exactly one of the three maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Whether the UAV confirmed it or, if it confirms none, it was sent, by UAV.
+    /// Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands.
     pub result: Option<BTreeMap<String, bool>>,
-    /// Why it failed, by UAV.
+    /// Reason for each failure, by UAV id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where the result comes later: the receipt, by UAV.
+    /// Receipt of each pending operation, by UAV id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

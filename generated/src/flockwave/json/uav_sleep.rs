@@ -2,7 +2,7 @@
 
 //! The bodies of `UAV-SLEEP`.
 //!
-//! Sends UAVs to sleep: most of them is switched off, but they can be woken from afar. A UAV that can't be woken again must not obey by switching itself off.
+//! Puts UAVs to sleep: most of their parts are switched off, but they can be woken remotely. A UAV that cannot be woken must not switch itself off in response.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,11 +14,11 @@ use uavspec_runtime::json_object;
 /// Answered by `UAV-SLEEP`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The UAVs.
+    /// Ids of the UAVs.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
-    /// How the command should reach the UAVs.
+    /// Delivery options for the command.
     pub transport: Option<super::TransportOptions>,
 }
 
@@ -30,16 +30,16 @@ json_object! {
 
 /// The body of a response of the type `UAV-SLEEP`.
 ///
-/// Each UAV that was asked for stands in exactly one of the three maps.
+/// Each requested UAV appears in exactly one of the three maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Whether the UAV confirmed it or, if it is known to confirm none, it was sent, by UAV.
+    /// Result for each UAV, by id: true if the command was confirmed, or sent to a UAV known to confirm no commands.
     pub result: Option<BTreeMap<String, bool>>,
-    /// Why it failed, by UAV.
+    /// Reason for each failure, by UAV id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where the result comes later: the receipt, by UAV.
+    /// Receipt of each pending operation, by UAV id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

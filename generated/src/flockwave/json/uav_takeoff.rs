@@ -14,11 +14,11 @@ use uavspec_runtime::json_object;
 /// Answered by `UAV-TAKEOFF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The UAVs.
+    /// Ids of the UAVs.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
-    /// How the command should reach the UAVs.
+    /// Delivery options for the command.
     pub transport: Option<super::TransportOptions>,
 }
 
@@ -30,16 +30,16 @@ json_object! {
 
 /// The body of a response of the type `UAV-TAKEOFF`.
 ///
-/// Each UAV that was asked for stands in exactly one of the three maps.
+/// Each requested UAV appears in exactly one of the three maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Whether the UAV confirmed it or, if it confirms none, it was sent, by UAV.
+    /// Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands.
     pub result: Option<BTreeMap<String, bool>>,
-    /// Why it failed, by UAV.
+    /// Reason for each failure, by UAV id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where the result comes later: the receipt, by UAV.
+    /// Receipt of each pending operation, by UAV id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `UAV-TEST`.
 //!
-//! Makes UAVs test a component of theirs. What counts as success depends on the component: that the test was passed, or where people have to watch, that it has begun.
+//! Tests a component. Depending on the component, success means that the test was passed or, if a person has to watch, that it has started.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -17,13 +17,13 @@ use uavspec_runtime::json_object;
 /// Answered by `UAV-TEST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The UAVs.
+    /// Ids of the UAVs.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
-    /// What to test.
+    /// Component to test.
     pub component: Option<super::TestComponent>,
-    /// Particulars, as the component demands them.
+    /// Parameters, depending on the component.
     pub parameters: Option<BTreeMap<String, Json>>,
 }
 
@@ -36,16 +36,16 @@ json_object! {
 
 /// The body of a response of the type `UAV-TEST`.
 ///
-/// Each UAV that was asked for stands in exactly one of the three maps.
+/// Each requested UAV appears in exactly one of the three maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Whether it passed the test, by UAV.
+    /// True if the test succeeded, by UAV id.
     pub result: Option<BTreeMap<String, bool>>,
-    /// Why it failed, by UAV.
+    /// Reason for each failure, by UAV id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where the result comes later: the receipt, by UAV.
+    /// Receipt of each pending operation, by UAV id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `UAV-VER`.
 //!
-//! Asks for the versions of what UAVs are made of.
+//! Queries the versions of the components of UAVs.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `UAV-VER`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The UAVs.
+    /// Ids of the UAVs.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
@@ -27,16 +27,16 @@ json_object! {
 
 /// The body of a response of the type `UAV-VER`.
 ///
-/// Each UAV that was asked for stands in exactly one of the three maps.
+/// Each requested UAV appears in exactly one of the three maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The versions, by UAV and then by component; both names and form are up to the UAV.
+    /// Versions of the components, by UAV id and component name. The UAV defines the names and the format of the versions.
     pub result: Option<BTreeMap<String, BTreeMap<String, String>>>,
-    /// Why it failed, by UAV.
+    /// Reason for each failure, by UAV id.
     pub error: Option<BTreeMap<String, String>>,
-    /// Where the result comes later: the receipt, by UAV.
+    /// Receipt of each pending operation, by UAV id.
     pub receipt: Option<BTreeMap<String, super::ReceiptId>>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `WTH-AT`.
 //!
-//! Asks for the weather at a place.
+//! Queries the weather at a position.
 
 use uavspec_runtime::json_object;
 
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 /// Answered by `WTH-AT`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The place. Its altitudes are mostly ignored.
+    /// Position. Its altitudes are usually ignored.
     pub position: super::GPSCoordinate,
 }
 
@@ -25,7 +25,7 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The weather. Its position is the place that was asked for, or that of the one station that gave it. Left out where nobody knows.
+    /// Weather. Its position is the requested one, or that of the single station that provided the data. Omitted if unknown.
     pub weather: Option<super::Weather>,
 }
 

@@ -2,7 +2,7 @@
 
 //! The bodies of `WTH-INF`.
 //!
-//! Asks for the weather at stations.
+//! Queries the weather at stations.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Answered by `WTH-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The stations.
+    /// Ids of the stations.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,
@@ -27,14 +27,14 @@ json_object! {
 
 /// The body of a response of the type `WTH-INF`.
 ///
-/// Each station that was asked for stands in exactly one of the two maps.
+/// Each requested station appears in exactly one of the two maps.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The weather, by station.
+    /// Weather at each station, by id.
     pub status: Option<BTreeMap<String, super::Weather>>,
-    /// Why there is none, by station.
+    /// Reason for each failure, by station id.
     pub error: Option<BTreeMap<String, String>>,
 }
 

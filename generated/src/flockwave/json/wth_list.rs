@@ -2,14 +2,14 @@
 
 //! The bodies of `WTH-LIST`.
 //!
-//! Asks which weather stations there are.
+//! Lists the ids of all weather stations.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
 
 /// The body of a request of the type `WTH-LIST`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 ///
@@ -26,7 +26,7 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The stations.
+    /// Ids of the stations.
     ///
     /// No element stands in it twice.
     pub ids: Vec<super::ObjectId>,

@@ -3,7 +3,7 @@
 const { readFileSync } = require("node:fs");
 const { join } = require("node:path");
 
-/** Reads a file of the package anew, so that nobody sees what another did to it. */
+/** Reads a file of the package. Each call returns a new object, so callers can modify it. */
 function read(...path) {
   return JSON.parse(readFileSync(join(__dirname, ...path), "utf8"));
 }

@@ -3,25 +3,25 @@ export interface JsonSchema {
   readonly [keyword: string]: unknown;
 }
 
-/** The names of all that there is. */
+/** The names of all schemas, bundles and test vectors. */
 export interface Manifest {
   /** The version of the package. */
   readonly version: string;
-  /** The packages that there is a bundle of, such as `px4`. */
+  /** The packages with a bundle, such as `px4`. */
   readonly bundles: readonly string[];
-  /** The messages and types that there is a schema of, such as `px4/FailsafeFlags`. */
+  /** The messages and types with a schema, such as `px4/FailsafeFlags`. */
   readonly schemas: readonly string[];
-  /** The messages and types that there are test vectors of. */
+  /** The messages and types with test vectors. */
   readonly vectors: readonly string[];
 }
 
-/** Test vectors of a message or type: values that it has and values that it doesn't have. */
+/** The test vectors of a message or type: valid and invalid values. */
 export interface Vectors {
-  /** The version of this form. */
+  /** The version of the file format. */
   readonly form: 1;
-  /** The message or type, after its package. */
+  /** The name of the message or type, such as `px4/FailsafeFlags`. */
   readonly type: string;
-  /** The message's version, as PX4 counts it. */
+  /** The `MESSAGE_VERSION` of a PX4 message. */
   readonly version?: number;
   /** PX4's hash of the fields. */
   readonly hash?: number;
@@ -34,36 +34,36 @@ export interface Vectors {
 
 /** A test vector. */
 export interface Vector {
-  /** Names the case within its file. It stays when fields are added. */
+  /** The permanent id of the case in its file. New fields don't change it. */
   readonly id: string;
-  /** What is tried, in words. */
+  /** The description of the case. */
   readonly description: string;
-  /** Whether no rule is broken. */
+  /** True if the value violates no rule. */
   readonly valid: boolean;
-  /** The id of the rule that is broken. */
+  /** The id of the violated rule. */
   readonly rule?: string;
   /** The class of an error code. */
   readonly class?: string;
   /** The severity of an error code. */
   readonly severity?: string;
-  /** The value as JSON. Integers beyond 2^53 are their neighbours here, as `JSON.parse` reads them. */
+  /** The value as JSON. Integers beyond 2^53 are rounded, as by `JSON.parse`. */
   readonly json?: unknown;
-  /** What the bytes decode to, where no writer writes such bytes. */
+  /** The decoded value of bytes that are valid but not written by encoders. */
   readonly decoded?: unknown;
-  /** The payload of uORB, in hexadecimal. */
+  /** The uORB payload, hexadecimal. */
   readonly uorb?: string;
-  /** The payload in CDR with its header, in hexadecimal. */
+  /** The CDR payload with its header, hexadecimal. */
   readonly cdr?: string;
 }
 
-/** The names of all schemas, bundles and vectors. */
+/** Returns the names of all schemas, bundles and test vectors. */
 export declare function manifest(): Manifest;
 
-/** The JSON Schema of a message or type, such as `px4/FailsafeFlags`. It refers to others beside it. */
+/** Returns the JSON Schema of a message or type, such as `px4/FailsafeFlags`. It refers to other schemas. */
 export declare function schema(name: string): JsonSchema;
 
-/** The JSON Schemas of a package, such as `px4`, as one that needs no other. */
+/** Returns one JSON Schema with all messages and types of a package, such as `px4`. It refers to no other schema. */
 export declare function bundle(name: string): JsonSchema;
 
-/** The test vectors of a message or type, such as `px4/FailsafeFlags`. */
+/** Returns the test vectors of a message or type, such as `px4/FailsafeFlags`. */
 export declare function vectors(name: string): Vectors;

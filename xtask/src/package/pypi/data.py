@@ -1,4 +1,4 @@
-"""The JSON Schemas and test vectors that come with this package."""
+"""The JSON Schemas and test vectors of this package."""
 
 import json
 import sys
@@ -14,38 +14,38 @@ __all__ = ["Manifest", "Vector", "Vectors", "bundle", "manifest", "schema", "vec
 
 
 class Manifest(TypedDict):
-    """The names of all that there is."""
+    """The names of all schemas, bundles and test vectors."""
 
     version: str
     """The version of the package."""
 
     bundles: list[str]
-    """The packages that there is a bundle of, such as `px4`."""
+    """The packages with a bundle, such as `px4`."""
 
     schemas: list[str]
-    """The messages and types that there is a schema of, such as `px4/FailsafeFlags`."""
+    """The messages and types with a schema, such as `px4/FailsafeFlags`."""
 
     vectors: list[str]
-    """The messages and types that there are test vectors of."""
+    """The messages and types with test vectors."""
 
 
 _OfErrorCode = TypedDict("_OfErrorCode", {"class": NotRequired[str]})
 
 
 class Vector(_OfErrorCode):
-    """A test vector. That of an error code has its `class`, too."""
+    """A test vector. A vector of an error code also has the key `class`."""
 
     id: str
-    """Names the case within its file. It stays when fields are added."""
+    """The permanent id of the case in its file. New fields don't change it."""
 
     description: str
-    """What is tried, in words."""
+    """The description of the case."""
 
     valid: bool
-    """Whether no rule is broken."""
+    """True if the value violates no rule."""
 
     rule: NotRequired[str]
-    """The id of the rule that is broken."""
+    """The id of the violated rule."""
 
     severity: NotRequired[str]
     """The severity of an error code."""
@@ -54,26 +54,26 @@ class Vector(_OfErrorCode):
     """The value as JSON."""
 
     decoded: NotRequired[Any]
-    """What the bytes decode to, where no writer writes such bytes."""
+    """The decoded value of bytes that are valid but not written by encoders."""
 
     uorb: NotRequired[str]
-    """The payload of uORB, in hexadecimal."""
+    """The uORB payload, hexadecimal."""
 
     cdr: NotRequired[str]
-    """The payload in CDR with its header, in hexadecimal."""
+    """The CDR payload with its header, hexadecimal."""
 
 
 class Vectors(TypedDict):
-    """Test vectors of a message or type: values that it has and values that it doesn't have."""
+    """The test vectors of a message or type: valid and invalid values."""
 
     form: Literal[1]
-    """The version of this form."""
+    """The version of the file format."""
 
     type: str
-    """The message or type, after its package."""
+    """The name of the message or type, such as `px4/FailsafeFlags`."""
 
     version: NotRequired[int]
-    """The message's version, as PX4 counts it."""
+    """The `MESSAGE_VERSION` of a PX4 message."""
 
     hash: NotRequired[int]
     """PX4's hash of the fields."""
@@ -88,25 +88,25 @@ class Vectors(TypedDict):
 
 
 def manifest() -> Manifest:
-    """The names of all schemas, bundles and vectors."""
+    """Returns the names of all schemas, bundles and test vectors."""
     found: Manifest = _read("manifest.json")
     return found
 
 
 def schema(name: str) -> dict[str, Any]:
-    """The JSON Schema of a message or type, such as `px4/FailsafeFlags`. It refers to others beside it."""
+    """Returns the JSON Schema of a message or type, such as `px4/FailsafeFlags`. It refers to other schemas."""
     found: dict[str, Any] = _find("schemas", name, ".schema.json")
     return found
 
 
 def bundle(name: str) -> dict[str, Any]:
-    """The JSON Schemas of a package, such as `px4`, as one that needs no other."""
+    """Returns one JSON Schema with all messages and types of a package, such as `px4`. It refers to no other schema."""
     found: dict[str, Any] = _find("bundles", name, ".bundle.schema.json")
     return found
 
 
 def vectors(name: str) -> Vectors:
-    """The test vectors of a message or type, such as `px4/FailsafeFlags`."""
+    """Returns the test vectors of a message or type, such as `px4/FailsafeFlags`."""
     found: Vectors = _find("vectors", name, ".vectors.json")
     return found
 

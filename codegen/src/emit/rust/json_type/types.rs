@@ -6,7 +6,6 @@ use quote::quote;
 use super::super::context::Context;
 use super::super::file::documentation;
 use super::super::identifier::{self, Scope, ident, pascal_case};
-use super::super::text::range_text;
 use super::super::types as literals;
 use super::default;
 use super::names::{Names, field_names, text};
@@ -498,13 +497,11 @@ fn facts(limits: &Limits) -> Vec<String> {
         }),
     }
     if let Some(range) = &limits.range {
-        facts.extend(
-            range_text(range.low.as_ref(), range.high.as_ref()).map(|range| format!("range: {range}")),
-        );
+        facts.extend(range.said().map(|said| format!("range: {said}")));
     }
     let int = |value: u32| Value::Int(value.into());
-    let (least, most) = (limits.least.map(int), limits.most.map(int));
-    facts.extend(range_text(least.as_ref(), most.as_ref()).map(|range| format!("length: {range}")));
+    let length = Range { low: limits.least.map(int), high: limits.most.map(int) };
+    facts.extend(length.said().map(|said| format!("length: {said}")));
     facts.extend(limits.is_unique.then(|| "no element stands in it twice".to_owned()));
     facts.extend(limits.pattern.as_ref().map(|pattern| format!("pattern: {}", prose::code(pattern))));
     facts.extend(limits.format.as_ref().map(|format| format!("format: {}", prose::inline(format))));

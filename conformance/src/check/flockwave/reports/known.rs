@@ -6,7 +6,7 @@ use crate::definitions::Definitions;
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
 use crate::flockwave::session::Sessions;
 use crate::json::Tree;
-use crate::model::{Findings, Place, Rule};
+use crate::model::{Findings, Location, Rule};
 use crate::rules::RuleContext;
 use crate::rules::flockwave::{Check, Message, RULES};
 
@@ -46,7 +46,7 @@ struct Entry<K> {
     /// Whether its findings have examples enough, and are only to be counted.
     is_settled: bool,
     /// The UAVs of which its findings were told since then: messages name them, and each message is looked at once.
-    told: BTreeSet<Box<str>>,
+    reported_uavs: BTreeSet<Box<str>>,
     /// How often it was counted.
     times: u64,
 }
@@ -54,40 +54,40 @@ struct Entry<K> {
 /// What rules say that judge a report by itself.
 struct Outcome {
     /// How often each is exercised.
-    exercised: Vec<(&'static Rule, u64)>,
+    covered: Vec<(&'static Rule, u64)>,
     /// What breaks them, in which subject and how often.
-    broken: Vec<(&'static Rule, String, u64)>,
+    violations: Vec<(&'static Rule, String, u64)>,
 }
 
 impl<K> Entry<K> {
-    fn of(key: K, outcome: Option<Outcome>) -> Self {
-        Self { key, outcome, is_settled: false, told: BTreeSet::new(), times: 0 }
+    fn new(key: K, outcome: Option<Outcome>) -> Self {
+        Self { key, outcome, is_settled: false, reported_uavs: BTreeSet::new(), times: 0 }
     }
 
     /// Whether its findings are only to be counted, where they are of this UAV; how many there are.
     fn settled(&mut self, uav: &str, findings: &Findings) -> Option<u64> {
-        let broken = &self.outcome.as_ref()?.broken;
-        if broken.is_empty() {
+        let violations = &self.outcome.as_ref()?.violations;
+        if violations.is_empty() {
             return Some(0);
         }
-        self.is_settled =
-            self.is_settled || broken.iter().all(|(rule, subject, _)| findings.has_examples(rule, subject));
+        self.is_settled = self.is_settled
+            || violations.iter().all(|(rule, subject, _)| findings.has_examples(rule, subject));
         if !self.is_settled {
             return None;
         }
-        if !self.told.contains(uav) {
-            if self.told.len() < MAX_KNOWN && uav.len() <= MAX_TEXT {
-                self.told.insert(uav.into());
+        if !self.reported_uavs.contains(uav) {
+            if self.reported_uavs.len() < MAX_KNOWN && uav.len() <= MAX_TEXT {
+                self.reported_uavs.insert(uav.into());
             }
             return None;
         }
-        Some(broken.iter().map(|(.., count)| count).sum())
+        Some(violations.iter().map(|(.., count)| count).sum())
     }
 }
 
 impl<'d> Known<'d> {
     /// Nothing is known yet.
-    pub(super) fn of(definitions: &'d Definitions) -> Self {
+    pub(super) fn new(definitions: &'d Definitions) -> Self {
         Self { definitions, versions: Vec::new(), kinds: Vec::new(), latest: 0 }
     }
 
@@ -99,8 +99,8 @@ impl<'d> Known<'d> {
             if at == MAX_KNOWN || version.len() > MAX_TEXT {
                 return None;
             }
-            let outcome = self.judge(version, "");
-            self.versions.push(Entry::of(version.into(), outcome));
+            let outcome = self.check(version, "");
+            self.versions.push(Entry::new(version.into(), outcome));
         }
         self.versions[at].settled("", findings).map(|_| at)
     }
@@ -132,46 +132,46 @@ impl<'d> Known<'d> {
             return None;
         }
         // What a state adds is the same in any version.
-        let with = self.judge("1.0", &format!("\"{uav}\":{state}"));
-        let outcome = with.zip(self.judge("1.0", "")).and_then(|(with, without)| with.beyond(without));
-        self.kinds.push(Entry::of((kind.fields, kind.nulls, kind.errors.into()), outcome));
+        let with = self.check("1.0", &format!("\"{uav}\":{state}"));
+        let outcome = with.zip(self.check("1.0", "")).and_then(|(with, without)| with.beyond(without));
+        self.kinds.push(Entry::new((kind.fields, kind.nulls, kind.errors.into()), outcome));
         Some(self.kinds.len() - 1)
     }
 
     /// What the rules say of a report that judge it by itself.
-    fn judge(&self, version: &str, states: &str) -> Option<Outcome> {
+    fn check(&self, version: &str, states: &str) -> Option<Outcome> {
         let text = format!(
             "{{\"$fw.version\":\"{version}\",\"id\":\"1\",\"body\":{{\"type\":\"{}\",\"status\":{{{states}}}}}}}",
             super::TYPE
         );
         let message = Tree::read(&text).ok()?;
         let record = SessionRecord {
-            connection: Connection { index: 0, name: "", is_told: false },
+            connection: Connection { index: 0, name: "", is_ordered: false },
             direction: Direction::In,
             time: None,
             text: &text,
             value: Some(&message),
             trial: None,
             note: None,
-            place: Place::Line(1),
+            location: Location::Line(1),
         };
         let definitions = self.definitions;
         let exchange = Sessions::default().follow(&record, definitions.body_schemas());
         let mut findings = Findings::default();
-        let message = Message::of(&exchange)?;
+        let message = Message::from_exchange(&exchange)?;
         let mut all = Vec::new();
         let checks = RULES.iter().flat_map(|of| of.checks.iter().map(|check| (&of.rule, check)));
         for (rule, check) in checks {
             let Check::Message(check) = check else { continue };
-            let mut exercised = 0;
+            let mut covered = 0;
             check(
                 &message,
-                &mut RuleContext { rule, definitions, findings: &mut findings, coverage: &mut exercised },
+                &mut RuleContext { rule, definitions, findings: &mut findings, coverage: &mut covered },
             );
-            all.push((rule, exercised));
+            all.push((rule, covered));
         }
-        let broken = findings.groups().map(|group| (group.rule, group.subject.clone(), group.count));
-        Some(Outcome { exercised: all, broken: broken.collect() })
+        let violations = findings.groups().map(|group| (group.rule, group.subject.clone(), group.count));
+        Some(Outcome { covered: all, violations: violations.collect() })
     }
 
     /// Counts a report of a version, with states of these kinds.
@@ -189,15 +189,15 @@ impl<'d> Known<'d> {
     }
 
     /// Tells what came of all that was counted.
-    pub(super) fn tell(&self, findings: &mut Findings) {
+    pub(super) fn report_counted(&self, findings: &mut Findings) {
         let versions = self.versions.iter().map(|known| (&known.outcome, known.times));
         let kinds = self.kinds.iter().map(|known| (&known.outcome, known.times));
         for (outcome, times) in versions.chain(kinds) {
             let Some(outcome) = outcome else { continue };
-            for (rule, count) in &outcome.exercised {
-                findings.exercise(rule, count * times);
+            for (rule, count) in &outcome.covered {
+                findings.cover(rule, count * times);
             }
-            for (rule, subject, count) in &outcome.broken {
+            for (rule, subject, count) in &outcome.violations {
                 findings.count(rule, subject, count * times);
             }
         }
@@ -208,10 +208,10 @@ impl Outcome {
     /// What comes of a report with a state beyond what comes of one without. None where that isn't more of it all: then
     /// each state isn't judged by itself.
     fn beyond(self, without: Self) -> Option<Self> {
-        let is_sound = without.broken.is_empty();
-        let counts = self.exercised.into_iter().zip(without.exercised);
-        let exercised = counts.map(|((rule, with), (_, without))| Some((rule, with.checked_sub(without)?)));
-        let exercised = exercised.collect::<Option<_>>().filter(|_| is_sound)?;
-        Some(Self { exercised, broken: self.broken })
+        let is_sound = without.violations.is_empty();
+        let counts = self.covered.into_iter().zip(without.covered);
+        let covered = counts.map(|((rule, with), (_, without))| Some((rule, with.checked_sub(without)?)));
+        let covered = covered.collect::<Option<_>>().filter(|_| is_sound)?;
+        Some(Self { covered, violations: self.violations })
     }
 }

@@ -42,7 +42,7 @@ reason = \"third\"";
             }
         };
         let checked: Vec<_> = names.iter().map(|name| case(name, outcome(name))).collect();
-        let fixed = list.fixed(&list.judge(Scope::Cases, &checked, TODAY)).expect("a list");
+        let fixed = list.fixed(&list.find_stale(Scope::Cases, &checked, TODAY)).expect("a list");
         fixed.texts().collect::<String>()
     };
     assert_eq!(fixed(&names), "# All that is known of our gliders.\n\n# Apart from all.\n");
@@ -95,7 +95,7 @@ fn sample() -> impl Strategy<Value = Sample> {
 proptest! {
     /// What isn't stale stays byte for byte, and what is left holds true, or is what only a person can mend.
     #[test]
-    fn a_mended_list_holds_true(samples in vec(sample(), 0..6), is_dos in any::<bool>()) {
+    fn a_fixed_list_has_no_stale_entries(samples in vec(sample(), 0..6), is_dos in any::<bool>()) {
         let line_end = if is_dos { "\r\n" } else { "\n" };
         let named = |(at, sample): (usize, &Sample)| {
             sample.text.replace("NAME", &format!("case-{at}/")).replace('\n', line_end)
@@ -109,11 +109,11 @@ proptest! {
         let outcomes: Vec<(String, Outcome)> = samples.iter().enumerate().flat_map(outcomes).collect();
         let checked: Vec<Checked<'_>> = outcomes.iter().map(|(name, outcome)| case(name, outcome.clone())).collect();
         let list = list(&text);
-        let stale = list.judge(Scope::Cases, &checked, TODAY);
+        let stale = list.find_stale(Scope::Cases, &checked, TODAY);
         let fixed = list.fixed(&stale).expect("a list");
-        let left = fixed.judge(Scope::Cases, &checked, TODAY);
-        prop_assert!(left.iter().all(|stale| !stale.is_mendable()), "{:?}", left);
-        prop_assert!(left.len() <= stale.iter().filter(|stale| !stale.is_mendable()).count());
+        let left = fixed.find_stale(Scope::Cases, &checked, TODAY);
+        prop_assert!(left.iter().all(|stale| !stale.is_fixable()), "{:?}", left);
+        prop_assert!(left.len() <= stale.iter().filter(|stale| !stale.is_fixable()).count());
         prop_assert_eq!(fixed.entries.len(), samples.iter().filter(|sample| !sample.is_stale).count());
         let new: String = fixed.texts().collect();
         prop_assert_eq!(new.matches("# apart").count(), text.matches("# apart").count());

@@ -87,7 +87,7 @@ error[known-date]: `expires` is a date
 
 /// Every mistake is told at once, with its place and what to do.
 #[test]
-fn mistakes_are_told_all_at_once() {
+fn reports_all_mistakes_together() {
     let text = "\
 title = 1
 flaky = [{ case = \"a\", reason = \"b\" }]
@@ -118,7 +118,7 @@ expires = 2027-06-30T10:00:00Z
 }
 
 #[test]
-fn a_text_that_is_no_toml_is_told_with_its_place() {
+fn reports_invalid_toml_with_its_location() {
     let error = parse("[[known]]\nrule = \nreason = \"a\nexpires = 2027-02-30\n").expect_err("mistakes");
     assert_eq!(
         error.to_string(),

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use ureq::Agent;
 
-use super::{Client, Heard, odd};
+use super::{Client, Received, odd};
 use crate::flockwave::transport::MESSAGE_LIMIT;
 use crate::net::Address;
 
@@ -36,13 +36,13 @@ impl Client for OneShot {
         Ok(())
     }
 
-    fn hear(&mut self, until: Instant) -> io::Result<Heard> {
+    fn receive(&mut self, until: Instant) -> io::Result<Received> {
         if let Some(answer) = self.answers.pop_front() {
-            return Ok(Heard::Message(answer));
+            return Ok(Received::Message(answer));
         }
         // Nothing can come without a request, but those who wait for a time shall not be called all the time.
         std::thread::sleep(until.saturating_duration_since(Instant::now()));
-        Ok(Heard::Silence)
+        Ok(Received::Silence)
     }
 }
 
@@ -62,6 +62,6 @@ pub(super) fn body(response: Result<ureq::http::Response<ureq::Body>, ureq::Erro
     if status.is_success() {
         return Ok(body);
     }
-    let said = String::from_utf8_lossy(&body[..body.len().min(200)]).trim().to_owned();
-    Err(odd(format!("HTTP status {status}: {said}")))
+    let text = String::from_utf8_lossy(&body[..body.len().min(200)]).trim().to_owned();
+    Err(odd(format!("HTTP status {status}: {text}")))
 }

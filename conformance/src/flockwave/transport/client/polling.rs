@@ -10,7 +10,7 @@ use serde::Deserialize;
 use ureq::Agent;
 
 use super::http::{agent, body};
-use super::{Client, Heard, late, odd, text_of};
+use super::{Client, Received, late, odd, text_of};
 use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
 use crate::flockwave::transport::{SOCKET_IO_PATH, socketio};
 use crate::net::Address;
@@ -121,7 +121,7 @@ impl Opening {
 
 /// What a packet means to a client.
 pub(super) enum Step {
-    Heard(Heard),
+    Received(Received),
     Answer(Packet),
     Nothing,
 }
@@ -130,10 +130,12 @@ pub(super) enum Step {
 pub(super) fn step(packet: Packet) -> Step {
     match packet.kind {
         Kind::Ping => Step::Answer(Packet::new(Kind::Pong, packet.data)),
-        Kind::Close => Step::Heard(Heard::End),
+        Kind::Close => Step::Received(Received::End),
         Kind::Message => match socketio::Packet::parse(&packet.data) {
-            Some(socketio::Packet::Message { text, .. }) => Step::Heard(Heard::Message(text.into_bytes())),
-            Some(socketio::Packet::Disconnect) => Step::Heard(Heard::End),
+            Some(socketio::Packet::Message { text, .. }) => {
+                Step::Received(Received::Message(text.into_bytes()))
+            }
+            Some(socketio::Packet::Disconnect) => Step::Received(Received::End),
             _ => Step::Nothing,
         },
         Kind::Open | Kind::Pong | Kind::Upgrade | Kind::Noop => Step::Nothing,
@@ -216,18 +218,18 @@ impl Client for Polling {
         self.send_packets(&[Packet::new(Kind::Message, text_of(bytes)?)])
     }
 
-    fn hear(&mut self, until: Instant) -> io::Result<Heard> {
+    fn receive(&mut self, until: Instant) -> io::Result<Received> {
         loop {
             let ping = self.heartbeat.due();
             self.send_packets(ping.as_slice())?;
             let Some(packet) = self.packet(self.heartbeat.next().min(until))? else {
                 if Instant::now() >= until {
-                    return Ok(Heard::Silence);
+                    return Ok(Received::Silence);
                 }
                 continue;
             };
             match step(packet) {
-                Step::Heard(heard) => return Ok(heard),
+                Step::Received(received) => return Ok(received),
                 Step::Answer(answer) => self.send_packets(&[answer])?,
                 Step::Nothing => {}
             }
@@ -284,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_server_says_before_it_lets_a_client_in_is_heard() {
+    fn receives_messages_sent_before_the_handshake_ends() {
         let session = "0{\"sid\":\"a\"}";
         let (_, early, is_done) =
             opened(Revision::Four, &[session, "42[\"fw\",{}]", "40"]).expect("it opens");
@@ -295,12 +297,12 @@ mod tests {
     }
 
     #[test]
-    fn clients_ask_for_signs_of_life_in_the_older_revision_only() {
-        for (revision, is_asking) in [(Revision::Three, true), (Revision::Four, false)] {
+    fn clients_send_pings_in_revision_3_only() {
+        for (revision, pings_server) in [(Revision::Three, true), (Revision::Four, false)] {
             let mut heartbeat = Heartbeat::new(revision);
             assert_eq!(heartbeat.due(), None);
             heartbeat.next = Instant::now();
-            assert_eq!(heartbeat.due().is_some(), is_asking);
+            assert_eq!(heartbeat.due().is_some(), pings_server);
             assert!(heartbeat.next() > Instant::now());
         }
     }

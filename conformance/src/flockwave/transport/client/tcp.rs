@@ -4,7 +4,7 @@ use std::io::{self, Read as _, Write as _};
 use std::net::{Shutdown, TcpStream};
 use std::time::{Duration, Instant};
 
-use super::{Client, Heard};
+use super::{Client, Received};
 use crate::flockwave::transport::http::is_silence;
 use crate::flockwave::transport::lines::{Line, Lines};
 use crate::net::{Address, Connection};
@@ -44,21 +44,21 @@ impl Client for Tcp {
         self.stream.shutdown(Shutdown::Write)
     }
 
-    fn hear(&mut self, until: Instant) -> io::Result<Heard> {
+    fn receive(&mut self, until: Instant) -> io::Result<Received> {
         let mut piece = [0; 16 << 10];
         loop {
             match self.lines.take() {
-                Some(Line::Whole(line)) => return Ok(Heard::Message(line)),
-                Some(Line::TooLong) => return Ok(Heard::TooLong),
+                Some(Line::Whole(line)) => return Ok(Received::Message(line)),
+                Some(Line::TooLong) => return Ok(Received::TooLong),
                 None => {}
             }
             let left = until.saturating_duration_since(Instant::now());
             if left.is_zero() {
-                return Ok(Heard::Silence);
+                return Ok(Received::Silence);
             }
             self.stream.set_read_timeout(Some(left))?;
             match self.stream.read(&mut piece) {
-                Ok(0) => return Ok(Heard::End),
+                Ok(0) => return Ok(Received::End),
                 Ok(length) => self.lines.feed(&piece[..length]),
                 Err(error) if is_silence(&error) => {}
                 Err(error) => return Err(error),

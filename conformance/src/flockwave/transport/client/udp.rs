@@ -4,7 +4,7 @@ use std::io;
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::time::Instant;
 
-use super::{Client, Heard};
+use super::{Client, Received};
 use crate::flockwave::transport::http::is_silence;
 use crate::net::{Address, resolve};
 
@@ -38,22 +38,22 @@ impl Client for Udp {
         self.0.send(bytes).map(|_| ())
     }
 
-    fn hear(&mut self, until: Instant) -> io::Result<Heard> {
+    fn receive(&mut self, until: Instant) -> io::Result<Received> {
         let mut datagram = vec![0; DATAGRAM_LIMIT];
         loop {
             let left = until.saturating_duration_since(Instant::now());
             if left.is_zero() {
-                return Ok(Heard::Silence);
+                return Ok(Received::Silence);
             }
             self.0.set_read_timeout(Some(left))?;
             match self.0.recv(&mut datagram) {
                 Ok(length) => {
                     datagram.truncate(length);
-                    return Ok(Heard::Message(datagram));
+                    return Ok(Received::Message(datagram));
                 }
                 Err(error) if is_silence(&error) => {}
                 // Nobody listens there (any more).
-                Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => return Ok(Heard::End),
+                Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => return Ok(Received::End),
                 Err(error) => return Err(error),
             }
         }

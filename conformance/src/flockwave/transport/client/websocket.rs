@@ -9,7 +9,7 @@ use tungstenite::client::IntoClientRequest as _;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, HandshakeError, Message, WebSocket};
 
-use super::{Client, Heard, late, odd, text_of};
+use super::{Client, Received, late, odd, text_of};
 use crate::flockwave::transport::client::polling::{Heartbeat, Opening, Step, step};
 use crate::flockwave::transport::engine::{Kind, Packet, Revision};
 use crate::flockwave::transport::http::is_silence;
@@ -120,24 +120,24 @@ impl Client for WebSocketClient {
         self.send_packet(&Packet::new(Kind::Message, text_of(bytes)?))
     }
 
-    fn hear(&mut self, until: Instant) -> io::Result<Heard> {
+    fn receive(&mut self, until: Instant) -> io::Result<Received> {
         loop {
             if let Some(ping) = self.heartbeat.due() {
                 self.send_packet(&ping)?;
             }
             let packet = match self.packet(self.heartbeat.next().min(until)) {
                 Ok(Some(packet)) => packet,
-                Ok(None) => return Ok(Heard::End),
+                Ok(None) => return Ok(Received::End),
                 Err(error) if error.kind() == io::ErrorKind::TimedOut => {
                     if Instant::now() >= until {
-                        return Ok(Heard::Silence);
+                        return Ok(Received::Silence);
                     }
                     continue;
                 }
                 Err(error) => return Err(error),
             };
             match step(packet) {
-                Step::Heard(heard) => return Ok(heard),
+                Step::Received(received) => return Ok(received),
                 Step::Answer(answer) => self.send_packet(&answer)?,
                 Step::Nothing => {}
             }

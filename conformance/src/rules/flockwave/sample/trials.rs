@@ -32,9 +32,9 @@ impl Session {
         self.over("tcp#4", Self::lists);
         self.over("tcp#5", |session| {
             let login = json!({ "methods": ["basic"], "required": true });
-            session.asks(json!({ "type": "AUTH-INF" }), login);
+            session.exchange(json!({ "type": "AUTH-INF" }), login);
             let nobody = json!({ "type": "ACK-NAK", "reason": "Log in first" });
-            session.tries_and_hears(
+            session.tries_and_receives(
                 &ack_06::RULE.rule,
                 "before the login",
                 json!({ "type": "UAV-LIST" }),
@@ -58,14 +58,14 @@ impl Session {
     }
 
     /// The client asks, to try a rule, and the server answers with this body.
-    pub(crate) fn tries_and_hears(&mut self, rule: &Rule, how: &str, request: Value, answer: Value) {
+    pub(crate) fn tries_and_receives(&mut self, rule: &Rule, how: &str, request: Value, answer: Value) {
         let id = self.tries(rule, how, request);
         self.answers(&id, json!({ "body": answer }));
     }
 
     /// The same, of any request.
     pub(crate) fn pings(&mut self, rule: &Rule, how: &str) {
-        self.tries_and_hears(rule, how, json!({ "type": "SYS-PING" }), json!({ "type": "ACK-ACK" }));
+        self.tries_and_receives(rule, how, json!({ "type": "SYS-PING" }), json!({ "type": "ACK-ACK" }));
     }
 
     /// Requests of a rule are all sent before the first of these answers comes: each by the number of its request.
@@ -113,7 +113,7 @@ impl Session {
         );
         let no_list = json!({ "type": "UAV-INF", "ids": "kite" });
         let refused = json!({ "type": "ACK-NAK", "reason": "The ids aren't a list" });
-        self.tries_and_hears(
+        self.tries_and_receives(
             &env_22::RULE.rule,
             "a malformed request: ids that are no list",
             no_list,
@@ -127,12 +127,12 @@ impl Session {
         self.pings(&sys_ping_01::RULE.rule, "");
         let clouds = json!({ "type": "OBJ-LIST", "filter": ["cloud"] });
         let none = json!({ "type": "OBJ-LIST", "ids": [] });
-        self.tries_and_hears(&obj_list_03::RULE.rule, "an unknown type", clouds, none);
+        self.tries_and_receives(&obj_list_03::RULE.rule, "an unknown type", clouds, none);
         let unknown = json!({ "type": "UAV-INF", "ids": ["nobody"] });
         let error = json!({ "type": "UAV-INF", "error": { "nobody": "No such glider" } });
-        self.tries_and_hears(&uav_inf_06::RULE.rule, "an unknown id", unknown, error);
+        self.tries_and_receives(&uav_inf_06::RULE.rule, "an unknown id", unknown, error);
         let nothing = json!({ "type": "UAV-INF", "ids": [] });
-        self.tries_and_hears(
+        self.tries_and_receives(
             &uav_inf_07::RULE.rule,
             "no ids",
             nothing,
@@ -141,31 +141,31 @@ impl Session {
         let kite = json!({ "kite": self.kite() });
         let twice = json!({ "type": "UAV-INF", "ids": ["kite", "kite"] });
         let status = json!({ "type": "UAV-INF", "status": kite });
-        self.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] }));
-        self.tries_and_hears(&uav_inf_07::RULE.rule, "an id twice", twice, status);
+        self.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] }));
+        self.tries_and_receives(&uav_inf_07::RULE.rule, "an id twice", twice, status);
         for kind in ["ASYNC-CANCEL", "ASYNC-RESUME"] {
             let error = json!({ "type": kind, "error": { "rcpt-none": "No such receipt" } });
             let unknown = json!({ "type": kind, "ids": ["rcpt-none"] });
-            self.tries_and_hears(&asy_18::RULE.rule, "an unknown receipt", unknown, error);
+            self.tries_and_receives(&asy_18::RULE.rule, "an unknown receipt", unknown, error);
         }
         self.command("rcpt-20");
         let resume = json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-20"] });
         let error = json!({ "type": "ASYNC-RESUME", "error": { "rcpt-20": "It isn't suspended" } });
-        self.tries_and_hears(&asy_19::RULE.rule, "an operation that goes on", resume, error);
-        self.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-20", "result": "Flaps out" }));
+        self.tries_and_receives(&asy_19::RULE.rule, "an operation that goes on", resume, error);
+        self.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-20", "result": "Flaps out" }));
     }
 
     /// A glider is told to do what takes longer than an answer may.
     pub(crate) fn command(&mut self, receipt: &str) {
         let command = json!({ "type": "OBJ-CMD", "ids": ["kite"], "command": "flaps" });
-        self.asks(command, json!({ "receipt": { "kite": receipt } }));
+        self.exchange(command, json!({ "receipt": { "kite": receipt } }));
     }
 
     /// A request of each family that servers have to know, and one of a family that there isn't.
     fn families(&mut self) {
         self.logs_in();
         let nobody = json!({ "type": "ACK-NAK", "reason": "No handler for UAV-SOAR" });
-        self.tries_and_hears(&env_07::RULE.rule, "an unknown type", json!({ "type": "UAV-SOAR" }), nobody);
+        self.tries_and_receives(&env_07::RULE.rule, "an unknown type", json!({ "type": "UAV-SOAR" }), nobody);
         let none = json!({ "ids": [] });
         let version = json!({ "software": "Windward", "version": "3.1", "name": "Hill", "revision": "b7" });
         let error = json!({ "error": { "rcpt-none": "No such receipt" } });
@@ -185,7 +185,7 @@ impl Session {
         ];
         for (request, mut answer) in families {
             answer["type"] = request["type"].clone();
-            self.tries_and_hears(&env_24::RULE.rule, "", request, answer);
+            self.tries_and_receives(&env_24::RULE.rule, "", request, answer);
         }
     }
 
@@ -194,25 +194,25 @@ impl Session {
         let version =
             || json!({ "software": "Windward", "version": "3.1", "name": "Hill", "revision": "b7" });
         for _ in 0..2 {
-            self.asks(json!({ "type": "SYS-VER" }), version());
+            self.exchange(json!({ "type": "SYS-VER" }), version());
         }
         for request in [json!({}), json!({ "adjustment": 0 }), json!({})] {
             let mut request = request;
             request["type"] = "SYS-TIME".into();
             let now = self.now() + 40;
-            self.asks(request, json!({ "timestamp": now }));
+            self.exchange(request, json!({ "timestamp": now }));
         }
         let ports = json!({ "ports": { "tcp": 7001, "udp": 7002, "socketio": 7003 } });
-        self.asks(json!({ "type": "SYS-PORTS" }), ports);
+        self.exchange(json!({ "type": "SYS-PORTS" }), ports);
         let gliders = || json!({ "ids": ["kite", "swift"] });
         let all = || json!({ "ids": ["kite", "swift", "mast"] });
         let status = json!({ "kite": self.kite(), "swift": self.swift() });
-        self.asks(json!({ "type": "OBJ-LIST" }), all());
-        self.asks(json!({ "type": "UAV-LIST" }), gliders());
-        self.asks(json!({ "type": "OBJ-LIST", "filter": ["uav"] }), gliders());
-        self.asks(json!({ "type": "OBJ-LIST", "filter": ["beacon"] }), json!({ "ids": ["mast"] }));
-        self.asks(json!({ "type": "UAV-INF", "ids": ["kite", "swift"] }), json!({ "status": status }));
-        self.asks(json!({ "type": "UAV-LIST" }), gliders());
-        self.asks(json!({ "type": "OBJ-LIST" }), all());
+        self.exchange(json!({ "type": "OBJ-LIST" }), all());
+        self.exchange(json!({ "type": "UAV-LIST" }), gliders());
+        self.exchange(json!({ "type": "OBJ-LIST", "filter": ["uav"] }), gliders());
+        self.exchange(json!({ "type": "OBJ-LIST", "filter": ["beacon"] }), json!({ "ids": ["mast"] }));
+        self.exchange(json!({ "type": "UAV-INF", "ids": ["kite", "swift"] }), json!({ "status": status }));
+        self.exchange(json!({ "type": "UAV-LIST" }), gliders());
+        self.exchange(json!({ "type": "OBJ-LIST" }), all());
     }
 }

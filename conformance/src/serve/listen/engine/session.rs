@@ -10,7 +10,7 @@ use serde_json::json;
 use crate::flockwave::transport::engine::{Kind, Packet, Revision};
 use crate::flockwave::transport::{MESSAGE_LIMIT, socketio};
 use crate::rules::flockwave::{sio_01, sio_03};
-use crate::serve::hub::{Manner, SessionId, Sink};
+use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::listen::Shared;
 use crate::serve::outbox::Outbox;
 
@@ -34,9 +34,9 @@ struct State {
     /// The session in the hub, once the client has joined the namespace.
     joined: Option<SessionId>,
     /// Whether it takes no more messages: where it has that bug.
-    is_deaf: bool,
-    heard: Instant,
-    asked: Instant,
+    has_stopped_reading: bool,
+    last_received: Instant,
+    last_ping: Instant,
 }
 
 /// Puts messages into packets.
@@ -68,7 +68,7 @@ impl Drop for Poll<'_> {
     fn drop(&mut self) {
         self.0.is_polled.store(false, Ordering::Release);
         // While it was open, the client could not have asked for anything else.
-        self.0.state().heard = Instant::now();
+        self.0.state().last_received = Instant::now();
     }
 }
 
@@ -84,7 +84,12 @@ impl Session {
             outbox: Arc::default(),
             is_upgraded: AtomicBool::new(false),
             is_polled: AtomicBool::new(false),
-            state: Mutex::new(State { joined: None, is_deaf: false, heard: now, asked: now }),
+            state: Mutex::new(State {
+                joined: None,
+                has_stopped_reading: false,
+                last_received: now,
+                last_ping: now,
+            }),
         };
         let opening = json!({
             "sid": sid,
@@ -122,7 +127,7 @@ impl Session {
 
     /// Takes the place of the one poll that may be open.
     pub(super) fn start_poll(&self) -> Option<Poll<'_>> {
-        self.state().heard = Instant::now();
+        self.state().last_received = Instant::now();
         (!self.is_polled.swap(true, Ordering::AcqRel)).then(|| Poll(self))
     }
 
@@ -134,16 +139,16 @@ impl Session {
     /// Asks for a sign of life where it is time; whether the session is still there.
     pub(super) fn tend(&self) -> bool {
         let mut state = self.state();
-        if self.revision == Revision::Four && state.asked.elapsed() >= PING_INTERVAL {
-            state.asked = Instant::now();
+        if self.revision == Revision::Four && state.last_ping.elapsed() >= PING_INTERVAL {
+            state.last_ping = Instant::now();
             push(&self.outbox, Kind::Ping, String::new());
         }
-        state.heard.elapsed() < PING_INTERVAL + PING_TIMEOUT
+        state.last_received.elapsed() < PING_INTERVAL + PING_TIMEOUT
     }
 
     /// Takes a packet of the client.
     pub(super) fn take(&self, shared: &Shared, packet: Packet) {
-        self.state().heard = Instant::now();
+        self.state().last_received = Instant::now();
         match packet.kind {
             Kind::Ping => push(&self.outbox, Kind::Pong, packet.data),
             Kind::Close => self.end(shared),
@@ -166,7 +171,7 @@ impl Session {
     fn take_message(&self, shared: &Shared, text: &str) {
         let packet = socketio::Packet::parse(text);
         if shared.has_bug(&sio_03::RULE) && matches!(packet, None | Some(socketio::Packet::Other)) {
-            self.state().is_deaf = true;
+            self.state().has_stopped_reading = true;
         }
         match packet {
             Some(socketio::Packet::Connect { namespace }) if namespace == "/" => {
@@ -191,8 +196,8 @@ impl Session {
                 if let Some(number) = receipt {
                     push(&self.outbox, Kind::Message, socketio::receipt(number));
                 }
-                let State { joined, is_deaf, .. } = *self.state();
-                if let Some(joined) = joined.filter(|_| !is_deaf) {
+                let State { joined, has_stopped_reading, .. } = *self.state();
+                if let Some(joined) = joined.filter(|_| !has_stopped_reading) {
                     shared.receive(joined, text.as_bytes());
                 }
             }
@@ -207,7 +212,7 @@ impl Session {
         if state.joined.is_none() {
             let event = if shared.has_bug(&sio_01::RULE) { "flockwave" } else { socketio::EVENT };
             let sink = PacketSink { outbox: Arc::clone(&self.outbox), event };
-            state.joined = Some(shared.open(Manner::Standing, Arc::new(sink)));
+            state.joined = Some(shared.open(ConnectionKind::Persistent, Arc::new(sink)));
         }
     }
 

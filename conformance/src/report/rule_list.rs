@@ -37,7 +37,8 @@ struct Entry {
 struct MatrixEntry<'r> {
     rule: &'static str,
     mutant: &'r str,
-    broken: Option<&'r BTreeSet<&'static str>>,
+    #[serde(rename = "broken")]
+    violated: Option<&'r BTreeSet<&'static str>>,
     expected: BTreeSet<&'static str>,
 }
 
@@ -63,7 +64,7 @@ pub(crate) fn matrix_json(rows: &[Row]) -> String {
     let entries = rows.iter().map(|row| MatrixEntry {
         rule: row.rule.id,
         mutant: &row.title,
-        broken: row.broken.as_ref(),
+        violated: row.violated.as_ref(),
         expected: row.expected(),
     });
     json(&entries.collect::<Vec<_>>())

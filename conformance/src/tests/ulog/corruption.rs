@@ -26,7 +26,7 @@ fn shared(before: &[Seen], after: &[Seen], shift: u64) -> usize {
 }
 
 #[test]
-fn a_log_that_was_cut_is_read_up_to_the_cut() {
+fn reads_a_truncated_log_to_its_end() {
     let log = typical(20);
     let whole = messages(&log);
     let ends = ends(&log, &whole);
@@ -59,9 +59,9 @@ fn after_a_flipped_bit_all_but_few_messages_are_found() {
     let mut lost = 0;
     for _ in 0..1_000 {
         let at = 16 + random.index(log.len() - 16);
-        let mut damaged = log.clone();
-        damaged[at] ^= 1 << random.below(8);
-        let found = messages(&damaged);
+        let mut corrupt = log.clone();
+        corrupt[at] ^= 1 << random.below(8);
+        let found = messages(&corrupt);
         let before = ends.iter().take_while(|end| **end <= at as u64).count();
         // The message before the damage may be doubted, but no other.
         let sure = before.saturating_sub(1);
@@ -70,7 +70,7 @@ fn after_a_flipped_bit_all_but_few_messages_are_found() {
         assert!(missing >= 1, "flipped at {at}");
         assert!(missing <= 12, "flipped at {at}: {missing} messages are missing");
         lost += missing;
-        problems(&damaged);
+        problems(&corrupt);
     }
     assert!(lost < 1_200, "{lost} messages were lost by a thousand flipped bits");
 }
@@ -87,13 +87,13 @@ fn after_flipped_bits_all_but_few_messages_of_real_logs_are_found() {
         let first = log.len() / 8;
         let step = (log.len() - first) / 40;
         for round in 0..4 {
-            let mut damaged = log.clone();
+            let mut corrupt = log.clone();
             for part in 0..40 {
                 let at = first + part * step + random.index(step - 40);
                 let noise = if round == 3 { vec![0; 25] } else { random.bytes(4 + 13 * round) };
-                damaged[at..at + noise.len()].copy_from_slice(&noise);
+                corrupt[at..at + noise.len()].copy_from_slice(&noise);
             }
-            let missing = whole.len() - shared(&whole, &messages(&damaged), 0);
+            let missing = whole.len() - shared(&whole, &messages(&corrupt), 0);
             assert!((30..=70).contains(&missing), "{name}: {missing} of {} are missing", whole.len());
         }
     }
@@ -108,15 +108,15 @@ fn after_inserted_bytes_all_but_few_messages_are_found() {
     for round in 0..300 {
         let at = 16 + random.index(log.len() - 16);
         let size = 1 + random.index(if round % 10 == 0 { 200_000 } else { 2_000 });
-        let mut damaged = log[..at].to_vec();
-        damaged.extend(random.bytes(size));
-        damaged.extend(&log[at..]);
-        let found = messages(&damaged);
+        let mut corrupt = log[..at].to_vec();
+        corrupt.extend(random.bytes(size));
+        corrupt.extend(&log[at..]);
+        let found = messages(&corrupt);
         let before = whole.partition_point(|message| message.offset < at as u64);
         let kept = shared(&whole[..before], &found, 0) + shared(&whole[before..], &found, size as u64);
         assert!(whole.len() - kept <= 12, "{size} bytes at {at}: {} messages", whole.len() - kept);
         lost += whole.len() - kept;
-        problems(&damaged);
+        problems(&corrupt);
     }
     // Few insertions are between messages; all others tear one apart, which can't be found.
     assert!((280..330).contains(&lost), "{lost} messages were lost by 300 insertions");
@@ -130,8 +130,8 @@ fn after_removed_bytes_all_but_few_messages_are_found() {
     for _ in 0..300 {
         let from = 16 + random.index(log.len() - 3_000);
         let size = 1 + random.index(2_500);
-        let damaged = [&log[..from], &log[from + size..]].concat();
-        let found = messages(&damaged);
+        let corrupt = [&log[..from], &log[from + size..]].concat();
+        let found = messages(&corrupt);
         let before = whole.partition_point(|message| message.offset < from as u64);
         let after = whole.partition_point(|message| message.offset < (from + size) as u64);
         let kept = shared(&whole[..before], &found, 0);
@@ -189,11 +189,11 @@ fn hostile_bytes_take_linear_time() {
     doubtful.bytes.push(0);
     let mut unknown = Writer { bytes: Vec::new() };
     unknown.message(b'x', &[]);
-    let mut broken = Writer { bytes: Vec::new() };
+    let mut violated = Writer { bytes: Vec::new() };
     for _ in 0..3 {
-        broken.message(b'O', &[&[0; 2]]);
+        violated.message(b'O', &[&[0; 2]]);
     }
-    broken.bytes.push(0xff);
+    violated.bytes.push(0xff);
     let patterns: [(&str, Vec<u8>); 9] = [
         ("random", Random(24).bytes(10 * SIZE)),
         ("zeros", vec![0; 10 * SIZE]),
@@ -203,7 +203,7 @@ fn hostile_bytes_take_linear_time() {
         ("small headers in each other", b"\x00\x00D".to_vec()),
         ("doubtful sizes", doubtful.bytes),
         ("unknown kinds", unknown.bytes),
-        ("runs that are too short", broken.bytes),
+        ("runs that are too short", violated.bytes),
     ];
     for (name, pattern) in patterns {
         let mut bytes = Writer::with_flags().bytes;
@@ -218,7 +218,7 @@ fn hostile_bytes_take_linear_time() {
 }
 
 #[test]
-fn ways_back_are_told_apart() {
+fn reports_how_reading_resumed() {
     let mut log = Writer::with_flags();
     let noise = log.offset();
     log.bytes.extend([0xff; 50]);

@@ -4,12 +4,12 @@ use crate::tests::support;
 
 use crate::check::{CaptureResult, check_capture};
 use crate::definitions::Definitions;
-use crate::model::Place;
+use crate::model::Location;
 use crate::rules::sample::{Flight, ROUNDS};
 
 use support::{Random, extent};
 
-fn judged(bytes: &[u8], definitions: &Definitions) -> CaptureResult {
+fn checked(bytes: &[u8], definitions: &Definitions) -> CaptureResult {
     check_capture(bytes, None, definitions).expect("bytes can be read")
 }
 
@@ -24,35 +24,35 @@ fn sources(definitions: &Definitions) -> Vec<(&'static str, Vec<u8>, u64)> {
     ];
     sources
         .map(|(name, bytes)| {
-            let whole = judged(&bytes, definitions);
-            assert_eq!((whole.judged, whole.damage.len()), (flight.messages.len() as u64, 0), "{name}");
-            (name, bytes, whole.judged)
+            let whole = checked(&bytes, definitions);
+            assert_eq!((whole.checked, whole.corruption.len()), (flight.messages.len() as u64, 0), "{name}");
+            (name, bytes, whole.checked)
         })
         .into()
 }
 
 /// All damage lies in what was read.
-fn check_places(name: &str, judgement: &CaptureResult, size: usize) {
-    for (place, what) in &judgement.damage {
-        let (Place::Byte(at) | Place::Line(at)) = *place;
-        assert!(at <= size as u64, "{name}: {what} at {place} of {size}");
+fn check_places(name: &str, result: &CaptureResult, size: usize) {
+    for (location, what) in &result.corruption {
+        let (Location::Byte(at) | Location::Line(at)) = *location;
+        assert!(at <= size as u64, "{name}: {what} at {location} of {size}");
     }
 }
 
 #[test]
-fn what_stands_before_a_cut_is_judged() {
+fn checks_records_before_a_truncation() {
     let definitions = Definitions::built_in();
     for (name, bytes, whole) in sources(&definitions) {
         let mut before = 0;
         // JSON has ten times as many bytes, and each cut reads them all.
         let step = extent(1, 4) * if name == "log" || name == "MCAP" { 97 } else { 970 };
         for cut in (0..bytes.len()).step_by(step) {
-            let judgement = judged(&bytes[..cut], &definitions);
-            check_places(name, &judgement, cut);
+            let result = checked(&bytes[..cut], &definitions);
+            check_places(name, &result, cut);
             // A subscription or a message more can only add to what is judged.
-            assert!(judgement.judged >= before, "{name} cut at {cut}");
-            before = judgement.judged;
-            assert!(judgement.judged <= whole);
+            assert!(result.checked >= before, "{name} cut at {cut}");
+            before = result.checked;
+            assert!(result.checked <= whole);
         }
         assert!(before + extent(4, 16) >= whole, "{name}: {before} of {whole} before the last cut");
     }
@@ -63,7 +63,7 @@ fn a_flipped_bit_costs_few_messages() {
     let definitions = Definitions::built_in();
     for (name, bytes, whole) in sources(&definitions) {
         let mut random = Random(97);
-        let mut damaged = 0;
+        let mut corrupt = 0;
         let flips = if name == "log" || name == "MCAP" { 1_000 } else { 250 } / extent(1, 4);
         for _ in 0..flips {
             // Magic and flag bits say that nobody should go on who doesn't know them.
@@ -71,32 +71,32 @@ fn a_flipped_bit_costs_few_messages() {
             let (at, bit) = (head + random.index(bytes.len() - head), random.below(8));
             let mut flipped = bytes.clone();
             flipped[at] ^= 1 << bit;
-            let judgement = judged(&flipped, &definitions);
-            check_places(name, &judgement, bytes.len());
-            damaged += u64::from(!judgement.damage.is_empty());
+            let result = checked(&flipped, &definitions);
+            check_places(name, &result, bytes.len());
+            corrupt += u64::from(!result.corruption.is_empty());
             // What says what messages are may be hit: then those of a topic, and of one that nests it, are lost, and
             // that is told.
-            let lost = whole - judgement.judged.min(whole);
-            let is_told = !judgement.damage.is_empty()
-                || judgement.records > judgement.judged
-                || judgement.findings.groups().next().is_some();
+            let lost = whole - result.checked.min(whole);
+            let is_ordered = !result.corruption.is_empty()
+                || result.records > result.checked
+                || result.findings.groups().next().is_some();
             // Data whose kind became that of a text is one.
-            assert!(lost <= 1 || is_told, "{name}: {lost} lost after bit {bit} of byte {at}");
+            assert!(lost <= 1 || is_ordered, "{name}: {lost} lost after bit {bit} of byte {at}");
             assert!(
                 lost <= 3 * ROUNDS,
                 "{name}: {lost} lost after bit {bit} of byte {at}: {:?}",
-                judgement.damage
+                result.corruption
             );
         }
         assert!(
-            damaged > extent(10, 2),
-            "{name}: only {damaged} of {flips} flipped bits were noticed as damage"
+            corrupt > extent(10, 2),
+            "{name}: only {corrupt} of {flips} flipped bits were noticed as damage"
         );
     }
 }
 
 #[test]
-fn sections_in_the_wrong_order_are_judged() {
+fn checks_sections_in_the_wrong_order() {
     let definitions = Definitions::built_in();
     for (name, bytes, _) in sources(&definitions) {
         let mut random = Random(5);
@@ -106,23 +106,23 @@ fn sections_in_the_wrong_order_are_judged() {
             let [first, second, third] = cuts;
             let swapped =
                 [&bytes[..first], &bytes[second..third], &bytes[first..second], &bytes[third..]].concat();
-            let judgement = judged(&swapped, &definitions);
-            check_places(name, &judgement, bytes.len());
+            let result = checked(&swapped, &definitions);
+            check_places(name, &result, bytes.len());
         }
     }
 }
 
 #[test]
-fn noise_is_told_from_the_start() {
+fn reports_noise_from_the_start() {
     let definitions = Definitions::built_in();
     let noise = Random(3).bytes(1 << 20);
     for start in
         [&b"{"[..], b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0", b"[", b"{\"type\":\"px4/Event\",\"message\":"]
     {
-        let judgement = judged(&[start, &noise].concat(), &definitions);
-        assert_eq!(judgement.judged, 0, "{start:?}");
-        assert!(!judgement.damage.is_empty(), "{start:?}");
-        check_places("noise", &judgement, start.len() + noise.len());
+        let result = checked(&[start, &noise].concat(), &definitions);
+        assert_eq!(result.checked, 0, "{start:?}");
+        assert!(!result.corruption.is_empty(), "{start:?}");
+        check_places("noise", &result, start.len() + noise.len());
     }
     for start in [&b"ULoG\x01\x12\x35\x01"[..], &[0; 20], &noise, b"\xff\xfe{\0}\0", b"\x01\x02"] {
         let error = check_capture(start, None, &definitions).expect_err("nothing that can be judged");

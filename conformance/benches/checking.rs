@@ -1,5 +1,5 @@
 //! How fast sources are judged with all rules on, beside what others do with the same bytes:
-//! `cargo bench -p uavspec-conformance --bench judging`.
+//! `cargo bench -p uavspec-conformance --bench checking`.
 //!
 //! Words behind `--` select comparisons by their titles, and the number `ROUNDS` in the environment sets how often each
 //! contestant runs.
@@ -26,7 +26,7 @@ use std::time::{Duration, Instant};
 
 use serde::de::IgnoredAny;
 use serde_json::{Value, json};
-use uavspec_conformance::check::{FlockwaveJudge, check_capture, check_json_thoroughly, parallel};
+use uavspec_conformance::check::{FlockwaveChecker, check_capture, check_json_thoroughly, parallel};
 use uavspec_conformance::definitions::Definitions;
 
 /// How many lines of JSON there are.
@@ -104,15 +104,15 @@ fn compare(what: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
     }
     println!("{what}, {bytes} bytes");
     let first = contestants[0].times.clone();
-    for (place, contestant) in contestants.iter().enumerate() {
+    for (location, contestant) in contestants.iter().enumerate() {
         let throughput = throughput(bytes, median(&contestant.times));
         let ratios: Vec<f64> = first
             .iter()
             .zip(&contestant.times)
             .map(|(first, other)| other.as_secs_f64() / first.as_secs_f64())
             .collect();
-        let beside = if place == 0 { String::new() } else { ratio(&ratios) };
-        println!("  {:<34} {throughput:>8.0} MB/s   {beside}", contestant.name);
+        let others = if location == 0 { String::new() } else { ratio(&ratios) };
+        println!("  {:<34} {throughput:>8.0} MB/s   {others}", contestant.name);
     }
 }
 
@@ -161,12 +161,12 @@ fn json() {
     let schema: Value = serde_json::from_str(SCHEMA).expect("JSON");
     let validator = jsonschema::validator_for(&schema).expect("a schema");
     let uavspec = || {
-        let judgement = check_capture(text.as_bytes(), of, &definitions).expect("memory");
-        assert_eq!((judgement.judged, judgement.damage.len()), (LINES as u64, 0));
+        let result = check_capture(text.as_bytes(), of, &definitions).expect("memory");
+        assert_eq!((result.checked, result.corruption.len()), (LINES as u64, 0));
     };
     let thorough = || {
-        let judgement = check_json_thoroughly(text.as_bytes(), of, &definitions);
-        assert_eq!((judgement.judged, judgement.damage.len()), (LINES as u64, 0));
+        let result = check_json_thoroughly(text.as_bytes(), of, &definitions);
+        assert_eq!((result.checked, result.corruption.len()), (LINES as u64, 0));
     };
     let skip = || {
         for line in text.lines() {
@@ -225,14 +225,14 @@ fn flockwave() {
         let text = reports(each);
         let lines = (STATES / each) as u64;
         let uavspec = || {
-            let judgement = check_capture(text.as_bytes(), None, &definitions).expect("memory");
-            let findings = judgement.findings.groups().count();
-            assert_eq!((judgement.judged, judgement.damage.len(), findings), (lines, 0, 0));
+            let result = check_capture(text.as_bytes(), None, &definitions).expect("memory");
+            let findings = result.findings.groups().count();
+            assert_eq!((result.checked, result.corruption.len(), findings), (lines, 0, 0));
         };
         let thorough = || {
-            let mut judge = FlockwaveJudge::of(&definitions).thorough();
-            text.lines().zip(1..).for_each(|(line, number)| judge.line(line.as_bytes(), number, false));
-            assert_eq!(judge.finish(text.len() as u64).judged, lines);
+            let mut run_check = FlockwaveChecker::new(&definitions).thorough();
+            text.lines().zip(1..).for_each(|(line, number)| run_check.line(line.as_bytes(), number, false));
+            assert_eq!(run_check.finish(text.len() as u64).checked, lines);
         };
         let skip = || {
             for line in text.lines() {
@@ -258,11 +258,11 @@ fn flockwave() {
 
 fn logs(corpus: &Path) {
     let definitions = Definitions::load(&corpus.join("px4/main")).expect("definitions");
-    let judged = |bytes: &[u8]| check_capture(bytes, None, &definitions).expect("memory").judged;
+    let checked = |bytes: &[u8]| check_capture(bytes, None, &definitions).expect("memory").checked;
     for name in LOGS {
         let path = corpus.join(format!("ulog/{name}.ulg"));
         let bytes = fs::read(&path).expect("a log");
-        let uavspec = Contestant::new("uavspec", || _ = black_box(judged(&bytes)));
+        let uavspec = Contestant::new("uavspec", || _ = black_box(checked(&bytes)));
         compare(&format!("{name}.ulg by the definitions of PX4 main"), bytes.len(), vec![uavspec]);
         match pyulog(&path) {
             Some(time) => println!("  {:<34} {:>8.0} MB/s", "pyulog", throughput(bytes.len(), time)),
@@ -273,7 +273,7 @@ fn logs(corpus: &Path) {
     let bytes = fs::read(corpus.join("ulog/sample.ulg")).expect("a log");
     let both = |jobs| {
         let jobs = NonZeroUsize::new(jobs);
-        parallel::each(&[0; 8], jobs, |_| judged(&bytes), |_, count| _ = black_box(count));
+        parallel::each(&[0; 8], jobs, |_| checked(&bytes), |_, count| _ = black_box(count));
     };
     let contestants = vec![
         Contestant::new("uavspec, two cores", || both(2)),

@@ -3,14 +3,16 @@
 use std::io::{self, Read};
 
 use crate::capture::mcap::{Event, Problem, Reader};
-use crate::check::{Basis, Standing};
-use crate::model::Place;
+use crate::check::{Basis, CheckStatus};
+use crate::model::Location;
 
 use super::file::{
     FORMS, Form, MAGIC, channel, chunk, chunked, end, file, header, message, raw_chunk, record, schema,
     start, text,
 };
-use super::{Glider, PERIOD, assert_conforms, broken, damages, declarations, good, judged, records_with};
+use super::{
+    Glider, PERIOD, assert_conforms, checked, corrupt_count, declarations, good, records_with, violated,
+};
 use crate::tests::support::{Pieces, Random};
 
 fn glider(number: u64) -> Vec<u8> {
@@ -24,13 +26,15 @@ fn gliders(numbers: std::ops::RangeInclusive<u64>) -> Vec<u8> {
 
 /// What a file of these parts says of its damage, and how many messages are judged. `{}` in what is expected is the
 /// place of the part with that number.
-fn assert_damage(parts: &[Vec<u8>], expected: &[(usize, &str)], judged_count: u64) {
-    let judgement = judged(&parts.concat());
+fn assert_corruption(parts: &[Vec<u8>], expected: &[(usize, &str)], checked_count: u64) {
+    let result = checked(&parts.concat());
     let offset = |part: usize| parts[..part].iter().map(|part| part.len() as u64).sum();
-    let expected: Vec<String> =
-        expected.iter().map(|(part, said)| format!("{}: {said}", Place::Byte(offset(*part)))).collect();
-    assert_eq!(damages(&judgement), expected);
-    assert_eq!((broken(&judgement), judgement.judged), (vec![], judged_count));
+    let expected: Vec<String> = expected
+        .iter()
+        .map(|(part, message)| format!("{}: {message}", Location::Byte(offset(*part))))
+        .collect();
+    assert_eq!(corrupt_count(&result), expected);
+    assert_eq!((violated(&result), result.checked), (vec![], checked_count));
 }
 
 #[test]
@@ -38,7 +42,7 @@ fn a_record_that_is_none_is_passed_over() {
     let rest = [gliders(3..=4), end()].concat();
     let before = [start(), declarations(), gliders(1..=2)].concat();
     let huge = |opcode: u8| [&[opcode][..], &(1_u64 << 60).to_le_bytes(), &[7; 30]].concat();
-    for (broken, said) in [
+    for (violated, message) in [
         (vec![0; 50], "a record of the unknown kind 0x00 can't have 0 bytes; 50 bytes passed over"),
         (huge(5), "a message can't have 1,152,921,504,606,846,976 bytes; 39 bytes passed over"),
         (huge(3), "a schema can't have 1,152,921,504,606,846,976 bytes; 39 bytes passed over"),
@@ -59,7 +63,7 @@ fn a_record_that_is_none_is_passed_over() {
             "a message that no record follows where its length ends; 13 bytes passed over",
         ),
     ] {
-        assert_damage(&[before.clone(), broken, rest.clone()], &[(1, said)], 4);
+        assert_corruption(&[before.clone(), violated, rest.clone()], &[(1, message)], 4);
     }
 }
 
@@ -71,11 +75,11 @@ fn what_later_versions_add_is_passed_over() {
     longer.extend(record(4, &[&body]));
     let unknown = [record(0x42, &[b"what"]), record(0x81, &[&vec![0; 100_000]]), record(0x10, &[])].concat();
     let inside = chunk(Form::Zstd, &[glider(2), unknown.clone(), glider(3)].concat());
-    assert_damage(&[start(), longer, unknown, glider(1), inside, end()], &[], 3);
+    assert_corruption(&[start(), longer, unknown, glider(1), inside, end()], &[], 3);
 }
 
 #[test]
-fn chunks_that_are_broken_are_left_and_the_next_is_read() {
+fn skips_corrupt_chunks() {
     let rest = [gliders(5..=6), end()].concat();
     let before = [start(), declarations(), glider(1)].concat();
     let inner = gliders(2..=4);
@@ -91,7 +95,7 @@ fn chunks_that_are_broken_are_left_and_the_next_is_read() {
     let wrong = format!(
         "a chunk with the checksum {checksum:08x}, where its header says 00000007: what it holds was changed"
     );
-    for (broken, said, count) in [
+    for (violated, message, count) in [
         (
             raw_chunk("brotli", length, checksum, whole.0, whole.1),
             "a chunk packed with `brotli`, where zstd, lz4 or nothing are known",
@@ -127,11 +131,14 @@ fn chunks_that_are_broken_are_left_and_the_next_is_read() {
             6,
         ),
     ] {
-        let judgement = judged(&[&before[..], &broken, &rest].concat());
-        let found = damages(&judgement);
-        let place = Place::Byte(before.len() as u64);
-        assert!(found.len() == 1 && found[0].starts_with(&format!("{place}: {said}")), "{said}: {found:#?}");
-        assert_eq!(judgement.judged, count, "{said}");
+        let result = checked(&[&before[..], &violated, &rest].concat());
+        let found = corrupt_count(&result);
+        let location = Location::Byte(before.len() as u64);
+        assert!(
+            found.len() == 1 && found[0].starts_with(&format!("{location}: {message}")),
+            "{message}: {found:#?}"
+        );
+        assert_eq!(result.checked, count, "{message}");
     }
 }
 
@@ -140,15 +147,15 @@ fn a_chunk_without_end_is_read_as_far_as_it_goes() {
     let mut endless = raw_chunk("", 1 << 60, 0, 1 << 60, &gliders(1..=5));
     endless[1..9].copy_from_slice(&((1_u64 << 60) + 40).to_le_bytes());
     let missing = (1_u64 << 60) - gliders(1..=5).len() as u64;
-    let judgement = judged(&[start(), declarations(), endless].concat());
-    let found = damages(&judgement);
+    let result = checked(&[start(), declarations(), endless].concat());
+    let found = corrupt_count(&result);
     assert_eq!(found.len(), 1, "{found:?}");
     assert!(found[0].contains("the file ends within a record"), "{found:?} {missing}");
-    assert_eq!(judgement.judged, 5);
+    assert_eq!(result.checked, 5);
 }
 
 #[test]
-fn declarations_that_contradict_each_other_are_told() {
+fn reports_contradicting_declarations() {
     let other = channel(3, 0, "/glider", "json", &[]);
     let other_schema = schema(1, "Mark", "ros2msg", b"int16 height\n");
     let none = schema(0, "Mark", "ros2msg", b"int16 height\n");
@@ -190,23 +197,27 @@ fn declarations_that_contradict_each_other_are_told() {
         (8, "channel 10 has a topic or an encoding of more than 256 bytes"),
         (9, unreadable),
     ];
-    assert_damage(&parts, &expected, 1);
+    assert_corruption(&parts, &expected, 1);
 }
 
 #[test]
 fn where_a_file_begins_and_ends_is_looked_at() {
     let body = [declarations(), glider(1)].concat();
     let ends_early = "the file ends without a footer: it was cut off, or what wrote it didn't finish";
-    assert_damage(&[start(), body.clone()], &[(2, ends_early)], 1);
-    assert_damage(&[MAGIC.to_vec(), body.clone(), end()], &[(1, "the file has no header at its start")], 1);
+    assert_corruption(&[start(), body.clone()], &[(2, ends_early)], 1);
+    assert_corruption(
+        &[MAGIC.to_vec(), body.clone(), end()],
+        &[(1, "the file has no header at its start")],
+        1,
+    );
     let mut no_magic = end();
     no_magic.truncate(no_magic.len() - 3);
-    assert_damage(
+    assert_corruption(
         &[start(), body.clone(), no_magic[..42].to_vec(), no_magic[42..].to_vec()],
         &[(3, ends_early), (3, "5 bytes follow the end of the file")],
         1,
     );
-    assert_damage(
+    assert_corruption(
         &[start(), body.clone(), end(), vec![0; 7]],
         &[(3, "7 bytes follow the end of the file")],
         1,
@@ -216,33 +227,33 @@ fn where_a_file_begins_and_ends_is_looked_at() {
     let checksum = checksum.finalize();
     let closed =
         |stated: u32| [record(15, &[&stated.to_le_bytes()]), record(2, &[&[0; 20]]), MAGIC.to_vec()].concat();
-    assert_damage(&[start(), body.clone(), closed(checksum)], &[], 1);
-    let said = format!(
+    assert_corruption(&[start(), body.clone(), closed(checksum)], &[], 1);
+    let message = format!(
         "data with the checksum {checksum:08x}, where the file says {:08x}: something before was changed",
         checksum ^ 1
     );
-    assert_damage(&[start(), body, closed(checksum ^ 1)], &[(2, &said)], 1);
-    assert_damage(&[MAGIC.to_vec(), header("")], &[(2, ends_early)], 0);
+    assert_corruption(&[start(), body, closed(checksum ^ 1)], &[(2, &message)], 1);
+    assert_corruption(&[MAGIC.to_vec(), header("")], &[(2, ends_early)], 0);
 }
 
 /// Cut off anywhere, the messages before the cut are judged, or those of whole blocks of a packed chunk.
 #[test]
-fn files_that_are_cut_off_are_judged_up_to_there() {
+fn checks_truncated_files_to_their_end() {
     for form in FORMS {
         let whole = file(&chunked(form, &records_with(&good().cdr())));
-        let all = judged(&whole);
+        let all = checked(&whole);
         assert_conforms(&all, &form);
         let mut last = 0;
         for cut in (8..whole.len()).step_by(97) {
-            let judgement = judged(&whole[..cut]);
-            assert_eq!(broken(&judgement), [], "{form:?} {cut}");
-            assert!(!judgement.damage.is_empty(), "{form:?} {cut}");
+            let result = checked(&whole[..cut]);
+            assert_eq!(violated(&result), [], "{form:?} {cut}");
+            assert!(!result.corruption.is_empty(), "{form:?} {cut}");
             assert!(
-                judgement.damage.iter().all(|(place, _)| *place <= Place::Byte(cut as u64)),
+                result.corruption.iter().all(|(location, _)| *location <= Location::Byte(cut as u64)),
                 "{form:?} {cut}"
             );
-            assert!(judgement.judged >= last && judgement.judged == judgement.records, "{form:?} {cut}");
-            last = judgement.judged;
+            assert!(result.checked >= last && result.checked == result.records, "{form:?} {cut}");
+            last = result.checked;
         }
         assert!(last >= 29, "{form:?} {last}");
     }
@@ -250,7 +261,7 @@ fn files_that_are_cut_off_are_judged_up_to_there() {
 
 /// A flipped bit costs a few messages, or a chunk. Where a checksum covers it, it is told.
 #[test]
-fn flipped_bits_cost_little_and_are_told_where_a_checksum_covers_them() {
+fn flipped_bits_lose_few_messages_and_fail_checksums() {
     let mut random = Random(11);
     for form in FORMS {
         let whole = file(&chunked(form, &records_with(&good().cdr())));
@@ -259,21 +270,21 @@ fn flipped_bits_cost_little_and_are_told_where_a_checksum_covers_them() {
             let mut bytes = whole.clone();
             let at = random.index(bytes.len() - 8) + 8;
             bytes[at] ^= 1 << random.below(8);
-            let judgement = judged(&bytes);
-            let is_declared = judgement.judged > 0;
-            assert!(!is_declared || judgement.records >= least, "{form:?} {at} {}", judgement.records);
-            for (place, said) in &judgement.damage {
-                assert!(*place <= Place::Byte(whole.len() as u64), "{form:?} {at} {said}");
+            let result = checked(&bytes);
+            let is_declared = result.checked > 0;
+            assert!(!is_declared || result.records >= least, "{form:?} {at} {}", result.records);
+            for (location, message) in &result.corruption {
+                assert!(*location <= Location::Byte(whole.len() as u64), "{form:?} {at} {message}");
             }
             // Within a chunk, all that is packed or stored has a checksum.
-            let is_covered = form != Form::Unchunked && !broken(&judgement).is_empty();
-            assert!(!is_covered || !judgement.damage.is_empty(), "{form:?} {at} {:?}", broken(&judgement));
+            let is_covered = form != Form::Unchunked && !violated(&result).is_empty();
+            assert!(!is_covered || !result.corruption.is_empty(), "{form:?} {at} {:?}", violated(&result));
         }
     }
 }
 
 #[test]
-fn noise_behind_the_magic_is_no_more_than_damage() {
+fn noise_after_the_magic_is_corruption_only() {
     let mut random = Random(5);
     for round in 0..400 {
         let length = random.index(5_000);
@@ -284,9 +295,9 @@ fn noise_behind_the_magic_is_no_more_than_damage() {
                 *byte = if *byte < 128 { 0 } else { *byte % 16 };
             }
         }
-        let judgement = judged(&[MAGIC, &noise].concat());
-        assert!(!judgement.damage.is_empty());
-        assert_eq!(judgement.judged, 0);
+        let result = checked(&[MAGIC, &noise].concat());
+        assert!(!result.corruption.is_empty());
+        assert_eq!(result.checked, 0);
     }
 }
 
@@ -371,7 +382,7 @@ fn memory_does_not_grow_with_what_is_passed_over() {
 
 /// Plans take room and time; beyond a limit, channels are told and not judged.
 #[test]
-fn channels_beyond_what_can_be_planned_are_not_judged() {
+fn does_not_check_channels_beyond_the_limit() {
     let marks = "Mark[3000] more\nMark[3] marks\nbool[3] flags\n";
     let text = super::ros2msg(marks).replace("int16 height", "int16 height\nbool is_there");
     let (name, _) = super::ros("Glider");
@@ -379,8 +390,8 @@ fn channels_beyond_what_can_be_planned_are_not_judged() {
     for id in 0..2_000 {
         records.extend(channel(id, 1, &format!("/tow/{id}/rope"), "cdr", &[]));
     }
-    let judgement = judged(&file(&records));
-    let standings = super::source(&judgement).channels.iter().map(|channel| &channel.standing);
-    let refused = standings.filter(|standing| **standing == Standing::Judged(Basis::TooMany)).count();
+    let result = checked(&file(&records));
+    let statuses = super::source(&result).channels.iter().map(|channel| &channel.status);
+    let refused = statuses.filter(|status| **status == CheckStatus::Checked(Basis::TooMany)).count();
     assert!((1_500..2_000).contains(&refused), "{refused}");
 }

@@ -23,7 +23,7 @@ const SILENCE: Duration = Duration::from_secs(2);
 const ANSWER_LIMIT: Duration = Duration::from_secs(3);
 
 /// How often it is looked who has been silent for too long.
-const LOOK: Duration = Duration::from_millis(50);
+const CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
 /// For how many UAVs it is asked at once, and how many bytes their ids may have: the answer has to fit into a
 /// datagram.
@@ -37,7 +37,7 @@ struct Open {
 }
 
 /// Asks a server for its fleet.
-pub(super) struct Asker {
+pub(super) struct Poller {
     is_one_shot: bool,
     /// The UAVs, and when each was asked for or told of last.
     roster: Roster<Option<Instant>>,
@@ -50,7 +50,7 @@ pub(super) struct Asker {
     count: u64,
 }
 
-impl Asker {
+impl Poller {
     /// One for a connection that has just been opened; over one where nothing comes but answers, `is_one_shot`.
     pub(super) fn new(is_one_shot: bool, now: Instant) -> Self {
         Self {
@@ -82,7 +82,7 @@ impl Asker {
         if self.open.is_some() || self.next_look > now {
             return None;
         }
-        self.next_look = now + LOOK;
+        self.next_look = now + CHECK_INTERVAL;
         let ids = self.silent(now);
         if ids.is_empty() {
             return None;
@@ -113,7 +113,7 @@ impl Asker {
                     if let Some(member) = known {
                         member.value = Some(now);
                         if message.refs.is_none() {
-                            member.told = Some(now);
+                            member.last_reported = Some(now);
                         }
                     }
                 }
@@ -163,8 +163,8 @@ mod tests {
     use super::*;
 
     /// All that is asked now: types, and of how many UAVs.
-    fn asked(asker: &mut Asker, now: Instant) -> Vec<(String, usize)> {
-        let requests = std::iter::from_fn(|| asker.next(now));
+    fn requested(poller: &mut Poller, now: Instant) -> Vec<(String, usize)> {
+        let requests = std::iter::from_fn(|| poller.next(now));
         let body = |text: String| serde_json::from_str::<Value>(&text).expect("JSON")["body"].take();
         let in_short = |body: Value| {
             let count = body["ids"].as_array().map_or(0, Vec::len);
@@ -173,8 +173,8 @@ mod tests {
         requests.map(body).map(in_short).collect()
     }
 
-    fn hear(asker: &mut Asker, text: &str, now: Instant) {
-        asker.take(&Message::read(text.as_bytes()), now);
+    fn receive(poller: &mut Poller, text: &str, now: Instant) {
+        poller.take(&Message::read(text.as_bytes()), now);
     }
 
     fn list(count: usize) -> String {
@@ -197,63 +197,63 @@ mod tests {
     }
 
     #[test]
-    fn a_large_fleet_is_asked_for_in_parts_one_after_the_other() {
+    fn requests_a_large_fleet_in_consecutive_parts() {
         let now = Instant::now();
-        let mut asker = Asker::new(false, now);
-        assert_eq!(asked(&mut asker, now), named(&[("SYS-VER", 0), ("SYS-TIME", 0), ("UAV-LIST", 0)]));
-        hear(&mut asker, &list(120), now);
-        let now = now + LOOK;
-        assert_eq!(asked(&mut asker, now), named(&[("UAV-INF", 50)]));
+        let mut poller = Poller::new(false, now);
+        assert_eq!(requested(&mut poller, now), named(&[("SYS-VER", 0), ("SYS-TIME", 0), ("UAV-LIST", 0)]));
+        receive(&mut poller, &list(120), now);
+        let now = now + CHECK_INTERVAL;
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 50)]));
         // A notification is no answer.
-        hear(&mut asker, &states(None, 0..1), now);
-        assert_eq!(asked(&mut asker, now + LOOK), []);
-        hear(&mut asker, &states(Some("watch-4"), 0..50), now);
-        assert_eq!(asked(&mut asker, now), named(&[("UAV-INF", 50)]));
+        receive(&mut poller, &states(None, 0..1), now);
+        assert_eq!(requested(&mut poller, now + CHECK_INTERVAL), []);
+        receive(&mut poller, &states(Some("watch-4"), 0..50), now);
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 50)]));
         // The answer gets lost, or comes without its envelope, so that it could be anything.
-        hear(&mut asker, &states(None, 0..1), now);
-        assert_eq!(asked(&mut asker, now + LOOK), []);
+        receive(&mut poller, &states(None, 0..1), now);
+        assert_eq!(requested(&mut poller, now + CHECK_INTERVAL), []);
         let now = now + ANSWER_LIMIT;
-        assert_eq!(asked(&mut asker, now), named(&[("UAV-INF", 50)]));
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 50)]));
     }
 
     #[test]
     fn over_http_an_answer_needs_no_envelope() {
         let now = Instant::now();
-        let mut asker = Asker::new(true, now);
-        asked(&mut asker, now);
-        hear(&mut asker, &list(60), now);
-        let now = now + LOOK;
-        assert_eq!(asked(&mut asker, now), named(&[("UAV-INF", 50)]));
-        hear(&mut asker, &states(None, 0..50), now);
-        assert_eq!(asked(&mut asker, now), named(&[("UAV-INF", 10)]));
+        let mut poller = Poller::new(true, now);
+        requested(&mut poller, now);
+        receive(&mut poller, &list(60), now);
+        let now = now + CHECK_INTERVAL;
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 50)]));
+        receive(&mut poller, &states(None, 0..50), now);
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 10)]));
     }
 
     #[test]
-    fn who_is_told_of_is_not_asked_for() {
+    fn does_not_request_recently_reported_uavs() {
         let now = Instant::now();
-        let mut asker = Asker::new(false, now);
-        asked(&mut asker, now);
-        hear(&mut asker, &list(3), now);
+        let mut poller = Poller::new(false, now);
+        requested(&mut poller, now);
+        receive(&mut poller, &list(3), now);
         for half in 1..8 {
             let now = now + SILENCE / 2 * half;
-            hear(&mut asker, &states(None, 0..3), now);
-            assert!(asked(&mut asker, now).iter().all(|(kind, _)| kind != "UAV-INF"));
+            receive(&mut poller, &states(None, 0..3), now);
+            assert!(requested(&mut poller, now).iter().all(|(kind, _)| kind != "UAV-INF"));
         }
         let now = now + SILENCE * 6;
-        assert_eq!(asked(&mut asker, now), named(&[("UAV-LIST", 0), ("UAV-INF", 3)]));
-        hear(&mut asker, r#"{"type": "OBJ-DEL", "ids": ["glider-000"]}"#, now);
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-LIST", 0), ("UAV-INF", 3)]));
+        receive(&mut poller, r#"{"type": "OBJ-DEL", "ids": ["glider-000"]}"#, now);
         let now = now + ANSWER_LIMIT;
-        assert_eq!(asked(&mut asker, now), named(&[("UAV-INF", 2)]));
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 2)]));
     }
 
     #[test]
-    fn lists_are_asked_for_now_and_then() {
+    fn requests_lists_periodically() {
         let start = Instant::now();
-        let mut asker = Asker::new(false, start);
+        let mut poller = Poller::new(false, start);
         let seconds = 0..120;
         let all: Vec<_> =
-            seconds.flat_map(|second| asked(&mut asker, start + Duration::from_secs(second))).collect();
-        let count = |kind: &str| all.iter().filter(|(asked, _)| asked == kind).count();
+            seconds.flat_map(|second| requested(&mut poller, start + Duration::from_secs(second))).collect();
+        let count = |kind: &str| all.iter().filter(|(requested, _)| requested == kind).count();
         assert_eq!((count("SYS-VER"), count("SYS-TIME"), count("UAV-LIST")), (1, 2, 24));
     }
 }

@@ -69,9 +69,9 @@ pub(crate) fn matrix(rows: &[Row]) -> String {
 }
 
 fn marks(row: &Row) -> String {
-    let Some(broken) = &row.broken else { return "  -".to_owned() };
+    let Some(violated) = &row.violated else { return "  -".to_owned() };
     let expected: BTreeSet<&str> = row.expected();
-    let mark = |rule: &&'static Rule| match (broken.contains(rule.id), expected.contains(rule.id)) {
+    let mark = |rule: &&'static Rule| match (violated.contains(rule.id), expected.contains(rule.id)) {
         (true, true) if rule.id == row.rule.id => "  ●",
         (true, true) => "  ○",
         (false, false) => "  ·",

@@ -89,15 +89,15 @@ fn changed(body: &Value) -> Vec<Value> {
     let mut found = Vec::new();
     let mut all = Vec::new();
     places(body, "", &mut all);
-    for place in all.iter().filter(|place| *place != "/type") {
+    for location in all.iter().filter(|location| *location != "/type") {
         for other in
             [json!(null), json!(7.25), json!(-7), json!("x/"), json!(""), json!([]), json!({}), json!(true)]
         {
             let mut body = body.clone();
-            *body.pointer_mut(place).expect("a place") = other;
+            *body.pointer_mut(location).expect("a place") = other;
             found.push(body);
         }
-        let (holder, key) = place.rsplit_once('/').expect("a key");
+        let (holder, key) = location.rsplit_once('/').expect("a key");
         let mut body = body.clone();
         if let Some(Value::Object(members)) = body.pointer_mut(holder) {
             members.remove(key);
@@ -115,9 +115,9 @@ fn found(direction: Direction, body: &Value) -> BTreeMap<&'static str, BTreeSet<
         message["refs"] = "ask-1".into();
     }
     let line = json!({ "dir": "in", "msg": message }).to_string();
-    let judgement = check_capture(line.as_bytes(), None, &DEFINITIONS).expect("a line");
+    let result = check_capture(line.as_bytes(), None, &DEFINITIONS).expect("a line");
     let mut found: BTreeMap<_, BTreeSet<String>> = BTreeMap::new();
-    for group in judgement.findings.groups() {
+    for group in result.findings.groups() {
         let places = group.examples.iter().map(|(_, detail)| detail.path.clone());
         found.entry(group.rule.id).or_default().extend(places);
     }
@@ -126,7 +126,7 @@ fn found(direction: Direction, body: &Value) -> BTreeMap<&'static str, BTreeSet<
 
 /// What has a rule of its own is told by that, and what has none by `FW-ENV-18`.
 #[test]
-fn each_deviation_is_told_once() {
+fn reports_each_deviation_once() {
     let (mut own, mut rest) = (0, 0);
     let typical = vectors().into_iter().filter(|vector| vector.description.starts_with("typical"));
     for Vector { type_name, direction, body, .. } in typical {
@@ -137,10 +137,13 @@ fn each_deviation_is_told_once() {
         let before = found(direction, &body);
         for body in changed(&body) {
             let (deviations, found) = (deviations(&type_name, direction, &body), found(direction, &body));
-            let told = found.get("FW-ENV-18").cloned().unwrap_or_default();
+            let reported = found.get("FW-ENV-18").cloned().unwrap_or_default();
             let expected = deviations.iter().filter(|deviation| attributed(&type_name, deviation).is_none());
             let expected: BTreeSet<String> = expected.map(|one| one.mismatch.path.clone()).collect();
-            assert!(told.is_subset(&expected) && told.is_empty() == expected.is_empty(), "{body}: {found:?}");
+            assert!(
+                reported.is_subset(&expected) && reported.is_empty() == expected.is_empty(),
+                "{body}: {found:?}"
+            );
             for deviation in &deviations {
                 let Some(rule) = attributed(&type_name, deviation).map(|rule| rule.id) else { continue };
                 assert!(found.contains_key(rule), "{rule} is to tell {deviation:?} of {body}: {found:?}");
@@ -148,17 +151,17 @@ fn each_deviation_is_told_once() {
             }
             let is_new = |rule: &&str| *rule != "FW-ENV-18" && !before.contains_key(rule);
             for (rule, places) in found.iter().filter(|(rule, _)| is_new(rule)) {
-                let both: Vec<_> = places.intersection(&told).collect();
+                let both: Vec<_> = places.intersection(&reported).collect();
                 assert!(both.is_empty(), "{rule} tells {both:?} of {body}, too");
             }
-            rest += told.len();
+            rest += reported.len();
         }
     }
     assert!(own > 500 && rest > 1_000, "{own} and {rest}");
 }
 
 #[test]
-fn directions_are_told_apart() {
+fn distinguishes_directions() {
     let states = json!({ "type": "UAV-INF", "status": {}, "ids": ["kite"] });
     assert_eq!(deviations("UAV-INF", Direction::Request, &states), []);
     let response = deviations("UAV-INF", Direction::Response, &states);
@@ -171,8 +174,8 @@ fn directions_are_told_apart() {
 }
 
 #[test]
-fn deviations_are_told_with_their_place_and_with_what_should_be_there() {
-    let told = |type_name: &str, body: Value| -> Vec<String> {
+fn reports_deviations_with_location_and_expected_value() {
+    let reported = |type_name: &str, body: Value| -> Vec<String> {
         let found = deviations(type_name, Direction::Response, &body);
         let words = found.into_iter().map(|Deviation { mismatch, .. }| mismatch);
         words.map(|one| format!("{}: {}, found {}", one.path, one.expected, one.actual)).collect()
@@ -180,7 +183,7 @@ fn deviations_are_told_with_their_place_and_with_what_should_be_there() {
     let body = json!({ "type": "RTK-INF", "preset": { "a/b": {
         "title": 7, "format": "paper", "sources": ["x", ""], "type": null } }, "error": { "c": 1, "d": 2 } });
     assert_eq!(
-        told("RTK-INF", body),
+        reported("RTK-INF", body),
         [
             "/body/preset/a~1b/title: a string, found 7",
             "/body/preset/a~1b/format: one of `auto`, `rtcm2`, `rtcm3`, `ubx`, found \"paper\"",
@@ -192,7 +195,7 @@ fn deviations_are_told_with_their_place_and_with_what_should_be_there() {
     let body = json!({ "type": "SHOW-CRTH-START", "schedule": [
         { "type": "rth", "startMs": 1.5, "endMs": "soon" }, { "type": "rth", "startMs": 1, "endMs": "inf" }, 7 ] });
     assert_eq!(
-        told("SHOW-CRTH-START", body),
+        reported("SHOW-CRTH-START", body),
         [
             "/body/schedule/0/startMs: an integer, found 1.5",
             "/body/schedule/0/endMs: one of `auto`, `inf`, found \"soon\"",
@@ -202,7 +205,7 @@ fn deviations_are_told_with_their_place_and_with_what_should_be_there() {
     let body = json!({ "type": "WTH-AT", "weather": {
         "position": [91.5, 0], "timestamp": 1, "humidity": 101, "magneticVector": [1, 2] } });
     assert_eq!(
-        told("WTH-AT", body),
+        reported("WTH-AT", body),
         [
             "/body/weather/position/0: an integer, -900000000 to 900000000 (latitude), found 91.5",
             "/body/weather/humidity: an integer, 0 to 100, found 101",
@@ -211,7 +214,7 @@ fn deviations_are_told_with_their_place_and_with_what_should_be_there() {
     );
     let body = json!({ "type": "OBJ-CMD", "result": { "kite": { "type": "plain" } }, "wind": 3 });
     assert_eq!(
-        told("OBJ-CMD", body),
+        reported("OBJ-CMD", body),
         [
             "/body/result/kite/data: anything, found nothing",
             "/body/wind: no field but `type`, `result`, `error`, `receipt`, found 3",
@@ -232,13 +235,13 @@ fn findings_lead_to_the_definition() {
         line(json!({ "position": [1, 2], "timestamp": 1, "humidity": -1 })),
     ];
     let groups = |definitions: &Definitions| -> Vec<(String, u64, Option<String>)> {
-        let judgement = check_capture(lines.join("\n").as_bytes(), None, definitions).expect("lines");
+        let result = check_capture(lines.join("\n").as_bytes(), None, definitions).expect("lines");
         let group = |group: &crate::model::Group| {
             let line =
                 group.definition.map(|span| definitions.line(span).text.trim_start_matches("| ").to_owned());
             (group.subject.clone(), group.count, line.map(|line| line.chars().take(11).collect()))
         };
-        judgement.findings.groups().filter(|group| group.rule.id == "FW-ENV-18").map(group).collect()
+        result.findings.groups().filter(|group| group.rule.id == "FW-ENV-18").map(group).collect()
     };
     let expected = [
         ("WTH-AT", 2, "### Respons"),

@@ -65,20 +65,20 @@ pub(crate) struct Stale {
     /// Its number among all entries.
     pub(super) entry: usize,
     /// Why.
-    pub why: Why,
+    pub reason: StaleReason,
 }
 
 impl Stale {
     /// Whether the list can be mended without a person. Messages that have nothing in common at their beginning can't
     /// be named by one entry: an empty beginning would excuse whatever comes.
-    pub(crate) fn is_mendable(&self) -> bool {
-        !matches!(&self.why, Why::FailsOtherwise { common, .. } if common.is_empty())
+    pub(crate) fn is_fixable(&self) -> bool {
+        !matches!(&self.reason, StaleReason::FailsOtherwise { common, .. } if common.is_empty())
     }
 }
 
 /// Why an entry doesn't hold true.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Why {
+pub(crate) enum StaleReason {
     /// Nothing that it names fails any more.
     Passes,
     /// Some of the cases that it names pass.
@@ -134,7 +134,7 @@ impl Lists {
     }
 
     /// The entries that don't hold true on the day `today`, in their order.
-    pub(crate) fn judge(&self, scope: Scope, checked: &[Checked<'_>], today: Date) -> Vec<Stale> {
+    pub(crate) fn find_stale(&self, scope: Scope, checked: &[Checked<'_>], today: Date) -> Vec<Stale> {
         let mut stale = Vec::new();
         let by_rule = by_rule(checked);
         for (at, entry) in self.entries.iter().enumerate() {
@@ -147,8 +147,9 @@ impl Lists {
                 Selector::Rule { .. } | Selector::Case(_) => continue,
             };
             let is_over = entry.excuse.expires.is_some_and(|last| last < today);
-            let whys = is_over.then_some(Why::Expired).into_iter().chain(sum.whys(entry.excuse.kind));
-            stale.extend(whys.map(|why| Stale { entry: at, why }));
+            let reasons =
+                is_over.then_some(StaleReason::Expired).into_iter().chain(sum.reasons(entry.excuse.kind));
+            stale.extend(reasons.map(|reason| Stale { entry: at, reason }));
         }
         stale
     }
@@ -156,44 +157,44 @@ impl Lists {
     /// What is said of a stale entry.
     pub(super) fn finding(&self, stale: &Stale, level: Level) -> Option<Finding> {
         let entry = self.entries.get(stale.entry)?;
-        let mut place = entry.place;
-        if place.selector.end - place.selector.start > MAX_MARKED {
-            place.selector = place.header;
+        let mut spans = entry.spans;
+        if spans.selector.end - spans.selector.start > MAX_MARKED {
+            spans.selector = spans.header;
         }
         let what = match &entry.names {
             Selector::Rule { .. } => "rule",
             Selector::Case(_) => "case",
         };
-        let (id, span, message, help) = match &stale.why {
-            Why::Passes => {
+        let (id, span, message, help) = match &stale.reason {
+            StaleReason::Passes => {
                 let message = format!("nothing that this {what} names fails any more");
-                ("known-passes", place.selector, message, "remove the entry")
+                ("known-passes", spans.selector, message, "remove the entry")
             }
-            Why::PassesInPart { count, first, failing } => {
+            StaleReason::PassesInPart { count, first, failing } => {
                 let all = count + failing.len();
                 let message =
                     format!("{count} of the {all} cases that this names pass: the first is {first}");
                 let help = "name only those that fail; what may fail or pass is flaky";
-                ("known-passes", place.selector, message, help)
+                ("known-passes", spans.selector, message, help)
             }
-            Why::FailsOtherwise { found, .. } => {
+            StaleReason::FailsOtherwise { found, .. } => {
                 let expected = entry.message.as_deref()?;
                 let message = format!("it fails otherwise: expected {expected:?} and more, found {found:?}");
                 let help = "look into it; where it is known too, correct the message";
-                ("known-fails-otherwise", place.message?, message, help)
+                ("known-fails-otherwise", spans.message?, message, help)
             }
-            Why::MatchesNothing => {
+            StaleReason::MatchesNothing => {
                 let message = format!("this {what} names nothing in this run");
-                ("known-matches-nothing", place.selector, message, "correct the pattern, or remove the entry")
+                ("known-matches-nothing", spans.selector, message, "correct the pattern, or remove the entry")
             }
-            Why::Idle => {
+            StaleReason::Idle => {
                 let message = format!("nothing was there to judge for this {what}");
-                ("known-matches-nothing", place.selector, message, "correct the pattern, or remove the entry")
+                ("known-matches-nothing", spans.selector, message, "correct the pattern, or remove the entry")
             }
-            Why::Expired => {
+            StaleReason::Expired => {
                 let message = format!("the entry expired on {}", entry.excuse.expires?);
                 let help = "remove it; or, where its reason still holds, give it another date";
-                ("known-expired", place.expires?, message, help)
+                ("known-expired", spans.expires?, message, help)
             }
         };
         let mut finding = Finding::new(id, level, span, message);
@@ -267,27 +268,31 @@ impl<'c> Sum<'c> {
         common.truncate(length);
     }
 
-    fn whys(mut self, kind: ExcuseKind) -> impl Iterator<Item = Why> {
+    fn reasons(mut self, kind: ExcuseKind) -> impl Iterator<Item = StaleReason> {
         let found = self.other.take().filter(|_| kind == ExcuseKind::Known);
         let common = self.common.take().unwrap_or_default();
-        let otherwise = found.map(|found| Why::FailsOtherwise { found, common });
-        otherwise.into_iter().chain(self.absence(kind))
+        let otherwise = found.map(|found| StaleReason::FailsOtherwise { found, common });
+        otherwise.into_iter().chain(self.reason_to_remove(kind))
     }
 
     /// Why an entry would be stale for what doesn't fail.
-    fn absence(self, kind: ExcuseKind) -> Option<Why> {
+    fn reason_to_remove(self, kind: ExcuseKind) -> Option<StaleReason> {
         // What wasn't run might fail.
         if self.not_run > 0 {
             return None;
         }
         match (self.failed, self.passed, self.idle) {
-            (0, 0, 0) => Some(Why::MatchesNothing),
-            (0, 0, _) => Some(Why::Idle),
+            (0, 0, 0) => Some(StaleReason::MatchesNothing),
+            (0, 0, _) => Some(StaleReason::Idle),
             _ if kind == ExcuseKind::Flaky => None,
-            (0, _, _) => Some(Why::Passes),
+            (0, _, _) => Some(StaleReason::Passes),
             (_, count, _) => {
                 let failing = self.failing.into_iter().map(str::to_owned).collect();
-                self.passing.map(|first| Why::PassesInPart { count, first: first.to_owned(), failing })
+                self.passing.map(|first| StaleReason::PassesInPart {
+                    count,
+                    first: first.to_owned(),
+                    failing,
+                })
             }
         }
     }

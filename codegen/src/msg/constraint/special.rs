@@ -1,0 +1,53 @@
+//! `[@invalid value text]` and `[@uncontrolled value text]`: values with a special meaning.
+
+use super::model::{Argument, ConstraintKind, Effect, Stated};
+use super::number::parse;
+use crate::msg::kind::is_identifier;
+use crate::msg::words::split_word;
+
+/// The value that says that there is no data.
+pub static INVALID: ConstraintKind = ConstraintKind {
+    name: "invalid",
+    form: "[@invalid value]",
+    words: "no data",
+    keyword: "x-invalid",
+    read,
+    lay_out,
+    effect: Effect::Allows {
+        title: "No data",
+        sample: ("no-data", "the value that says that there is no data"),
+    },
+};
+
+/// The value that says that a set point doesn't apply.
+pub static UNCONTROLLED: ConstraintKind = ConstraintKind {
+    name: "uncontrolled",
+    form: "[@uncontrolled value]",
+    words: "not controlled",
+    keyword: "x-uncontrolled",
+    read,
+    lay_out,
+    effect: Effect::Allows {
+        title: "Not controlled",
+        sample: ("not-controlled", "the value that says that it isn't controlled"),
+    },
+};
+
+fn read(argument: &str) -> Option<(Argument<'_>, &str)> {
+    let (word, text) = split_word(argument);
+    let value = match parse(word) {
+        Ok(number) => Argument::Stated(Stated::Value(number)),
+        Err(_) if word.eq_ignore_ascii_case("empty") => Argument::Stated(Stated::Empty),
+        Err(_) if is_identifier(word) => Argument::Name(word),
+        Err(_) => return None,
+    };
+    Some((value, text))
+}
+
+/// A value, and the words on when it applies, which are documentation and keep their spaces.
+fn lay_out(argument: &str) -> String {
+    match split_word(argument) {
+        (word, "") => word.to_owned(),
+        (word, text) => format!("{word} {text}"),
+    }
+}

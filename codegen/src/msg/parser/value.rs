@@ -1,0 +1,201 @@
+//! The values of constants and the defaults of fields.
+
+use uavspec_runtime::Scalar;
+
+use super::{Broken, LineParser};
+use crate::diagnostic::Problem;
+use crate::msg::ast::{Constant, ConstantType, Element, Field, Name, Shape, Type};
+use crate::msg::kind::Dialect;
+use crate::msg::literal::{self, LiteralError};
+use crate::source::Span;
+use crate::value::Value;
+
+impl<'s> LineParser<'s, '_> {
+    /// Reads the value of a constant.
+    pub(super) fn constant(&mut self, ty: &Type<'s>, name: Name<'s>) -> Result<Constant<'s>, Broken> {
+        self.check_style(name, true);
+        let constant_type = match (ty.element, ty.shape) {
+            (Element::Scalar(scalar), Shape::Single) => ConstantType::Scalar(scalar),
+            (Element::String { wide, bound: None }, Shape::Single) => ConstantType::String { wide },
+            _ => {
+                let type_name = self.line[..(ty.span.end - self.span.start) as usize].trim_start().to_owned();
+                return Err(self.report(Problem::ConstantType { type_name }, ty.span));
+            }
+        };
+        self.skip_blanks();
+        let start = self.at;
+        let value = match constant_type {
+            ConstantType::Scalar(scalar) => {
+                let text = self.word(|c| c != '#').trim_end();
+                let span = self.span.part(start..start + text.len());
+                if text.is_empty() {
+                    return Err(self.report(Problem::MissingValue { name: name.text.to_owned() }, name.span));
+                }
+                self.scalar(text, span, scalar)?
+            }
+            ConstantType::String { .. } => Value::Text(self.string()?),
+        };
+        let end = start + self.line[start..self.at].trim_end().len();
+        Ok(Constant { ty: constant_type, name, value, value_span: self.span.part(start..end) })
+    }
+
+    /// Reads a quoted string, or the text up to a comment.
+    fn string(&mut self) -> Result<String, Broken> {
+        if !self.rest().starts_with(['"', '\'']) {
+            return Ok(self.word(|c| c != '#').trim_end().to_owned());
+        }
+        let quoted = self.quoted()?;
+        self.expect_end()?;
+        Ok(quoted)
+    }
+
+    fn quoted(&mut self) -> Result<String, Broken> {
+        let start = self.at;
+        let Some(quoted) = literal::parse_quoted(self.rest()) else {
+            let span = self.span.part(start..self.line.len());
+            self.at = self.line.len();
+            return Err(self.report(Problem::UnterminatedString, span));
+        };
+        for range in quoted.unknown_escapes {
+            let escape = self.line[start + range.start..start + range.end].to_owned();
+            self.report(
+                Problem::UnknownEscape { escape },
+                self.span.part(start + range.start..start + range.end),
+            );
+        }
+        self.at += quoted.len;
+        Ok(quoted.value)
+    }
+
+    fn scalar(&mut self, text: &str, span: Span, scalar: Scalar) -> Result<Value, Broken> {
+        let type_name = scalar.name().to_owned();
+        match literal::parse_scalar(text, scalar) {
+            Ok(value) => {
+                if self.dialect == Dialect::Px4 && !literal::is_portable(text, &value) {
+                    let instead = match &value {
+                        Value::Bool(true) => Some("True".to_owned()),
+                        Value::Bool(false) => Some("False".to_owned()),
+                        Value::Float(_) => None,
+                        value => Some(value.to_string()),
+                    };
+                    let hint = match &instead {
+                        Some(instead) => format!("write `{instead}`"),
+                        None => "it cuts every constant to an integer".to_owned(),
+                    };
+                    self.report_with(Problem::NotPortable { text: text.to_owned(), instead }, span, hint);
+                }
+                Ok(value)
+            }
+            Err(LiteralError::Form) => {
+                let problem = Problem::InvalidLiteral { text: text.to_owned(), type_name };
+                Err(self.report_with(problem, span, literal::form(scalar)))
+            }
+            Err(LiteralError::Range { least, greatest }) => Err(self.report(
+                Problem::ConstantOutOfRange { text: text.to_owned(), type_name, least, greatest },
+                span,
+            )),
+        }
+    }
+
+    /// Reads the rest of a field: nothing, or a default in ROS 2.
+    pub(super) fn field(&mut self, ty: Type<'s>, name: Name<'s>) -> Result<Field<'s>, Broken> {
+        if self.is_at_end() {
+            return Ok(Field { ty, name, default: None });
+        }
+        let start = self.at;
+        if self.dialect == Dialect::Px4 {
+            let text = self.word(|c| c != '#').trim_end();
+            let span = self.span.part(start..start + text.len());
+            let problem = Problem::UnexpectedText { text: text.to_owned() };
+            let hint = format!("{}; px4 has no default values", problem.hint());
+            return Err(self.report_with(problem, span, hint));
+        }
+        let default = match ty.shape {
+            Shape::Single => self.default_value(ty.element, |c| c != '#')?,
+            shape => self.default_list(ty.element, shape)?,
+        };
+        self.expect_end()?;
+        Ok(Field { ty, name, default: Some(default) })
+    }
+
+    fn default_value(&mut self, element: Element<'s>, within: fn(char) -> bool) -> Result<Value, Broken> {
+        let start = self.at;
+        match element {
+            Element::Scalar(scalar) => {
+                let text = self.word(within).trim_end();
+                let span = self.span.part(start..start + text.len());
+                self.scalar(text, span, scalar)
+            }
+            Element::String { bound, .. } => {
+                let text = if self.rest().starts_with(['"', '\'']) {
+                    self.quoted()?
+                } else {
+                    self.word(within).trim_end().to_owned()
+                };
+                let length = text.chars().count();
+                if bound.is_some_and(|bound| length > bound as usize) {
+                    let span = self.span.part(start..self.at);
+                    let type_name = format!("string<={}", bound.unwrap_or(0));
+                    let problem = Problem::InvalidLiteral { text, type_name };
+                    return Err(self.report_with(problem, span, format!("it has {length} characters")));
+                }
+                Ok(Value::Text(text))
+            }
+            Element::Message { name, .. } => {
+                let text = self.word(within).trim_end().to_owned();
+                let span = self.span.part(start..start + text.len());
+                let problem = Problem::InvalidLiteral { text, type_name: name.to_owned() };
+                Err(self.report_with(problem, span, "a field that is a message has no default"))
+            }
+        }
+    }
+
+    /// `[a, b, …]`.
+    fn default_list(&mut self, element: Element<'s>, shape: Shape) -> Result<Value, Broken> {
+        let start = self.at;
+        let mut values = Vec::new();
+        if !self.rest().starts_with('[') {
+            let text = self.word(|c| c != '#').trim_end().to_owned();
+            let span = self.span.part(start..start + text.len());
+            return Err(self.no_list(text, span));
+        }
+        self.at += 1;
+        self.skip_blanks();
+        while !self.rest().starts_with(']') {
+            if self.is_at_end() {
+                let text = self.line[start..self.at].trim_end().to_owned();
+                let span = self.span.part(start..self.at);
+                return Err(self.no_list(text, span));
+            }
+            values.push(self.default_value(element, |c| !matches!(c, '#' | ',' | ']'))?);
+            self.skip_blanks();
+            if self.rest().starts_with(',') {
+                self.at += 1;
+                self.skip_blanks();
+            } else if !self.rest().starts_with(']') {
+                self.expect_end()?;
+            }
+        }
+        self.at += 1;
+        let found = values.len();
+        let length = match shape {
+            Shape::Array(length) if found != length as usize => length,
+            Shape::Bounded(length) if found > length as usize => length,
+            _ => {
+                self.skip_blanks();
+                return Ok(Value::List(values));
+            }
+        };
+        let span = self.span.part(start..self.at);
+        let problem = Problem::ArrayDefault { found, length: length as usize };
+        Err(match shape {
+            Shape::Bounded(_) => self.report_with(problem, span, format!("give at most {length}")),
+            _ => self.report(problem, span),
+        })
+    }
+
+    fn no_list(&mut self, text: String, span: Span) -> Broken {
+        let problem = Problem::InvalidLiteral { text, type_name: "array".to_owned() };
+        self.report_with(problem, span, "write the elements in brackets: `[1, 2]`")
+    }
+}
