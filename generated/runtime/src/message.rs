@@ -61,8 +61,8 @@ impl Definition {
 /// }
 ///
 /// record! {
-///     Altitude;
-///     0 metres: f32 = float32("metres", 0);
+///     Altitude[1];
+///     0 metres = float32("metres", 0);
 /// }
 ///
 /// let mut payload = [0; 8];

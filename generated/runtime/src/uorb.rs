@@ -18,7 +18,7 @@
 //! }
 //!
 //! record! {
-//!     Wind, WindView, 16, 16;
+//!     Wind[2], WindView, 16, 16;
 //!     0 timestamp: u64 = uint64("timestamp", 0);
 //!     1 speed: Elements<'b, f32, 2> = float32("speed", 8).array(2);
 //! }

@@ -114,7 +114,7 @@ impl Message for ArmingCheckReply {
 }
 
 record! {
-    ArmingCheckReply, ArmingCheckReplyView, 232, 232;
+    ArmingCheckReply[21], ArmingCheckReplyView, 232, 232;
     0 timestamp: u64 = uint64("timestamp", 0);
     1 request_id: u8 = uint8("request_id", 8);
     2 registration_id: u8 = uint8("registration_id", 9);

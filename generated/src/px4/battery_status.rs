@@ -202,7 +202,7 @@ impl Message for BatteryStatus {
 }
 
 record! {
-    BatteryStatus, BatteryStatusView, 168, 167;
+    BatteryStatus[40], BatteryStatusView, 168, 167;
     0 timestamp: u64 = uint64("timestamp", 0);
     1 connected: bool = bool("connected", 158);
     2 voltage_v: f32 = float32("voltage_v", 8).within(&number().not_nan());

@@ -54,7 +54,7 @@ impl Message for Event {
 }
 
 record! {
-    Event, EventView, 40, 40;
+    Event[5], EventView, 40, 40;
     0 timestamp: u64 = uint64("timestamp", 0);
     1 id: u32 = uint32("id", 8);
     2 event_sequence: u16 = uint16("event_sequence", 12);

@@ -158,9 +158,10 @@ impl Parts<'_> {
             let no_padding = types::integer(layout.size_no_padding as i128);
             quote!(, #view, #size, #no_padding)
         });
+        let count = proc_macro2::Literal::usize_unsuffixed(fields.len());
         quote! {
             ::uavspec_runtime::record! {
-                #name #head;
+                #name [#count] #head;
                 #(#indices #fields #views = #descriptors;)*
             }
         }
