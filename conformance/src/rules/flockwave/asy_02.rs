@@ -25,7 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("The response lacks the last requested object.", |out| {
-        out.lose_last(&OPERATIONS);
+        out.drop_last(&OPERATIONS);
     })
     .with(&[&asy_09::RULE.rule]),
     trial: None,

@@ -19,7 +19,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
               wrong `user`, it shows the wrong login state.",
         example: r#"{"type":"AUTH-RESP","result":false,"user":"alice"}"#,
         fix: "Send `data` only for the next step of a login, and `result` otherwise. Add `user` after a successful \
-              login, and never else.",
+              login, and in no other response.",
     },
     checks: &[Check::Message(check)],
     covers: &[],

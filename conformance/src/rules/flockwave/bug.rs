@@ -238,7 +238,7 @@ impl<'r> Outgoing<'r> {
     }
 
     /// Removes the last requested object from all maps of the response.
-    pub(super) fn lose_last(&mut self, kinds: &[&str]) {
+    pub(super) fn drop_last(&mut self, kinds: &[&str]) {
         if self.is_notification() || !kinds.contains(&self.kind()) {
             return;
         }

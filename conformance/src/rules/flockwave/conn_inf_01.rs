@@ -22,7 +22,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("CONN-INF lacks the last requested connection.", |out| {
-        out.lose_last(&["CONN-INF"]);
+        out.drop_last(&["CONN-INF"]);
     }),
     trial: None,
     mutants: &[Mutant {

@@ -27,7 +27,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("DEV-LIST and DEV-INF lack the last requested object or path.", |out| {
-        out.lose_last(&["DEV-LIST", "DEV-INF"]);
+        out.drop_last(&["DEV-LIST", "DEV-INF"]);
     })
     .with(&[&inf_01::RULE.rule]),
     trial: None,

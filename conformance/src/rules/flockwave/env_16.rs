@@ -13,7 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "A response has the type of its request, or is ACK-NAK. AUTH-REQ is answered by AUTH-RESP. \
-                    ACK-ACK answers SYS-PING, SHOW-SETCFG, SHOW-SETLIGHTS and an RTK-SOURCE that sets the source.",
+                    ACK-ACK answers SYS-PING, SHOW-SETCFG, SHOW-SETLIGHTS and RTK-SOURCE with `id`.",
         source: source::GENERAL,
         applies_to: "responses over time",
         why: "The client decodes the body by the expected type. With another type, it reads wrong data or rejects \
@@ -43,7 +43,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[&sys_ping_01::RULE.rule, &sys_ping_02::RULE.rule],
         },
         Mutant {
-            name: "a setting RTK-SOURCE answered with RTK-SOURCE",
+            name: "an RTK-SOURCE with `id` answered with RTK-SOURCE",
             make: || {
                 mutant::then(|session| {
                     session.exchange(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null }));

@@ -24,7 +24,7 @@ pub(super) fn listed_twice(session: &mut Session, add: impl FnOnce(&mut Session)
 }
 
 /// The maximum number of stored unknown UAVs per connection.
-const MAX_DOUBTED: usize = 1_000;
+const MAX_UNKNOWN: usize = 1_000;
 
 /// UAVs that UAV-INF does not know, by connection.
 #[derive(Default)]
@@ -40,7 +40,7 @@ struct Listed {
     /// The latest list.
     uavs: BTreeSet<String>,
     /// UAVs in that list that UAV-INF does not know, and the locations of those responses.
-    doubted: Vec<(String, Location)>,
+    unknown: Vec<(String, Location)>,
 }
 
 impl SessionCheck for Unknown {
@@ -59,9 +59,9 @@ impl SessionCheck for Unknown {
         if exchange.notification("OBJ-DEL").is_some() {
             let is_present = |id: &String| list.as_ref().is_some_and(|deleted| !deleted.contains(id));
             listed.uavs.retain(is_present);
-            listed.doubted.retain(|(id, _)| is_present(id));
+            listed.unknown.retain(|(id, _)| is_present(id));
         } else if let (Some(_), Some(list)) = (exchange.response("UAV-LIST"), list) {
-            for (id, location) in listed.doubted.drain(..).filter(|(id, _)| list.contains(id)) {
+            for (id, location) in listed.unknown.drain(..).filter(|(id, _)| list.contains(id)) {
                 context.violation("UAV-INF", location, || {
                     let id = body::quoted(&id);
                     Detail::new(format!(
@@ -95,12 +95,12 @@ impl Unknown {
         }
         let listed = self.connections.get(exchange);
         let known = request.objects.iter().flatten().filter(|id| listed.uavs.contains(*id));
-        let unknown = body::members(exchange.body, "error");
+        let errors = body::members(exchange.body, "error");
         for id in known {
             context.covered();
-            let is_doubted = unknown.iter().any(|(unknown, _)| unknown == id);
-            if is_doubted && listed.doubted.len() < MAX_DOUBTED {
-                listed.doubted.push((id.clone(), exchange.record.location));
+            let is_unknown = errors.iter().any(|(key, _)| key == id);
+            if is_unknown && listed.unknown.len() < MAX_UNKNOWN {
+                listed.unknown.push((id.clone(), exchange.record.location));
             }
         }
     }

@@ -21,7 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("UAV-INF lacks the last requested UAV.", |out| {
-        out.lose_last(&["UAV-INF"]);
+        out.drop_last(&["UAV-INF"]);
     }),
     trial: None,
     mutants: &[

@@ -10,7 +10,7 @@ pub(super) const NULL: Status = Status::Disputed(
      specification do. This rule reports null.",
 );
 
-/// The parts of the rules that are equal.
+/// The common fields of the `FW-UST-…` rules.
 pub(super) const RULE: Rule = Rule {
     id: "",
     level: Level::Must,
