@@ -1,4 +1,4 @@
-//! Socket.IO over a WebSocket.
+//! Socket.IO over WebSocket.
 
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
@@ -16,10 +16,10 @@ use crate::flockwave::transport::http::is_silence;
 use crate::flockwave::transport::{MESSAGE_LIMIT, SOCKET_IO_PATH, socketio};
 use crate::net::{Address, Connection};
 
-/// How long a server may take none of what is sent.
+/// The maximum time that sending may block.
 const SEND_LIMIT: Duration = Duration::from_secs(30);
 
-/// A stream from which nothing is read after some time: not even a byte now and then.
+/// A stream with a deadline for reading, which also applies if single bytes keep arriving.
 struct Limited {
     stream: TcpStream,
     until: Instant,
@@ -47,7 +47,7 @@ pub(super) struct WebSocketClient {
     _connection: Connection,
     socket: WebSocket<Limited>,
     heartbeat: Heartbeat,
-    /// What came before messages could be sent.
+    /// Packets that arrived during the handshake.
     early: VecDeque<Packet>,
 }
 
@@ -71,7 +71,7 @@ impl WebSocketClient {
         while !opening.is_done() {
             left(until)?;
             let Some(packet) = client.packet(until)? else {
-                return Err(odd("it closed the connection at once"));
+                return Err(odd("the server closed the connection during the handshake"));
             };
             if let Some(answer) = opening.take(&packet, &mut client.heartbeat)? {
                 client.send_packet(&answer)?;
@@ -85,7 +85,7 @@ impl WebSocketClient {
         self.socket.send(Message::text(packet.to_text())).map_err(to_io)
     }
 
-    /// The next packet; nothing where the connection has ended.
+    /// The next packet. `None` at the end of the connection.
     fn packet(&mut self, until: Instant) -> io::Result<Option<Packet>> {
         if let Some(packet) = self.early.pop_front() {
             return Ok(Some(packet));
@@ -96,10 +96,10 @@ impl WebSocketClient {
             match self.socket.read() {
                 Ok(Message::Text(text)) => {
                     let packet =
-                        Packet::parse(&text).ok_or_else(|| odd("a packet of no kind that there is"))?;
+                        Packet::parse(&text).ok_or_else(|| odd("received a packet of an unknown kind"))?;
                     return Ok(Some(packet));
                 }
-                Ok(Message::Binary(_)) => return Err(odd("a binary packet")),
+                Ok(Message::Binary(_)) => return Err(odd("received a binary packet")),
                 Ok(Message::Close(_)) | Err(Error::ConnectionClosed | Error::AlreadyClosed) => {
                     return Ok(None);
                 }
@@ -146,7 +146,7 @@ impl Client for WebSocketClient {
 }
 
 fn config() -> WebSocketConfig {
-    // What stands around a message is short.
+    // The packet adds only a few bytes to the message.
     let limit = MESSAGE_LIMIT + 1024;
     WebSocketConfig::default().max_message_size(Some(limit)).max_frame_size(Some(limit))
 }
