@@ -93,8 +93,8 @@ impl Schemas {
                 }
             }
             if !is_any {
-                let problem = "no file `*.json` in this folder is the schema of a message: add a `const` or an `enum` to its \
-                            `properties.type`, or name it after the type, e.g. `SYS-VER.json`";
+                let problem = "no file `*.json` in this folder is the schema of a message: add a `const` or an `enum` to \
+                            its `properties.type`, or name it after the type, e.g. `SYS-VER.json`";
                 return Err(SchemaError {
                     path: folder.clone(),
                     location: String::new(),
