@@ -159,7 +159,7 @@ pub fn check_capture(
 }
 
 /// True if a capture starts with the magic, or ends within it after at least [`MIN_MAGIC`] bytes.
-fn is_begun(start: &[u8], magic: &[u8]) -> bool {
+fn has_magic(start: &[u8], magic: &[u8]) -> bool {
     start.starts_with(magic) || start.len() >= MIN_MAGIC && magic.starts_with(start)
 }
 
@@ -172,7 +172,7 @@ struct CheckRun<'d> {
     /// The checks of the rules on sessions.
     listeners: Listeners<'d>,
     /// By channel index.
-    channels: Vec<Followed>,
+    channels: Vec<Subscribers>,
     sessions: Sessions,
     records: u64,
     checked: u64,
@@ -200,9 +200,9 @@ struct Follower {
 
 /// The rules that check the messages of a channel.
 #[derive(Default)]
-struct Followed {
+struct Subscribers {
     /// The indices of the followers that get its messages.
-    by: Vec<usize>,
+    followers: Vec<usize>,
     /// The highest interest of these followers.
     interest: Interest,
 }
@@ -244,23 +244,23 @@ impl<'d> CheckRun<'d> {
 
     /// Reserves the index of a new channel.
     fn number_channel(&mut self) -> usize {
-        self.channels.push(Followed::default());
+        self.channels.push(Subscribers::default());
         self.channels.len() - 1
     }
 
     fn opened(&mut self, channel: &Channel<'_>) {
-        let mut followed = Followed::default();
+        let mut subscribers = Subscribers::default();
         for (at, follower) in self.followers.iter_mut().enumerate() {
             let opened = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
                 checker.opened(channel, context)
             };
             let interest = follower.check(self.definitions, &mut self.findings, opened);
             if interest > Interest::Nothing {
-                followed.by.push(at);
-                followed.interest = followed.interest.max(interest);
+                subscribers.followers.push(at);
+                subscribers.interest = subscribers.interest.max(interest);
             }
         }
-        self.channels[channel.index] = followed;
+        self.channels[channel.index] = subscribers;
     }
 
     fn closed(&mut self, channel: &Channel<'_>) {
@@ -280,8 +280,8 @@ impl<'d> CheckRun<'d> {
     /// Passes a message to the rules of its channel. Its values have been checked already.
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>) {
         self.checked += 1;
-        self.pass(message.timestamp);
-        for at in &self.channels[channel.index].by {
+        self.include_timestamp(message.timestamp);
+        for at in &self.channels[channel.index].followers {
             let message = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
                 checker.message(channel, message, context);
             };
@@ -290,7 +290,7 @@ impl<'d> CheckRun<'d> {
     }
 
     /// Extends the time span to include a timestamp in µs.
-    fn pass(&mut self, timestamp: Option<u64>) {
+    fn include_timestamp(&mut self, timestamp: Option<u64>) {
         if let Some(timestamp) = timestamp.filter(|timestamp| *timestamp > 0) {
             self.first = Some(self.first.map_or(timestamp, |first| first.min(timestamp)));
             self.last = self.last.max(timestamp);
@@ -298,19 +298,19 @@ impl<'d> CheckRun<'d> {
     }
 
     /// Extends the time span to include a time in seconds.
-    fn pass_time(&mut self, time: Option<f64>) {
+    fn include_time(&mut self, time: Option<f64>) {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // the cast saturates
-        self.pass(time.map(|time| (time * 1e6) as u64));
+        self.include_timestamp(time.map(|time| (time * 1e6) as u64));
     }
 
     /// Passes a record of a session to the rules.
-    fn exchanged(&mut self, record: &SessionRecord<'_>) {
+    fn session_record(&mut self, record: &SessionRecord<'_>) {
         let exchange = self.sessions.follow(record, self.definitions.body_schemas());
         self.record(&exchange);
     }
 
     /// Like `exchanged`, for a status report whose content has been checked already.
-    fn reported(&mut self, record: &SessionRecord<'_>) {
+    fn checked_report(&mut self, record: &SessionRecord<'_>) {
         let exchange = self.sessions.follow_checked(record);
         self.listeners.checked_report(&exchange, &mut self.findings);
     }
@@ -343,7 +343,7 @@ impl<'d> CheckRun<'d> {
 
     /// Handles an unreadable message of a channel, which rules with a state may have needed.
     fn lost(&mut self, channel: usize, location: Location) {
-        for at in &self.channels[channel].by {
+        for at in &self.channels[channel].followers {
             self.followers[*at].checker.corruption(location);
         }
     }

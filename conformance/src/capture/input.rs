@@ -112,7 +112,7 @@ pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
 /// The decompressed bytes of `input`, if it starts like gzip or zstd; otherwise its bytes as they are. Only the first
 /// bytes are read ahead. Several gzip members or zstd frames may follow each other. Other data after them is an error
 /// when it is read.
-pub(crate) fn unpacked(mut input: impl Read + Send + 'static) -> io::Result<Box<dyn Read + Send>> {
+pub(crate) fn decompressed(mut input: impl Read + Send + 'static) -> io::Result<Box<dyn Read + Send>> {
     let mut start = Vec::with_capacity(START);
     input.by_ref().take(START as u64).read_to_end(&mut start)?;
     let (is_gzip, is_zstd) = (start.starts_with(&GZIP), zstd::is_frame(&start));
@@ -139,7 +139,7 @@ mod tests {
 
     fn read(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
         let mut text = Vec::new();
-        unpacked(Cursor::new(bytes))?.read_to_end(&mut text)?;
+        decompressed(Cursor::new(bytes))?.read_to_end(&mut text)?;
         Ok(text)
     }
 

@@ -112,7 +112,7 @@ impl<'d> FlockwaveChecker<'d> {
     /// compare the two.
     #[must_use]
     pub fn thorough(self) -> Self {
-        Self { reports: Reports::none(self.run.definitions), ..self }
+        Self { reports: Reports::disabled(self.run.definitions), ..self }
     }
 
     /// The number of status reports that took the fast path.
@@ -136,16 +136,16 @@ impl<'d> FlockwaveChecker<'d> {
 
     /// Handles a status report without new findings.
     fn report(&mut self, report: &Report<'_>, location: Location) -> Result<(), String> {
-        let happening = ParsedLine {
+        let line = ParsedLine {
             name: Some(report.name),
             direction: Direction::In,
-            time: Some(report.time).filter(|time| is_believed(*time)),
+            time: Some(report.time).filter(|time| is_plausible(*time)),
             content: Content::Report(&report.message),
             text: report.text,
             trial: None,
             note: None,
         };
-        self.record(&happening, location)?;
+        self.record(&line, location)?;
         self.reports.count(report);
         Ok(())
     }
@@ -188,7 +188,7 @@ impl<'d> FlockwaveChecker<'d> {
             Some(Tree::Float(value, _)) => Some(*value),
             _ => None,
         };
-        let time = time.filter(|time| is_believed(*time));
+        let time = time.filter(|time| is_plausible(*time));
         let direction = match tree.get("dir").and_then(Tree::as_str) {
             Some("in") => Direction::In,
             Some("out") => Direction::Out,
@@ -198,7 +198,7 @@ impl<'d> FlockwaveChecker<'d> {
         let string = |key| tree.get(key).and_then(Tree::as_str);
         let trial = string("trial").and_then(rule);
         let how = string("how").filter(|how| how.len() <= MAX_HOW).unwrap_or_default();
-        let happening = ParsedLine {
+        let line = ParsedLine {
             name: name.as_deref(),
             direction,
             time,
@@ -210,26 +210,26 @@ impl<'d> FlockwaveChecker<'d> {
         match (direction, tree.get("msg"), string("raw")) {
             (Direction::Event, ..) => {
                 let event = string("event").ok_or("`event`: expected a string")?;
-                self.record(&ParsedLine { content: Content::Event, text: event, ..happening }, location)
+                self.record(&ParsedLine { content: Content::Event, text: event, ..line }, location)
             }
             (_, Some(message), _) => {
-                self.record(&ParsedLine { content: Content::Message(message), ..happening }, location)
+                self.record(&ParsedLine { content: Content::Message(message), ..line }, location)
             }
             // The program that recorded it may have a stricter JSON parser.
             (_, None, Some(raw)) => match Tree::read(raw) {
                 Ok(message) => {
                     let content = Content::Message(&message);
-                    self.record(&ParsedLine { content, text: raw, ..happening }, location)
+                    self.record(&ParsedLine { content, text: raw, ..line }, location)
                 }
-                Err(_) => self.record(&ParsedLine { text: raw, ..happening }, location),
+                Err(_) => self.record(&ParsedLine { text: raw, ..line }, location),
             },
             (_, None, None) => Err("expected `msg`, or `raw` with a string".to_owned()),
         }
     }
 
     /// Passes a record to the rules and counts it.
-    fn record(&mut self, happening: &ParsedLine<'_>, location: Location) -> Result<(), String> {
-        let ParsedLine { name, direction, time, content, text, trial, note } = *happening;
+    fn record(&mut self, line: &ParsedLine<'_>, location: Location) -> Result<(), String> {
+        let ParsedLine { name, direction, time, content, text, trial, note } = *line;
         let index = self.connection(name.unwrap_or_default())?;
         let connection_name = std::mem::take(&mut self.names[index]);
         let connection =
@@ -239,12 +239,12 @@ impl<'d> FlockwaveChecker<'d> {
             Content::Raw | Content::Event => None,
         };
         let record = SessionRecord { connection, direction, time, text, value, trial, note, location };
-        self.happen(&record);
+        self.follow_event(&record);
         self.count(&record);
         if matches!(content, Content::Report(_)) {
-            self.run.reported(&record);
+            self.run.checked_report(&record);
         } else {
-            self.run.exchanged(&record);
+            self.run.session_record(&record);
         }
         self.names[index] = connection_name;
         Ok(())
@@ -274,7 +274,7 @@ impl<'d> FlockwaveChecker<'d> {
     }
 
     /// Handles the start and the end of connections.
-    fn happen(&mut self, record: &SessionRecord<'_>) {
+    fn follow_event(&mut self, record: &SessionRecord<'_>) {
         if record.direction != Direction::Event {
             return;
         }
@@ -289,7 +289,7 @@ impl<'d> FlockwaveChecker<'d> {
     }
 
     fn count(&mut self, record: &SessionRecord<'_>) {
-        self.run.pass_time(record.time);
+        self.run.include_time(record.time);
         if record.direction == Direction::Event {
             return;
         }
@@ -333,7 +333,7 @@ impl<'d> FlockwaveChecker<'d> {
 }
 
 /// True if a time is plausible. A much larger value isn't in seconds.
-fn is_believed(time: f64) -> bool {
+fn is_plausible(time: f64) -> bool {
     (0.0..MAX_TIME).contains(&time)
 }
 

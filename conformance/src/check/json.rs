@@ -109,7 +109,7 @@ pub fn check_json_thoroughly(
     check_with(
         input,
         message_id,
-        JsonChecker { templates: Templates::none(), ..JsonChecker::new(message_id, definitions) },
+        JsonChecker { templates: Templates::disabled(), ..JsonChecker::new(message_id, definitions) },
     )
 }
 

@@ -8,7 +8,7 @@ use uavspec_codegen::dynamic::{FormatProblem, MessageType};
 use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
-use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, is_begun, timestamp_offset};
+use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic, timestamp_offset};
 use crate::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
 use crate::definitions::Definitions;
@@ -20,7 +20,7 @@ use crate::text::shown;
 
 pub(super) const KIND: Kind = Kind {
     name: "ULog",
-    detect: |start| is_begun(start, &ULOG_MAGIC),
+    detect: |start| has_magic(start, &ULOG_MAGIC),
     check: |input, _, definitions| Ok(check_ulog(input, definitions)),
 };
 

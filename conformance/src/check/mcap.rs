@@ -17,14 +17,14 @@ use std::io::Read;
 
 use uavspec_codegen::schema::MessageId;
 
-use self::cdr::{CdrChecker, unpacked};
+use self::cdr::{CdrChecker, decompressed};
 pub use self::open::{Basis, CheckStatus, McapChannel};
 use self::open::{Identity, Open, Reading};
 use self::schemas::Schemas;
 use self::stated::Stated;
 pub use self::summary::McapSummary;
 use super::topic::{definition_of, is_same_type};
-use super::{CaptureResult, CheckRun, Kind, Summary, is_begun};
+use super::{CaptureResult, CheckRun, Kind, Summary, has_magic};
 use crate::capture::MCAP_MAGIC;
 use crate::capture::mcap::{Event, Reader};
 use crate::definitions::Definitions;
@@ -47,7 +47,7 @@ const HASH_VERSION: &str = "RIHS01_";
 
 pub(super) const KIND: Kind = Kind {
     name: "MCAP",
-    detect: |start| is_begun(start, &MCAP_MAGIC),
+    detect: |start| has_magic(start, &MCAP_MAGIC),
     check: |input, _, definitions| Ok(check_mcap(input, definitions)),
 };
 
@@ -150,25 +150,26 @@ impl<'d> McapChecker<'d> {
         let definitions = self.run.definitions;
         let definition = definition_of(&declared.topic, schema, definitions);
         let mut open = Open::new(declared, schema, definition, location, digest, self.run.number_channel());
-        if let (Some(of), true) = (definition, matches!(declared.encoding.as_str(), "cdr" | "json")) {
-            self.read(&mut open, declared, of);
+        if let (Some(message_id), true) = (definition, matches!(declared.encoding.as_str(), "cdr" | "json")) {
+            self.read(&mut open, declared, message_id);
         }
         self.channels.insert(id, open);
     }
 
     /// Opens a channel that has a definition, and chooses the reader of its messages.
-    fn read(&mut self, open: &mut Open, declared: &Declared, of: MessageId) {
+    fn read(&mut self, open: &mut Open, declared: &Declared, message_id: MessageId) {
         let definitions = self.run.definitions;
         let is_json = declared.encoding == "json";
-        let (basis, stated, version) = self.schemas.compared(declared.schema, of, is_json, definitions);
+        let (basis, stated, version) =
+            self.schemas.compared(declared.schema, message_id, is_json, definitions);
         (open.status, open.identity.version) = (CheckStatus::Checked(basis), version);
         self.run.opened(&open.identity.channel());
         if is_json {
             self.plans.get_or_insert_with(|| Plans::new(&definitions.schema, &px4::VALUES));
-            open.reading = Reading::Json(of);
+            open.reading = Reading::Json(message_id);
             return self.format(open);
         }
-        if let (None, Some(defect)) = (&stated, definitions.types().get(of).defect()) {
+        if let (None, Some(defect)) = (&stated, definitions.types().get(message_id).defect()) {
             open.status = CheckStatus::Checked(Basis::Unusable(defect.to_string()));
             return;
         }
@@ -177,13 +178,13 @@ impl<'d> McapChecker<'d> {
             open.status = CheckStatus::Checked(Basis::TooMany);
             return;
         }
-        let check = CdrChecker::new(of, stated, definitions, &open.identity.name);
+        let check = CdrChecker::new(message_id, stated, definitions, &open.identity.name);
         self.steps += check.steps();
         if let Some(lacks) = check.lacks_timestamp(definitions) {
             let Identity { name, location, .. } = &open.identity;
             self.run.findings.cover(&px4::FMT_03.rule, 1);
             if lacks {
-                let definition = Some(definitions.schema.message(of).span);
+                let definition = Some(definitions.schema.message(message_id).span);
                 self.run.findings.report(&px4::FMT_03.rule, name, *location, definition, || {
                     Detail::new("the schema has no field `uint64 timestamp`")
                         .expected("uint64 timestamp")
@@ -192,17 +193,17 @@ impl<'d> McapChecker<'d> {
             }
         }
         open.reading = Reading::Cdr(Box::new(check));
-        self.hash(open, declared, of);
+        self.hash(open, declared, message_id);
         self.format(open);
     }
 
     /// Compares the hash in the metadata of a channel with that of the definition.
-    fn hash(&mut self, open: &mut Open, declared: &Declared, of: MessageId) {
+    fn hash(&mut self, open: &mut Open, declared: &Declared, message_id: MessageId) {
         let Some(stated) = declared.metadata.get(HASH).filter(|hash| hash.starts_with(HASH_VERSION)) else {
             return;
         };
         let schema = &self.run.definitions.schema;
-        let message = schema.message(of);
+        let message = schema.message(message_id);
         // The hash includes the names. A copy of the type in another package has a different hash.
         let is_of_definition =
             open.schema.as_ref().is_none_or(|(name, _)| is_same_type(name, message, schema));
@@ -259,7 +260,7 @@ impl<'d> McapChecker<'d> {
         match &mut open.reading {
             Reading::Skipped => {}
             Reading::Cdr(check) => {
-                let payload = &*match unpacked(payload) {
+                let payload = &*match decompressed(payload) {
                     Ok(payload) => payload,
                     Err(problem) => return self.run.gap(location, problem),
                 };
@@ -270,12 +271,20 @@ impl<'d> McapChecker<'d> {
                 let values = check.view(&seen, definitions);
                 self.run.message(&channel, &Message { timestamp: seen.timestamp, values, location });
             }
-            Reading::Json(of) => {
+            Reading::Json(message_id) => {
                 let Some(plans) = &self.plans else { return };
-                let origin =
-                    MessageOrigin { id: *of, name: channel.topic, location, key: None, is_rosbridge: true };
-                let size =
-                    definitions.types().get(*of).size().filter(|_| self.run.wants_values(channel.index));
+                let origin = MessageOrigin {
+                    id: *message_id,
+                    name: channel.topic,
+                    location,
+                    key: None,
+                    is_rosbridge: true,
+                };
+                let size = definitions
+                    .types()
+                    .get(*message_id)
+                    .size()
+                    .filter(|_| self.run.wants_values(channel.index));
                 self.values.clear();
                 self.values.resize(size.map_or(0, |size| size.padded), 0);
                 match check_message(plans, origin, payload, &mut self.values, &mut self.run.findings) {
@@ -283,8 +292,9 @@ impl<'d> McapChecker<'d> {
                     Ok(Clean { timestamp, dialects }) => {
                         self.dialects.absorb(dialects);
                         open.checked += 1;
-                        let view = |of| definitions.types().get(of).view_uorb(&self.values).ok();
-                        let values = (!self.values.is_empty()).then(|| view(*of)).flatten();
+                        let view =
+                            |message_id| definitions.types().get(message_id).view_uorb(&self.values).ok();
+                        let values = (!self.values.is_empty()).then(|| view(*message_id)).flatten();
                         self.run.message(&channel, &Message { timestamp, values, location });
                     }
                 }
@@ -331,8 +341,8 @@ fn shortened(text: &str) -> String {
 }
 
 /// A hash of a declaration, which distinguishes contents without storing them.
-fn digest(of: &impl std::hash::Hash) -> u64 {
+fn digest(declaration: &impl std::hash::Hash) -> u64 {
     let mut hasher = DefaultHasher::new();
-    of.hash(&mut hasher);
+    declaration.hash(&mut hasher);
     hasher.finish()
 }

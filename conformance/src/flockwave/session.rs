@@ -145,7 +145,7 @@ impl Sessions {
         record: &'t SessionRecord<'t>,
         schemas: BodySchemas<'_>,
     ) -> Exchange<'t> {
-        let time = self.at(record);
+        let time = self.reliable_time(record);
         let exchange = Exchange::new(record, time);
         let deviations = exchange.deviations_from(schemas);
         self.resolve(Exchange { deviations, ..exchange })
@@ -153,7 +153,7 @@ impl Sessions {
 
     /// Like [`follow`](Self::follow), for a record whose message has been checked already.
     pub(crate) fn follow_checked<'t>(&mut self, record: &'t SessionRecord<'t>) -> Exchange<'t> {
-        let time = self.at(record);
+        let time = self.reliable_time(record);
         self.resolve(Exchange { deviations: Some(Vec::new()), ..Exchange::new(record, time) })
     }
 
@@ -168,7 +168,7 @@ impl Sessions {
             Role::Unreadable => {
                 // An unreadable message may have been any message, like a lost one.
                 if record.direction == Direction::In {
-                    self.lose_of(record.connection.index);
+                    self.lose_connection(record.connection.index);
                 }
             }
             Role::Request => self.request(&mut exchange),
@@ -193,14 +193,14 @@ impl Sessions {
             ..request
         };
         let first = (serial, Side::Client, String::new());
-        let is_of = |key: &(u64, Side, String)| key.0 == serial && key.1 == Side::Client;
+        let is_pending = |key: &(u64, Side, String)| key.0 == serial && key.1 == Side::Client;
         // After announcing the end, a server needn't answer requests in transit.
         let is_wanted = |request: &SentRequest| {
             state
                 .ending
                 .is_none_or(|ending| request.time.is_some_and(|time| time < ending - MAX_TRANSIT_TIME))
         };
-        let open = self.open.take(&first, is_of).into_iter();
+        let open = self.open.take(&first, is_pending).into_iter();
         (serial, open.filter(is_wanted).map(waited).collect())
     }
 
@@ -223,7 +223,7 @@ impl Sessions {
     }
 
     /// Like `lose`, for one connection. Its new serial separates it from everything known so far.
-    fn lose_of(&mut self, connection: usize) {
+    fn lose_connection(&mut self, connection: usize) {
         let serial = self.next_serial();
         let state = &mut self.states[connection];
         *state = State { serial, is_whole: false, clock: None, ..state.clone() };
@@ -243,7 +243,7 @@ impl Sessions {
     }
 
     /// The time of a record, if it is reliable.
-    fn at(&mut self, record: &SessionRecord<'_>) -> Option<f64> {
+    fn reliable_time(&mut self, record: &SessionRecord<'_>) -> Option<f64> {
         self.grow(record.connection.index);
         let state = &mut self.states[record.connection.index];
         let time = record.time?;

@@ -411,7 +411,7 @@ fn messages_that_are_packed_by_themselves_are_unpacked() {
     let expected = [("PX-BOOL-01", "glider.is_landed: expected 0 or 1, found 3".to_owned())];
     assert_eq!((violated(&result), result.checked), (expected.to_vec(), 2));
     let message = corrupt_count(&result);
-    assert!(message.len() == 2 && message[0].contains("that can't be unpacked: "), "{message:?}");
+    assert!(message.len() == 2 && message[0].contains("can't be decompressed: "), "{message:?}");
     assert!(message[1].ends_with("the compressed message has more than 67108864 bytes"), "{message:?}");
 }
 

@@ -177,16 +177,22 @@ impl<R: Read> Reader<R> {
                     self.search(offset, Malformed::Parts { opcode })?;
                     return Ok(None);
                 }
-                self.pass(offset, HEAD as u64 + length)?;
+                self.skip(offset, HEAD as u64 + length)?;
             }
             // The length was checked, so this doesn't overflow.
-            _ => return self.whole(offset, opcode, usize::try_from(length).unwrap_or(usize::MAX - HEAD)),
+            _ => {
+                return self.buffered_record(
+                    offset,
+                    opcode,
+                    usize::try_from(length).unwrap_or(usize::MAX - HEAD),
+                );
+            }
         }
         Ok(None)
     }
 
     /// Reads a record into the buffer completely, so that the bytes after it can be checked.
-    fn whole(&mut self, offset: u64, opcode: u8, length: usize) -> io::Result<Option<Found>> {
+    fn buffered_record(&mut self, offset: u64, opcode: u8, length: usize) -> io::Result<Option<Found>> {
         let end = HEAD + length;
         self.file.require(end + HEAD)?;
         let ahead = self.file.ahead();
@@ -221,7 +227,7 @@ impl<R: Read> Reader<R> {
                     return Ok(None);
                 }
                 (None, _) => {
-                    self.pass(offset, end as u64)?;
+                    self.skip(offset, end as u64)?;
                     return Ok(None);
                 }
             }
@@ -280,7 +286,7 @@ impl<R: Read> Reader<R> {
     }
 
     /// Skips bytes of the record at `offset`.
-    fn pass(&mut self, offset: u64, length: u64) -> io::Result<()> {
+    fn skip(&mut self, offset: u64, length: u64) -> io::Result<()> {
         let passed = self.file.skip(length)?;
         if passed < length {
             self.report(offset, Problem::Truncated { missing: length - passed });
@@ -319,7 +325,7 @@ impl<R: Read> Reader<R> {
         let body = &self.file.ahead()[HEAD..];
         let Some(head) = ChunkHead::read(body, length) else {
             if self.file.is_at_end() && (self.file.ahead().len() as u64) < HEAD as u64 + length {
-                return self.pass(offset, HEAD as u64 + length);
+                return self.skip(offset, HEAD as u64 + length);
             }
             return self.search(offset, Malformed::Parts { opcode: op::CHUNK });
         };
@@ -330,7 +336,7 @@ impl<R: Read> Reader<R> {
         if packing.is_none() && !head.packing.is_empty() {
             let name = String::from_utf8_lossy(&head.packing).into_owned();
             self.report(offset, Problem::Packing { name });
-            return self.pass(offset, HEAD as u64 + length);
+            return self.skip(offset, HEAD as u64 + length);
         }
         self.file.advance(HEAD + head.length);
         self.file.start_part();
@@ -417,7 +423,7 @@ impl<R: Read> Reader<R> {
                 let is_truncated = self.file.is_at_end() && (ahead.len() as u64) < left;
                 let is_next = |at: &usize| is_sound(&ahead[*at..], |id| self.declared.has(id));
                 if is_truncated && !(1..ahead.len()).any(|at| is_next(&at)) {
-                    return self.pass(offset, left);
+                    return self.skip(offset, left);
                 }
                 let (opcode, length) = sound::head(ahead).unwrap_or_default();
                 self.search(self.file.offset(), Malformed::Beyond { opcode, length })
@@ -454,6 +460,6 @@ impl<R: Read> Reader<R> {
         if let Records::Packed(window, _) = chunk.records {
             self.room = window.into_input().into_room();
         }
-        if self.stage == Stage::End { Ok(()) } else { self.pass(chunk.offset, chunk.added) }
+        if self.stage == Stage::End { Ok(()) } else { self.skip(chunk.offset, chunk.added) }
     }
 }

@@ -67,13 +67,13 @@ impl Header {
 
     /// True if the kind is known and the size is large enough for it.
     #[inline]
-    pub(super) fn is_believable(self) -> bool {
+    pub(super) fn is_plausible(self) -> bool {
         u32::from(self.size) >= SIZES[usize::from(self.kind)].0
     }
 
     /// True if messages of this kind usually have such a size.
     pub(super) fn is_usual(self) -> bool {
-        self.is_believable() && self.size <= SIZES[usize::from(self.kind)].1
+        self.is_plausible() && self.size <= SIZES[usize::from(self.kind)].1
     }
 
     /// True if the kind is known, whatever the size.

@@ -74,7 +74,7 @@ pub enum Problem {
         malformation: Malformation,
     },
     /// The message that was returned last has a problem.
-    Odd {
+    InvalidContent {
         /// The kind.
         kind: u8,
         /// The problem.
@@ -158,7 +158,7 @@ impl Problem {
             // The logger itself truncates the message when it appends data.
             | Self::Straddles { .. }
             | Self::UnknownKind(_)
-            | Self::Odd { .. } => Extent::Whole,
+            | Self::InvalidContent { .. } => Extent::Whole,
         }
     }
 }
@@ -215,7 +215,7 @@ impl fmt::Display for Problem {
                     kind.escape_ascii()
                 )
             }
-            Self::Odd { kind, malformation } => {
+            Self::InvalidContent { kind, malformation } => {
                 write!(formatter, "message `{}`: {malformation}", kind.escape_ascii())
             }
         }

@@ -127,7 +127,7 @@ impl<R: Read> Reader<R> {
         let (next, id_of_next) = (Header::read(next)?, &next[HEADER..]);
         let end = self.window.offset() + (header.total() + Look::NEXT) as u64;
         let is_plain = header.kind == b'D'
-            && header.is_believable()
+            && header.is_plausible()
             && self.ids.expect(header.size, &bytes[HEADER..])
             && next.kind == b'D'
             && self.ids.expect(next.size, id_of_next)
@@ -281,7 +281,9 @@ impl<R> Reader<R> {
         let payload = self.window.behind(size.into());
         let event = match parse(kind, payload) {
             Ok((event, defect)) => {
-                self.queued.extend(defect.map(|malformation| (offset, Problem::Odd { kind, malformation })));
+                self.queued.extend(
+                    defect.map(|malformation| (offset, Problem::InvalidContent { kind, malformation })),
+                );
                 event
             }
             Err(malformation) => Event::Problem(Problem::Malformed { kind, size: size.into(), malformation }),

@@ -13,7 +13,7 @@ const SOUND_RUN: usize = 4;
 const RUN_AT_END: usize = 2;
 
 /// Like [`SOUND_RUN`], directly after the end of a message.
-const RUN_BEHIND_MESSAGE: usize = 1;
+const RUN_AFTER_MESSAGE: usize = 1;
 
 /// The number of consecutive messages that form a run even if most are only possible. One start in five looks
 /// possible by chance.
@@ -156,8 +156,8 @@ impl Look<'_> {
             (Some(next), _) => next.is_usual(),
         };
         let is_sound = || match header.kind {
-            b'B' => self.is_first && header.is_believable(),
-            _ => self.looks(header, &message[HEADER..]) == Plausibility::Sound,
+            b'B' => self.is_first && header.is_plausible(),
+            _ => self.plausibility(header, &message[HEADER..]) == Plausibility::Sound,
         };
         (is_followed && is_sound()).then_some(Beginning::Message(header))
     }
@@ -171,7 +171,7 @@ impl Look<'_> {
             return Beginning::Skip(count, resync);
         }
         let is_complete = end <= self.bytes.len();
-        match header.is_believable() {
+        match header.is_plausible() {
             true if is_complete => Beginning::Message(header),
             true => Beginning::Truncated,
             false if is_complete && self.follows(end) => Beginning::Message(header),
@@ -188,14 +188,14 @@ impl Look<'_> {
     #[inline]
     fn run(&self, at: usize) -> Option<Resync> {
         let rest = self.bytes.get(at..)?;
-        let header = Header::read(rest).filter(|header| header.is_believable())?;
+        let header = Header::read(rest).filter(|header| header.is_plausible())?;
         if header.kind == b'S' {
             return rest
                 .get(HEADER..header.total())
                 .filter(|found| *found == SYNC)
                 .map(|_| Resync::Synchronisation);
         }
-        let is_start = match self.looks(header, rest.get(HEADER..header.total())?) {
+        let is_start = match self.plausibility(header, rest.get(HEADER..header.total())?) {
             Plausibility::Sound => true,
             // The first data of an id is only possible, since its size is unknown.
             Plausibility::Possible => {
@@ -214,7 +214,7 @@ impl Look<'_> {
 
     /// True if messages follow a message that ends here.
     fn follows(&self, at: usize) -> bool {
-        match self.walk(at, RUN_BEHIND_MESSAGE) {
+        match self.walk(at, RUN_AFTER_MESSAGE) {
             Walk::Enough | Walk::End { .. } => true,
             Walk::Truncated { sound } => sound > 0,
             Walk::Corrupt => false,
@@ -233,10 +233,10 @@ impl Look<'_> {
                 };
             };
             let Some(payload) = rest.get(HEADER..header.total()) else {
-                let is_truncated = self.is_closed && header.is_believable();
+                let is_truncated = self.is_closed && header.is_plausible();
                 return if is_truncated { Walk::Truncated { sound } } else { Walk::Corrupt };
             };
-            match self.looks(header, payload) {
+            match self.plausibility(header, payload) {
                 Plausibility::Sound => sound += 1,
                 Plausibility::Possible => {}
                 Plausibility::Wrong => return Walk::Corrupt,
@@ -249,7 +249,7 @@ impl Look<'_> {
         Walk::Enough
     }
 
-    fn looks(&self, header: Header, payload: &[u8]) -> Plausibility {
+    fn plausibility(&self, header: Header, payload: &[u8]) -> Plausibility {
         if !header.is_known() {
             return if header.kind.is_ascii_alphabetic() {
                 Plausibility::Possible
@@ -257,7 +257,7 @@ impl Look<'_> {
                 Plausibility::Wrong
             };
         }
-        if !header.is_believable() {
+        if !header.is_plausible() {
             return Plausibility::Wrong;
         }
         let is_sound = match (header.kind, payload) {

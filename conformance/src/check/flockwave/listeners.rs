@@ -38,17 +38,17 @@ struct Views<'v> {
 impl<'d> Listeners<'d> {
     /// The checks of all rules, at the start of a session.
     pub(in crate::check) fn new(definitions: &'d Definitions) -> Self {
-        let all = RULES.iter().flat_map(|of| {
-            of.checks.iter().map(|check| {
+        let all = RULES.iter().flat_map(|rule| {
+            rule.checks.iter().map(|check| {
                 let running = match check {
                     Check::Session(start) => Running::Session(start()),
                     stateless => Running::Stateless(*stateless),
                 };
-                Listener { rule: &of.rule, running, coverage: 0 }
+                Listener { rule: &rule.rule, running, coverage: 0 }
             })
         });
-        let sees_reports = |of: &Listener| {
-            matches!(of.running, Running::Session(_) | Running::Stateless(Check::StatusReport(_)))
+        let sees_reports = |listener: &Listener| {
+            matches!(listener.running, Running::Session(_) | Running::Stateless(Check::StatusReport(_)))
         };
         let (mut all, others): (Vec<Listener>, Vec<Listener>) = all.partition(sees_reports);
         let on_reports = all.len();

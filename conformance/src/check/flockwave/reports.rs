@@ -110,7 +110,7 @@ impl<'d> Reports<'d> {
     }
 
     /// Creates a reader that leaves all lines to the general path.
-    pub(super) fn none(definitions: &'d Definitions) -> Self {
+    pub(super) fn disabled(definitions: &'d Definitions) -> Self {
         Self { fields: None, known: Known::new(definitions), kinds: Vec::new() }
     }
 
@@ -130,7 +130,7 @@ impl<'d> Reports<'d> {
             return None;
         }
         let version = message.version?;
-        let of = self.known.version(version, findings)?;
+        let index = self.known.version(version, findings)?;
         let body =
             vec![(Cow::Borrowed("type"), Tree::Text(TYPE.into())), ("status".into(), Tree::Object(states))];
         let message = vec![
@@ -139,7 +139,7 @@ impl<'d> Reports<'d> {
             ("body".into(), Tree::Object(body)),
         ];
         let message = Tree::Object(message);
-        Some(Report { name: line.name?, time: line.time?, text, message, version: of })
+        Some(Report { name: line.name?, time: line.time?, text, message, version: index })
     }
 
     /// Counts the report that was read last.

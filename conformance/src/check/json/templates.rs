@@ -33,7 +33,7 @@ struct Known {
 
 impl Templates {
     /// Creates a set that never learns a template.
-    pub(super) fn none() -> Self {
+    pub(super) fn disabled() -> Self {
         Self { misses: usize::MAX, ..Self::default() }
     }
 

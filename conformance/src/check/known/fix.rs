@@ -22,7 +22,7 @@ pub(super) fn texts(lists: &Lists, stale: &[Stale]) -> BTreeMap<SourceId, String
         match reason {
             StaleReason::FailsOtherwise { common, .. } => {
                 let span = lists.entries[*entry].spans.message;
-                values.entry(*entry).or_default().extend(span.map(|span| (span, beginning(common))));
+                values.entry(*entry).or_default().extend(span.map(|span| (span, quoted_start(common))));
             }
             StaleReason::PassesInPart { failing, .. } => {
                 let span = lists.entries[*entry].spans.selector;
@@ -58,7 +58,7 @@ fn range(span: Span, whole: Span) -> Range<usize> {
 }
 
 /// The start of a message, as a TOML string.
-fn beginning(message: &str) -> String {
+fn quoted_start(message: &str) -> String {
     let end = message.char_indices().nth(MAX_MESSAGE).map_or(message.len(), |(end, _)| end);
     quote(message[..end].to_owned())
 }
@@ -79,19 +79,19 @@ struct Line {
 /// The parts of a text to remove. Entries are in order, each with true if it is removed.
 fn removals(text: &str, entries: &[(Range<usize>, bool)]) -> Vec<(Range<usize>, String)> {
     let lines = lines(text, entries);
-    let goes = |line: &Line| line.owner.is_some_and(|owner| entries[owner].1);
+    let is_removed = |line: &Line| line.owner.is_some_and(|owner| entries[owner].1);
     let mut removals = Vec::new();
     let mut at = 0;
     while at < lines.len() {
-        if !goes(&lines[at]) {
+        if !is_removed(&lines[at]) {
             at += 1;
             continue;
         }
         let mut start = at;
         let mut end = at;
-        while at < lines.len() && (goes(&lines[at]) || lines[at].is_free_blank()) {
+        while at < lines.len() && (is_removed(&lines[at]) || lines[at].is_free_blank()) {
             at += 1;
-            if goes(&lines[at - 1]) {
+            if is_removed(&lines[at - 1]) {
                 end = at;
             }
         }

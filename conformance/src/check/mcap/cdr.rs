@@ -181,7 +181,7 @@ impl CdrChecker {
 }
 
 /// Decompresses a payload, if rosbag2 compressed each message separately. No encapsulation header starts like zstd.
-pub(super) fn unpacked(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
+pub(super) fn decompressed(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     if !payload.starts_with(&ZSTD) {
         return Ok(Cow::Borrowed(payload));
     }

@@ -172,7 +172,7 @@ impl Open {
         let mut other_cdr = 0;
         match (self.reading, plans) {
             (Reading::Cdr(check), _) => other_cdr = check.close(findings),
-            (Reading::Json(of), Some(plans)) => plans.count(of, self.checked, findings),
+            (Reading::Json(message_id), Some(plans)) => plans.count(message_id, self.checked, findings),
             _ => {}
         }
         McapChannel {

@@ -208,12 +208,12 @@ impl Files {
             }
             files.by_address.insert(address, (path.to_owned(), value));
         }
-        files.agree_on_draft();
+        files.set_default_draft();
         Ok(files)
     }
 
     /// Files without `$schema` use the draft of the first file that names one. Often a single file names it for all.
-    fn agree_on_draft(&mut self) {
+    fn set_default_draft(&mut self) {
         let named = self.by_address.values().find_map(|(_, value)| value["$schema"].as_str());
         let Some(named) = named.map(str::to_owned) else { return };
         for (_, value) in self.by_address.values_mut() {

@@ -65,15 +65,15 @@ pub fn connect(endpoint: &Endpoint, until: Instant) -> io::Result<Box<dyn Client
 
 /// The text to send over Socket.IO.
 fn text_of(bytes: &[u8]) -> io::Result<&str> {
-    std::str::from_utf8(bytes).map_err(|_| odd("Socket.IO carries text only"))
+    std::str::from_utf8(bytes).map_err(|_| invalid("Socket.IO carries text only"))
 }
 
 /// An error for unexpected behaviour of a server.
-fn odd(message: impl Into<String>) -> io::Error {
+fn invalid(message: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, message.into())
 }
 
 /// An error for a time limit.
-fn late(event: &str) -> io::Error {
+fn timed_out(event: &str) -> io::Error {
     io::Error::new(io::ErrorKind::TimedOut, format!("{event} in time"))
 }

@@ -39,12 +39,12 @@ impl Plans {
         tree: &Tree<'_>,
         findings: &mut Findings,
     ) -> Dialects {
-        self.explain_what_counts(origin, tree, findings).0
+        self.explain_with_ignored(origin, tree, findings).0
     }
 
     /// Like `explain`, and also returns true if unused array entries had findings that were ignored. A reader in one
     /// pass can't know the number of used entries, since it may follow the array.
-    pub(super) fn explain_what_counts(
+    pub(super) fn explain_with_ignored(
         &self,
         origin: MessageOrigin<'_>,
         tree: &Tree<'_>,
@@ -59,7 +59,7 @@ impl Plans {
             pointer: origin.key.map(|key| pointer(&[key])).unwrap_or_default(),
             elements: 0,
             is_unused: false,
-            has_passed_over: false,
+            has_ignored: false,
             subject: origin.name.to_owned(),
         };
         let plan = self.get(origin.id);
@@ -71,7 +71,7 @@ impl Plans {
                 explaining.report(explaining.plans.rules.json_type, plan.span, detail);
             }
         }
-        (explaining.dialects, explaining.has_passed_over)
+        (explaining.dialects, explaining.has_ignored)
     }
 
     /// The field `timestamp` of a message, if it has one.
@@ -98,7 +98,7 @@ struct Explaining<'p, 'm> {
     /// True within an unused array entry, whose values are ignored.
     is_unused: bool,
     /// True if a finding was ignored because it was in an unused entry.
-    has_passed_over: bool,
+    has_ignored: bool,
     /// The name of the message and the path without indices, which are the subject of findings.
     subject: String,
 }
@@ -119,7 +119,7 @@ impl<'p> Explaining<'p, '_> {
         is_element: bool,
     ) {
         if self.is_unused && violation.is_of_value() {
-            self.has_passed_over = true;
+            self.has_ignored = true;
             return;
         }
         let found = tree.to_string();

@@ -186,8 +186,8 @@ fn reports_contradicting_declarations() {
         (6, "channel 8 refers to schema 77, which isn't declared before it"),
         (
             7,
-            "schema 9 has 1048577 bytes; those of more than 1048576, or of more than 8388608 together, aren't \
-             compared",
+            "schema 9 is too long to be compared: it has 1048577 bytes, but the limit is 1048576 bytes, and \
+             8388608 for all schemas",
         ),
         (8, "channel 10: the topic or the encoding is longer than 256 bytes"),
         (9, unreadable),

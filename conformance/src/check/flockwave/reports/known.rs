@@ -113,12 +113,12 @@ impl<'d> Known<'d> {
         (uav, state): (&str, &str),
         findings: &Findings,
     ) -> Option<(usize, u64)> {
-        let is_it = |known: &Entry<(u64, u64, Box<str>)>| {
+        let is_match = |known: &Entry<(u64, u64, Box<str>)>| {
             let (fields, nulls, errors) = &known.key;
             (*fields, *nulls, &**errors) == (kind.fields, kind.nulls, kind.errors)
         };
-        if self.kinds.get(self.latest).is_none_or(|known| !is_it(known)) {
-            self.latest = match self.kinds.iter().position(is_it) {
+        if self.kinds.get(self.latest).is_none_or(|known| !is_match(known)) {
+            self.latest = match self.kinds.iter().position(is_match) {
                 Some(at) => at,
                 None => self.learn(kind, uav, state)?,
             };
@@ -160,7 +160,7 @@ impl<'d> Known<'d> {
         let mut findings = Findings::default();
         let message = Message::from_exchange(&exchange)?;
         let mut all = Vec::new();
-        let checks = RULES.iter().flat_map(|of| of.checks.iter().map(|check| (&of.rule, check)));
+        let checks = RULES.iter().flat_map(|rule| rule.checks.iter().map(|check| (&rule.rule, check)));
         for (rule, check) in checks {
             let Check::Message(check) = check else { continue };
             let mut covered = 0;

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use ureq::Agent;
 
-use super::{Client, Received, odd};
+use super::{Client, Received, invalid};
 use crate::flockwave::transport::MESSAGE_LIMIT;
 use crate::net::Address;
 
@@ -63,5 +63,5 @@ pub(super) fn body(response: Result<ureq::http::Response<ureq::Body>, ureq::Erro
         return Ok(body);
     }
     let text = String::from_utf8_lossy(&body[..body.len().min(200)]).trim().to_owned();
-    Err(odd(format!("HTTP status {status}: {text}")))
+    Err(invalid(format!("HTTP status {status}: {text}")))
 }

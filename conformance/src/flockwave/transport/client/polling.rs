@@ -10,7 +10,7 @@ use serde::Deserialize;
 use ureq::Agent;
 
 use super::http::{agent, body};
-use super::{Client, Received, late, odd, text_of};
+use super::{Client, Received, invalid, text_of, timed_out};
 use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
 use crate::flockwave::transport::{SOCKET_IO_PATH, socketio};
 use crate::net::Address;
@@ -92,8 +92,9 @@ impl Opening {
     pub(super) fn take(&mut self, packet: &Packet, heartbeat: &mut Heartbeat) -> io::Result<Option<Packet>> {
         match packet.kind {
             Kind::Open => {
-                let session: Session = serde_json::from_str(&packet.data)
-                    .map_err(|error| odd(format!("invalid packet at the start of the session: {error}")))?;
+                let session: Session = serde_json::from_str(&packet.data).map_err(|error| {
+                    invalid(format!("invalid packet at the start of the session: {error}"))
+                })?;
                 heartbeat.agree(session.ping_interval);
                 self.sid = Some(session.sid);
                 Ok((self.revision == Revision::Four).then(|| Packet::new(Kind::Message, "0")))
@@ -104,17 +105,17 @@ impl Opening {
                     Ok(None)
                 }
                 Some(socketio::Packet::Refusal(reason)) => {
-                    Err(odd(format!("the server refuses the namespace: {reason}")))
+                    Err(invalid(format!("the server refuses the namespace: {reason}")))
                 }
                 _ if self.early.len() < EARLY_LIMIT => {
                     self.early.push_back(packet.clone());
                     Ok(None)
                 }
-                _ => Err(odd("too many packets arrived before the namespace was joined")),
+                _ => Err(invalid("too many packets arrived before the namespace was joined")),
             },
             Kind::Ping => Ok(Some(Packet::new(Kind::Pong, packet.data.clone()))),
             Kind::Pong | Kind::Noop => Ok(None),
-            Kind::Close | Kind::Upgrade => Err(odd("the server closed the session during the handshake")),
+            Kind::Close | Kind::Upgrade => Err(invalid("the server closed the session during the handshake")),
         }
     }
 }
@@ -157,18 +158,18 @@ impl Polling {
         let url = format!("http://{address}{SOCKET_IO_PATH}?EIO={number}&transport=polling");
         let limit = until.saturating_duration_since(Instant::now());
         if limit.is_zero() {
-            return Err(late("no session was opened"));
+            return Err(timed_out("no session was opened"));
         }
         let opened = body(agent(limit).get(&url).call())?;
         let (mut heartbeat, mut opening) = (Heartbeat::new(revision), Opening::new(revision));
-        let mut packets: VecDeque<Packet> = decode(revision, &opened).map_err(odd)?.into();
+        let mut packets: VecDeque<Packet> = decode(revision, &opened).map_err(invalid)?.into();
         let mut answers = Vec::new();
         while !opening.is_done()
             && let Some(packet) = packets.pop_front()
         {
             answers.extend(opening.take(&packet, &mut heartbeat)?);
         }
-        let sid = opening.sid.as_deref().ok_or_else(|| odd("the server opened no session"))?;
+        let sid = opening.sid.as_deref().ok_or_else(|| invalid("the server opened no session"))?;
         let url = format!("{url}&sid={sid}");
         let (sender, polled) = sync_channel(WAITING_LIMIT);
         let poll_url = url.clone();
@@ -176,7 +177,7 @@ impl Polling {
         let mut client = Self { agent: agent(limit), url, revision, heartbeat, polled, packets };
         client.send_packets(&answers)?;
         while !opening.is_done() {
-            let packet = client.packet(until)?.ok_or_else(|| late("the namespace wasn't joined"))?;
+            let packet = client.packet(until)?.ok_or_else(|| timed_out("the namespace wasn't joined"))?;
             let answer = opening.take(&packet, &mut client.heartbeat)?;
             client.send_packets(answer.as_slice())?;
         }
@@ -201,7 +202,7 @@ impl Polling {
                 return Ok(Some(packet));
             }
             match self.polled.recv_timeout(until.saturating_duration_since(Instant::now())) {
-                Ok(payload) => self.packets = decode(self.revision, &payload?).map_err(odd)?.into(),
+                Ok(payload) => self.packets = decode(self.revision, &payload?).map_err(invalid)?.into(),
                 Err(RecvTimeoutError::Timeout) => return Ok(None),
                 Err(RecvTimeoutError::Disconnected) => return Ok(Some(Packet::new(Kind::Close, ""))),
             }
@@ -265,7 +266,7 @@ mod tests {
         let (mut opening, mut heartbeat) = (Opening::new(revision), Heartbeat::new(revision));
         let mut sent = Vec::new();
         for text in packets {
-            let packet = Packet::parse(text).ok_or_else(|| odd("not a packet"))?;
+            let packet = Packet::parse(text).ok_or_else(|| invalid("not a packet"))?;
             sent.extend(opening.take(&packet, &mut heartbeat)?.map(|packet| packet.to_text()));
         }
         let early = opening.early.iter().map(Packet::to_text).collect();

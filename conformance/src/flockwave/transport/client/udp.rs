@@ -18,11 +18,11 @@ impl Udp {
         let found = resolve(address, until)?.into_iter().next();
         let found =
             found.ok_or_else(|| io::Error::new(io::ErrorKind::NotFound, "the host has no address"))?;
-        let own: SocketAddr = match found {
+        let local: SocketAddr = match found {
             SocketAddr::V4(_) => (Ipv4Addr::UNSPECIFIED, 0).into(),
             SocketAddr::V6(_) => (Ipv6Addr::UNSPECIFIED, 0).into(),
         };
-        let socket = UdpSocket::bind(own)?;
+        let socket = UdpSocket::bind(local)?;
         // A connected socket only receives datagrams from this server.
         socket.connect(found)?;
         Ok(Self(socket))

@@ -9,7 +9,7 @@ use tungstenite::client::IntoClientRequest as _;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, HandshakeError, Message, WebSocket};
 
-use super::{Client, Received, late, odd, text_of};
+use super::{Client, Received, invalid, text_of, timed_out};
 use crate::flockwave::transport::client::polling::{Heartbeat, Opening, Step, step};
 use crate::flockwave::transport::engine::{Kind, Packet, Revision};
 use crate::flockwave::transport::http::is_silence;
@@ -63,7 +63,7 @@ impl WebSocketClient {
         let handshake = tungstenite::client::client_with_config(request, stream, Some(config()));
         let (socket, _) = handshake.map_err(|error| match error {
             HandshakeError::Failure(error) => to_io(error),
-            HandshakeError::Interrupted(_) => late("no WebSocket handshake"),
+            HandshakeError::Interrupted(_) => timed_out("no WebSocket handshake"),
         })?;
         let heartbeat = Heartbeat::new(revision);
         let mut client = Self { _connection: connection, socket, heartbeat, early: VecDeque::new() };
@@ -71,7 +71,7 @@ impl WebSocketClient {
         while !opening.is_done() {
             left(until)?;
             let Some(packet) = client.packet(until)? else {
-                return Err(odd("the server closed the connection during the handshake"));
+                return Err(invalid("the server closed the connection during the handshake"));
             };
             if let Some(answer) = opening.take(&packet, &mut client.heartbeat)? {
                 client.send_packet(&answer)?;
@@ -95,11 +95,11 @@ impl WebSocketClient {
             self.socket.get_mut().until = until;
             match self.socket.read() {
                 Ok(Message::Text(text)) => {
-                    let packet =
-                        Packet::parse(&text).ok_or_else(|| odd("received a packet of an unknown kind"))?;
+                    let packet = Packet::parse(&text)
+                        .ok_or_else(|| invalid("received a packet of an unknown kind"))?;
                     return Ok(Some(packet));
                 }
-                Ok(Message::Binary(_)) => return Err(odd("received a binary packet")),
+                Ok(Message::Binary(_)) => return Err(invalid("received a binary packet")),
                 Ok(Message::Close(_)) | Err(Error::ConnectionClosed | Error::AlreadyClosed) => {
                     return Ok(None);
                 }
@@ -153,12 +153,12 @@ fn config() -> WebSocketConfig {
 
 fn left(until: Instant) -> io::Result<Duration> {
     let left = until.saturating_duration_since(Instant::now());
-    if left.is_zero() { Err(late("no packet")) } else { Ok(left) }
+    if left.is_zero() { Err(timed_out("no packet")) } else { Ok(left) }
 }
 
 fn to_io(error: Error) -> io::Error {
     match error {
         Error::Io(error) => error,
-        other => odd(other.to_string()),
+        other => invalid(other.to_string()),
     }
 }
