@@ -1,4 +1,4 @@
-//! Reads ULog, the log format of PX4: <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>.
+//! Reads `ULog`, the log format of PX4: <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>.
 //!
 //! There are two layers. A [`Reader`] splits bytes into messages, which it returns from its buffer, and reports
 //! corruption of the framing. A [`Log`] tracks formats and subscriptions, and determines the type of data.

@@ -209,7 +209,7 @@ fn reports_deviations_with_location_and_expected_value() {
         [
             "/body/weather/position/0: an integer from -900000000 to 900000000 (latitude), found 91.5",
             "/body/weather/humidity: an integer from 0 to 100, found 101",
-            "/body/weather/magneticVector: a list of 3, found 2 elements",
+            "/body/weather/magneticVector: a list of 3 elements, found 2 elements",
         ]
     );
     let body = json!({ "type": "OBJ-CMD", "result": { "kite": { "type": "plain" } }, "wind": 3 });

@@ -9,7 +9,7 @@ use crate::model::Extent;
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Problem {
-    /// The file isn't a ULog. Reading stops.
+    /// The file isn't a `ULog`. Reading stops.
     ForeignMagic([u8; 7]),
     /// The file is shorter than its 16-byte header. Reading stops.
     ShortHeader {
@@ -242,7 +242,7 @@ impl fmt::Display for Malformation {
             Self::KeyLength { length, room } => {
                 write!(formatter, "expected a key of {length} bytes, found {room} bytes")
             }
-            Self::NotUtf8 { at } => write!(formatter, "invalid UTF-8 at byte {at} of it"),
+            Self::NotUtf8 { at } => write!(formatter, "invalid UTF-8 at byte {at} of its payload"),
             Self::ValueNotUtf8 => formatter.write_str("its text value is invalid UTF-8"),
             Self::NoColon => formatter.write_str("expected a name and a colon"),
             Self::NoType => formatter.write_str("expected a type, a space and a name"),

@@ -227,8 +227,8 @@ impl Tuple {
 impl fmt::Display for Tuple {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.required, self.elements.len()) {
-            (least, most) if least == most => write!(formatter, "a list of {most}"),
-            (least, most) => write!(formatter, "a list of {least} to {most}"),
+            (least, most) if least == most => write!(formatter, "a list of {most} elements"),
+            (least, most) => write!(formatter, "a list of {least} to {most} elements"),
         }
     }
 }

@@ -211,12 +211,12 @@ fn messages_that_mean_nothing_are_dropped() {
     let cases: [(u8, &[u8], &str); 11] = [
         (b'F', b"no colon", "expected a name and a colon"),
         (b'F', b":uint8_t a;", "its name is empty"),
-        (b'F', b"caf\xe9:uint8_t a;", "invalid UTF-8 at byte 3 of it"),
+        (b'F', b"caf\xe9:uint8_t a;", "invalid UTF-8 at byte 3 of its payload"),
         (b'I', b"\x10int32_t a", "expected a key of 16 bytes, found 9 bytes"),
         (b'I', b"\x08int32_ta1234", "expected a type, a space and a name"),
         (b'P', b"\x08int32_t 1234", "its name is empty"),
-        (b'M', b"\x00\x05int8\xff a", "invalid UTF-8 at byte 6 of it"),
-        (b'A', b"\x00\x01\x00\xff", "invalid UTF-8 at byte 3 of it"),
+        (b'M', b"\x00\x05int8\xff a", "invalid UTF-8 at byte 6 of its payload"),
+        (b'A', b"\x00\x01\x00\xff", "invalid UTF-8 at byte 3 of its payload"),
         (b'L', b"6\0\0", "expected at least 9 bytes, found 3"),
         (b'O', b"", "expected at least 2 bytes, found 0"),
         (b'S', b"8 bytes.", "expected the magic of a sync message"),
@@ -245,7 +245,7 @@ fn messages_that_are_odd_are_lent_all_the_same() {
         &[
             (value, "message `I`: expected a value of 4 bytes, found 5"),
             (text, "message `I`: its text value is invalid UTF-8"),
-            (line, "message `L`: invalid UTF-8 at byte 12 of it"),
+            (line, "message `L`: invalid UTF-8 at byte 12 of its payload"),
         ],
     );
     let mut reader = Reader::new(&log.bytes[..]);
