@@ -160,11 +160,11 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         },
     );
     drop(progress);
-    let settled = known.settle_sources(&mut checked, &unreadable);
+    let known_status = known.finish_captures(&mut checked, &unreadable);
     checked.into_iter().for_each(take);
     let reasons = uncovered(&required, &subjects);
     let report = Report::new(Action::Check, super::command(), &definitions, subjects, unreadable, reasons);
-    deliver(&args.report, &report.with_stale(known.stale)).max(settled)
+    deliver(&args.report, &report.with_stale(known.stale)).max(known_status)
 }
 
 /// The settings that reports depend on.

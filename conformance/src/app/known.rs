@@ -53,7 +53,7 @@ impl KnownArgs {
 impl Known {
     /// Prints the entries that no longer apply, or fixes them in their files. Entries without an automatic fix are
     /// printed.
-    pub(super) fn settle(&mut self, scope: Scope, checked: &[Checked<'_>]) -> Status {
+    pub(super) fn finish(&mut self, scope: Scope, checked: &[Checked<'_>]) -> Status {
         let stale = self.lists.find_stale(scope, checked, self.today);
         if stale.is_empty() {
             return Status::Conforms;
@@ -82,7 +82,7 @@ impl Known {
     }
 
     /// Compares the lists with the findings, and attaches the matching entry to each known finding.
-    pub(super) fn settle_sources(
+    pub(super) fn finish_captures(
         &mut self,
         captures: &mut [CheckedCapture],
         unread: &[Unreadable],
@@ -98,7 +98,7 @@ impl Known {
                 checked.extend(unread_outcome(&capture.path));
             }
         }
-        let status = self.settle(Scope::Rules, &checked);
+        let status = self.finish(Scope::Rules, &checked);
         for capture in captures {
             excuse_findings(&self.lists, &capture.path, &mut capture.result.findings);
         }

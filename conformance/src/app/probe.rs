@@ -80,12 +80,12 @@ pub(super) struct ProbeArgs {
 }
 
 pub(super) fn run(args: &ProbeArgs) -> Status {
-    match prepared(args) {
+    match probe_server(args) {
         Ok(status) | Err(status) => status,
     }
 }
 
-fn prepared(args: &ProbeArgs) -> Result<Status, Status> {
+fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     if let Some(problem) = args.report.problem() {
         anstream::eprintln!("error: {problem}");
         return Err(Status::Usage);
@@ -107,7 +107,7 @@ fn prepared(args: &ProbeArgs) -> Result<Status, Status> {
     }
     let (result, elapsed) = (probed.result, started.elapsed().as_millis());
     let mut checked = [CheckedCapture { path, result, notes: probed.notes, elapsed }];
-    let settled = known.settle_sources(&mut checked, &unreadable);
+    let known_status = known.finish_captures(&mut checked, &unreadable);
     let settings = Settings { command: Some(super::command()), ..Settings::default() };
     let subjects: Vec<Subject> =
         checked.into_iter().map(|checked| Subject::from_capture(checked, &definitions, &settings)).collect();
@@ -116,7 +116,7 @@ fn prepared(args: &ProbeArgs) -> Result<Status, Status> {
     }
     let reasons = uncovered(&required, &subjects);
     let report = Report::new(Action::Probe, super::command(), &definitions, subjects, unreadable, reasons);
-    let status = deliver(&args.report, &report.with_stale(known.stale)).max(settled);
+    let status = deliver(&args.report, &report.with_stale(known.stale)).max(known_status);
     match (probed.unrecorded, &args.record) {
         (Some(error), Some(path)) => {
             anstream::eprintln!("error: {}: can't write the recording: {error}", path.display());

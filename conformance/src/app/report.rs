@@ -16,10 +16,10 @@ const STANDARD_OUTPUT: &str = "-";
 /// The reports to write, and their paths.
 #[derive(Args, Clone, Debug)]
 pub(super) struct ReportArgs {
-    /// Format of standard output (default: text).
+    /// Format of the report (default: text).
     ///
-    /// The formats are text, json, junit (XML for CI systems), sarif (for editors and code scanning), html (a
-    /// self-contained page) and markdown (for pull requests and CI summaries).
+    /// It is printed on standard output. The formats are text, json, junit (XML for CI systems), sarif (for editors and
+    /// code scanning), html (a self-contained page) and markdown (for pull requests and CI summaries).
     #[arg(long, value_name = "KIND", hide_possible_values = true)]
     format: Option<Kind>,
     /// Write a report to a file (repeatable).
@@ -85,12 +85,12 @@ impl ReportArgs {
     /// Prints the section of a subject as soon as it is available, if the printed report is text.
     pub(super) fn print_subject(&self, subject: &Subject) {
         if self.printed() == Kind::Text {
-            self.keep(print(&subject_text(subject)));
+            self.keep_error(print(&subject_text(subject)));
         }
     }
 
     /// Keeps the first error of printing until the reports are written.
-    fn keep(&self, printed: io::Result<()>) {
+    fn keep_error(&self, printed: io::Result<()>) {
         if let Err(error) = printed {
             let _ = self.unprinted.set(format!("standard output: can't print the report: {error}"));
         }
@@ -99,7 +99,7 @@ impl ReportArgs {
     /// Prints or writes all reports, even if one fails. Returns the error messages.
     pub(super) fn write(&self, report: &Report) -> Vec<String> {
         if self.printed() != Kind::Text {
-            self.keep(ignore_broken_pipe(&mut io::stdout(), &report.to_text(self.printed())));
+            self.keep_error(ignore_broken_pipe(&mut io::stdout(), &report.to_text(self.printed())));
         }
         let files = self.report.iter().filter(|target| !target.is_printed());
         let write = |target: &Target| {

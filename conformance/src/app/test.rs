@@ -177,13 +177,13 @@ pub(super) fn test(args: &TestArgs) -> Status {
         },
     };
     let names: Vec<(&Case, String)> = cases.iter().map(|case| (case, case.name())).collect();
-    let settled = known.settle(Scope::Cases, &case_outcomes(&names, &outcome));
+    let known_status = known.finish(Scope::Cases, &case_outcomes(&names, &outcome));
     excuse_cases(&known.lists, &mut outcome);
     let subject = Subject::from_testee(&outcome, &definitions, &|case| rerun_command(args, case));
     args.report.print_subject(&subject);
     let subjects = vec![subject];
     let report = Report::new(Action::Test, super::command(), &definitions, subjects, Vec::new(), Vec::new());
-    deliver(&args.report, &report.with_stale(known.stale)).max(settled)
+    deliver(&args.report, &report.with_stale(known.stale)).max(known_status)
 }
 
 /// The command that runs one case.

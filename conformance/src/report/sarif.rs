@@ -37,7 +37,7 @@ pub(super) fn write(report: &Report) -> String {
     }
     entries.extend(report.unreadable.iter().map(|unreadable| Entry {
         level: Level::Error,
-        ..entry(CORRUPTION.0, Level::Error, &unreadable.message, whole(&unreadable.path))
+        ..entry(CORRUPTION.0, Level::Error, &unreadable.message, whole_file(&unreadable.path))
     }));
     entries.extend(report.reasons.iter().map(|reason| {
         // SARIF results require a file.
@@ -137,7 +137,7 @@ fn case_entry(subject: &Subject, case: &Case) -> Entry {
     };
     let level = if case.known.is_some() { Level::Note } else { Level::Error };
     // A testee has no file: the location is the definition.
-    let location = case.definition.as_ref().map_or_else(|| whole(&subject.path), |line| defined(line).0);
+    let location = case.definition.as_ref().map_or_else(|| whole_file(&subject.path), |line| defined(line).0);
     Entry {
         help: format!("{}; to reproduce: {}", case.description, shown(&case.reproduce)),
         ..entry(&case.op, level, &message, location)
@@ -147,7 +147,10 @@ fn case_entry(subject: &Subject, case: &Case) -> Entry {
 fn protocol_entries(subject: &Subject, testee: &Testee) -> Vec<Entry> {
     let remarks = testee.protocol_remarks.iter().map(|remark| remark.message.clone());
     let gave_up = testee.gave_up.iter().map(|reason| format!("the run ended early: {reason}"));
-    remarks.chain(gave_up).map(|text| entry(PROTOCOL.0, Level::Error, &text, whole(&subject.path))).collect()
+    remarks
+        .chain(gave_up)
+        .map(|text| entry(PROTOCOL.0, Level::Error, &text, whole_file(&subject.path)))
+        .collect()
 }
 
 fn entry(rule: &str, level: Level, message: &str, location: Place) -> Entry {
@@ -168,7 +171,7 @@ fn entry(rule: &str, level: Level, message: &str, location: Place) -> Entry {
     }
 }
 
-fn whole(path: &str) -> Place {
+fn whole_file(path: &str) -> Place {
     Place { path: path.to_owned(), region: Region::Whole }
 }
 

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use uavspec_runtime::Severity;
 
-use super::message::{Message, News};
+use super::message::{Content, Message};
 use super::rate::Rate;
 use super::roster::Roster;
 use super::session::Event;
@@ -19,7 +19,7 @@ pub(crate) struct Uav {
     /// The server's reason for not reporting its state.
     pub refusal: Option<String>,
     /// The time at which the timestamp of the state last changed.
-    fresh: Option<Instant>,
+    changed: Option<Instant>,
 }
 
 impl Uav {
@@ -39,8 +39,8 @@ impl Uav {
             Ok(state) => {
                 let timestamp = |state: &State| state.timestamp.known().copied();
                 let known = self.state.as_ref().and_then(timestamp);
-                if self.fresh.is_none() || known.is_none() || known != timestamp(&state) {
-                    self.fresh = Some(now);
+                if self.changed.is_none() || known.is_none() || known != timestamp(&state) {
+                    self.changed = Some(now);
                 }
                 self.refusal = None;
                 self.state = Some(state);
@@ -117,28 +117,28 @@ impl Fleet {
             self.remark = None;
         }
         self.rate.count(now);
-        match message.news {
-            News::Server(server) => self.server = Some(server),
-            News::Time(time) => self.clock = Some((now, time)),
-            News::List(list) => {
+        match message.content {
+            Content::Server(server) => self.server = Some(server),
+            Content::Time(time) => self.clock = Some((now, time)),
+            Content::List(list) => {
                 self.has_list = true;
                 // The server accepts requests: an earlier refusal is obsolete.
                 self.remark = None;
                 self.is_overfull = !self.uavs.update(&list, now);
             }
-            News::States(states) => {
+            Content::States(states) => {
                 let is_answer = message.refs.is_some();
                 for (id, state) in states {
                     self.update_uav(&id, state, is_answer, now);
                 }
             }
-            News::Gone(ids) => ids.iter().for_each(|id| self.uavs.remove(id)),
-            News::Closing(reason) => {
-                self.remark = Some(format!("the server closes the connection: {reason}"));
+            Content::Gone(ids) => ids.iter().for_each(|id| self.uavs.remove(id)),
+            Content::Closing(reason) => {
+                self.remark = Some(format!("the server is closing the connection: {reason}"));
             }
-            News::Refused(reason) => self.remark = Some(format!("the server refuses: {reason}")),
-            News::Unreadable => self.unreadable = self.unreadable.saturating_add(1),
-            News::Other => {}
+            Content::Refused(reason) => self.remark = Some(format!("the server refuses: {reason}")),
+            Content::Unreadable => self.unreadable = self.unreadable.saturating_add(1),
+            Content::Other => {}
         }
     }
 
@@ -184,7 +184,7 @@ impl Fleet {
     /// The age of the state of a UAV: from its timestamp if the server's clock is known, or else the time since the
     /// timestamp last changed.
     pub(crate) fn age(&self, uav: &Uav, now: Instant) -> Option<Duration> {
-        let since = now.saturating_duration_since(uav.fresh?);
+        let since = now.saturating_duration_since(uav.changed?);
         let timestamp = uav.state.as_ref().and_then(|state| state.timestamp.known());
         let by_clock = self.clock.zip(timestamp).and_then(|((at, time), timestamp)| {
             let passed = i64::try_from(now.saturating_duration_since(at).as_millis()).unwrap_or(i64::MAX);

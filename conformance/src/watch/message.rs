@@ -11,12 +11,12 @@ pub(crate) struct Message {
     /// The id of the request that it responds to.
     pub refs: Option<String>,
     /// The content.
-    pub news: News,
+    pub content: Content,
 }
 
 /// The content of a message.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum News {
+pub(crate) enum Content {
     /// The server software and its version (SYS-VER).
     Server(String),
     /// The server's clock, in milliseconds since 1970 (SYS-TIME).
@@ -41,28 +41,32 @@ impl Message {
     /// Parses a message.
     pub(crate) fn read(bytes: &[u8]) -> Self {
         let tree = std::str::from_utf8(bytes).ok().and_then(|text| Tree::read(text).ok());
-        let Some(tree @ Tree::Object(_)) = tree else { return Self { refs: None, news: News::Unreadable } };
+        let Some(tree @ Tree::Object(_)) = tree else {
+            return Self { refs: None, content: Content::Unreadable };
+        };
         let refs = tree.get("refs").and_then(Tree::as_str).filter(|refs| refs.len() <= ID_LIMIT);
-        Self { refs: refs.map(str::to_owned), news: news(&tree) }
+        Self { refs: refs.map(str::to_owned), content: content(&tree) }
     }
 }
 
-fn news(message: &Tree<'_>) -> News {
+fn content(message: &Tree<'_>) -> Content {
     if let Some(error) = message.get("error").filter(|_| message.get("refs").is_some()) {
-        return News::Refused(error.get("message").map_or_else(String::new, text));
+        return Content::Refused(error.get("message").map_or_else(String::new, text));
     }
     // Responses over HTTP may have no envelope.
     let body = message.get("body").unwrap_or(message);
     match body.get("type").and_then(Tree::as_str) {
-        Some("SYS-VER") => News::Server(server(body)),
+        Some("SYS-VER") => Content::Server(server(body)),
         Some("SYS-TIME") => time(body),
-        Some("UAV-LIST") => body.get("ids").and_then(list).map_or(News::Other, News::List),
-        Some("UAV-INF") => News::States(states(body)),
-        Some("OBJ-DEL") => body.get("ids").and_then(list).map_or(News::Other, |list| News::Gone(list.ids)),
-        Some("SYS-CLOSE") => News::Closing(body.get("reason").map_or_else(String::new, text)),
-        Some("ACK-NAK") => News::Refused(body.get("reason").map_or_else(String::new, text)),
-        Some(_) => News::Other,
-        None => News::Unreadable,
+        Some("UAV-LIST") => body.get("ids").and_then(list).map_or(Content::Other, Content::List),
+        Some("UAV-INF") => Content::States(states(body)),
+        Some("OBJ-DEL") => {
+            body.get("ids").and_then(list).map_or(Content::Other, |list| Content::Gone(list.ids))
+        }
+        Some("SYS-CLOSE") => Content::Closing(body.get("reason").map_or_else(String::new, text)),
+        Some("ACK-NAK") => Content::Refused(body.get("reason").map_or_else(String::new, text)),
+        Some(_) => Content::Other,
+        None => Content::Unreadable,
     }
 }
 
@@ -76,10 +80,10 @@ fn server(body: &Tree<'_>) -> String {
     parts.into_iter().map(|part| part.map_or_else(|| "?".to_owned(), text)).collect::<Vec<_>>().join(" ")
 }
 
-fn time(body: &Tree<'_>) -> News {
+fn time(body: &Tree<'_>) -> Content {
     match body.get("timestamp") {
-        Some(Tree::Int(time)) => i64::try_from(*time).map_or(News::Other, News::Time),
-        _ => News::Other,
+        Some(Tree::Int(time)) => i64::try_from(*time).map_or(Content::Other, Content::Time),
+        _ => Content::Other,
     }
 }
 
@@ -109,42 +113,43 @@ mod tests {
 
     use super::*;
 
-    fn read(text: &str) -> News {
-        Message::read(text.as_bytes()).news
+    fn read(text: &str) -> Content {
+        Message::read(text.as_bytes()).content
     }
 
     #[test]
     fn reads_messages_with_and_without_an_envelope() {
         let body = r#"{"type": "SYS-VER", "software": "sky", "version": "2.1"}"#;
         for text in [body.to_owned(), format!(r#"{{"id": "a", "refs": "b", "body": {body}}}"#)] {
-            assert_eq!(read(&text), News::Server("sky 2.1".to_owned()));
+            assert_eq!(read(&text), Content::Server("sky 2.1".to_owned()));
         }
         let list = read(r#"{"type": "UAV-LIST", "ids": ["glider-1", 7]}"#);
-        assert_eq!(list, News::List(List { ids: vec!["glider-1".to_owned()], is_whole: false }));
+        assert_eq!(list, Content::List(List { ids: vec!["glider-1".to_owned()], is_whole: false }));
         let states =
             read(r#"{"type": "UAV-INF", "status": {"a": {}, "b": 7}, "error": {"c": "no\u001bne"}}"#);
         let (reported, refused) = (Ok(State::default()), Err("no\\u{1b}ne".to_owned()));
         let expected = [("a", reported.clone()), ("b", reported), ("c", refused)];
-        assert_eq!(states, News::States(expected.map(|(id, state)| (id.to_owned(), state)).into()));
-        assert_eq!(read(r#"{"refs": "a", "error": {"message": "no"}}"#), News::Refused("no".to_owned()));
-        assert_eq!(read(r#"{"body": {"type": "SYS-CLOSE"}}"#), News::Closing(String::new()));
-        assert_eq!(read(r#"{"body": {"type": "SYS-TIME", "timestamp": "now"}}"#), News::Other);
+        assert_eq!(states, Content::States(expected.map(|(id, state)| (id.to_owned(), state)).into()));
+        assert_eq!(read(r#"{"refs": "a", "error": {"message": "no"}}"#), Content::Refused("no".to_owned()));
+        assert_eq!(read(r#"{"body": {"type": "SYS-CLOSE"}}"#), Content::Closing(String::new()));
+        assert_eq!(read(r#"{"body": {"type": "SYS-TIME", "timestamp": "now"}}"#), Content::Other);
         for unreadable in ["", "[]", "{}", "{\"body\": 7}", "glider", "{\"type\": 7}"] {
-            assert_eq!(read(unreadable), News::Unreadable, "{unreadable}");
+            assert_eq!(read(unreadable), Content::Unreadable, "{unreadable}");
         }
-        assert_eq!(Message::read(b"\xff").news, News::Unreadable);
+        assert_eq!(Message::read(b"\xff").content, Content::Unreadable);
     }
 
     #[test]
     fn limits_the_length_of_lists() {
         let ids: Vec<String> = (0..=UAV_LIMIT).map(|number| format!("\"{number}\"")).collect();
-        let News::List(list) = read(&format!(r#"{{"type": "UAV-LIST", "ids": [{}]}}"#, ids.join(","))) else {
+        let Content::List(list) = read(&format!(r#"{{"type": "UAV-LIST", "ids": [{}]}}"#, ids.join(",")))
+        else {
             panic!("a list");
         };
         assert_eq!((list.ids.len(), list.is_whole), (UAV_LIMIT, false));
         let states: Vec<String> = ids.iter().map(|id| format!("{id}: {{}}")).collect();
         let states = read(&format!(r#"{{"type": "UAV-INF", "status": {{{}}}}}"#, states.join(",")));
-        assert!(matches!(states, News::States(states) if states.len() == UAV_LIMIT));
+        assert!(matches!(states, Content::States(states) if states.len() == UAV_LIMIT));
     }
 
     proptest! {

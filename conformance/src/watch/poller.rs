@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use super::message::{Message, News};
+use super::message::{Content, Message};
 use super::roster::Roster;
 
 /// The interval of requests for the list of UAVs. Servers report UAVs that leave, but not UAVs that join.
@@ -84,7 +84,7 @@ impl Poller {
             return None;
         }
         self.next_search = now + SEARCH_INTERVAL;
-        let ids = self.silent(now);
+        let ids = self.overdue(now);
         if ids.is_empty() {
             return None;
         }
@@ -98,17 +98,17 @@ impl Poller {
         let is_response = self.pending.as_ref().is_some_and(|pending| match &message.refs {
             Some(refs) => *refs == pending.id,
             // A response without an envelope doesn't name its request.
-            None => self.is_one_shot && matches!(message.news, News::States(_) | News::Refused(_)),
+            None => self.is_one_shot && matches!(message.content, Content::States(_) | Content::Refused(_)),
         });
         if is_response {
             self.pending = None;
             self.next_search = now;
         }
-        match &message.news {
-            News::List(list) => {
+        match &message.content {
+            Content::List(list) => {
                 self.roster.update(list, now);
             }
-            News::States(states) => {
+            Content::States(states) => {
                 for (id, state) in states {
                     let known = if state.is_ok() { self.roster.admit(id) } else { None };
                     if let Some(member) = known {
@@ -119,13 +119,13 @@ impl Poller {
                     }
                 }
             }
-            News::Gone(ids) => ids.iter().for_each(|id| self.roster.remove(id)),
+            Content::Gone(ids) => ids.iter().for_each(|id| self.roster.remove(id)),
             _ => {}
         }
     }
 
     /// The UAVs to request next. UAVs that were never requested are first.
-    fn silent(&mut self, now: Instant) -> Vec<String> {
+    fn overdue(&mut self, now: Instant) -> Vec<String> {
         let is_due = |last: Option<Instant>| last.is_none_or(|last| now.duration_since(last) >= SILENCE);
         let mut due: Vec<(Option<Instant>, &str)> = self
             .roster

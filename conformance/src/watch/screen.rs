@@ -64,7 +64,7 @@ impl Screen {
     }
 
     /// Ensures that a row is selected and visible on a screen with `height` rows. Returns the selected row.
-    pub(crate) fn settle(&mut self, rows: &[(&str, &Uav)], height: usize) -> Option<usize> {
+    pub(crate) fn select_row(&mut self, rows: &[(&str, &Uav)], height: usize) -> Option<usize> {
         self.height = height;
         let last = rows.len().checked_sub(1)?;
         let selected = self.selected.as_deref();
@@ -115,7 +115,7 @@ impl Screen {
                 self.selected = None;
             }
             KeyCode::Enter if self.selected.is_some() => self.open(Page::Details),
-            other => self.walk(other, fleet),
+            other => self.move_selection(other, fleet),
         }
         Step::Stay
     }
@@ -134,7 +134,7 @@ impl Screen {
                 self.filter.push(character);
             }
             KeyCode::Char(_) => {}
-            other => self.walk(other, fleet),
+            other => self.move_selection(other, fleet),
         }
     }
 
@@ -172,9 +172,9 @@ impl Screen {
         true
     }
 
-    fn walk(&mut self, key: KeyCode, fleet: &Fleet) {
+    fn move_selection(&mut self, key: KeyCode, fleet: &Fleet) {
         let rows = self.rows(fleet);
-        let Some(row) = self.settle(&rows, self.height) else { return };
+        let Some(row) = self.select_row(&rows, self.height) else { return };
         let page = self.height.max(1);
         let row = match key {
             KeyCode::Up | KeyCode::Char('k') => row.saturating_sub(1),
@@ -220,11 +220,11 @@ mod tests {
         let mut step = Step::Stay;
         for key in keys {
             let rows = screen.rows(fleet);
-            screen.settle(&rows, 4);
+            screen.select_row(&rows, 4);
             step = screen.press((*key).into(), fleet);
         }
         let rows = screen.rows(fleet);
-        screen.settle(&rows, 4);
+        screen.select_row(&rows, 4);
         step
     }
 
@@ -315,7 +315,7 @@ mod tests {
             for key in keys.iter().filter_map(|key| key.chars().next()) {
                 screen.press(KeyCode::Char(key).into(), &fleet);
                 let rows = screen.rows(&fleet);
-                if let Some(row) = screen.settle(&rows, height) {
+                if let Some(row) = screen.select_row(&rows, height) {
                     prop_assert!(row < rows.len() && screen.first_row <= row);
                     prop_assert!(row < screen.first_row + height.max(1));
                 }

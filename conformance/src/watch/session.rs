@@ -5,7 +5,7 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::message::{Message, News};
+use super::message::{Content, Message};
 use super::poller::Poller;
 use crate::flockwave::transport::client::{Client, Received, connect};
 use crate::flockwave::transport::endpoint::Endpoint;
@@ -74,7 +74,7 @@ impl Watch {
         loop {
             let mut has_received = false;
             let reason = match connect(&self.endpoint, Instant::now() + CONNECT_LIMIT) {
-                Ok(mut client) => self.talk(&mut *client, &mut has_received)?,
+                Ok(mut client) => self.run_connection(&mut *client, &mut has_received)?,
                 Err(error) => error.to_string(),
             };
             if has_received {
@@ -89,7 +89,7 @@ impl Watch {
     }
 
     /// Exchanges messages until the connection ends, and returns the reason.
-    fn talk(&mut self, client: &mut dyn Client, has_received: &mut bool) -> Result<String, Closed> {
+    fn run_connection(&mut self, client: &mut dyn Client, has_received: &mut bool) -> Result<String, Closed> {
         let mut poller = Poller::new(matches!(self.endpoint, Endpoint::Http { .. }), Instant::now());
         let mut last = Instant::now();
         let mut close_reason = None;
@@ -99,7 +99,7 @@ impl Watch {
             }
             let message = match exchange(client, &mut poller) {
                 Ok(Received::Message(bytes)) => Message::read(&bytes),
-                Ok(Received::TooLong) => Message { refs: None, news: News::Unreadable },
+                Ok(Received::TooLong) => Message { refs: None, content: Content::Unreadable },
                 Ok(Received::Silence) if last.elapsed() < SILENCE_LIMIT => continue,
                 Ok(Received::Silence) => {
                     return Ok(format!("no message for {} s", SILENCE_LIMIT.as_secs()));
@@ -112,7 +112,7 @@ impl Watch {
             last = Instant::now();
             *has_received = true;
             poller.take(&message, last);
-            if let News::Closing(reason) = &message.news {
+            if let Content::Closing(reason) = &message.content {
                 close_reason = Some(format!("the server closed the connection: {reason}"));
             }
             self.emit(Event::Received(message))?;

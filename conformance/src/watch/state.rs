@@ -148,12 +148,12 @@ impl State {
             "timestamp" => self.timestamp = integer(value),
             "mode" => self.mode = text(value),
             "position" => self.position = position(value),
-            "positionXYZ" => self.position_xyz = three(value),
+            "positionXYZ" => self.position_xyz = triple(value),
             "gps" => self.gps = gps(value),
             "heading" => self.heading = integer(value),
-            "attitude" => self.attitude = three(value),
-            "velocity" => self.velocity = three(value),
-            "velocityXYZ" => self.velocity_xyz = three(value),
+            "attitude" => self.attitude = triple(value),
+            "velocity" => self.velocity = triple(value),
+            "velocityXYZ" => self.velocity_xyz = triple(value),
             "battery" => self.battery = battery(value),
             "light" => self.light = integer(value),
             "rssi" => self.rssi = Field::new(list(value).map(|values| integers(values))),
@@ -189,7 +189,7 @@ fn integers(values: &[Tree<'_>]) -> Vec<Field<i64>> {
     values.iter().take(VALUE_LIMIT).map(integer).collect()
 }
 
-fn three(value: &Tree<'_>) -> Field<[Field<i64>; 3]> {
+fn triple(value: &Tree<'_>) -> Field<[Field<i64>; 3]> {
     Field::new(list(value).map(|values| [0, 1, 2].map(|index| entry(values, index))))
 }
 

@@ -12,7 +12,7 @@ use super::roster::UAV_LIMIT;
 use crate::serve::{Options, Server, Transport, error};
 use crate::tests::support::server::{answering, location, serve, strange};
 use crate::watch::fleet::{Fleet, Link};
-use crate::watch::message::News;
+use crate::watch::message::Content;
 use crate::watch::session::{Event, Session};
 use serde_json::{Value, json};
 
@@ -52,7 +52,7 @@ impl Watched {
             let left = end.saturating_duration_since(Instant::now());
             let event = self.events.recv_timeout(left).unwrap_or_else(|error| panic!("{condition}: {error}"));
             if let Event::Received(message) = &event
-                && matches!(message.news, News::States(_))
+                && matches!(message.content, Content::States(_))
             {
                 self.reported[usize::from(message.refs.is_some())] += 1;
             }

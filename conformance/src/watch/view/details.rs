@@ -106,7 +106,7 @@ fn vector(vector: &Field<[Field<i64>; 3]>, names: [&str; 3], format: fn(i64) -> 
     })
 }
 
-fn whole(value: i64) -> String {
+fn integer(value: i64) -> String {
     value.to_string()
 }
 
@@ -121,15 +121,15 @@ fn speed(value: i64) -> String {
 fn gps(gps: &Gps) -> String {
     format!(
         "fix {}, {} satellites, accuracy {} m horizontal and {} m vertical",
-        number(&gps.fix, whole),
-        number(&gps.satellites, whole),
+        number(&gps.fix, integer),
+        number(&gps.satellites, integer),
         number(&gps.horizontal, metres),
         number(&gps.vertical, metres),
     )
 }
 
 fn battery(battery: &Battery) -> String {
-    let charge = format!("{} V, {} %", number(&battery.voltage, volts), number(&battery.percent, whole));
+    let charge = format!("{} V, {} %", number(&battery.voltage, volts), number(&battery.percent, integer));
     match battery.is_charging {
         Field::Absent => charge,
         Field::Invalid => format!("{charge}, charging: {INVALID_VALUE}"),

@@ -40,7 +40,7 @@ impl Picture {
     }
 
     /// The colour and the modifiers at the start of a text.
-    fn look(&self, text: &str) -> (Color, Modifier) {
+    fn style_of(&self, text: &str) -> (Color, Modifier) {
         let lines = self.lines();
         let (row, line) =
             lines.iter().enumerate().find(|(_, line)| line.contains(text)).expect("the text is visible");
@@ -218,11 +218,11 @@ fn shows_all_details_of_a_uav() {
 fn colours_show_the_severity_but_are_not_required() {
     let mut watched = Watched::new();
     let picture = watched.draw(80, 10, true, 2);
-    assert_eq!(picture.look("MAG"), (Color::LightRed, Modifier::BOLD | Modifier::UNDERLINED));
-    assert_eq!(picture.look("LOWBAT").0, Color::Yellow);
-    assert_eq!(picture.look("connected").0, Color::Green);
-    assert!(picture.look("glider-1 ").1.contains(Modifier::REVERSED));
-    assert!(picture.look("glider-10").1.contains(Modifier::DIM), "its state is stale");
+    assert_eq!(picture.style_of("MAG"), (Color::LightRed, Modifier::BOLD | Modifier::UNDERLINED));
+    assert_eq!(picture.style_of("LOWBAT").0, Color::Yellow);
+    assert_eq!(picture.style_of("connected").0, Color::Green);
+    assert!(picture.style_of("glider-1 ").1.contains(Modifier::REVERSED));
+    assert!(picture.style_of("glider-10").1.contains(Modifier::DIM), "its state is stale");
     let plain = watched.draw(80, 10, false, 2);
     assert_eq!(plain.lines(), picture.lines());
     assert!(plain.buffer.content.iter().all(|cell| cell.fg == Color::Reset && cell.bg == Color::Reset));
@@ -248,8 +248,8 @@ fn shows_server_errors_and_keeps_known_states() {
     ] {
         assert!(picture.has(text), "{text}\n{}", picture.lines().join("\n"));
     }
-    assert!(picture.look("glider-1").1.contains(Modifier::DIM | Modifier::REVERSED));
-    assert!(picture.look("glider-2").1.contains(Modifier::DIM));
+    assert!(picture.style_of("glider-1").1.contains(Modifier::DIM | Modifier::REVERSED));
+    assert!(picture.style_of("glider-2").1.contains(Modifier::DIM));
     assert!(watched.draw(80, 12, true, 4).has("lost, reconnecting"));
     watched.press(&[KeyCode::Char('/'), KeyCode::Char('x')]);
     let picture = watched.draw(80, 12, true, 1);

@@ -48,7 +48,7 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
             lines.push(std::mem::take(&mut line));
         }
         while Span::raw(word).width() > width {
-            let (start, rest) = word.split_at(fitting(word, width));
+            let (start, rest) = word.split_at(fitting_length(word, width));
             lines.push(start.to_owned());
             word = rest;
         }
@@ -62,7 +62,7 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
 }
 
 /// The number of bytes of a word that fit into a width; at least one character.
-fn fitting(word: &str, width: usize) -> usize {
+fn fitting_length(word: &str, width: usize) -> usize {
     let mut taken = 0;
     let mut end = 0;
     for character in word.chars() {
