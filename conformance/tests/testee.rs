@@ -326,7 +326,7 @@ fn the_exit_status_is_the_outcome() {
     assert_eq!((status, &report["subjects"][0]["path"]), (Some(1), &"reference".into()));
     assert_eq!(report["subjects"][0]["cases"][0]["verdict"], "fail");
     let (status, printed, _) = uavspec(here, &[filter, "--", testee, "late"]);
-    assert!(status == Some(1) && printed.contains("breaks the protocol"), "{printed}");
+    assert!(status == Some(1) && printed.contains("violates the test protocol"), "{printed}");
     // What is asked again is asked in the same way.
     let limits = ["--timeout=60.5", "--window=3"];
     let arguments = [&limits[..], &[filter, "--format", "json", "--", testee, "drop-nan"]].concat();

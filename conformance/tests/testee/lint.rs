@@ -156,7 +156,7 @@ fn the_exit_status_is_the_outcome_of_lint() {
     let (status, _, output) = uavspec(&["--", "/nowhere/at/all"]);
     assert!(status == Some(3) && output.contains("can't start /nowhere/at/all"), "{output}");
     let (status, _, output) = uavspec(&["--only", "politeness", "--", testee]);
-    assert!(status == Some(2) && output.contains("there are introduction, "), "{output}");
+    assert!(status == Some(2) && output.contains("use one of introduction, "), "{output}");
     for usage in [&[][..], &["--attach", "localhost", "--"], &["--attach", "localhost:7700", "--", testee]] {
         assert_eq!(uavspec(usage).0, Some(2), "{usage:?}");
     }
