@@ -9,8 +9,8 @@
 //! A probe starts with a *survey* over one connection: requests that change nothing, and a period of listening to
 //! notifications. If the caller allows it, *commands* for the named UAVs follow. Then each *trial* uses a separate
 //! connection to test how the server handles unusual input. All messages are written to a *tape*, as lines of a
-//! recorded
-//! session, and checked in that form, so a later [`check`](crate::check) of the recording returns the same findings.
+//! recorded session, and checked in that form, so a later [`check`](crate::check) of the recording returns the same
+//! findings.
 //!
 //! All waiting times are limited. Findings and notes report servers that don't respond, flood the client, or crash.
 //!
@@ -62,13 +62,13 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// The delay between attempts to connect.
 const PAUSE: Duration = Duration::from_millis(250);
 
-/// How long to wait for an answer before the next request. The answer may still come later.
+/// The timeout of a request, after which the next one is sent. The answer may still come later.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// The reduced timeout, and the number of unanswered requests after which it applies.
 const REDUCED_TIMEOUT: (u32, Duration) = (3, Duration::from_millis(300));
 
-/// How long to wait for late answers.
+/// The time limit for late answers.
 const LATE_ANSWER_TIME: Duration = Duration::from_millis(400);
 
 /// The delay between messages, so that each is sent in a separate segment.
@@ -83,7 +83,7 @@ const MAX_NOTES: usize = 50;
 /// Options of a probe.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// How long to listen to notifications.
+    /// The duration of listening to notifications.
     pub observe: Duration,
     /// Name and password for the login.
     pub login: Option<(String, String)>,
@@ -206,7 +206,7 @@ impl Probe<'_, '_> {
         let until = until.max(Instant::now() + ANSWER_TIMEOUT);
         let answer = self.post(&json!({ "type": "SYS-VER" }), trial, until);
         if answer.is_none() {
-            self.fail("the server answers no request".to_owned());
+            self.fail("the server doesn't answer".to_owned());
         }
         answer.is_some()
     }
@@ -432,7 +432,7 @@ impl Probe<'_, '_> {
         answer.is_some()
     }
 
-    /// How long to wait for an answer.
+    /// The time limit for an answer.
     fn answer_timeout(&self) -> Duration {
         let usual = if self.silences < REDUCED_TIMEOUT.0 {
             ANSWER_TIMEOUT

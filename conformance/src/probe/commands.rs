@@ -1,6 +1,5 @@
 //! Sends commands to the UAVs that the caller named. They take off, return home, land, run tests and calibrations,
-//! sleep
-//! and wake up. Commands that could make a UAV fall (UAV-HALT) or restart (UAV-RST) are never sent.
+//! sleep and wake up. Commands that could make a UAV fall (UAV-HALT) or restart (UAV-RST) are never sent.
 
 use std::time::{Duration, Instant};
 
@@ -23,10 +22,10 @@ const PROGRESS_TIMEOUT: Duration = Duration::from_secs(11);
 /// The time limit of a short operation.
 const SHORT_TIMEOUT: Duration = Duration::from_secs(20);
 
-/// How long to observe whether an operation stays suspended.
+/// The time for which a suspended operation is observed.
 const SUSPENSION_TIMEOUT: Duration = Duration::from_millis(1_500);
 
-/// How long a UAV continues an activity in the air.
+/// The duration of an activity in the air.
 const FLIGHT: Duration = Duration::from_secs(1);
 
 /// The flight altitude in mm above home.

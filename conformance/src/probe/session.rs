@@ -18,7 +18,7 @@ const MAX_WAITING: usize = 1_000;
 /// The reason in the recording if the server closed a connection.
 const CLOSED: &str = "eof";
 
-/// How long to read the remaining messages after the server closed the connection.
+/// The time limit for reading the remaining messages after the server closed the connection.
 const DRAIN_TIMEOUT: Duration = Duration::from_millis(200);
 
 /// A connection.
@@ -189,8 +189,7 @@ impl Session {
 
     /// Adds an envelope to an answer over HTTP that has none. The specification doesn't define this transport, and some
     /// servers answer with the body only, since the request is known. Without an id of the request, such an answer is
-    /// an
-    /// error.
+    /// an error.
     fn enveloped(&mut self, bytes: Vec<u8>) -> Result<Vec<u8>, Vec<u8>> {
         let Some(body) = bare(&bytes).filter(|_| self.is_one_shot) else { return Ok(bytes) };
         let Some(last_request) = &self.last_request else { return Err(bytes) };

@@ -349,7 +349,7 @@ impl Hub {
             }
             return;
         }
-        // Without a bug, the body is the same for all and is serialized once.
+        // Without a bug, all connections receive the same body, so it is serialized only once.
         let written = text(body);
         for id in listeners {
             if let Some(session) = self.sessions.get_mut(&id) {

@@ -32,13 +32,13 @@ const POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// The interval of checks for new connections.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(5);
 
-/// How long a client may read nothing before it is disconnected.
+/// The write timeout, after which a client that reads nothing is disconnected.
 const SEND_LIMIT: Duration = Duration::from_secs(10);
 
-/// How long polling clients have to fetch the last messages. The next poll usually follows immediately.
+/// The time that polling clients have to fetch the last messages. The next poll usually follows immediately.
 const LAST_POLL: Duration = Duration::from_millis(500);
 
-/// How long the server waits for connections to end.
+/// The time limit for connections to end.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// The state that all threads share.

@@ -15,7 +15,7 @@ const SUSPEND_AT: u8 = 50;
 #[derive(Debug)]
 pub(super) struct Operation {
     pub(super) receipt: String,
-    /// How the operation ends.
+    /// The end of the operation: a result or silence.
     ending: Ending,
     /// The duration in simulated seconds.
     length: f64,
@@ -50,7 +50,7 @@ pub(super) enum Report {
 }
 
 impl Report {
-    /// True if no report follows.
+    /// True if this is the last report.
     pub(super) fn is_last(&self) -> bool {
         !matches!(self, Self::Progress(_) | Self::Suspension(_))
     }

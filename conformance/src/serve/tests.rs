@@ -199,7 +199,7 @@ fn reports_the_end_of_each_operation_once() {
     let correct = transcript(None);
     let started = bodies(&correct, "UAV-TEST");
     assert_eq!(started[0]["receipt"], json!({ "glider-1": "r2" }));
-    assert_eq!(started[0]["error"], json!({ "missing-1": "there is no such UAV" }));
+    assert_eq!(started[0]["error"], json!({ "missing-1": "no such UAV" }));
     let ends = bodies(&correct, "ASYNC-RESP");
     let results: Vec<(&Value, bool)> =
         ends.iter().map(|end| (&end["id"], end.get("error").is_some())).collect();

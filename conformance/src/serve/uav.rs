@@ -37,7 +37,7 @@ const CLOSE: f64 = 0.05;
 /// A position relative to the origin in meters: north, east, up.
 type Position = [f64; 3];
 
-/// What a UAV is doing.
+/// The activity of a UAV.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Activity {
     Sleeping,

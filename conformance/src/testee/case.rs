@@ -9,9 +9,8 @@ use super::wire::{to_base64, to_wire};
 use crate::definitions::Definitions;
 use crate::rules::px4::{self, Px4Rule};
 
-/// Rules that concern the payload as a whole. A payload that violates one of them has no message, so decoding must
-/// fail.
-/// If a payload violates another rule, for example with a `bool` of 153, a codec may decode or reject it.
+/// Rules that concern the payload as a whole. A payload that violates one of them can't be decoded. If a payload
+/// violates another rule, for example with a `bool` of 153, a codec may decode or reject it.
 static PAYLOAD_RULES: [&Px4Rule; 3] = [&px4::DATA_01, &px4::CDR_01, &px4::CDR_02];
 
 /// A request and its expected responses.
@@ -225,8 +224,7 @@ impl CaseBuilder<'_, '_> {
     }
 
     /// The expected result of encoding. uORB bytes may lack the trailing padding, as in logs. CDR bytes may be padded
-    /// to a
-    /// multiple of four bytes, as some writers do.
+    /// to a multiple of four bytes, as some writers do.
     fn encoded(&self, rule: Option<&str>, format: Format, bytes: &[u8]) -> Expected {
         let mut other = bytes.to_vec();
         match (format, self.message.and_then(MessageType::size)) {

@@ -17,7 +17,7 @@ use super::protocol::Hello;
 use super::target::Target;
 use crate::net::Connection;
 
-/// How many lines may wait to be checked before the testee has to wait. Each may be as long as the line limit.
+/// The maximum number of queued lines, each of which may be as long as the line limit. Then the testee has to wait.
 const MAX_QUEUED_LINES: usize = 8;
 
 /// The interval of checks for the end of a silent process.
@@ -138,9 +138,9 @@ impl Link {
             Peer::Process(process) => match process.ended(until) {
                 Some(how) if how.is_empty() => "the process exited with status 0".to_owned(),
                 Some(how) => format!("the process ended ({how})"),
-                None => "it closed its standard output".to_owned(),
+                None => "the testee closed its standard output".to_owned(),
             },
-            Peer::Connection(_) => "it closed the connection".to_owned(),
+            Peer::Connection(_) => "the testee closed the connection".to_owned(),
         }
     }
 
@@ -156,14 +156,14 @@ impl Link {
         }
         match (&mut self.peer, text) {
             (Peer::Process(process), _) => match process.ended(until) {
-                None => Err("it doesn't exit after its standard input is closed".to_owned()),
+                None => Err("the testee doesn't exit after its standard input is closed".to_owned()),
                 Some(how) if !how.is_empty() => Err(format!("expected an exit with status 0, got {how}")),
                 Some(_) => Ok(()),
             },
             (Peer::Connection(_), Received::Closed) => Ok(()),
             (Peer::Connection(_), Received::Lost(how)) => Err(how),
             (Peer::Connection(_), _) => {
-                Err("it doesn't close the connection after uavspec has closed its half".to_owned())
+                Err("the testee doesn't close the connection after uavspec has closed its half".to_owned())
             }
         }
     }

@@ -25,7 +25,7 @@ pub struct Check {
     pub id: &'static str,
     /// The requirement.
     pub statement: &'static str,
-    /// How to fix a failure.
+    /// The advice for fixing a failure.
     pub help: &'static str,
     attempt: fn(&mut Bench<'_>) -> CheckOutcome,
 }
@@ -113,8 +113,8 @@ pub fn check(id: &str) -> Option<&'static Check> {
 }
 
 /// Checks a testee. Returns an error if it can't be started or accepts no connection. `only` selects checks, or all
-/// checks if it is empty; the first check always runs, because the others require it. `progress` receives the number
-/// of finished checks and their total.
+/// checks if it is empty; the first check always runs, because the others require it. `progress` receives the number of
+/// finished checks and their total.
 pub fn lint(
     cases: &[Case],
     types: &Types,
@@ -134,7 +134,7 @@ pub fn lint(
         let outcome = if is_first(check) || bench.introduced.is_some() {
             (check.attempt)(&mut bench)
         } else {
-            CheckOutcome::NotApplicable("it sends no valid hello".to_owned())
+            CheckOutcome::NotApplicable("the testee sends no valid hello".to_owned())
         };
         outcomes.push((*check, outcome));
         progress(outcomes.len(), checks.len());

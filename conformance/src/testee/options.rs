@@ -14,9 +14,9 @@ pub struct Options {
     pub target: Target,
     /// The maximum number of pending requests per process.
     pub window: usize,
-    /// How long a process with pending requests may send nothing.
+    /// The time limit for the next response.
     pub timeout: Duration,
-    /// How long a testee may take to accept a connection and to send its hello.
+    /// The time limit for accepting a connection and for sending a hello.
     pub start_timeout: Duration,
     /// The number of concurrent processes.
     pub jobs: usize,

@@ -9,7 +9,7 @@ use super::compare::Difference;
 use super::protocol::Hello;
 use crate::model::Excuse;
 
-/// How many distinct remarks are stored: the first in alphabetical order, because the order in time depends on the
+/// The maximum number of stored remarks: the first in alphabetical order, because the order in time depends on the
 /// scheduling of processes. Further remarks are only counted.
 const MAX_REMARKS: usize = 20;
 
@@ -24,7 +24,7 @@ pub enum Verdict {
     Unsupported,
     /// The process ended because of the case.
     Crashed {
-        /// How the process ended.
+        /// The exit status or the error.
         how: String,
         /// The last part of standard error.
         stderr: String,

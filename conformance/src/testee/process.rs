@@ -13,10 +13,10 @@ use std::sync::{Arc, Mutex, Once, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How many of the last bytes of standard error are stored.
+/// The maximum number of stored bytes at the end of standard error.
 const MAX_STDERR: usize = 8 << 10;
 
-/// How long to wait for the end of standard error after the process has ended.
+/// The time limit for the end of standard error after the process has ended.
 const STDERR_TIMEOUT: Duration = Duration::from_millis(500);
 
 /// The interval of checks for the end of the process.

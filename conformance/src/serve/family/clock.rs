@@ -9,7 +9,7 @@ use crate::serve::message::Outcomes;
 /// The clock of the server.
 pub(super) const SYSTEM: &str = "system";
 
-/// All clocks: the clock of the server, and one that counts simulated seconds.
+/// All clocks: the server clock and a simulated clock.
 const CLOCKS: [&str; 2] = [SYSTEM, "simulation"];
 
 pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {

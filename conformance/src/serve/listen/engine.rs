@@ -28,7 +28,7 @@ const PACKETS_AT_ONCE: usize = 16;
 /// The maximum duration of a poll without packets. Pings are more frequent.
 const POLL_LIMIT: Duration = Duration::from_secs(60);
 
-/// How long to read from a WebSocket before checking for packets to send.
+/// The read timeout of a WebSocket, after which queued packets are sent.
 const READ_TIMEOUT: Duration = Duration::from_millis(10);
 
 /// All sessions, by id.

@@ -19,7 +19,7 @@ use crate::serve::message::{enveloped, refusal, text};
 /// The maximum length of a message in a datagram.
 const DATAGRAM_LIMIT: usize = 65_507;
 
-/// How long a client stays connected after its last datagram, as the specification recommends.
+/// The time after which a silent client counts as disconnected, as the specification recommends.
 const CLIENT_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// The maximum number of concurrent clients.

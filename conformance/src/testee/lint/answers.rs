@@ -10,8 +10,7 @@ use crate::testee::wire::to_base64;
 const NUM_CASES: usize = 16;
 
 /// The length of a long request in bytes: similar to all parameters of a firmware or to a mission, and longer than
-/// usual
-/// buffers.
+/// usual buffers.
 const LONG_REQUEST_LENGTH: usize = 1 << 20;
 
 /// The limits of common integer types, and the outermost integers that every JSON parser preserves.

@@ -10,14 +10,14 @@ use crate::testee::protocol::Response;
 pub(super) const UNKNOWN_OP: Check = Check {
     id: "unknown-op",
     statement: "an unknown op gets `unsupported` or `error`",
-    help: "respond {\"id\":…,\"unsupported\":true} to ops that aren't in the hello; later versions may add ops",
+    help: "respond with {\"id\":…,\"unsupported\":true} to ops that aren't in the hello; later versions may add ops",
     attempt: unknown_op,
 };
 
 pub(super) const UNKNOWN_TYPE: Check = Check {
     id: "unknown-type",
     statement: "an unknown type gets `unsupported` or `error`",
-    help: "respond {\"id\":…,\"unsupported\":true} to types that aren't in the hello",
+    help: "respond with {\"id\":…,\"unsupported\":true} to types that aren't in the hello",
     attempt: unknown_type,
 };
 
@@ -31,7 +31,7 @@ pub(super) const UNKNOWN_FORMAT: Check = Check {
 pub(super) const MISSING_MEMBER: Check = Check {
     id: "missing-member",
     statement: "a request without a required member gets `unsupported` or `error`",
-    help: "respond {\"id\":…,\"error\":\"no bytes\"}; \"rejected\" is for invalid input, not for invalid requests",
+    help: "respond with {\"id\":…,\"error\":\"no bytes\"}; \"rejected\" is for invalid input, not for invalid requests",
     attempt: missing_member,
 };
 

@@ -17,7 +17,7 @@ use crate::serve::outbox::Outbox;
 /// The ping interval, as in the Socket.IO libraries.
 const PING_INTERVAL: Duration = Duration::from_secs(25);
 
-/// How long a client may take to respond to a ping.
+/// The time limit for the response to a ping.
 const PING_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// A session.
