@@ -52,10 +52,10 @@ fn probed(url: &str, options: &Options) -> Probed {
     assert!(probed.unrecorded.is_none());
     let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
     let replayed = check_capture(&*recording, None, &DEFINITIONS).expect("bytes can be read");
-    let of = |result: &uavspec_conformance::check::CaptureResult| -> Vec<String> {
+    let summary = |result: &uavspec_conformance::check::CaptureResult| -> Vec<String> {
         result.findings.groups().map(|group| format!("{group:?}")).collect()
     };
-    assert_eq!(of(&replayed), of(&probed.result));
+    assert_eq!(summary(&replayed), summary(&probed.result));
     assert_eq!(probed.result.corruption, vec![], "the recording is readable");
     probed
 }
@@ -254,13 +254,13 @@ fn reports_each_weakness_of_a_tcp_server_once() {
     );
     assert_eq!(probed.failure, None);
     let found = trials(&probed);
-    let of = |rule: &str| -> Vec<(&str, u64)> {
+    let findings_of = |rule: &str| -> Vec<(&str, u64)> {
         found.iter().filter(|found| found.0 == rule).map(|found| (found.1.as_str(), found.2)).collect()
     };
-    assert_eq!(of("FW-TCP-03"), [("after a line that is no JSON", 4)]);
-    assert_eq!(of("FW-TCP-02"), [("a message in one segment with a line that is no JSON", 1)]);
-    assert_eq!(of("FW-ENV-25").len(), 1);
-    assert_eq!(of("FW-TCP-04"), []);
+    assert_eq!(findings_of("FW-TCP-03"), [("after a line that is no JSON", 4)]);
+    assert_eq!(findings_of("FW-TCP-02"), [("a message in one segment with a line that is no JSON", 1)]);
+    assert_eq!(findings_of("FW-ENV-25").len(), 1);
+    assert_eq!(findings_of("FW-TCP-04"), []);
 }
 
 #[test]

@@ -135,8 +135,8 @@ fn answers_every_family_over_every_transport() {
         ("UAV-INF", json!({ "ids": ["glider-1", "glider-9"] }), "UAV-INF"),
         ("WTH-LIST", json!({}), "WTH-LIST"),
     ];
-    for way in ENDPOINTS {
-        let mut client = client(&server, way);
+    for endpoint in ENDPOINTS {
+        let mut client = client(&server, endpoint);
         let mut ids = BTreeSet::new();
         for (number, (kind, fields, expected)) in requests.iter().enumerate() {
             let mut body = fields.clone();
@@ -144,9 +144,9 @@ fn answers_every_family_over_every_transport() {
             let id = format!("Höhe \u{1fa82} {number}");
             client.send(request(&id, &body).as_bytes()).expect("sent");
             let message = answer(&mut *client, &id);
-            assert_eq!(message["body"]["type"], *expected, "{way:?}: {message}");
+            assert_eq!(message["body"]["type"], *expected, "{endpoint:?}: {message}");
             let is_new = ids.insert(message["id"].as_str().expect("an id").to_owned());
-            assert!(is_new || way.0 == Transport::Http, "{way:?}: {message}");
+            assert!(is_new || endpoint.0 == Transport::Http, "{endpoint:?}: {message}");
         }
     }
 }
@@ -169,9 +169,9 @@ fn listens_on_ipv6_addresses() {
     }
     let server =
         Server::start(Options::default(), &ALL.map(|transport| (transport, location))).expect("a server");
-    for way in ENDPOINTS {
+    for endpoint in ENDPOINTS {
         assert_eq!(
-            request_body(&mut *client(&server, way), "a", &json!({ "type": "SYS-PING" })),
+            request_body(&mut *client(&server, endpoint), "a", &json!({ "type": "SYS-PING" })),
             json!({ "type": "ACK-ACK" })
         );
     }
@@ -180,8 +180,8 @@ fn listens_on_ipv6_addresses() {
 #[test]
 fn sends_status_reports_without_a_request() {
     let server = serve(Options { rate: 20.0, ..Options::default() });
-    for way in ENDPOINTS.into_iter().filter(|(transport, _)| *transport != Transport::Http) {
-        let mut client = client(&server, way);
+    for endpoint in ENDPOINTS.into_iter().filter(|(transport, _)| *transport != Transport::Http) {
+        let mut client = client(&server, endpoint);
         // Over UDP, the server knows a client only after its first datagram.
         request_body(&mut *client, "a", &json!({ "type": "SYS-PING" }));
         let message = until(&mut *client, |message| message["body"]["type"] == "UAV-INF");
@@ -224,14 +224,14 @@ fn answers_after_the_client_closed_its_output() {
 #[test]
 fn ignores_invalid_messages() {
     let server = serve(Options::default());
-    for way in ENDPOINTS.into_iter().filter(|(transport, _)| *transport != Transport::Http) {
-        let mut client = client(&server, way);
+    for endpoint in ENDPOINTS.into_iter().filter(|(transport, _)| *transport != Transport::Http) {
+        let mut client = client(&server, endpoint);
         for text in
             ["7", "\"glider\"", "[]", "{}", "null", r#"{"id":"a","refs":"b","body":{"type":"ACK-ACK"}}"#]
         {
             client.send(text.as_bytes()).expect("sent");
         }
-        if way.0 != Transport::SocketIo {
+        if endpoint.0 != Transport::SocketIo {
             client.send(b"\xff\xfe glider {").expect("sent");
         }
         request_body(&mut *client, "after", &json!({ "type": "SYS-PING" }));
@@ -276,7 +276,7 @@ fn rejects_malformed_requests_by_id() {
         ),
         (
             json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "SYS-TIME", "adjustment": -1 } }),
-            "forward",
+            "negative",
         ),
         (
             json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "SYS-TIME", "adjustment": 1e300 } }),
@@ -454,8 +454,8 @@ fn keeps_serving_after_garbage() {
         Ok(())
     });
     outcome.expect("it can be sent");
-    for way in ENDPOINTS {
-        request_body(&mut *client(&server, way), "after", &json!({ "type": "SYS-PING" }));
+    for endpoint in ENDPOINTS {
+        request_body(&mut *client(&server, endpoint), "after", &json!({ "type": "SYS-PING" }));
     }
 }
 
@@ -556,10 +556,10 @@ fn udp_bugs_are_observable() {
 #[test]
 fn socket_io_bugs_are_observable() {
     let server = serve_with_bug("FW-SIO-01");
-    for way in &ENDPOINTS[3..] {
-        let mut client = client(&server, *way);
+    for endpoint in &ENDPOINTS[3..] {
+        let mut client = client(&server, *endpoint);
         client.send(request("a", &json!({ "type": "SYS-PING" })).as_bytes()).expect("sent");
-        assert!(!is_answered(&mut *client, QUIET_TIME), "{way:?}");
+        assert!(!is_answered(&mut *client, QUIET_TIME), "{endpoint:?}");
     }
     let server = serve_with_bug("FW-SIO-02");
     let url = format!("socketio://{}?transport=polling", address(&server, Transport::SocketIo));
@@ -572,19 +572,20 @@ fn socket_io_bugs_are_observable() {
 #[test]
 fn notifies_all_clients_of_the_shutdown() {
     let server = serve(Options::default());
-    let ways: Vec<_> = ENDPOINTS.into_iter().filter(|(transport, _)| *transport != Transport::Http).collect();
-    let mut clients: Vec<_> = ways.iter().map(|way| client(&server, *way)).collect();
+    let endpoints: Vec<_> =
+        ENDPOINTS.into_iter().filter(|(transport, _)| *transport != Transport::Http).collect();
+    let mut clients: Vec<_> = endpoints.iter().map(|endpoint| client(&server, *endpoint)).collect();
     for client in &mut clients {
         request_body(&mut **client, "a", &json!({ "type": "SYS-PING" }));
     }
     let ending = thread::spawn(move || server.end());
-    for (client, way) in clients.iter_mut().zip(&ways) {
+    for (client, endpoint) in clients.iter_mut().zip(&endpoints) {
         until(&mut **client, |message| message["body"]["type"] == "SYS-CLOSE");
-        if way.0 != Transport::Udp {
+        if endpoint.0 != Transport::Udp {
             assert_eq!(
                 client.receive(Instant::now() + TIMEOUT).expect("an orderly end"),
                 Received::End,
-                "{way:?}"
+                "{endpoint:?}"
             );
         }
     }

@@ -295,16 +295,16 @@ fn remarks_on_repeated_and_late_responses() {
 #[test]
 fn reports_a_missing_hello() {
     let suite = suite();
-    let broken = |options: &Options| {
+    let failure = |options: &Options| {
         run(&suite.cases, &some_cases(), &suite.types, options, &|_, _| {}).map(|_| ()).expect_err("no hello")
     };
-    let output = broken(&options(&["exit"]));
+    let output = failure(&options(&["exit"]));
     assert!(output.contains('7') && output.ends_with("out of cheese"), "{output}");
-    let output = broken(&options(&["bad-hello"]));
+    let output = failure(&options(&["bad-hello"]));
     assert!(output.contains("invalid JSON") && output.contains("`hello, world`"), "{output}");
-    let output = broken(&Options { start_timeout: Duration::from_millis(200), ..options(&["no-hello"]) });
+    let output = failure(&Options { start_timeout: Duration::from_millis(200), ..options(&["no-hello"]) });
     assert!(output.contains("no response within 0.2 s"), "{output}");
-    let output = broken(&Options::new(Target::Command(vec!["/nowhere/at/all".into()])));
+    let output = failure(&Options::new(Target::Command(vec!["/nowhere/at/all".into()])));
     assert!(output.contains("can't start /nowhere/at/all"), "{output}");
 }
 
@@ -371,7 +371,10 @@ fn reads_responses_from_a_file() {
     assert_eq!(uavspec(folder.path(), &["--replay", "empty"]).0, Some(5));
     std::fs::write(folder.path().join("odd"), "{\"id\":99999999,\"ok\":1}\nx\n").expect("a file");
     let (status, printed, _) = uavspec(folder.path(), &["--replay", "odd"]);
-    assert!(status == Some(1) && printed.contains("id 99999999") && printed.contains("no JSON"), "{printed}");
+    assert!(
+        status == Some(1) && printed.contains("id 99999999") && printed.contains("invalid JSON"),
+        "{printed}"
+    );
 }
 
 #[test]

@@ -193,8 +193,11 @@ impl<'s, 'r> Worker<'s, 'r> {
                 true
             }
             Err(error) => {
-                let before =
-                    self.suspicion.as_ref().map(|why| format!("; before that, {why}")).unwrap_or_default();
+                let before = self
+                    .suspicion
+                    .as_ref()
+                    .map(|why| format!("\n  note: before that, {why}"))
+                    .unwrap_or_default();
                 self.shared.state().gave_up = Some(error + &before);
                 false
             }

@@ -152,7 +152,7 @@ fn reports_each_deviation_once() {
             let is_new = |rule: &&str| *rule != "FW-ENV-18" && !before.contains_key(rule);
             for (rule, places) in found.iter().filter(|(rule, _)| is_new(rule)) {
                 let both: Vec<_> = places.intersection(&reported).collect();
-                assert!(both.is_empty(), "{rule} tells {both:?} of {body}, too");
+                assert!(both.is_empty(), "{rule} also reports {both:?} in {body}");
             }
             rest += reported.len();
         }

@@ -68,8 +68,8 @@ fn reports_fit_every_screen_in_both_schemes() {
             assert!(picture.starts_with(b"\x89PNG") && picture.len() > 10_000, "{} bytes", picture.len());
         }
         let colours = |scheme: &str| {
-            let of = seen.iter().filter(|one| one["scheme"] == scheme);
-            of.map(|one| one["closed"]["background"].clone()).collect::<Vec<_>>()
+            let pages = seen.iter().filter(|one| one["scheme"] == scheme);
+            pages.map(|one| one["closed"]["background"].clone()).collect::<Vec<_>>()
         };
         assert!(colours("light").iter().all(|light| !colours("dark").contains(light)), "{seen:?}");
     }

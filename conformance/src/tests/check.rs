@@ -295,7 +295,7 @@ fn a_violation_has_a_message_and_a_location() {
         assert!(own.len() == 1 && own[0].starts_with(message), "{id}: {found:?}");
         let others: Vec<&str> = found.iter().map(|(rule, _)| *rule).filter(|rule| *rule != id).collect();
         let allowed: Vec<&str> =
-            ALSO_VIOLATED.iter().filter(|(of, _)| *of == id).map(|(_, also)| *also).collect();
+            ALSO_VIOLATED.iter().filter(|(rule, _)| *rule == id).map(|(_, also)| *also).collect();
         assert_eq!(others, allowed, "{id}: {found:?}");
     }
 }

@@ -537,7 +537,7 @@ fn reports_no_missing_reply_that_may_be_unreadable() {
     // If an unrelated message is unreadable, the reply is missing.
     for (id, found) in [(reply, &["PX-DATA-01"][..]), (other, &["PX-DATA-01", "PX-EXT-03"])] {
         let mut log = script.flight.log();
-        let at = log.entries.iter().rposition(|entry| matches!(entry, Entry::Data(of, _) if *of == reply));
+        let at = log.entries.iter().rposition(|entry| matches!(entry, Entry::Data(id, _) if *id == reply));
         log.entries[at.expect("a reply") - 8] = Entry::Data(id, b"abc".to_vec());
         assert_eq!(rules_violated(&script.run_check(&log.to_bytes())), found);
 
@@ -1011,11 +1011,11 @@ fn counts_flags_that_no_mode_requires() {
         let result = script.run_check(&bytes);
         let found: Vec<(String, u64)> =
             result.findings.groups().map(|group| (group.subject.clone(), group.count)).collect();
-        let of = |flag: &str| {
+        let example = |flag: &str| {
             let name = if bytes.starts_with(b"{") { "FailsafeFlags" } else { "failsafe_flags" };
             (format!("{name}.{flag}"), 5)
         };
-        let expected = ["attitude_invalid", "flight_time_limit_exceeded", "wind_limit_exceeded"].map(of);
+        let expected = ["attitude_invalid", "flight_time_limit_exceeded", "wind_limit_exceeded"].map(example);
         assert_eq!(found, expected);
         assert_eq!(result.findings.verdict(shown), Verdict::Shown);
         let group = result.findings.groups_of(shown).next().expect("a group");

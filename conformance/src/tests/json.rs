@@ -74,9 +74,9 @@ fn check_bytes(bytes: &[u8]) -> CaptureResult {
 
 fn check_bare(text: &str) -> CaptureResult {
     let (_folder, definitions) = definitions();
-    let of = definitions.message_of_topic("glider");
-    assert!(of.is_some());
-    check_capture(text.as_bytes(), of, &definitions).expect("bytes can be read")
+    let message = definitions.message_of_topic("glider");
+    assert!(message.is_some());
+    check_capture(text.as_bytes(), message, &definitions).expect("bytes can be read")
 }
 
 fn source(result: &CaptureResult) -> &JsonSummary {
@@ -329,17 +329,17 @@ fn findings_show_the_original_text_up_to_a_limit() {
         assert!(!excerpt.is_empty() && excerpt.len() < 300, "{} {excerpt}", group.rule.id);
         assert!(!excerpt.contains('\u{1b}'), "{excerpt}");
     }
-    let of = |subject: &str| {
+    let excerpt = |subject: &str| {
         let group = groups.iter().find(|group| group.subject == subject).expect("a finding");
         group.examples[0].1.excerpt.as_str()
     };
-    let whole = of("Glider.serial");
+    let whole = excerpt("Glider.serial");
     assert!(
         whole.starts_with(r#"{"timestamp": 20000, "speed": 20.0, "flaps": [0.5, null], "mode": 7, "#),
         "{whole}"
     );
     assert!(whole.ends_with("…}"), "{whole}");
-    assert_eq!(of("Glider.raw"), r#""raw": [1, {"a": [true, "\u{1b}"]}]"#);
+    assert_eq!(excerpt("Glider.raw"), r#""raw": [1, {"a": [true, "\u{1b}"]}]"#);
 }
 
 /// Unused array elements may have any value of their type, whether the count precedes or follows the array.

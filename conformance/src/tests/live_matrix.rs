@@ -31,6 +31,6 @@ fn each_bug_violates_only_its_rule() {
 fn each_server_rule_has_a_bug() {
     let on_servers: Vec<&str> =
         RULES.iter().filter(|rule| rule.is_on_flockwave()).map(|rule| rule.id).collect();
-    let with_bug = flockwave::RULES.iter().filter(|of| !of.bug.description.is_empty());
-    assert_eq!(with_bug.map(|of| of.rule.id).collect::<Vec<_>>(), on_servers);
+    let with_bug = flockwave::RULES.iter().filter(|rule| !rule.bug.description.is_empty());
+    assert_eq!(with_bug.map(|rule| rule.rule.id).collect::<Vec<_>>(), on_servers);
 }

@@ -257,9 +257,9 @@ fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
         }
         if !style.is_type_first
             && let Some(body) = body.as_object_mut()
-            && let Some(of) = body.shift_remove("type")
+            && let Some(kind) = body.shift_remove("type")
         {
-            body.insert("type".to_owned(), of);
+            body.insert("type".to_owned(), kind);
         }
         let id =
             style.id.unwrap_or_else(|| format!("{}-{number}", if is_from_server { "say" } else { "ask" }));

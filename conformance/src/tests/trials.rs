@@ -131,7 +131,7 @@ fn a_ping_may_be_rejected_before_the_login() {
 /// Before the login, a server may reject all requests in the same way.
 #[test]
 fn detects_supported_families_by_their_rejections() {
-    let asks = |login: Option<bool>, reasons: [&str; 3]| {
+    let session_with = |login: Option<bool>, reasons: [&str; 3]| {
         over("tcp#2", |session| {
             if let Some(is_needed) = login {
                 session
@@ -146,10 +146,10 @@ fn detects_supported_families_by_their_rejections() {
     };
     let alike = ["No UAV-SOAR here", "No DEV-LIST here", "No DEV-SUB here"];
     let other = ["No UAV-SOAR here", "No DEV-LIST here", "DEV-SUB has no paths"];
-    assert_eq!(violated_by(&asks(None, alike)), [("FW-ENV-24", 1)]);
-    assert_eq!(violated_by(&asks(Some(false), alike)), [("FW-ENV-24", 1)]);
-    assert_eq!(violated_by(&asks(Some(true), alike)), []);
-    assert_eq!(violated_by(&asks(None, other)), []);
+    assert_eq!(violated_by(&session_with(None, alike)), [("FW-ENV-24", 1)]);
+    assert_eq!(violated_by(&session_with(Some(false), alike)), [("FW-ENV-24", 1)]);
+    assert_eq!(violated_by(&session_with(Some(true), alike)), []);
+    assert_eq!(violated_by(&session_with(None, other)), []);
 }
 
 #[test]

@@ -201,7 +201,7 @@ fn gives_up_if_the_testee_does_not_come_back() {
     let outcome = run_cases(&some_cases(), &options);
     let why = outcome.gave_up.as_ref().expect("a reason");
     assert!(why.starts_with(&format!("can't connect to {address}: ")), "{why}");
-    assert!(why.contains("; before, "), "{why}");
+    assert!(why.contains("\n  note: before that, "), "{why}");
     assert!(outcome.counts().not_run > 0, "{:?}", outcome.counts());
 }
 
@@ -212,14 +212,16 @@ fn reports_a_refused_connection_immediately() {
     drop(listener);
     let suite = suite();
     let options = attached(&address, options(&[]));
-    let output =
-        run(&suite.cases, &some_cases(), &suite.types, &options, &|_, _| {}).map(|_| ()).expect_err("nobody");
+    let output = run(&suite.cases, &some_cases(), &suite.types, &options, &|_, _| {})
+        .map(|_| ())
+        .expect_err("an error");
     assert!(output.starts_with(&format!("can't connect to {address}: ")), "{output}");
     assert!(output.contains("\n  help: nothing listens on this port"), "{output}");
     // A reserved name that never exists (RFC 2606).
     let unknown = attached("gliders.invalid:7700", options.clone());
-    let output =
-        run(&suite.cases, &some_cases(), &suite.types, &unknown, &|_, _| {}).map(|_| ()).expect_err("nobody");
+    let output = run(&suite.cases, &some_cases(), &suite.types, &unknown, &|_, _| {})
+        .map(|_| ())
+        .expect_err("an error");
     assert!(output.contains("\n  help: check the host name"), "{output}");
     for (arguments, status) in [
         (vec!["test", "--attach", &address], 3),

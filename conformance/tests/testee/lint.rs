@@ -49,7 +49,7 @@ const UNPREDICTABLE: &[(&[&str], &[&str])] = &[
     (&["wrong-id", "1005"], &["answers-have-ids"]),
     (&["not-utf8", "1005"], &["one-answer-each", "only-answers"]),
     (&["endless", "1005"], &["one-answer-each", "only-answers"]),
-    (&["first-line-of-read"], &["requests-in-one-write"]),
+    (&["first-line-of-read"], &["questions-in-one-write"]),
     (&["read-is-line"], &["question-in-many-writes"]),
     (&["later", "1008"], &["answers-before-end"]),
     (&["stays"], &["ends-by-itself"]),

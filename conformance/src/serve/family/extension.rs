@@ -60,14 +60,14 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
 }
 
 fn list(hub: &Hub) -> ext_list::Response {
-    let of = |is_loaded: bool| -> Vec<ExtensionId> {
+    let ids = |is_loaded: bool| -> Vec<ExtensionId> {
         let extensions = hub.world.extensions.iter();
         extensions
             .filter(|(_, extension)| extension.is_loaded == is_loaded)
             .map(|(id, _)| ExtensionId::from(*id))
             .collect()
     };
-    ext_list::Response { loaded: of(true), available: of(false) }
+    ext_list::Response { loaded: ids(true), available: ids(false) }
 }
 
 fn find<'h>(hub: &'h mut Hub, id: &str) -> Result<&'h mut Extension, String> {

@@ -49,9 +49,9 @@ pub(super) fn serve_connection(shared: &Arc<Shared>, mut stream: TcpStream) -> i
     stream.set_read_timeout(Some(POLL_INTERVAL))?;
     stream.set_write_timeout(Some(SEND_LIMIT))?;
     let outbox = Arc::new(Outbox::default());
-    let own = stream.try_clone()?;
-    let taken = Arc::clone(&outbox);
-    let writer = thread::spawn(move || write(own, &taken));
+    let output = stream.try_clone()?;
+    let queue = Arc::clone(&outbox);
+    let writer = thread::spawn(move || write(output, &queue));
     let sink = LineSink { outbox: Arc::clone(&outbox), is_spread: shared.has_bug(&tcp_01::RULE) };
     let id = shared.open(ConnectionKind::Persistent, Arc::new(sink));
     let ending = read(shared, id, &mut stream, &writer);

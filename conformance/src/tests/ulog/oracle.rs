@@ -140,8 +140,8 @@ impl Content {
         for topic in topics {
             let name = topic["name"].as_str().expect("a name");
             let key = (name.to_owned(), topic["multi_id"].as_u64().expect("a number"));
-            let of = self.log.types().find(ULOG_PACKAGE, name).expect("a type");
-            check_topic(of, &self.records[&key], topic);
+            let message_type = self.log.types().find(ULOG_PACKAGE, name).expect("a type");
+            check_topic(message_type, &self.records[&key], topic);
         }
     }
 }

@@ -132,7 +132,7 @@ fn answer(
     message: &Message,
     message_type: MessageType<'_>,
 ) -> Result<Value, CodecError> {
-    let said = |error: Error| CodecError::Input(error.to_string());
+    let invalid = |error: Error| CodecError::Input(error.to_string());
     let is_cdr = || match request["format"].as_str() {
         Some("cdr") => Ok(true),
         Some("uorb") => Ok(false),
@@ -149,15 +149,15 @@ fn answer(
         } else {
             message_type.decode_uorb_strict(&bytes)
         }
-        .map_err(said)
+        .map_err(invalid)
     };
     let encode = |message: &DynamicMessage<'_>| -> Result<Value, CodecError> {
         let bytes = if is_cdr()? { message.to_cdr(ByteOrder::LittleEndian) } else { message.to_uorb() };
-        bytes.map(|bytes| to_base64(&bytes).into()).map_err(said)
+        bytes.map(|bytes| to_base64(&bytes).into()).map_err(invalid)
     };
-    let read = || message_type.from_json(&from_wire(value_of(request)?)).map_err(said);
+    let read = || message_type.from_json(&from_wire(value_of(request)?)).map_err(invalid);
     match op {
-        "decode" => Ok(to_wire(&decode()?.to_json().map_err(said)?, Some(message_type))),
+        "decode" => Ok(to_wire(&decode()?.to_json().map_err(invalid)?, Some(message_type))),
         "encode" => encode(&read()?),
         "roundtrip" => encode(&decode()?),
         "validate" => match read()?.validate().first() {
