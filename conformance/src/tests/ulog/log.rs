@@ -1,4 +1,4 @@
-//! Each problem with formats, subscriptions and data.
+//! Tests of each problem with formats, subscriptions and data.
 
 use super::problems::{check, definitions};
 use super::seen::problems;
