@@ -77,7 +77,7 @@ fn read_definition(sources: &SourceMap, id: SourceId, dialect: Dialect) -> Resul
         return Err(diagnostics);
     }
     let text = msg::lay_out(sources, id, &definition, dialect);
-    Ok(Reading { text, meaning: meaning::of_definition(sources, &definition, dialect) })
+    Ok(Reading { text, meaning: meaning::describe_definition(sources, &definition, dialect) })
 }
 
 fn read_page(sources: &SourceMap, id: SourceId) -> Result<Reading, Vec<Diagnostic>> {
@@ -86,5 +86,5 @@ fn read_page(sources: &SourceMap, id: SourceId) -> Result<Reading, Vec<Diagnosti
         return Err(diagnostics);
     }
     let text = table::lay_out(sources.path(id), sources.text(id), &page);
-    Ok(Reading { text, meaning: meaning::of_page(sources.path(id), sources.text(id), &page) })
+    Ok(Reading { text, meaning: meaning::describe_page(sources.path(id), sources.text(id), &page) })
 }

@@ -164,9 +164,9 @@ fn nested(fields: &[Field]) -> impl Iterator<Item = usize> {
 
 fn defect(draft: &Draft, plans: &[Plan]) -> Option<Defect> {
     let mut nested = nested(&draft.fields).map(|nested| &plans[nested]);
-    let holds =
+    let nested_defect =
         nested.find(|nested| nested.defect.is_some()).map(|nested| Defect::Holds(nested.name.to_string()));
-    draft.defect.clone().or(holds)
+    draft.defect.clone().or(nested_defect)
 }
 
 fn unusable(draft: &Draft, defect: Defect) -> Plan {
@@ -196,8 +196,8 @@ fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
         field.is_restricted = is_restricted(field, plans);
     }
     let fields = &draft.fields;
-    let any = |of_field: fn(&Field) -> bool, of_plan: fn(&Plan) -> bool| {
-        fields.iter().any(of_field) || nested(fields).any(|nested| of_plan(&plans[nested]))
+    let any = |in_field: fn(&Field) -> bool, in_plan: fn(&Plan) -> bool| {
+        fields.iter().any(in_field) || nested(fields).any(|nested| in_plan(&plans[nested]))
     };
     let steps = steps(fields, plans);
     let varies = |field: &Field| field.is_sequence() || matches!(field.element, Element::String(_));

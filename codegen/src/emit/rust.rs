@@ -132,13 +132,13 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
     }
     // Views are named after their types, which take precedence.
     for (id, place) in &mut modules.messages {
-        let mut own_types = Scope::default();
-        own_types.unique_type(&place.type_name);
+        let mut module_types = Scope::default();
+        module_types.unique_type(&place.type_name);
         if has_view(*id) {
             place.view_name = types.unique_type(&format!("{}View", place.type_name));
-            own_types.unique_type(&place.view_name);
+            module_types.unique_type(&place.view_name);
         }
-        set_place(context, *id, place.clone(), &mut own_types);
+        set_place(context, *id, place.clone(), &mut module_types);
     }
     let mut scopes: BTreeMap<&str, (Scope, Scope)> = BTreeMap::new();
     for (index, interface) in package.interfaces.iter().enumerate() {
@@ -146,18 +146,18 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
         let (scope, types) = scopes.entry(kind).or_default();
         let name = scope.unique(&module_name(&interface.name));
         let mut parts = Vec::new();
-        let mut own_types = Scope::default();
+        let mut module_types = Scope::default();
         for id in &interface.parts {
             let type_name = types.unique_type(&identifier::type_name(&schema.message(*id).name));
             let view_name =
                 if has_view(*id) { types.unique_type(&format!("{type_name}View")) } else { String::new() };
-            own_types.unique_type(&type_name);
-            own_types.unique_type(&view_name);
+            module_types.unique_type(&type_name);
+            module_types.unique_type(&view_name);
             let path = vec![module.to_owned(), kind.to_owned(), name.clone()];
             parts.push((*id, Place { modules: path, type_name, view_name }));
         }
         for (id, place) in &parts {
-            set_place(context, *id, place.clone(), &mut own_types);
+            set_place(context, *id, place.clone(), &mut module_types);
         }
         modules.interfaces.push(InterfaceModule { kind, module: name, index, parts });
     }

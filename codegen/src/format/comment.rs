@@ -11,16 +11,16 @@ use crate::schema::documentation::is_ruler;
 use crate::source::Span;
 
 /// Formats a comment on a separate line. `text` follows the `#`. White space after the first space is significant.
-pub(super) fn own(text: &str) -> String {
-    let is_apart = text.is_empty() || text.starts_with([' ', '\t']) || is_drawn(text);
-    format!("#{}{text}", if is_apart { "" } else { " " })
+pub(super) fn standalone(text: &str) -> String {
+    let needs_no_space = text.is_empty() || text.starts_with([' ', '\t']) || is_drawn(text);
+    format!("#{}{text}", if needs_no_space { "" } else { " " })
 }
 
 /// Formats a comment that continues the one above.
 pub(super) fn continued(text: &str) -> String {
     let rest = text.trim_start_matches([' ', '\t']);
     let indent = &text[..text.len() - rest.len()];
-    if indent.contains('\t') { own(rest) } else { own(text) }
+    if indent.contains('\t') { standalone(rest) } else { standalone(text) }
 }
 
 /// Formats the comment of a declaration: annotations in a fixed order and spelling. A directive at the end is left
@@ -44,7 +44,7 @@ fn read(text: &str, is_constant: bool) -> (String, &str) {
     } else {
         annotation::read(content, Span::default(), &mut Vec::new())
     };
-    (meaning::of_note(&note), directive)
+    (meaning::describe_note(&note), directive)
 }
 
 /// Prepends `#` to `body`, with a space unless `text` runs into its `#` like a ruler.

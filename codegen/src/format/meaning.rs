@@ -13,27 +13,29 @@ use crate::source::SourceMap;
 use crate::table::{Cell, Form, Heading, Page, Row, Table, Text, markdown};
 
 /// Describes a definition: its declarations and comments, and the documentation read from them.
-pub(super) fn of_definition(
+pub(super) fn describe_definition(
     sources: &SourceMap,
     definition: &Definition<'_>,
     dialect: Dialect,
 ) -> Vec<String> {
     let mut parts = Vec::new();
     for part in &definition.parts {
-        parts.push(of_commentary(part, dialect));
-        parts.extend(part.lines.iter().filter(|line| !line.is_blank()).map(|line| of_line(sources, line)));
+        parts.push(describe_commentary(part, dialect));
+        parts.extend(
+            part.lines.iter().filter(|line| !line.is_blank()).map(|line| describe_line(sources, line)),
+        );
     }
     parts
 }
 
-fn of_commentary(part: &Part<'_>, dialect: Dialect) -> String {
+fn describe_commentary(part: &Part<'_>, dialect: Dialect) -> String {
     let Commentary { docs, groups, items, topics } = documentation::read(part, dialect);
     let items: Vec<_> = items.iter().map(|ItemDocs { description, group }| (description, group)).collect();
     let topics: Vec<&str> = topics.iter().map(|(topic, _)| *topic).collect();
     format!("{docs:?} {groups:?} {items:?} {topics:?}")
 }
 
-fn of_line(sources: &SourceMap, line: &Line<'_>) -> String {
+fn describe_line(sources: &SourceMap, line: &Line<'_>) -> String {
     let item = match line.item.as_deref() {
         None => String::new(),
         Some(Item::Field(Field { ty, name, default })) => {
@@ -41,12 +43,12 @@ fn of_line(sources: &SourceMap, line: &Line<'_>) -> String {
         }
         Some(Item::Constant(Constant { ty, name, value, .. })) => format!("{ty:?} {} = {value:?}", name.text),
     };
-    format!("{item} {:?}", line.comment.as_deref().map(of_comment))
+    format!("{item} {:?}", line.comment.as_deref().map(describe_comment))
 }
 
-fn of_comment(comment: &Comment<'_>) -> String {
+fn describe_comment(comment: &Comment<'_>) -> String {
     let text = match &comment.note {
-        Some(note) => of_note(note),
+        Some(note) => describe_note(note),
         // White space is significant in documentation only, which the commentary covers.
         None => comment.text.split_whitespace().collect::<Vec<_>>().join(" "),
     };
@@ -55,22 +57,22 @@ fn of_comment(comment: &Comment<'_>) -> String {
 }
 
 /// Describes the note of a declaration. Annotations of different kinds may be in any order.
-pub(super) fn of_note(note: &Note<'_>) -> String {
+pub(super) fn describe_note(note: &Note<'_>) -> String {
     let mut statements: Vec<&Statement<'_>> =
         note.annotations.iter().map(|annotation| &annotation.statement).collect();
     statements.sort_by_key(|statement| statement.rank());
-    let parameters: Vec<String> = note.parameters.iter().map(of_note).collect();
+    let parameters: Vec<String> = note.parameters.iter().map(describe_note).collect();
     format!("{statements:?} {:?} {parameters:?}", note.text)
 }
 
 /// Describes a page: its headings and tables, and for Markdown everything that is rendered.
-pub(super) fn of_page(path: &str, text: &str, page: &Page) -> Vec<String> {
+pub(super) fn describe_page(path: &str, text: &str, page: &Page) -> Vec<String> {
     let form = Form::of(path, text);
     let mut parts = vec![format!("{form:?}")];
     parts.extend(page.headings.iter().map(|Heading { level, text }| format!("{level} {:?}", text.as_str())));
     for Table { heading, title, header, rows, .. } in &page.tables {
-        parts.push(format!("{heading:?} {:?} {}", title.as_ref().map(Text::as_str), of_cells(header)));
-        parts.extend(rows.iter().map(|Row { cells, .. }| of_cells(cells)));
+        parts.push(format!("{heading:?} {:?} {}", title.as_ref().map(Text::as_str), describe_cells(header)));
+        parts.extend(rows.iter().map(|Row { cells, .. }| describe_cells(cells)));
     }
     if form == Form::Markdown {
         parts.extend(rendered(text));
@@ -78,7 +80,7 @@ pub(super) fn of_page(path: &str, text: &str, page: &Page) -> Vec<String> {
     parts
 }
 
-fn of_cells(cells: &[Cell]) -> String {
+fn describe_cells(cells: &[Cell]) -> String {
     let cells: Vec<_> = cells.iter().map(|cell| (cell.text.as_str(), cell.is_merged)).collect();
     format!("{cells:?}")
 }

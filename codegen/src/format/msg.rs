@@ -38,8 +38,8 @@ pub(super) fn lay_out(
 ) -> String {
     let rows = tidy(rows(sources, id, definition, dialect));
     let mut text = String::with_capacity(sources.text(id).len());
-    let is_apart = |row: &Row| matches!(row, Row::Blank | Row::Apart(_));
-    for block in rows.chunk_by(|first, second| !is_apart(first) && !is_apart(second)) {
+    let ends_block = |row: &Row| matches!(row, Row::Blank | Row::Apart(_));
+    for block in rows.chunk_by(|first, second| !ends_block(first) && !ends_block(second)) {
         print(block, &mut text);
     }
     text
@@ -65,7 +65,7 @@ fn rows(sources: &SourceMap, id: SourceId, definition: &Definition<'_>, dialect:
 
 fn separator(line: &str) -> Row {
     Row::Apart(match line.split_once('#') {
-        Some((_, text)) => format!("---  {}", comment::own(text.trim_end())),
+        Some((_, text)) => format!("---  {}", comment::standalone(text.trim_end())),
         None => "---".to_owned(),
     })
 }
@@ -85,7 +85,7 @@ impl<'m> Reader<'m> {
                 self.is_after_declaration = true;
                 self.declared(line, item, comment)
             }
-            (None, Some(comment)) => self.own(comment, self.written(line, comment)),
+            (None, Some(comment)) => self.standalone(comment, self.written(line, comment)),
             (None, None) => {
                 self.is_after_declaration = false;
                 Row::Blank
@@ -129,7 +129,7 @@ impl<'m> Reader<'m> {
 
     /// Formats a comment on a separate line, with `written` as its text after the `#`. The result is a list of topics
     /// only if the original is.
-    fn own(&mut self, comment: &Comment<'_>, written: &str) -> Row {
+    fn standalone(&mut self, comment: &Comment<'_>, written: &str) -> Row {
         let topics = comment.text.strip_prefix(TOPICS).filter(|_| self.dialect == Dialect::Px4);
         let is_indented = comment.column > 0;
         match topics {
@@ -141,10 +141,10 @@ impl<'m> Reader<'m> {
             _ if self.is_after_declaration && is_indented => {
                 return Row::Continued(comment::continued(written));
             }
-            _ if comment.is_directive() => return Row::Aside(comment::own(written)),
+            _ if comment.is_directive() => return Row::Aside(comment::standalone(written)),
             _ => self.is_after_declaration = false,
         }
-        let laid_out = comment::own(written);
+        let laid_out = comment::standalone(written);
         Row::Apart(match topics {
             Some(_) => format!(" {laid_out}"),
             None if self.dialect == Dialect::Px4 && laid_out[1..].starts_with(TOPICS) => {

@@ -51,8 +51,8 @@ pub fn update(
         }
     }
     let has_entry = |text: &&Text<'_>| current.contains_key(text.key.as_str());
-    let begun: BTreeSet<&str> = texts.iter().filter(has_entry).map(|text| text.unit.as_str()).collect();
-    let is_selected = |text: &&Text<'_>| begun.contains(text.unit.as_str()) || select.contains(&text.unit);
+    let started: BTreeSet<&str> = texts.iter().filter(has_entry).map(|text| text.unit.as_str()).collect();
+    let is_selected = |text: &&Text<'_>| started.contains(text.unit.as_str()) || select.contains(&text.unit);
     for text in texts.iter().filter(is_selected) {
         let existing = current.get(text.key.as_str()).copied();
         let old = obsolete.get(text.key.as_str()).copied();
@@ -201,9 +201,9 @@ mod tests {
         let texts = texts(&schema);
         let nothing = update(&new_catalogue("uk"), &sources, &texts, &BTreeSet::new());
         assert_eq!(nothing, new_catalogue("uk"));
-        let mut begun = nothing;
-        begun.entries.push(Entry { context: Some("demo/Glider.sink".to_owned()), ..Entry::default() });
-        assert_eq!(update(&begun, &sources, &texts, &BTreeSet::new()).entries.len(), 4);
+        let mut started = nothing;
+        started.entries.push(Entry { context: Some("demo/Glider.sink".to_owned()), ..Entry::default() });
+        assert_eq!(update(&started, &sources, &texts, &BTreeSet::new()).entries.len(), 4);
     }
 
     /// Prints and parses a catalogue. Returns the problems other than fuzzy and missing translations.

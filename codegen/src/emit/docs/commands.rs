@@ -87,7 +87,7 @@ fn values(scope: Scope<'_, '_>, (command, index): ParameterRef, constants: &Cons
 /// A link to the constants with this prefix, if they are on the page.
 fn prefix_link(scope: Scope<'_, '_>, prefix: &str, constants: &Constants<'_>) -> String {
     let text = code(prefix);
-    if constants.of_parameters.contains_key(prefix) {
+    if constants.parameter_enums.contains_key(prefix) {
         return link(&text, &format!("#{}", prefix_anchor(prefix)));
     }
     match scope.site.part_named(scope.message, prefix) {

@@ -124,10 +124,10 @@ fn field(site: &Site<'_>, id: MessageId, index: usize, offset: Option<usize>) ->
         Element::Scalar(_) if field.is_text(Dialect::Px4) => put("type", "text".into()),
         Element::Scalar(scalar) => {
             put("type", scalar.name().into());
-            if let Some(held) = field.enumeration {
+            if let Some(reference) = field.enumeration {
                 put(
-                    if site.schema.enumeration(held).is_flags { "flags" } else { "values" },
-                    values(site, held),
+                    if site.schema.enumeration(reference).is_flags { "flags" } else { "values" },
+                    values(site, reference),
                 );
             }
         }
@@ -149,12 +149,13 @@ fn short(text: Localized<'_>) -> Json {
 }
 
 /// The members of an enum as value, name and description. Aliases of a value are skipped.
-fn values(site: &Site<'_>, held: EnumRef) -> Json {
-    let found = site.schema.enumeration(held);
+fn values(site: &Site<'_>, reference: EnumRef) -> Json {
+    let found = site.schema.enumeration(reference);
     let members = found.members.iter().filter(|member| found.alias_of(member).is_none());
     members
         .map(|member| {
-            let description = short(site.localized_of(held.message, MessageText::Constant(member.constant)));
+            let description =
+                short(site.localized_of(reference.message, MessageText::Constant(member.constant)));
             json!([member.value.to_string(), member.name, description])
         })
         .collect()

@@ -29,7 +29,7 @@ pub(super) type ParameterRef = (usize, usize);
 /// Constants used as values of command parameters.
 #[derive(Debug, Default)]
 pub(super) struct ParameterEnum {
-    pub(super) holders: Vec<ParameterRef>,
+    pub(super) users: Vec<ParameterRef>,
     pub(super) constants: Vec<usize>,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Constants<'s> {
     /// Constants with parameters, and constants with the same prefix.
     pub(super) commands: Vec<usize>,
     /// Values of command parameters, by prefix.
-    pub(super) of_parameters: BTreeMap<&'s str, ParameterEnum>,
+    pub(super) parameter_enums: BTreeMap<&'s str, ParameterEnum>,
     /// Other constants outside enums.
     pub(super) others: Vec<usize>,
     /// Members of enums.
@@ -50,20 +50,20 @@ impl<'s> Constants<'s> {
     pub(super) fn of(message: &'s Message) -> Self {
         let members =
             message.enums.iter().flat_map(|found| &found.members).map(|member| member.constant).collect();
-        let mut constants = Self { members, of_parameters: parameter_enums(message), ..Self::default() };
+        let mut constants = Self { members, parameter_enums: parameter_enums(message), ..Self::default() };
         let command_prefix = command_prefix(message);
         for (index, constant) in message.constants.iter().enumerate() {
             let has_command_prefix = command_prefix.is_some_and(|prefix| constant.name.starts_with(prefix));
             if !constant.parameters.is_empty() || has_command_prefix {
                 constants.commands.push(index);
             } else if !constants.members.contains(&index) && !is_fact(message, index) {
-                match longest_prefix(&constant.name, &mut constants.of_parameters) {
+                match longest_prefix(&constant.name, &mut constants.parameter_enums) {
                     Some(found) => found.constants.push(index),
                     None => constants.others.push(index),
                 }
             }
         }
-        constants.of_parameters.retain(|_, found| !found.constants.is_empty());
+        constants.parameter_enums.retain(|_, found| !found.constants.is_empty());
         constants
     }
 }
@@ -91,7 +91,7 @@ fn parameter_enums(message: &Message) -> BTreeMap<&str, ParameterEnum> {
         for (index, parameter) in constant.parameters.iter().enumerate() {
             let prefixes = parameter.enum_prefixes.iter().map(String::as_str);
             for prefix in prefixes.filter(|prefix| !known.contains(prefix)) {
-                found.entry(prefix).or_default().holders.push((command, index));
+                found.entry(prefix).or_default().users.push((command, index));
             }
         }
     }
@@ -128,12 +128,12 @@ pub(super) fn write_parameter_enums(
 ) {
     let message = scope.site.schema.message(id);
     let words = scope.site.words;
-    for (prefix, found) in &constants.of_parameters {
+    for (prefix, found) in &constants.parameter_enums {
         page.anchor(&prefix_anchor(prefix));
         page.heading(3, &code(prefix));
-        let holders: Vec<String> =
-            found.holders.iter().map(|holder| parameter_link(words, message, *holder)).collect();
-        page.block(&words.fill(words::USED_BY_FIELDS, &[("fields", &holders.join(", "))]));
+        let users: Vec<String> =
+            found.users.iter().map(|user| parameter_link(words, message, *user)).collect();
+        page.block(&words.fill(words::USED_BY_FIELDS, &[("fields", &users.join(", "))]));
         let mut table = Table::new(&[
             number_column(words.get(words::VALUE)),
             text_column(words.get(words::NAME)),

@@ -24,7 +24,7 @@ pub(super) fn write(
         for text in introduction(message, found) {
             page.block(&scope.block_of(text));
         }
-        page.block(&holders(scope, EnumRef { message: id, index }, found));
+        page.block(&users(scope, EnumRef { message: id, index }, found));
         page.table(&table(scope, id, found, anchored));
     }
 }
@@ -44,9 +44,13 @@ fn introduction(message: &Message, found: &Enum) -> Vec<MessageText> {
 }
 
 /// The fields that use the enum, followed by a sentence about other values.
-fn holders(scope: Scope<'_, '_>, held: EnumRef, found: &Enum) -> String {
-    let fields: Vec<String> =
-        scope.site.enum_holders(held).iter().map(|field| field_link(scope, held.message, *field)).collect();
+fn users(scope: Scope<'_, '_>, reference: EnumRef, found: &Enum) -> String {
+    let fields: Vec<String> = scope
+        .site
+        .enum_users(reference)
+        .iter()
+        .map(|field| field_link(scope, reference.message, *field))
+        .collect();
     let words = scope.site.words;
     let rest = words.get(if found.is_flags { words::OTHER_BITS } else { words::OTHER_VALUES });
     if fields.is_empty() {
@@ -114,17 +118,20 @@ fn description(
 /// The enum of a field, as a link.
 pub(super) fn of_field(scope: Scope<'_, '_>, field: &Field) -> Option<String> {
     let words = scope.site.words;
-    let Some(held) = field.enumeration else {
+    let Some(reference) = field.enumeration else {
         let prefixes: Vec<String> = field.enum_prefixes.iter().map(|prefix| code(prefix)).collect();
         let all = prefixes.join(", ");
         return (!prefixes.is_empty()).then(|| words.fill(words::ONE_OF, &[("enum", &all)]));
     };
-    let found = scope.site.schema.enumeration(held);
-    let owner = scope.site.schema.message(held.message);
+    let found = scope.site.schema.enumeration(reference);
+    let owner = scope.site.schema.message(reference.message);
     let name = found.prefixes.join(", ");
-    let text =
-        if scope.message == held.message { code(&name) } else { code(&format!("{}.{name}", owner.name)) };
+    let text = if scope.message == reference.message {
+        code(&name)
+    } else {
+        code(&format!("{}.{name}", owner.name))
+    };
     let kind = if found.is_flags { words::BITS_OF } else { words::ONE_OF };
-    let link = link(&text, &scope.site.href(scope.from, held.message, Part::Enum(held.index)));
+    let link = link(&text, &scope.site.href(scope.from, reference.message, Part::Enum(reference.index)));
     Some(words.fill(kind, &[("enum", &link)]))
 }

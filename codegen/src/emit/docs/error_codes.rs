@@ -38,14 +38,14 @@ pub(super) fn overview_path(package: &Package) -> String {
 
 /// Paths of the pages of all tables, in order. They are unique even on case-insensitive file systems.
 pub(super) fn table_paths(package: &Package) -> Vec<String> {
-    let mut taken = BTreeSet::new();
+    let mut used = BTreeSet::new();
     let path = |table: &ErrorTable| {
         let mut stem = slug(&table.title);
-        if stem.is_empty() || taken.contains(&stem) {
+        if stem.is_empty() || used.contains(&stem) {
             let mark = if stem.is_empty() { "codes" } else { stem.as_str() };
             stem = format!("{mark}-{}", table.range.start());
         }
-        while !taken.insert(stem.clone()) {
+        while !used.insert(stem.clone()) {
             stem.push('x');
         }
         format!("{}/error-codes/{stem}.md", package.name)

@@ -81,7 +81,7 @@ fn part(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
     let mut anchored = Anchored::default();
     enums::write(page, scope, id, 3, &mut anchored);
     let mut others = constants.others;
-    others.extend(constants.of_parameters.into_values().flat_map(|found| found.constants));
+    others.extend(constants.parameter_enums.into_values().flat_map(|found| found.constants));
     others.extend(constants.commands.into_iter().filter(|index| !constants.members.contains(index)));
     others.sort_unstable();
     if !others.is_empty() {

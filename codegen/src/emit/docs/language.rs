@@ -40,9 +40,9 @@ fn switch(site: &Site<'_>, unit: &str, english: &str, from: &str) -> String {
         .map(|language| (language.tag.as_str(), language.name.as_str(), path_in(english, &language.tag)));
     let all = std::iter::once((SOURCE_LANGUAGE, "English", english.to_owned())).chain(others);
     let entry = |(tag, name, path): (&str, &str, String)| {
-        let is_own = tag == current;
-        let name = if is_own { inline(name) } else { marked(&inline(name), Some(tag)) };
-        if is_own { name } else { link(&name, &href(from, &path, "")) }
+        let is_current = tag == current;
+        let name = if is_current { inline(name) } else { marked(&inline(name), Some(tag)) };
+        if is_current { name } else { link(&name, &href(from, &path, "")) }
     };
     all.map(entry).collect::<Vec<_>>().join(" · ")
 }

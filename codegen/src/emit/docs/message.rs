@@ -125,7 +125,7 @@ fn values(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
         heading(page, words, 2, words::COMMANDS);
         commands::write(page, scope, id, &constants, &mut anchored);
     }
-    if !constants.of_parameters.is_empty() {
+    if !constants.parameter_enums.is_empty() {
         heading(page, words, 2, words::PARAMETER_VALUES);
         constants::write_parameter_enums(page, scope, id, &constants, &mut anchored);
     }
@@ -148,12 +148,12 @@ fn layout(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
 }
 
 fn users(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
-    let holders = scope.site.holders(id);
-    if !holders.is_empty() {
+    let users = scope.site.users(id);
+    if !users.is_empty() {
         heading(page, scope.site.words, 2, words::USED_BY);
         page.gap();
-        for holder in holders {
-            page.item(0, &field_link(scope, id, *holder));
+        for user in users {
+            page.item(0, &field_link(scope, id, *user));
         }
     }
 }

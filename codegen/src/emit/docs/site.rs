@@ -52,9 +52,9 @@ pub(super) struct Site<'s> {
     /// By message. `None` for messages that aren't listed.
     places: Vec<Option<Place>>,
     /// By message, the fields of this type.
-    holders: Vec<Vec<FieldRef>>,
+    users: Vec<Vec<FieldRef>>,
     /// By enum, the fields of this enum.
-    enum_holders: BTreeMap<EnumRef, Vec<FieldRef>>,
+    enum_users: BTreeMap<EnumRef, Vec<FieldRef>>,
     /// By message, unique names of its enums.
     enum_names: Vec<Vec<String>>,
     /// By package, messages by name and by topic.
@@ -107,8 +107,8 @@ impl<'s> Site<'s> {
             origins: Origins::new(schema, sources),
             siblings,
             places: (0..count).map(|_| None).collect(),
-            holders: vec![Vec::new(); count],
-            enum_holders: BTreeMap::new(),
+            users: vec![Vec::new(); count],
+            enum_users: BTreeMap::new(),
             enum_names: schema.messages.iter().map(enum_names).collect(),
             names: vec![HashMap::new(); schema.packages.len()],
             parts: vec![OnceCell::new(); count],
@@ -120,7 +120,7 @@ impl<'s> Site<'s> {
         for (index, package) in schema.packages.iter().enumerate() {
             site.place(index, package);
         }
-        site.gather_holders();
+        site.gather_users();
         site
     }
 
@@ -148,14 +148,14 @@ impl<'s> Site<'s> {
         names.extend(package.messages.iter().map(|id| (self.schema.message(*id).name.as_str(), *id)));
     }
 
-    fn gather_holders(&mut self) {
+    fn gather_users(&mut self) {
         for (id, message) in self.listed() {
             for (index, field) in message.fields.iter().enumerate() {
                 if let Element::Message(nested) = field.ty.element {
-                    self.holders[nested.0 as usize].push((id, index));
+                    self.users[nested.0 as usize].push((id, index));
                 }
-                if let Some(held) = field.enumeration {
-                    self.enum_holders.entry(held).or_default().push((id, index));
+                if let Some(reference) = field.enumeration {
+                    self.enum_users.entry(reference).or_default().push((id, index));
                 }
             }
         }
@@ -225,13 +225,13 @@ impl<'s> Site<'s> {
     }
 
     /// The fields with this message type.
-    pub(super) fn holders(&self, id: MessageId) -> &[FieldRef] {
-        &self.holders[id.0 as usize]
+    pub(super) fn users(&self, id: MessageId) -> &[FieldRef] {
+        &self.users[id.0 as usize]
     }
 
     /// The fields with this enum.
-    pub(super) fn enum_holders(&self, held: EnumRef) -> &[FieldRef] {
-        self.enum_holders.get(&held).map_or(&[], Vec::as_slice)
+    pub(super) fn enum_users(&self, reference: EnumRef) -> &[FieldRef] {
+        self.enum_users.get(&reference).map_or(&[], Vec::as_slice)
     }
 
     /// The message with this name or topic in a package.

@@ -24,12 +24,12 @@ pub(super) fn emit(context: &Context<'_>, package: &Package) -> String {
 fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
     let module_doc = inner_documentation(&format!("Error codes of package `{}`.", package.name));
     let names: Vec<Ident> = error_code_names(codes).iter().map(|name| ident(name)).collect();
-    let name_of = |wanted: &u32| {
-        if let Some(index) = codes.iter().position(|code| code.code == *wanted) {
+    let name_of = |number: &u32| {
+        if let Some(index) = codes.iter().position(|code| code.code == *number) {
             let name = &names[index];
             quote!(ErrorCode::#name)
         } else {
-            let code = types::integer((*wanted).into());
+            let code = types::integer((*number).into());
             quote!(ErrorCode(#code))
         }
     };

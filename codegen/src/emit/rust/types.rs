@@ -53,21 +53,21 @@ pub(super) fn field(context: &Context<'_>, id: MessageId, field: &Field) -> Toke
 }
 
 /// The type of a field in the view of a message of fixed size. It may use the lifetime `'b` of the bytes.
-pub(super) fn view(context: &Context<'_>, id: MessageId, shown: &Field) -> TokenStream {
-    let element = match shown.ty.element {
+pub(super) fn view(context: &Context<'_>, id: MessageId, viewed: &Field) -> TokenStream {
+    let element = match viewed.ty.element {
         Element::Message(nested) => {
             let view = context.view_path(id, nested);
             quote!(#view<'b>)
         }
-        _ => element(context, id, shown),
+        _ => element(context, id, viewed),
     };
-    match shown.ty.shape {
-        Shape::Array(length) if !shown.is_text(dialect(context, id)) => {
+    match viewed.ty.shape {
+        Shape::Array(length) if !viewed.is_text(dialect(context, id)) => {
             let length = Literal::u32_unsuffixed(length);
             quote!(::uavspec_runtime::uorb::Elements<'b, #element, #length>)
         }
         Shape::Single => element,
-        _ => field(context, id, shown),
+        _ => field(context, id, viewed),
     }
 }
 

@@ -108,8 +108,8 @@ function nearest(tags{strings}){string} {{
   for (const tag of tags) {{
     const parts = tag.replace(/[.@].*$/, \"\").toLowerCase().split(/[-_]/);
     for (; parts.length > 0; parts.pop()) {{
-      const wanted = parts.join(\"-\");
-      const found = languages.find((known) => known.tag.toLowerCase() === wanted);
+      const candidate = parts.join(\"-\");
+      const found = languages.find((known) => known.tag.toLowerCase() === candidate);
       if (found !== undefined) {{
         return found.tag;
       }}

@@ -38,8 +38,8 @@ pub(super) fn ty(found: &Type) -> String {
 }
 
 /// All values of a primitive type. Next to literals, `& {}` prevents the union from collapsing.
-pub(super) fn any_other(primitive: &str, is_alone: bool) -> String {
-    if is_alone { primitive.to_owned() } else { format!("({primitive} & {{}})") }
+pub(super) fn any_other(primitive: &str, has_no_literals: bool) -> String {
+    if has_no_literals { primitive.to_owned() } else { format!("({primitive} & {{}})") }
 }
 
 fn union(alternatives: &[String]) -> String {
@@ -53,8 +53,8 @@ fn integers(values: &[i64], is_open: bool) -> String {
     if !is_open && exact.len() < values.len() {
         return "number".to_owned();
     }
-    let is_alone = exact.is_empty();
-    let other = is_open.then(|| any_other("number", is_alone));
+    let has_no_literals = exact.is_empty();
+    let other = is_open.then(|| any_other("number", has_no_literals));
     union(&exact.into_iter().chain(other).collect::<Vec<_>>())
 }
 

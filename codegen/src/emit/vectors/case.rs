@@ -62,7 +62,7 @@ impl Verdict {
     }
 
     /// Bytes that violate `rule`.
-    pub(super) const fn of_bytes(rule: &'static str) -> Self {
+    pub(super) const fn invalid_bytes(rule: &'static str) -> Self {
         Self { rule: Some(rule), ..Self::VALID }
     }
 

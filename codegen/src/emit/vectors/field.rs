@@ -199,7 +199,7 @@ fn text(length: u32) -> Vec<Sample> {
     let room = length as usize;
     let ascii = |length: u32| format!("\"{}\"", letters(0, length));
     let not_utf8 =
-        Sample::new("not-utf8", "an invalid UTF-8 byte", "\"a\"", Verdict::of_bytes(Rule::Text.id()));
+        Sample::new("not-utf8", "an invalid UTF-8 byte", "\"a\"", Verdict::invalid_bytes(Rule::Text.id()));
     let mut samples = vec![
         Sample::new("full", "text that fills all bytes, without NUL", ascii(length), Verdict::VALID),
         Sample::mistyped("too-long", "text that is one byte too long", ascii(length.saturating_add(1))),
@@ -259,7 +259,7 @@ fn bounded(
 ) -> impl Iterator<Item = Sample> {
     let over = Verdict::malformed(Rule::Bound.id());
     let in_cdr = (bound > 0).then(|| {
-        let verdict = Verdict::of_bytes(Rule::Bound.id());
+        let verdict = Verdict::invalid_bytes(Rule::Bound.id());
         Sample::new("cdr-above-bound", "longer than its bound in CDR", json(bound), verdict)
             .patched(empty, growth)
     });

@@ -46,7 +46,7 @@ impl<'s> NumberSamples<'s> {
         let all_flags = known.iter().fold(0, |all, mask| all | mask);
         let pick = usize::try_from(turn).unwrap_or(0) % known.len().max(1);
         let candidates = [
-            Some(self.of_bytes(bytes)).filter(|number| !number.is_nan()),
+            Some(self.from_bytes(bytes)).filter(|number| !number.is_nan()),
             (self.restriction.limits.is_flags && all_flags != 0).then_some(Number::Int(turn & all_flags)),
             known.get(pick).map(|value| Number::Int(*value)),
             self.between(bytes[0]),
@@ -248,7 +248,7 @@ impl<'s> NumberSamples<'s> {
         self.is_representable(next).then_some(next)
     }
 
-    fn of_bytes(&self, bytes: [u8; 8]) -> Number {
+    fn from_bytes(&self, bytes: [u8; 8]) -> Number {
         let [a, b, c, d, ..] = bytes;
         match self.scalar {
             Scalar::Float32 => Number::Float(f32::from_le_bytes([a, b, c, d]).into()),
@@ -307,7 +307,7 @@ pub(super) fn booleans() -> Vec<Sample> {
         "byte-153",
         "the byte 153, which some firmware sends",
         "true",
-        Verdict::of_bytes(rule::BOOL),
+        Verdict::invalid_bytes(rule::BOOL),
     );
     vec![
         Sample::new("true", "true", "true", Verdict::VALID),

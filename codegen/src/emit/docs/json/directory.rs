@@ -20,7 +20,7 @@ pub(super) enum Owner {
 }
 
 /// A use of a type: a field or element, or `None` for an alias of the type.
-pub(super) type Holder<'s> = (Owner, Option<&'s Member>);
+pub(super) type User<'s> = (Owner, Option<&'s Member>);
 
 /// The types and messages of a package with their pages and uses.
 pub(in crate::emit::docs) struct Json<'p, 's> {
@@ -29,7 +29,7 @@ pub(in crate::emit::docs) struct Json<'p, 's> {
     /// Page paths by name of the type or message.
     paths: HashMap<&'s str, String>,
     /// Uses of each type.
-    holders: BTreeMap<JsonTypeId, Vec<Holder<'s>>>,
+    users: BTreeMap<JsonTypeId, Vec<User<'s>>>,
 }
 
 impl<'p, 's> Json<'p, 's> {
@@ -39,42 +39,41 @@ impl<'p, 's> Json<'p, 's> {
         let types = types.map(|name| (name, format!("{}/types/{}.md", package.name, stem(name))));
         let messages = package.json_messages.iter().map(|id| schema.json_message(*id).name.as_str());
         let messages = messages.map(|name| (name, format!("{}/messages/{}.md", package.name, stem(name))));
-        let mut json =
-            Self { site, package, paths: types.chain(messages).collect(), holders: BTreeMap::new() };
-        json.gather_holders();
+        let mut json = Self { site, package, paths: types.chain(messages).collect(), users: BTreeMap::new() };
+        json.gather_users();
         json
     }
 
-    pub(super) fn gather_holders(&mut self) {
+    pub(super) fn gather_users(&mut self) {
         let schema = self.site.schema;
         for id in &self.package.json_types {
             match &schema.json_type(*id).definition {
-                Definition::Object(object) => self.hold_all(Owner::Type(*id), &object.fields),
-                Definition::Tuple(elements) => self.hold_all(Owner::Type(*id), elements),
-                Definition::Named(typed) => self.hold((Owner::Type(*id), None), &typed.ty),
+                Definition::Object(object) => self.add_users(Owner::Type(*id), &object.fields),
+                Definition::Tuple(elements) => self.add_users(Owner::Type(*id), elements),
+                Definition::Named(typed) => self.add_user((Owner::Type(*id), None), &typed.ty),
                 Definition::Set(_) => {}
             }
         }
         for id in &self.package.json_messages {
             for part in &schema.json_message(*id).parts {
-                self.hold_all(Owner::Message(*id, part.direction), part.fields());
+                self.add_users(Owner::Message(*id, part.direction), part.fields());
             }
         }
     }
 
-    pub(super) fn hold_all(&mut self, owner: Owner, members: &'s [Member]) {
+    pub(super) fn add_users(&mut self, owner: Owner, members: &'s [Member]) {
         for member in members {
-            self.hold((owner, Some(member)), &member.typed.ty);
+            self.add_user((owner, Some(member)), &member.typed.ty);
         }
     }
 
-    pub(super) fn hold(&mut self, holder: Holder<'s>, expression: &Expression) {
+    pub(super) fn add_user(&mut self, user: User<'s>, expression: &Expression) {
         expression.walk(&mut |inner| {
             let Expression::Named(id) = inner else { return };
-            let holders = self.holders.entry(*id).or_default();
+            let users = self.users.entry(*id).or_default();
             // An expression may contain a type twice.
-            if holders.last() != Some(&holder) {
-                holders.push(holder);
+            if users.last() != Some(&user) {
+                users.push(user);
             }
         });
     }
@@ -118,15 +117,15 @@ impl<'p, 's> Json<'p, 's> {
             table.row([
                 self.link(from, &found.name),
                 kind(&found.definition).to_owned(),
-                self.holders(*id).len().to_string(),
+                self.users(*id).len().to_string(),
                 self.inline(from, &gist(&found.docs.summary, MAX_GIST)),
             ]);
         }
         table
     }
 
-    pub(super) fn holders(&self, id: JsonTypeId) -> &[Holder<'s>] {
-        self.holders.get(&id).map_or(&[], Vec::as_slice)
+    pub(super) fn users(&self, id: JsonTypeId) -> &[User<'s>] {
+        self.users.get(&id).map_or(&[], Vec::as_slice)
     }
 
     pub(super) fn path(&self, name: &str) -> &str {
@@ -153,7 +152,7 @@ impl<'p, 's> Json<'p, 's> {
     }
 
     /// A link to a field or element.
-    pub(super) fn holder_link(&self, from: &str, (owner, member): Holder<'_>) -> String {
+    pub(super) fn user_link(&self, from: &str, (owner, member): User<'_>) -> String {
         let schema = self.site.schema;
         let (name, suffix) = match owner {
             Owner::Type(id) => (schema.json_type(id).name.as_str(), String::new()),

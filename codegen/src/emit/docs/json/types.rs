@@ -43,7 +43,7 @@ impl Json<'_, '_> {
             }
             Definition::Named(_) => {}
         }
-        self.write_holders(&mut page, from, id);
+        self.write_users(&mut page, from, id);
         page.finish()
     }
 
@@ -88,15 +88,15 @@ impl Json<'_, '_> {
         page.block(if set.is_open { "Other values are allowed." } else { "Other values are not allowed." });
     }
 
-    fn write_holders(&self, page: &mut Page, from: &str, id: JsonTypeId) {
-        let holders = self.holders(id);
-        if holders.is_empty() {
+    fn write_users(&self, page: &mut Page, from: &str, id: JsonTypeId) {
+        let users = self.users(id);
+        if users.is_empty() {
             return;
         }
         page.heading(2, "Used by");
         page.gap();
-        for holder in holders {
-            page.item(0, &self.holder_link(from, *holder));
+        for user in users {
+            page.item(0, &self.user_link(from, *user));
         }
     }
 }

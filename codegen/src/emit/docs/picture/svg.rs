@@ -101,11 +101,11 @@ impl<'s> Name<'s> {
     /// Splits the name of a cell into lines that fit into it.
     fn of(cell: &Cell<'s>) -> Self {
         let width = cell.label().map_or(0, |segment| segment.columns.len() * BYTE - 2 * INSET);
-        Self::broken(&cell.member.slot.name, width * 10 / LETTER)
+        Self::wrapped(&cell.member.slot.name, width * 10 / LETTER)
     }
 
     /// Splits a name into lines of at most `room` letters, preferably after underscores.
-    fn broken(name: &'s str, room: usize) -> Self {
+    fn wrapped(name: &'s str, room: usize) -> Self {
         let end =
             |text: &str, letters: usize| text.char_indices().nth(letters).map_or(text.len(), |(at, _)| at);
         let mut lines = Vec::new();
@@ -293,7 +293,7 @@ impl Svg {
         let mut runs = cell.segments.chunk_by(belong).peekable();
         let mut is_torn_above = false;
         while let Some(run) = runs.next() {
-            let is_torn_below = runs.peek().is_some_and(|next| is_broken(run, next));
+            let is_torn_below = runs.peek().is_some_and(|next| is_interrupted(run, next));
             self.polygon(run, rows, is_torn_above, is_torn_below);
             is_torn_above = is_torn_below;
         }
@@ -389,7 +389,7 @@ fn touch(above: &Segment, below: &Segment) -> bool {
 }
 
 /// True if there is a break between two runs of a member.
-fn is_broken(run: &[Segment], next: &[Segment]) -> bool {
+fn is_interrupted(run: &[Segment], next: &[Segment]) -> bool {
     matches!((run.last(), next.first()), (Some(last), Some(first)) if last.line + 1 < first.line)
 }
 
@@ -399,12 +399,12 @@ mod tests {
 
     #[test]
     fn breaks_names_after_underscores() {
-        let broken = |name, room| Name::broken(name, room).lines;
-        assert_eq!(broken("local_position_invalid_relaxed", 15), ["local_position_", "invalid_relaxed"]);
-        assert_eq!(broken("short", 15), ["short"]);
-        assert_eq!(broken("abcdefgh", 3), ["abc", "def", "gh"]);
-        let cut = Name::broken("a_b_c_d_e_f", 2);
+        let wrapped = |name, room| Name::wrapped(name, room).lines;
+        assert_eq!(wrapped("local_position_invalid_relaxed", 15), ["local_position_", "invalid_relaxed"]);
+        assert_eq!(wrapped("short", 15), ["short"]);
+        assert_eq!(wrapped("abcdefgh", 3), ["abc", "def", "gh"]);
+        let cut = Name::wrapped("a_b_c_d_e_f", 2);
         assert_eq!(cut, Name { lines: vec!["a_", "b_", "c_", "d"], is_cut: true });
-        assert_eq!(Name::broken("ab", 0), Name { lines: vec!["", "", "", ""], is_cut: true });
+        assert_eq!(Name::wrapped("ab", 0), Name { lines: vec!["", "", "", ""], is_cut: true });
     }
 }

@@ -50,10 +50,15 @@ fn keeps_the_anchors_of_the_english_page() {
     let pairs = pairs(&files, "uk");
     assert_eq!(pairs.len(), 9, "all pages with translatable texts");
     for (english, translated) in pairs {
-        let (wanted, found) = (&targets[english.path.as_str()], &targets[translated.path.as_str()]);
-        assert!(wanted.is_subset(found), "{}: {:?}", translated.path, wanted.difference(found));
-        let (wanted, found) = (anchors(&english.text), anchors(&translated.text));
-        assert!(wanted.iter().all(|place| found.contains(place)), "{}", translated.path);
+        let (expected_targets, found) = (&targets[english.path.as_str()], &targets[translated.path.as_str()]);
+        assert!(
+            expected_targets.is_subset(found),
+            "{}: {:?}",
+            translated.path,
+            expected_targets.difference(found)
+        );
+        let (expected_targets, found) = (anchors(&english.text), anchors(&translated.text));
+        assert!(expected_targets.iter().all(|place| found.contains(place)), "{}", translated.path);
     }
 }
 

@@ -23,7 +23,7 @@ pub(super) struct Names {
     /// Names by type.
     types: Vec<String>,
     /// All names used in the module of the types.
-    pub(super) taken: Vec<String>,
+    pub(super) used: Vec<String>,
     /// Group numbers by type. Types of a group contain each other without a list or map in between.
     groups: Vec<usize>,
 }
@@ -43,8 +43,8 @@ impl Names {
             .iter()
             .map(|id| contained(&context.schema.json_type(*id).definition))
             .collect();
-        let taken = types.clone();
-        Self { first, types, taken, groups: groups(&contains, first) }
+        let used = types.clone();
+        Self { first, types, used, groups: groups(&contains, first) }
     }
 
     pub(super) fn name(&self, id: JsonTypeId) -> &str {

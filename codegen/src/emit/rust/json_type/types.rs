@@ -47,8 +47,8 @@ impl<'c> Definitions<'c> {
     /// Starts the module of the types.
     pub(super) fn new(context: &'c Context<'c>, names: &'c Names) -> Self {
         let mut scope = Scope::default();
-        names.taken.iter().for_each(|name| drop(scope.unique_type(name)));
-        let written = names.taken.clone();
+        names.used.iter().for_each(|name| drop(scope.unique_type(name)));
+        let written = names.used.clone();
         Self { context, names, scope, written, above: TokenStream::new(), current: None, inner: Vec::new() }
     }
 
