@@ -42,27 +42,27 @@ pub const EMITTERS: &[Emitter] = &[
         "rust",
         "Rust modules",
         &[
-            ("root", "root file of the module tree: `mod.rs`, or `lib.rs` for a whole crate"),
-            ("readme", "Markdown file for the documentation of the root module"),
+            ("root", "the root file of the module tree: `mod.rs`, or `lib.rs` for a whole crate"),
+            ("readme", "a Markdown file for the documentation of the root module"),
         ],
     ),
     Emitter::new::<json_schema::Options>(
         "json_schema",
         "JSON Schemas",
-        &[("base", "URL prefix of every `$id`")],
+        &[("base", "the URL prefix of every `$id`")],
     ),
     Emitter::new::<vectors::Options>(
         "vectors",
         "Test vectors in JSON",
-        &[("base", "URL prefix of every `$id`; the default is that of the schemas")],
+        &[("base", "the URL prefix of every `$id`, by default that of the schemas")],
     ),
     Emitter::new::<docs::Configuration>(
         "docs",
         "Documentation in Markdown, structured for mdBook",
         &[
-            ("title", "title of the book"),
+            ("title", "the title of the book"),
             ("rules", "`true` to include the pages about the lint and breaking-change rules"),
-            ("contents", "file or list of files whose links are added to the table of contents"),
+            ("contents", "a file or a list of files with links for the table of contents"),
         ],
     ),
     Emitter::new::<typescript::Options>(

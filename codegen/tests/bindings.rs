@@ -65,7 +65,7 @@ fn declares_fields_with_their_json_types() {
     }
     has(
         module,
-        "   * Type: float32\\[2\\]; unit: m/s (metres per second); range: 0 to 60; null stands for NaN.\n",
+        "   * Type: float32\\[2\\]; unit: m/s (metres per second); range: 0 to 60; null represents NaN.\n",
     );
     has(module, "export type WindKind = (typeof WindKind)[keyof typeof WindKind] | (number & {});");
     has(module, "GREATEST: 18446744073709551615n,");

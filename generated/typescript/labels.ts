@@ -35,13 +35,13 @@ export const languages: readonly Language[] = [
   { tag: "uk", name: "Українська", isRightToLeft: false },
 ];
 
-/** Finds the first of `tags` that is available, also after removing parts from its end. */
+/** Finds the first of `tags` that is available. A tag also matches without its last parts. */
 function nearest(tags: readonly string[]): string {
   for (const tag of tags) {
     const parts = tag.replace(/[.@].*$/, "").toLowerCase().split(/[-_]/);
     for (; parts.length > 0; parts.pop()) {
-      const wanted = parts.join("-");
-      const found = languages.find((known) => known.tag.toLowerCase() === wanted);
+      const candidate = parts.join("-");
+      const found = languages.find((known) => known.tag.toLowerCase() === candidate);
       if (found !== undefined) {
         return found.tag;
       }

@@ -20,9 +20,9 @@ pub struct Error {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// Invalid bytes, or a value that has no byte representation.
+    /// Invalid bytes, or a value that the byte form can't represent.
     Fault(Fault),
-    /// Invalid JSON, or a value that has no JSON representation.
+    /// Invalid JSON, or a value that JSON can't represent.
     Json(String),
     /// The message has no memory form because its size varies.
     SizeVaries,

@@ -13,7 +13,7 @@ pub(super) struct Packed {
     size: usize,
     /// Ranges that are contiguous in both forms.
     copies: Box<[Move]>,
-    /// The same bytes, split into ranges of one number width so that bytes can be swapped.
+    /// The ranges of `copies`, split by number width to allow byte swapping.
     swaps: Box<[Move]>,
     /// The ranges of `bool`s in both forms.
     bools: Box<[Move]>,

@@ -145,7 +145,7 @@ pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<T
 struct Emitter<'s> {
     schema: &'s Schema,
     options: &'s Options,
-    /// The members of each schema, without those that depend on the file.
+    /// The members of each schema, except members that depend on the file.
     definitions: BTreeMap<Target, Vec<Member<'s>>>,
 }
 

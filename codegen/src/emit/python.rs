@@ -1,7 +1,7 @@
 //! Python modules. Each package is a module with the JSON types of its messages (`TypedDict`), its constants, enums and
 //! error codes. The modules require Python 3.9 or later, and `typing_extensions` before Python 3.11.
 //!
-//! Names are the same as in [`super::typescript`]. Properties that Python types can't express, such as ranges, units
+//! The names match those of [`super::typescript`]. Properties that Python types can't express, such as ranges, units
 //! and lengths, are in docstrings. JSON Schemas check them.
 //!
 //! # Values

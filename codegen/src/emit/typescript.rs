@@ -1,7 +1,7 @@
 //! TypeScript modules. Each package is a module with the JSON types of its messages, its constants, enums and error
 //! codes. The module `index` exports each package as a namespace.
 //!
-//! Names are the same as in [`super::python`]. Properties that TypeScript types can't express, such as ranges, units
+//! The names match those of [`super::python`]. Properties that TypeScript types can't express, such as ranges, units
 //! and lengths, are in comments. JSON Schemas check them.
 //!
 //! # Numbers

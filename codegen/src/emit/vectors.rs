@@ -157,7 +157,7 @@ impl Emitter<'_> {
     }
 }
 
-/// Facts that tell whether two implementations use the same definition.
+/// Facts that identify the definition, such as hashes.
 fn facts(package: &Package, message: &Message) -> Vec<(&'static str, String)> {
     let mut facts = Vec::new();
     if let Some(version) = message.version {

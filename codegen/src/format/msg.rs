@@ -70,7 +70,7 @@ fn separator(line: &str) -> Row {
     })
 }
 
-/// Reads lines one by one, with the state that decides how a comment is interpreted.
+/// Formats lines in order, and tracks the state that decides how comments are interpreted.
 struct Reader<'m> {
     sources: &'m SourceMap,
     dialect: Dialect,
@@ -155,7 +155,7 @@ impl<'m> Reader<'m> {
     }
 }
 
-/// Removes blank lines at the end and collapses consecutive ones. A blank line at the start is kept only before a
+/// Removes blank lines at the end and collapses consecutive ones. A blank line at the start remains only before a
 /// comment, which would otherwise become the comment of the whole definition.
 fn tidy(rows: Vec<Row>) -> Vec<Row> {
     let mut tidy: Vec<Row> = Vec::with_capacity(rows.len());

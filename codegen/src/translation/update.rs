@@ -173,7 +173,7 @@ mod tests {
         assert!(sink.is_fuzzy());
         assert_eq!((sink.id.as_str(), sink.translation.as_str()), ("Sinking", "«Sink rate»"));
         assert_eq!(sink.previous_id.as_deref(), Some("Sink rate"));
-        // After a second change, the previous text is still the one that was translated.
+        // After a second change, `previous_id` is still the translated text.
         let again = updated(&changed, &GLIDER.replace("Sink rate", "How fast it sinks"));
         assert_eq!(entry(&again, "demo/Glider.sink").previous_id.as_deref(), Some("Sink rate"));
         // An entry without a translation is replaced without a mark.

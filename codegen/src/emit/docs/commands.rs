@@ -12,7 +12,7 @@ use crate::msg::constraint::INVALID;
 use crate::schema::MessageId;
 use crate::translation::MessageText;
 
-/// Writes the commands of a message: a list of those that belong to no enum, and a parameter table for each command.
+/// Writes the commands of a message: a list of the commands outside enums, and a parameter table for each command.
 pub(super) fn write(
     page: &mut Page,
     scope: Scope<'_, '_>,

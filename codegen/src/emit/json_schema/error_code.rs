@@ -33,7 +33,7 @@ pub(super) fn code_members(package: &Package) -> Vec<Member<'_>> {
 /// The members of the schema of a list of error codes.
 pub(super) fn list_members<'s>(package: &Package, index: usize) -> Vec<Member<'s>> {
     let description = format!(
-        "Simultaneous error codes of package {}. An empty list means that there is nothing to report.",
+        "Simultaneous error codes of package {}. The list is empty if there are no errors.",
         package.name
     );
     vec![

@@ -135,7 +135,7 @@ def language(*tags: str) -> Labels:
 
 
 def _nearest(tags: tuple[str, ...]) -> str:
-    """Finds the first of `tags` that is available, also after removing parts from its end."""
+    """Finds the first of `tags` that is available. A tag also matches without its last parts."""
     known = {{language.tag.lower(): language.tag for language in languages}}
     for tag in tags:
         parts = tag.partition(".")[0].partition("@")[0].lower().replace("_", "-").split("-")

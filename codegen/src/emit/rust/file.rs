@@ -167,7 +167,7 @@ fn space_out(item: &str, text: &mut String) {
     }
 }
 
-/// Stands for a line break in documentation until the file is written. One attribute per comment is faster to parse and
+/// Represents a line break in documentation until the file is written. One attribute per comment is faster to parse and
 /// format than one per line. Texts can't contain this character, because `prose` replaces control characters.
 const LINE_BREAK: char = '\u{1}';
 

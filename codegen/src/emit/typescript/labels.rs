@@ -103,7 +103,7 @@ fn entry(labels: &Labels<'_>, language: Language) -> String {
 /// The function that finds a language by its tag.
 fn nearest(language: Language) -> String {
     format!(
-        "/** Finds the first of `tags` that is available, also after removing parts from its end. */
+        "/** Finds the first of `tags` that is available. A tag also matches without its last parts. */
 function nearest(tags{strings}){string} {{
   for (const tag of tags) {{
     const parts = tag.replace(/[.@].*$/, \"\").toLowerCase().split(/[-_]/);

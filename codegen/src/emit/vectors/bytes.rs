@@ -1,4 +1,4 @@
-//! Binary forms of messages: encoded from JSON, and modified so that no JSON encodes to them.
+//! Binary forms of messages: encoded from JSON, and modified to bytes that encoders never produce.
 
 use uavspec_runtime::cdr::ByteOrder;
 

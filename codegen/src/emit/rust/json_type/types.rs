@@ -314,7 +314,7 @@ impl<'c> Definitions<'c> {
     }
 }
 
-/// How an element may be absent or null.
+/// The presence of an element: whether it may be absent or null.
 fn tuple_presence(member: &Member) -> &'static str {
     let is_nullable = member.typed.ty.is_nullable() && member.typed.ty.without_null().is_some();
     match (member.is_required, is_nullable) {
