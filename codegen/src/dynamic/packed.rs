@@ -1,7 +1,7 @@
 //! Messages of fixed size whose CDR starts with them: each byte of both forms has its place, so going from
 //! one to the other is a list of copies, worked out once.
 
-use uavspec_runtime::cdr::{ByteOrder, HEADER, is_filling};
+use uavspec_runtime::cdr::{ByteOrder, HEADER, is_padding};
 
 use super::bytes::{copy, copy_short, make_bools, part};
 use super::step::Width;
@@ -44,7 +44,7 @@ impl Packed {
     pub(super) fn read(&self, payload: &[u8], order: ByteOrder, padded: usize) -> Option<Vec<u8>> {
         let end = HEADER + self.size;
         let body = payload.get(HEADER..end)?;
-        if payload.len() > end && !is_filling(end, payload.len() - end) {
+        if payload.len() > end && !is_padding(end, payload.len() - end) {
             return None;
         }
         let mut memory = vec![0; padded];

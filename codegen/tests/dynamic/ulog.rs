@@ -51,7 +51,7 @@ fn values_of_real_logs_break_no_rule_but_where_it_is_known() {
                         };
                         let Some(restriction) = schema.restriction(message, field) else { continue };
                         checked += 1;
-                        if let Some(rule) = restriction.constraint().broken_by(number) {
+                        if let Some(rule) = restriction.constraint().violated_by(number) {
                             *found.entry(format!("{topic}.{name} {rule}")).or_default() += 1;
                         }
                     }
