@@ -55,8 +55,8 @@ impl fmt::Display for Number {
     }
 }
 
-/// The values that a definition allows for a number. The published JSON Schema asserts them too, except for
-/// documented values and NaN.
+/// The values that a definition allows for a number. The published JSON Schema has the same constraints, but it doesn't
+/// restrict documented values and NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constraint<'k> {
     /// Minimum (`@range`).

@@ -19,7 +19,7 @@ use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 /// Alignment of nested messages and of the end of each message, in bytes.
 pub const ALIGNMENT: usize = 8;
 
-/// A field, as input of [`place`].
+/// The layout properties of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Member {
     /// Size of one element in bytes. For a nested message, its padded size.

@@ -1,8 +1,8 @@
 //! Messages as lists of fields: the interface between messages and codecs or checks.
 //!
 //! Each generated message implements [`Record::write_fields`] and [`Record::read_fields`] once. Each format implements
-//! a sink, which receives the fields, and a source, which returns them. After the first fault, a source returns zeros
-//! and a sink ignores values. So generated code needs no `?` for each field, which would cost compile time and a
+//! a sink, which receives the fields, and a source, which returns them. Sinks and sources store the first fault, and a
+//! source returns zeros after it. So generated code needs no `?` for each field, which would cost compile time and a
 //! branch.
 //!
 //! ```
@@ -283,7 +283,7 @@ impl Primitive for bool {
 /// index, name and descriptor.
 ///
 /// A message of fixed size additionally has the name of its view, its padded size and its size without padding. Each of
-/// its fields has the type of its [`View`](crate::uorb::View).
+/// its fields also has a [`View`](crate::uorb::View) type.
 #[macro_export]
 macro_rules! record {
     ($type:ident[$count:literal], $view:ident, $size:literal, $no_padding:literal;

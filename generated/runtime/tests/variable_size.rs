@@ -126,7 +126,7 @@ proptest! {
         prop_assert!(sample.validate().is_empty());
         for order in ORDERS {
             let bytes = sample.to_cdr(order).expect("all within bounds");
-            let read = Sample::from_cdr_strict(&bytes).expect("what was written");
+            let read = Sample::from_cdr_strict(&bytes).expect("an encoded message");
             prop_assert_eq!(read.to_cdr(order).expect("all within bounds"), bytes);
             prop_assert_eq!(read.names, sample.names.clone());
         }
