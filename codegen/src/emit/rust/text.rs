@@ -25,7 +25,7 @@ pub(super) fn constant_text(constant: &Constant) -> String {
                 .unwrap_or_default();
             let constraints = parameter.constraints.iter().filter(|found| !found.is_special());
             let constraints: String =
-                constraints.filter_map(Constraint::said).map(|text| format!(" ({text})")).collect();
+                constraints.filter_map(Constraint::valid_values).map(|text| format!(" ({text})")).collect();
             let _ = write!(
                 text,
                 "\n| {} | {unit} | {}{constraints} |",

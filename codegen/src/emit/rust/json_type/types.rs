@@ -492,11 +492,11 @@ fn facts(limits: &Limits) -> Vec<String> {
         }),
     }
     if let Some(range) = &limits.range {
-        facts.extend(range.said().map(|text| format!("range: {text}")));
+        facts.extend(range.to_text().map(|text| format!("range: {text}")));
     }
     let int = |value: u32| Value::Int(value.into());
     let length = Range { low: limits.least.map(int), high: limits.most.map(int) };
-    facts.extend(length.said().map(|text| format!("length: {text}")));
+    facts.extend(length.to_text().map(|text| format!("length: {text}")));
     facts.extend(limits.is_unique.then(|| "elements are unique".to_owned()));
     facts.extend(limits.pattern.as_ref().map(|pattern| format!("pattern: {}", prose::code(pattern))));
     facts.extend(limits.format.as_ref().map(|format| format!("format: {}", prose::inline(format))));
