@@ -147,7 +147,7 @@ fn run_cases(definitions: &Definitions, testee: &[OsString]) -> Result<bool, Str
     drop(progress);
     anstream::println!("\nThe testee:");
     let counts = outcome.counts();
-    let is_right = counts.passed == cases.len() && outcome.protocol_remarks.are_good();
+    let is_right = counts.passed == cases.len() && outcome.protocol_remarks.is_empty();
     let name = outcome.hello.map_or_else(|| "testee".to_owned(), |hello| hello.name);
     let passed = Grouped(counts.passed as u64);
     line(is_right, &name, &format!("{passed} of {} cases passed", Grouped(cases.len() as u64)));

@@ -113,5 +113,5 @@ fn lint_testee(args: &LintArgs) -> Status {
         Format::Text => write!(anstream::stdout(), "{}", to_text(&found)),
         Format::Json => io::stdout().write_all(to_json(&found).as_bytes()),
     };
-    if found.are_good() { Status::Conforms } else { Status::DoesNotConform }
+    if found.is_ok() { Status::Conforms } else { Status::DoesNotConform }
 }

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use super::roster::UAV_LIMIT;
 use crate::serve::{Options, Server, Transport, error};
-use crate::tests::support::server::{answering, location, serve, strange};
+use crate::tests::support::server::{answer_requests, custom_server, location, serve};
 use crate::watch::fleet::{Fleet, Link};
 use crate::watch::message::Content;
 use crate::watch::session::{Event, Session};
@@ -131,8 +131,8 @@ fn reports_a_refused_connection_as_lost() {
 #[test]
 fn finds_uavs_that_join_and_leave_without_notification() {
     let lists = std::sync::atomic::AtomicUsize::new(0);
-    let address = strange(move |stream| {
-        answering(stream, |kind, body| match kind {
+    let address = custom_server(move |stream| {
+        answer_requests(stream, |kind, body| match kind {
             "UAV-LIST" => {
                 let number = lists.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                 Some(json!({ "ids": ["glider-1", format!("guest-{number}")] }))
@@ -155,7 +155,7 @@ fn finds_uavs_that_join_and_leave_without_notification() {
 #[test]
 fn survives_a_flood_of_messages() {
     const FLOOD: u64 = 100_000;
-    let address = strange(|stream| {
+    let address = custom_server(|stream| {
         let mut received = stream.try_clone().expect("a second handle");
         let mut stream = BufWriter::new(stream);
         let sent = (0..FLOOD).try_for_each(|number| match number % 4 {

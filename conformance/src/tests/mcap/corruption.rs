@@ -1,4 +1,4 @@
-//! Files that are broken: what is sound in them is judged, and what isn't is told with its place.
+//! Tests of corrupt files: readable parts are checked, and unreadable parts are reported with their location.
 
 use std::io::{self, Read};
 
@@ -19,13 +19,13 @@ fn glider(number: u64) -> Vec<u8> {
     message(3, &Glider::at(number * PERIOD).cdr())
 }
 
-/// Messages of these numbers.
+/// Messages with these numbers.
 fn gliders(numbers: std::ops::RangeInclusive<u64>) -> Vec<u8> {
     numbers.flat_map(glider).collect()
 }
 
-/// What a file of these parts says of its damage, and how many messages are judged. `{}` in what is expected is the
-/// place of the part with that number.
+/// Asserts the reported corruption and the number of checked messages of a file with these parts. `{}` in an expected
+/// text stands for the offset of the part with that number.
 fn assert_corruption(parts: &[Vec<u8>], expected: &[(usize, &str)], checked_count: u64) {
     let result = checked(&parts.concat());
     let offset = |part: usize| parts[..part].iter().map(|part| part.len() as u64).sum();
@@ -38,29 +38,29 @@ fn assert_corruption(parts: &[Vec<u8>], expected: &[(usize, &str)], checked_coun
 }
 
 #[test]
-fn a_record_that_is_none_is_passed_over() {
+fn skips_invalid_records() {
     let rest = [gliders(3..=4), end()].concat();
     let before = [start(), declarations(), gliders(1..=2)].concat();
     let huge = |opcode: u8| [&[opcode][..], &(1_u64 << 60).to_le_bytes(), &[7; 30]].concat();
     for (violated, message) in [
-        (vec![0; 50], "a record of the unknown kind 0x00 can't have 0 bytes; 50 bytes passed over"),
-        (huge(5), "a message can't have 1,152,921,504,606,846,976 bytes; 39 bytes passed over"),
-        (huge(3), "a schema can't have 1,152,921,504,606,846,976 bytes; 39 bytes passed over"),
-        (huge(6), "a chunk whose parts don't agree with its length; 39 bytes passed over"),
-        (huge(9), "an attachment whose parts don't agree with its length; 39 bytes passed over"),
+        (vec![0; 50], "a record of unknown kind 0x00 can't have 0 bytes; skipped 50 bytes"),
+        (huge(5), "a message can't have 1,152,921,504,606,846,976 bytes; skipped 39 bytes"),
+        (huge(3), "a schema can't have 1,152,921,504,606,846,976 bytes; skipped 39 bytes"),
+        (huge(6), "a chunk has parts that don't match its length; skipped 39 bytes"),
+        (huge(9), "an attachment has parts that don't match its length; skipped 39 bytes"),
         (
             huge(0x99),
-            "a record of the unknown kind 0x99 can't have 1,152,921,504,606,846,976 bytes; 39 bytes passed over",
+            "a record of unknown kind 0x99 can't have 1,152,921,504,606,846,976 bytes; skipped 39 bytes",
         ),
-        (record(2, &[&[0; 20]]), "a footer whose parts don't agree with its length; 29 bytes passed over"),
-        (record(4, &[&[9; 40]]), "a channel whose parts don't agree with its length; 49 bytes passed over"),
+        (record(2, &[&[0; 20]]), "a footer has parts that don't match its length; skipped 29 bytes"),
+        (record(4, &[&[9; 40]]), "a channel has parts that don't match its length; skipped 49 bytes"),
         (
             [&[5][..], &5_000_u64.to_le_bytes(), &[3, 0, 1, 1]].concat(),
-            "a message of 5,000 bytes, more than are left; 13 bytes passed over",
+            "a message of 5,000 bytes is longer than the rest of the file; skipped 13 bytes",
         ),
         (
             [&[5][..], &100_u64.to_le_bytes(), &[3, 0, 1, 1]].concat(),
-            "a message that no record follows where its length ends; 13 bytes passed over",
+            "a message isn't followed by a valid record; skipped 13 bytes",
         ),
     ] {
         assert_corruption(&[before.clone(), violated, rest.clone()], &[(1, message)], 4);
@@ -68,7 +68,7 @@ fn a_record_that_is_none_is_passed_over() {
 }
 
 #[test]
-fn what_later_versions_add_is_passed_over() {
+fn ignores_additions_of_later_versions() {
     let mut longer = declarations();
     let added = channel(4, 0, "/other", "cdr", &[]);
     let body = [&added[9..], b"more"].concat();
@@ -91,43 +91,39 @@ fn skips_corrupt_chunks() {
     let spoiled = [&inner[..], &[5, 255, 255, 255, 255, 255, 255, 255, 127, 1, 2]].concat();
     let whole = (packed.len() as u64, &packed[..]);
     let (short, long) = (length - 9, length + 9);
-    let bytes_left = format!("a chunk with {length} bytes, where its header says {long}");
+    let bytes_left = format!("a chunk has {length} bytes, but its header says {long}");
     let wrong = format!(
-        "a chunk with the checksum {checksum:08x}, where its header says 00000007: what it holds was changed"
+        "a chunk has the checksum {checksum:08x}, but its header says 00000007: its content was changed"
     );
     for (violated, message, count) in [
         (
             raw_chunk("brotli", length, checksum, whole.0, whole.1),
-            "a chunk packed with `brotli`, where zstd, lz4 or nothing are known",
+            "a chunk has the unknown compression `brotli`: expected zstd, lz4 or none",
             3,
         ),
         (raw_chunk("zstd", length, 7, whole.0, whole.1), &wrong, 6),
         (raw_chunk("", length, 7, length, &inner), &wrong, 6),
         (raw_chunk("zstd", long, checksum, whole.0, whole.1), &bytes_left, 6),
-        (
-            raw_chunk("zstd", short, 0, whole.0, whole.1),
-            "a chunk in which no record begins after 214 bytes",
-            5,
-        ),
+        (raw_chunk("zstd", short, 0, whole.0, whole.1), "a chunk has no valid record after 214 bytes", 5),
         (
             raw_chunk("zstd", length, checksum, cut.len() as u64, cut),
-            "a chunk that can't be unpacked after ",
+            "a chunk can't be decompressed after ",
             3,
         ),
         (
             raw_chunk("lz4", length, checksum, whole.0, whole.1),
-            "a chunk that can't be unpacked after 0 bytes: ",
+            "a chunk can't be decompressed after 0 bytes: ",
             3,
         ),
-        (chunk(Form::Lz4, &spoiled), "a chunk in which no record begins after 321 bytes", 6),
+        (chunk(Form::Lz4, &spoiled), "a chunk has no valid record after 321 bytes", 6),
         (
             raw_chunk("zstd", length, checksum, whole.0 + 5, whole.1),
-            "a chunk whose parts don't agree with its length; ",
+            "a chunk has parts that don't match its length; ",
             3,
         ),
         (
             raw_chunk("", length + 1, checksum, length, &inner),
-            "a chunk whose parts don't agree with its length; ",
+            "a chunk has parts that don't match its length; ",
             6,
         ),
     ] {
@@ -143,14 +139,14 @@ fn skips_corrupt_chunks() {
 }
 
 #[test]
-fn a_chunk_without_end_is_read_as_far_as_it_goes() {
+fn reads_a_truncated_chunk_to_its_end() {
     let mut endless = raw_chunk("", 1 << 60, 0, 1 << 60, &gliders(1..=5));
     endless[1..9].copy_from_slice(&((1_u64 << 60) + 40).to_le_bytes());
     let missing = (1_u64 << 60) - gliders(1..=5).len() as u64;
     let result = checked(&[start(), declarations(), endless].concat());
     let found = corrupt_count(&result);
     assert_eq!(found.len(), 1, "{found:?}");
-    assert!(found[0].contains("the file ends within a record"), "{found:?} {missing}");
+    assert!(found[0].contains("the file is truncated within a record"), "{found:?} {missing}");
     assert_eq!(result.checked, 5);
 }
 
@@ -181,33 +177,32 @@ fn reports_contradicting_declarations() {
         glider(1),
         end(),
     ];
-    let unreadable =
-        "a channel that can't be read: a text in it is no UTF-8, or a key is there twice (2 times)";
+    let unreadable = "a channel is unreadable: it has invalid UTF-8 or a duplicate key (2 times)";
     let expected = [
-        (2, "channel 3 is another than before; the first one is used"),
-        (3, "schema 1 is another than before; the first one is used"),
-        (4, "a schema of the id 0, which stands for none"),
-        (5, "a message of channel 4, which isn't declared before it"),
-        (6, "channel 8 is of schema 77, which isn't declared before it"),
+        (2, "channel 3 is declared again with other content; the first one is used"),
+        (3, "schema 1 is declared again with other content; the first one is used"),
+        (4, "a schema has the reserved id 0"),
+        (5, "a message refers to channel 4, which isn't declared before it"),
+        (6, "channel 8 refers to schema 77, which isn't declared before it"),
         (
             7,
-            "schema 9 has 1048577 bytes; those of more than 1048576, or of more than 8388608 together, aren't \
-             compared",
+            "schema 9 is too long to be compared: it has 1048577 bytes, but the limit is 1048576 bytes, and \
+             8388608 for all schemas",
         ),
-        (8, "channel 10 has a topic or an encoding of more than 256 bytes"),
+        (8, "channel 10: the topic or the encoding is longer than 256 bytes"),
         (9, unreadable),
     ];
     assert_corruption(&parts, &expected, 1);
 }
 
 #[test]
-fn where_a_file_begins_and_ends_is_looked_at() {
+fn reports_missing_headers_and_footers() {
     let body = [declarations(), glider(1)].concat();
-    let ends_early = "the file ends without a footer: it was cut off, or what wrote it didn't finish";
+    let ends_early = "the file ends without a footer: it is truncated, or its writer didn't finish";
     assert_corruption(&[start(), body.clone()], &[(2, ends_early)], 1);
     assert_corruption(
         &[MAGIC.to_vec(), body.clone(), end()],
-        &[(1, "the file has no header at its start")],
+        &[(1, "the file doesn't start with a header record")],
         1,
     );
     let mut no_magic = end();
@@ -229,14 +224,14 @@ fn where_a_file_begins_and_ends_is_looked_at() {
         |stated: u32| [record(15, &[&stated.to_le_bytes()]), record(2, &[&[0; 20]]), MAGIC.to_vec()].concat();
     assert_corruption(&[start(), body.clone(), closed(checksum)], &[], 1);
     let message = format!(
-        "data with the checksum {checksum:08x}, where the file says {:08x}: something before was changed",
+        "the data has the checksum {checksum:08x}, but the file says {:08x}: its content was changed",
         checksum ^ 1
     );
     assert_corruption(&[start(), body, closed(checksum ^ 1)], &[(2, &message)], 1);
     assert_corruption(&[MAGIC.to_vec(), header("")], &[(2, ends_early)], 0);
 }
 
-/// Cut off anywhere, the messages before the cut are judged, or those of whole blocks of a packed chunk.
+/// Messages before any truncation are checked; in a compressed chunk, those in complete blocks.
 #[test]
 fn checks_truncated_files_to_their_end() {
     for form in FORMS {
@@ -259,7 +254,7 @@ fn checks_truncated_files_to_their_end() {
     }
 }
 
-/// A flipped bit costs a few messages, or a chunk. Where a checksum covers it, it is told.
+/// A flipped bit loses a few messages or a chunk. Under a checksum, it is always reported.
 #[test]
 fn flipped_bits_lose_few_messages_and_fail_checksums() {
     let mut random = Random(11);
@@ -276,7 +271,7 @@ fn flipped_bits_lose_few_messages_and_fail_checksums() {
             for (location, message) in &result.corruption {
                 assert!(*location <= Location::Byte(whole.len() as u64), "{form:?} {at} {message}");
             }
-            // Within a chunk, all that is packed or stored has a checksum.
+            // Within a chunk, all data is covered by a checksum.
             let is_covered = form != Form::Unchunked && !violated(&result).is_empty();
             assert!(!is_covered || !result.corruption.is_empty(), "{form:?} {at} {:?}", violated(&result));
         }
@@ -290,7 +285,7 @@ fn noise_after_the_magic_is_corruption_only() {
         let length = random.index(5_000);
         let mut noise = random.bytes(length);
         if round % 2 == 0 {
-            // Small numbers make lengths that can be believed.
+            // Small numbers result in plausible lengths.
             for byte in &mut noise {
                 *byte = if *byte < 128 { 0 } else { *byte % 16 };
             }
@@ -301,9 +296,9 @@ fn noise_after_the_magic_is_corruption_only() {
     }
 }
 
-/// However the bytes come, the same is read.
+/// The result doesn't depend on how the input is split.
 #[test]
-fn the_pieces_in_which_bytes_come_do_not_matter() {
+fn reads_the_same_from_any_split_of_the_input() {
     for form in FORMS {
         let mut whole = file(&chunked(form, &records_with(&good().cdr())));
         whole.truncate(whole.len() - 60);
@@ -322,7 +317,7 @@ fn the_pieces_in_which_bytes_come_do_not_matter() {
     }
 }
 
-/// A start, and then the same bytes again and again; it counts how many are asked for at once.
+/// A reader that returns some bytes and then repeats a pattern. It records the largest read.
 struct Endless {
     start: Vec<u8>,
     pattern: Vec<u8>,
@@ -345,9 +340,9 @@ impl Read for &mut Endless {
     }
 }
 
-/// What is no record to be lent is never held, and no length is believed before its bytes are there.
+/// Skipped records aren't stored, and no memory is allocated for a length before its bytes have arrived.
 #[test]
-fn memory_does_not_grow_with_what_is_passed_over() {
+fn skips_records_in_constant_memory() {
     let length = |opcode: u8, length: u64| [&[opcode][..], &length.to_le_bytes()].concat();
     let data: u64 = 1 << 50;
     let attachment =
@@ -362,10 +357,10 @@ fn memory_does_not_grow_with_what_is_passed_over() {
         (length(5, 1 << 40), zeros.clone(), 1 << 18),
         (plain, messages.clone(), 1 << 17),
         (vec![], messages, 1 << 17),
-        // A message as long as one can be is held, and no more.
+        // A message of the maximum length is stored.
         (length(5, Reader::<&[u8]>::MAX_RECORD), zeros, 3 * (64 << 20)),
     ] {
-        // More than is held at most, or enough to fill the buffer many times.
+        // More than the maximum that is stored, or enough to fill the buffer many times.
         let size = if largest > 1 << 20 { 80 << 20 } else { 8 << 20 };
         let start = [start(), declarations(), head].concat();
         let mut input = Endless { start, pattern, position: 0, size, largest_request: 0 };
@@ -380,7 +375,7 @@ fn memory_does_not_grow_with_what_is_passed_over() {
     }
 }
 
-/// Plans take room and time; beyond a limit, channels are told and not judged.
+/// Channels beyond a limit are reported but not checked, since each needs memory and time.
 #[test]
 fn does_not_check_channels_beyond_the_limit() {
     let marks = "Mark[3000] more\nMark[3] marks\nbool[3] flags\n";
