@@ -12,7 +12,10 @@ use crate::source::{Position, SourceMap, Span};
 /// Where the project presents itself.
 pub(super) const PROJECT_URL: &str = "https://uavspec.dev/";
 
-/// Where the documentation has a page for each rule.
+/// The URL of the guide, to which page names such as `lint.html` are appended.
+pub const GUIDE_URL: &str = "https://uavspec.dev/guide/";
+
+/// The URL of the rule pages.
 pub const RULES_URL: &str = "https://uavspec.dev/docs/rules/";
 
 /// The page there on all that the readers report and that is no rule.
@@ -122,8 +125,8 @@ impl fmt::Display for Place {
 }
 
 impl RuleInfo {
-    /// Of a rule that the documentation has a page of.
-    pub fn new(id: &'static str, purpose: &'static str, level: Level) -> Self {
+    /// Describes a rule that has a page in the documentation.
+    pub fn new(id: &'static str, purpose: impl Into<Cow<'static, str>>, level: Level) -> Self {
         Self { id: id.into(), purpose: purpose.into(), level, url: rule_url(id) }
     }
 }
