@@ -1,7 +1,7 @@
 //! Compares two versions of definitions, and reports the changes and the users that they affect.
 //!
-//! Messages, fields and constants are matched first, including renamed ones (`Comparison`, `Pair`). Then each rule checks
-//! the result. A rule is one kind of change. There is one finding for each [`Category`] that a change breaks.
+//! Messages, fields and constants are matched first, including renamed ones (`Comparison`, `Pair`). Then each rule
+//! checks the result. A rule is one kind of change. There is one finding for each [`Category`] that a change breaks.
 //!
 //! Types and messages in pages are not compared yet.
 //!

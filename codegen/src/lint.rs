@@ -1,21 +1,21 @@
 //! The linter: finds definitions that are valid but misleading, incomplete or inconsistent.
 //!
-//! Each rule has a file with its texts, its examples and its check, and an entry in [`RULES`]. Parser warnings are rules as
-//! well (`Check::Reader`), so users can configure their level, ignore them and fix them. Parser errors are always reported.
+//! Each rule has a file with its texts, its examples and its check, and an entry in [`RULES`]. Parser warnings are
+//! rules as well (`Check::Reader`), so users can configure their level, ignore them and fix them. Parser errors are
+//! always reported.
 //!
-//! A comment `# uavspec:ignore RULE reason` ignores a finding. At the end of a declaration or above it, it applies to that
-//! line. In the comment at the start of a file, it applies to the file. Pages use HTML comments:
-//! `<!-- uavspec:ignore RULE reason -->`.
+//! A comment `# uavspec:ignore RULE reason` ignores a finding. At the end of a declaration or above it, it applies to
+//! that line. In the comment at the start of a file, it applies to the file. Pages use HTML comments: `<!--
+//! uavspec:ignore RULE reason -->`.
 //!
 //! ```
 //! use uavspec_codegen::lint::{Settings, lint};
 //! use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, schema::Form};
 //!
 //! let mut sources = SourceMap::default();
-//! let id = sources.add("Wind.msg", "# Wind\n\nuint64 timestamp  # [us] Time\nfloat32 speed  # Speed\n".into()).unwrap();
-//! let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
-//! let findings = lint(&sources, &packages, &[], &Settings::default());
-//! assert_eq!(findings[0].rule, "unit-missing");
+//! let id = sources.add("Wind.msg", "# Wind\n\nuint64 timestamp  # [us] Time\nfloat32 speed  #
+//! Speed\n".into()).unwrap(); let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])]; let
+//! findings = lint(&sources, &packages, &[], &Settings::default()); assert_eq!(findings[0].rule, "unit-missing");
 //! ```
 
 mod fix;

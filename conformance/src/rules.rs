@@ -1,7 +1,7 @@
 //! The rules, one file each, by family.
 //!
-//! A rule is a statement with a permanent id. A plan, compiled once for each format (`px4`), checks the rules about single
-//! values. Rules about sequences keep their own state.
+//! A rule is a statement with a permanent id. A plan, compiled once for each format (`px4`), checks the rules about
+//! single values. Rules about sequences keep their own state.
 //!
 //! ```
 //! use uavspec_conformance::rules::{RULES, rule};

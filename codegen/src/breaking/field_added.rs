@@ -43,7 +43,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         let last = pair.new.fields.len()
             - pair.fields.iter().rev().take_while(|change| matches!(change, FieldChange::Added(_))).count();
         let cdr = if at >= last {
-            "messages are longer: existing readers reject the extra bytes, and new readers miss the field in old messages"
+            "messages are longer: existing readers reject the extra bytes, and new ones miss it in old messages"
         } else {
             "all later fields move: existing readers read its bytes as other fields"
         };

@@ -43,7 +43,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         let field = &pair.old.fields[at];
         let message = format!("`{}.{}` ({}) was removed", pair.name(), field.name, pair.old_type(field.ty));
         let cdr = if at + 1 == pair.old.fields.len() {
-            "messages are shorter: existing readers miss the field, and new readers reject the extra bytes of old messages"
+            "messages are shorter: existing readers miss it, and new ones reject the extra bytes of old messages"
         } else {
             "all later fields move: existing readers read other bytes for them"
         };

@@ -301,8 +301,8 @@ fn constants<'a>(old: &'a Message, new: &'a Message) -> Vec<ConstantChange<'a>> 
     changes
 }
 
-/// Removes the most similar of `candidates`, which have the same value. The flag is true if it is the same constant under
-/// another name. A candidate whose name has nothing in common, not even its first word, is not taken.
+/// Removes the most similar of `candidates`, which have the same value. The flag is true if it is the same constant
+/// under another name. A candidate whose name has nothing in common, not even its first word, is not taken.
 fn take_twin<'a>(constant: &Constant, candidates: &mut Vec<&'a Constant>) -> Option<(&'a Constant, bool)> {
     /// The maximum number of compared candidates. Enums have fewer aliases.
     const MAX_CANDIDATES: usize = 100;

@@ -26,8 +26,8 @@ pub(super) fn moved(positions: &[usize]) -> Vec<bool> {
 /// The maximum number of name comparisons for all gaps of a message. Beyond it, fields are matched by their order.
 pub(super) const MAX_COMPARISONS: usize = 20_000;
 
-/// Matches two sequences without crossings: as many pairs as possible that `can_match`, and among these the most similar
-/// ones. Returns ascending pairs of indices. `budget` is the number of comparisons that are left.
+/// Matches two sequences without crossings: as many pairs as possible that `can_match`, and among these the most
+/// similar ones. Returns ascending pairs of indices. `budget` is the number of comparisons that are left.
 pub(super) fn align(
     old: usize,
     new: usize,

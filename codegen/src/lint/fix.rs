@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::finding::{Edit, Finding};
 use crate::source::{SourceId, SourceMap};
 
-/// Applies the fixes of all findings, and returns the changed texts by source. If the edits of two findings touch, only the
-/// first is applied. Another pass applies the second.
+/// Applies the fixes of all findings, and returns the changed texts by source. If the edits of two findings touch, only
+/// the first is applied. Another pass applies the second.
 pub fn apply(findings: &[Finding], sources: &SourceMap) -> BTreeMap<SourceId, String> {
     let mut by_source: BTreeMap<SourceId, BTreeSet<&Edit>> = BTreeMap::new();
     for finding in findings {

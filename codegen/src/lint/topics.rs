@@ -32,8 +32,8 @@ pub(super) fn words<'a>(line: &'a Line<'_>) -> impl Iterator<Item = (&'a str, Sp
     })
 }
 
-/// The span to delete in order to remove the topic at `word`: the word with the spaces around it, or the whole line if it
-/// is the only topic. `None` if a comment below the line would then belong to another declaration.
+/// The span to delete in order to remove the topic at `word`: the word with the spaces around it, or the whole line if
+/// it is the only topic. `None` if a comment below the line would then belong to another declaration.
 ///
 /// The search is limited to the neighboring text, since a line may list any number of topics.
 pub(super) fn removal(word: Span, sources: &SourceMap) -> Option<Span> {

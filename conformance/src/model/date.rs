@@ -53,7 +53,8 @@ impl Date {
         if seconds >= END {
             return None;
         }
-        // Years that start in March have their leap day at the end. From March of the year 0 to 1970, there are 719468 days.
+        // Years that start in March have their leap day at the end. From March of the year 0 to 1970, there are 719468
+        // days.
         let days = seconds / DAY + 719_468;
         let in_cycle = days % CYCLE;
         // Removes the leap days: one in 4 years, except one in 100 years, and the last one of the cycle.

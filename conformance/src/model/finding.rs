@@ -171,8 +171,8 @@ impl Findings {
         self.known_counts_of(rule).map_or(0, |counts| counts.covered.max(u64::from(counts.num_groups > 0)))
     }
 
-    /// The counts of a covered or violated rule. The lookup happens for each message, so it compares addresses, which is
-    /// faster than comparing ids.
+    /// The counts of a covered or violated rule. The lookup happens for each message, so it compares addresses, which
+    /// is faster than comparing ids.
     fn known_counts_of(&self, rule: &Rule) -> Option<&Counts> {
         self.counts.iter().find(|(known, _)| std::ptr::eq(*known, rule)).map(|(_, counts)| counts)
     }

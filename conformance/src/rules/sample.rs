@@ -1,7 +1,8 @@
-//! Conforming captures, generated from any definitions. Rules must find nothing in them, and mutants are made from them.
+//! Conforming captures, generated from any definitions. Rules must find nothing in them, and mutants are made from
+//! them.
 //!
-//! The bytes depend only on the definitions. All values are the typical ones of the test vectors, so adjacent values differ
-//! and no value is zero by chance. Times and the messages of external components are realistic.
+//! The bytes depend only on the definitions. All values are the typical ones of the test vectors, so adjacent values
+//! differ and no value is zero by chance. Times and the messages of external components are realistic.
 
 mod bag;
 mod encoding;
@@ -126,8 +127,8 @@ impl<'d> Flight<'d> {
         self.messages.iter().rposition(|sent| sent.topic == topic)
     }
 
-    /// Changes a value in the last message of a topic so that it violates a constraint. In an array, it changes the first
-    /// element.
+    /// Changes a value in the last message of a topic so that it violates a constraint. In an array, it changes the
+    /// first element.
     pub(crate) fn violating(&self, rule: Rule) -> Option<Self> {
         let schema = &self.definitions.schema;
         for topic in 0..self.topics.len() {

@@ -158,7 +158,7 @@ fn the_request_before_the_latest_may_be_answered_but_that_is_late() {
     script.reply(106 * PERIOD + 20, 105, 3);
     script.reply(106 * PERIOD + 25, 106, 3);
     script.talk(107, 110, &[3]);
-    let late = "request 105: registration 3 answers it only after the next one";
+    let late = "request 105: registration 3 replies after the next request";
     assert_eq!(script.found(), [format!("PX-EXT-03 arming_check_request 1: {late}")]);
 }
 
@@ -170,7 +170,8 @@ fn an_answer_to_any_other_request_is_wrong() {
         script.reply(105 * PERIOD + 20, answered, 3);
         script.talk(106, 109, &[3]);
         let message = format!(
-            "PX-EXT-01 arming_check_reply.request_id 1: registration 3 answers request {answered}, where 105 is the latest"
+            "PX-EXT-01 arming_check_reply.request_id 1: registration 3 answers request {answered}, \
+             but the latest request is 105"
         );
         let expected = if is_wrong { vec![message] } else { vec![] };
         assert_eq!(script.found(), expected);
@@ -298,7 +299,7 @@ fn an_answer_that_was_lost_is_not_missed() {
     before.request(105 * PERIOD, 105, &[3]);
     after.talk(106, 110, &[3]);
     let missing = before.run_check(&interrupted(&before, vec![], &after));
-    let message = "request 105: registration 3 doesn't answer it";
+    let message = "request 105: registration 3 does not reply";
     assert_eq!(reported(&missing), [format!("PX-EXT-03 arming_check_request 1: {message}")]);
     let lost = before.run_check(&interrupted(&before, vec![Entry::Dropout(9)], &after));
     assert_eq!(reported(&lost), NOTHING);
@@ -338,7 +339,7 @@ fn recordings_that_begin_in_the_middle_know_registrations_by_masks_only() {
     assert_eq!(script.found(), NOTHING);
     script.reply(106 * PERIOD + 5, 106, 3);
     script.talk(107, 109, &[]);
-    let message = "3 as the id of who answers, which was given back before this was asked";
+    let message = "registration id 3 was released before the request";
     let expected = [format!("PX-EXT-02 arming_check_reply.registration_id 1: {message}")];
     assert_eq!(script.found(), expected);
 }
@@ -346,7 +347,7 @@ fn recordings_that_begin_in_the_middle_know_registrations_by_masks_only() {
 #[test]
 fn an_id_that_was_never_given_out_is_wrong_where_the_beginning_is_recorded() {
     let message = |id: u8| {
-        let message = format!("{id} as the id of who answers, which was never given out");
+        let message = format!("registration id {id} was never assigned");
         vec![format!("PX-EXT-02 arming_check_reply.registration_id 1: {message}")]
     };
     let stranger = |begin: fn(&mut Script<'static>), mask: &[u8]| {
@@ -462,7 +463,7 @@ fn without_times_uses_the_order_of_arrival() {
     script.unregister(0, 3);
     script.talk(103, 104, &[]);
     script.reply(0, 103, 3);
-    let message = "3 as the id of who answers, which was given back before this was asked";
+    let message = "registration id 3 was released before the request";
     assert_eq!(script.found(), [format!("PX-EXT-02 arming_check_reply.registration_id 1: {message}")]);
 }
 
@@ -503,7 +504,7 @@ fn answers_without_a_time_are_late_if_several_in_a_row_stand_behind_the_next_req
                 script.reply(0, id(number), 3);
             }
         }
-        let message = "request 107: registration 3 answers it only after the next one";
+        let message = "request 107: registration 3 replies after the next request";
         let expected: Vec<String> = match found {
             0 => vec![],
             _ => vec![format!("PX-EXT-03 arming_check_request {found}: {message}")],
@@ -708,7 +709,7 @@ fn of_several_components_the_silent_one_is_named() {
     }
     // The flight controller no longer counts on it.
     script.talk(107, 112, &[3]);
-    let message = "request 103: registration 5 doesn't answer it";
+    let message = "request 103: registration 5 does not reply";
     assert_eq!(script.found(), [format!("PX-EXT-03 arming_check_request 3: {message}")]);
 }
 
@@ -752,7 +753,7 @@ fn requests_of_one_time_follow_each_other() {
     script.request(100 * PERIOD, 100, &[3]);
     script.request(100 * PERIOD, 101, &[3]);
     script.reply(100 * PERIOD + 5, 90, 3);
-    let message = "registration 3 answers request 90, where 101 is the latest";
+    let message = "registration 3 answers request 90, but the latest request is 101";
     assert_eq!(script.found(), [format!("PX-EXT-01 arming_check_reply.request_id 1: {message}")]);
 }
 
@@ -841,7 +842,7 @@ fn many_replies_that_wait_are_let_go() {
         script.reply(101 * PERIOD + 9, 50, 9);
     }
     script.talk(102, 104, &[3]);
-    let message = "registration 9 answers request 50, where 101 is the latest";
+    let message = "registration 9 answers request 50, but the latest request is 101";
     assert_eq!(script.found(), [format!("PX-EXT-01 arming_check_reply.request_id 64: {message}")]);
 }
 
@@ -871,7 +872,7 @@ fn without_masks_uses_registrations() {
     script.talk(106, 109, &[3]);
     script.unregister(109 * PERIOD - 5, 3);
     script.talk(109, 114, &[]);
-    let message = "request 105: registration 3 doesn't answer it";
+    let message = "request 105: registration 3 does not reply";
     let expected = [format!("PX-EXT-03 arming_check_request 1: {message}")];
     assert_eq!(script.found(), expected, "nobody knows of 5, which was there before, or wasn't");
     // Those from 100 to 107: the answer to 108 isn't asked of who has left before 109.
@@ -970,7 +971,7 @@ fn events_in_use_have_an_id() {
     assert_eq!(reported_for(true, 2, [1, 2, 0, 0, 0]), (vec![], 2));
     assert_eq!(reported_for(false, 5, [1; 5]), (vec![], 5));
     let message =
-        "PX-EXT-04 arming_check_reply.events 1: events[1].id: an event without an id, where 2 are in use";
+        "PX-EXT-04 arming_check_reply.events 1: events[1].id: event without an id among the 2 used events";
     assert_eq!(reported_for(true, 2, [1, 0, 0, 0, 0]).0, [message]);
     assert!(
         reported_for(true, 5, [0; 5]).0[0].starts_with("PX-EXT-04 arming_check_reply.events 5: events[0].id")
@@ -979,8 +980,8 @@ fn events_in_use_have_an_id() {
 
 #[test]
 fn refusals_have_a_reason() {
-    let message =
-        "PX-EXT-05 arming_check_reply.num_events 1: can_arm_and_run is false, and no event says why";
+    let message = "PX-EXT-05 arming_check_reply.num_events 1: can_arm_and_run is false, \
+                   but there is no event with the reason";
     assert_eq!(reported_for(false, 0, [1; 5]).0, [message]);
     assert_eq!(reported_for(false, 1, [1; 5]).0, NOTHING);
     assert_eq!(reported_for(true, 0, [1; 5]).0, NOTHING);
@@ -1015,7 +1016,7 @@ fn flags_that_no_mode_requires_are_shown_each_with_its_count() {
         assert_eq!(found, expected);
         assert_eq!(result.findings.verdict(shown), Verdict::Shown);
         let group = result.findings.groups_of(shown).next().expect("a group");
-        assert_eq!(group.examples[0].1.to_string(), "set, and mode_req_attitude is 0: no mode requires it");
+        assert_eq!(group.examples[0].1.to_string(), "set, but no mode requires it: mode_req_attitude is 0");
     }
     // Twelve flags of this release have a requirement.
     let script = flags(&json!({ "attitude_invalid": true, "mode_req_attitude": 1 }));

@@ -349,7 +349,7 @@ fn mutants() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         (
             "PX-QUEUE-01",
             file(&[declarations(), burst].concat()),
-            "glider: more than 2 messages at 1200000 µs",
+            "glider: more than 2 messages with timestamp 1200000 µs",
         ),
         (
             "PX-RANGE-01",
@@ -361,16 +361,12 @@ fn mutants() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             value(|glider| glider.name = *b"D\xff\0\0"),
             "glider.name: no UTF-8 from its byte 1 on",
         ),
-        (
-            "PX-TIME-01",
-            value(|glider| glider.timestamp = 58 * PERIOD),
-            "glider.timestamp: timestamp is 1160000",
-        ),
+        ("PX-TIME-01", value(|glider| glider.timestamp = 58 * PERIOD), "glider.timestamp: timestamp 1160000"),
         ("PX-TIME-02", value(|glider| glider.timestamp = 80 * PERIOD), "glider: 420 ms without a message"),
         (
             "PX-VER-01",
             json_file("/fmu/out/glider_v1", &[good().json()]),
-            "glider_v1: the topic is of version 1, the definition of version 2",
+            "glider_v1: the topic name has version 1, but the definition has version 2",
         ),
     ]
 }

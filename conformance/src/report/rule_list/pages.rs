@@ -126,8 +126,8 @@ fn overview(rows: &[Row]) -> OutputFile {
     page.table(&table);
     page.heading(2, "Mutants");
     page.block(
-        "A mutant is a conforming capture with one change that violates a rule. Tests check that the rule finds each of \
-         its mutants, that no other rules than those listed find it, and that no rule finds anything in the unchanged \
+        "A mutant is a conforming capture with one change that violates a rule. Tests check that the rule finds each \
+         of its mutants, that no other rules than those listed find it, and that no rule finds anything in the unchanged \
          capture.",
     );
     page.table(&matrix(rows));

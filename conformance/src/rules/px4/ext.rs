@@ -3,8 +3,8 @@
 //! A flight controller regularly asks all registered components whether they allow arming, and each component replies.
 //! A capture rarely contains all of these messages, so the rules report only what is certain:
 //!
-//! - After a dropout, corrupt data, or a message that can't be trusted, the state is reset. It is also reset if time goes
-//!   back, for example after a restart of the flight controller.
+//! - After a dropout, corrupt data, or a message that can't be trusted, the state is reset. It is also reset if time
+//!   goes back, for example after a restart of the flight controller.
 //! - Request ids are consecutive. After a gap, a request is missing in the capture.
 //! - The topics need not be in a common order. A message is correct if it is correct by its position in the file or by
 //!   its time, and the clocks of both sides may differ a little ([`TOLERANCE`]).
@@ -19,8 +19,8 @@ use uavspec_runtime::Number;
 
 use super::{Channel, Checker, Interest, Location, Message, RuleContext};
 
-/// The maximum difference between two times that count as equal, in µs. A component uses the clock of its computer, which
-/// is synchronized with the flight controller to a few milliseconds.
+/// The maximum difference between two times that count as equal, in µs. A component uses the clock of its computer,
+/// which is synchronized with the flight controller to a few milliseconds.
 pub(super) const TOLERANCE: u64 = 10_000;
 
 /// The number of requests that are stored, to find the request of a late reply.
@@ -225,7 +225,8 @@ pub(super) fn is_reply(channel: &Channel<'_>, context: &RuleContext<'_>) -> bool
     role(channel, context) == Some(Role::Reply)
 }
 
-/// The value of an integer field, or of a bool as 0 or 1. `None` if there is no such field, or if the value doesn't fit.
+/// The value of an integer field, or of a bool as 0 or 1. `None` if there is no such field, or if the value doesn't
+/// fit.
 pub(super) fn number<T: TryFrom<i128>>(values: DynamicView<'_>, path: &str) -> Option<T> {
     match values.get(path)?.number()? {
         Number::Int(value) => T::try_from(value).ok(),

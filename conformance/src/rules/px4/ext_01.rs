@@ -1,9 +1,10 @@
 //! `PX-EXT-01`.
 //!
-//! A capture may lack requests: a logger may record only some of them, and a file may be truncated. A reply that matches
-//! no known request therefore waits for the next request. If the ids of the requests are consecutive, no request is
-//! missing. Then the reply is wrong, unless it answers the new request and only its position in the file is earlier.
-//! A reply that is older than all known requests is not checked, since a log starts with the latest message of each topic.
+//! A capture may lack requests: a logger may record only some of them, and a file may be truncated. A reply that
+//! matches no known request therefore waits for the next request. If the ids of the requests are consecutive, no
+//! request is missing. Then the reply is wrong, unless it answers the new request and only its position in the file is
+//! earlier. A reply that is older than all known requests is not checked, since a log starts with the latest message of
+//! each topic.
 
 use super::ext::{Listener, Reply, Request, Requests, Talk, Waiting};
 use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};

@@ -1,14 +1,14 @@
 //! `PX-EXT-02`.
 //!
-//! An id may have been assigned before the capture started. An unknown id is therefore wrong only if the capture contains
-//! all registrations. A flight controller sends requests only while a component is registered, and then regularly. So all
-//! registrations are known if one comes shortly before the first request ([`STARTUP_TIME`]) and the mask of this request has
-//! no other bits. The mask alone proves nothing, since the bit of a slow component is clear as well. An old registration
-//! proves nothing either, since a log starts with the latest message of each topic.
+//! An id may have been assigned before the capture started. An unknown id is therefore wrong only if the capture
+//! contains all registrations. A flight controller sends requests only while a component is registered, and then
+//! regularly. So all registrations are known if one comes shortly before the first request ([`STARTUP_TIME`]) and the
+//! mask of this request has no other bits. The mask alone proves nothing, since the bit of a slow component is clear as
+//! well. An old registration proves nothing either, since a log starts with the latest message of each topic.
 //!
-//! A released id is wrong in a reply to a request that was sent after the release. A reply to an earlier request may have
-//! been sent before. If the mask of a later request contains the id, it was assigned again. Without masks, a component that
-//! continues to reply is assumed to be registered again ([`REQUESTS_TO_WAIT`]).
+//! A released id is wrong in a reply to a request that was sent after the release. A reply to an earlier request may
+//! have been sent before. If the mask of a later request contains the id, it was assigned again. Without masks, a
+//! component that continues to reply is assumed to be registered again ([`REQUESTS_TO_WAIT`]).
 
 use super::ext::{Ids, Listener, Reply, Request, TOLERANCE, Talk, Waiting, is_later};
 use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
@@ -173,8 +173,8 @@ impl Listener for Registrations {
             self.whole = Whole::No;
         }
         let known = &mut self.known[usize::from(id)];
-        // A log starts with the latest message of each topic, and the topics are not in a common order. This message may
-        // be older than the registration.
+        // A log starts with the latest message of each topic, and the topics are not in a common order. This message
+        // may be older than the registration.
         if let Known::Assigned(when) = known
             && when.zip(time).is_none_or(|(when, time)| when <= time)
         {

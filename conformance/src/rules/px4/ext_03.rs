@@ -1,13 +1,14 @@
 //! `PX-EXT-03`.
 //!
-//! A capture may lack replies that were sent, since a logger may record only some of them. A component is therefore checked
-//! only after it has answered several requests in a row ([`STREAK`]), which also gives it time to start. It must answer
-//! a request if its bit is set in the mask of this request and of the next: a component may be unregistered at any time, and
-//! the flight controller doesn't wait for slow components. Without masks, the registrations in the capture count.
+//! A capture may lack replies that were sent, since a logger may record only some of them. A component is therefore
+//! checked only after it has answered several requests in a row ([`STREAK`]), which also gives it time to start. It
+//! must answer a request if its bit is set in the mask of this request and of the next: a component may be unregistered
+//! at any time, and the flight controller doesn't wait for slow components. Without masks, the registrations in the
+//! capture count.
 //!
-//! A request is checked when the second request after it is received, since replies may be late in the file. For a reply
-//! without a time, as from many ROS 2 nodes, only the order in the file shows whether it was late. A single reply after
-//! the next request may still have been in time, but several in a row were not.
+//! A request is checked when the second request after it is received, since replies may be late in the file. For a
+//! reply without a time, as from many ROS 2 nodes, only the order in the file shows whether it was late. A single reply
+//! after the next request may still have been in time, but several in a row were not.
 
 use std::collections::VecDeque;
 

@@ -1,8 +1,8 @@
 //! `PX-FSF-03`.
 //!
-//! Flags and requirements are matched by name. The name of a flag contains the words of its requirement, and words for the
-//! failure ([`STATES`]): `mode_req_local_position_relaxed` and `local_position_invalid_relaxed`. A table has the exceptions
-//! ([`RENAMED_REQUIREMENTS`]). Flags without a requirement are not checked.
+//! Flags and requirements are matched by name. The name of a flag contains the words of its requirement, and words for
+//! the failure ([`STATES`]): `mode_req_local_position_relaxed` and `local_position_invalid_relaxed`. A table has the
+//! exceptions ([`RENAMED_REQUIREMENTS`]). Flags without a requirement are not checked.
 
 use uavspec_codegen::dynamic::{DynamicView, Value};
 

@@ -55,7 +55,8 @@ impl Checker for Times {
             });
         }
         context.covered();
-        // Later messages are compared with this one. Otherwise one wrong time or a restart would make all of them wrong.
+        // Later messages are compared with this one. Otherwise one wrong time or a restart would make all of them
+        // wrong.
         if timestamp != 0 {
             *latest = timestamp;
         }

@@ -43,8 +43,8 @@ struct Gaps {
     excused_until: u64,
 }
 
-/// The rhythm of a channel. Its period starts as the median of the first pauses. Each further pause changes it by a small
-/// step at most, so rare long pauses have little effect.
+/// The rhythm of a channel. Its period starts as the median of the first pauses. Each further pause changes it by a
+/// small step at most, so rare long pauses have little effect.
 #[derive(Clone, Default)]
 struct Rhythm {
     latest: u64,

@@ -12,9 +12,9 @@ use crate::source::SourceMap;
 
 /// The text above the table.
 const ABOUT: &str = "\
-`cargo xtask breaking --against REV` compares the definitions with an earlier version. Each rule is one kind of change. \
-The columns show who is affected: `source` means programs built from the definitions; `json`, `cdr` (DDS and ROS 2) and \
-`uorb` (memory and logs) mean peers that exchange messages in these formats; `version` means users of MESSAGE_VERSION; \
+`cargo xtask breaking --against REV` compares the definitions with an earlier version. Each rule is one kind of \
+change. The columns show who is affected: `source` means programs built from the definitions; `json`, `cdr` (DDS and \
+ROS 2) and `uorb` (memory and logs) mean peers that exchange messages in these formats; `version` means users of MESSAGE_VERSION; \
 `semantic` means users of a value's meaning.";
 
 pub(super) fn chapter() -> Chapter {

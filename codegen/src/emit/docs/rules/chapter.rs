@@ -109,12 +109,16 @@ fn changed_lines(old: &str, new: &str) -> String {
             |line: &&str| if line.is_empty() { mark.trim_end().to_owned() } else { format!("{mark}{line}") };
         lines.iter().map(|text| line(text) + "\n").collect()
     };
-    let after = (old_end + CONTEXT).min(old.len());
+    let is_text = |line: &&str| !line.is_empty();
+    let before = &old[start.saturating_sub(CONTEXT)..start];
+    let before = &before[before.iter().position(is_text).unwrap_or(before.len())..];
+    let after = &old[old_end..(old_end + CONTEXT).min(old.len())];
+    let after = &after[..after.iter().rposition(is_text).map_or(0, |last| last + 1)];
     [
-        marked("  ", &old[start.saturating_sub(CONTEXT)..start]),
+        marked("  ", before),
         marked("- ", &old[start..old_end]),
         marked("+ ", &new[start..new_end]),
-        marked("  ", &old[old_end..after]),
+        marked("  ", after),
     ]
     .concat()
 }
@@ -131,6 +135,8 @@ mod tests {
         );
         assert_eq!(changed_lines("a\n", "a\nb\n"), "  a\n+ b\n");
         assert_eq!(changed_lines("b\nb\n", "b\n"), "  b\n- b\n");
+        assert_eq!(changed_lines("a\n\nb\nc\n\nd\n", "a\n\nb\nx\n\nd\n"), "  b\n- c\n+ x\n\n  d\n");
+        assert_eq!(changed_lines("a\n\nb\n\n", "a\n\nc\n\n"), "- b\n+ c\n");
         assert_eq!(changed_lines("a\n", "a\n"), "");
     }
 

@@ -27,9 +27,9 @@ pub(super) fn chapter() -> Chapter {
 
 /// The text above the table.
 const ABOUT: &str = "\
-`cargo xtask lint` finds definitions that are valid but misleading, incomplete or inconsistent. The preset `px4` contains \
-the rules of PX4's documentation standard, and mistakes that mislead readers or parsers. The preset `strict` contains all \
-rules except `unit-unlisted`. Set `lint.preset` and `lint.levels` in `uavspec.toml`. The pages state the number of \
+`cargo xtask lint` finds definitions that are valid but misleading, incomplete or inconsistent. The preset `px4` \
+contains the rules of PX4's documentation standard, and mistakes that mislead readers or parsers. The preset `strict` \
+contains all rules except `unit-unlisted`. Set `lint.preset` and `lint.levels` in `uavspec.toml`. The pages state the number of \
 findings in PX4's own messages (`px4_msgs` main at a4a9864). A finding is correct if an expert would change the \
 definition.";
 
@@ -126,8 +126,10 @@ fn configuration(rule: &Rule) -> String {
     }
     let ignore = match form(rule.bad.path) {
         _ if is_catalogue(rule.bad.path) => {
-            let entry = format!("{{ rule = \"{id}\", path = \"i18n/uk.po\", reason = \"…\" }}");
-            format!("add {} to {}", code(&entry), code("lint.ignore"))
+            format!(
+                "add an entry with the rule {}, the path of the catalogue and a reason to `lint.ignore`",
+                code(id)
+            )
         }
         Form::Table => format!("add {} to the line", code(&format!("<!-- uavspec:ignore {id} REASON -->"))),
         Form::Msg(_) => format!("add {} to the line", code(&format!("# uavspec:ignore {id} REASON"))),
