@@ -5,17 +5,19 @@
 //! always reported.
 //!
 //! A comment `# uavspec:ignore RULE reason` ignores a finding. At the end of a declaration or above it, it applies to
-//! that line. In the comment at the start of a file, it applies to the file. Pages use HTML comments: `<!--
-//! uavspec:ignore RULE reason -->`.
+//! that line. In the comment at the start of a file, it applies to the file. Pages use HTML comments:
+//! `<!-- uavspec:ignore RULE reason -->`.
 //!
 //! ```
 //! use uavspec_codegen::lint::{Settings, lint};
 //! use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, schema::Form};
 //!
 //! let mut sources = SourceMap::default();
-//! let id = sources.add("Wind.msg", "# Wind\n\nuint64 timestamp  # [us] Time\nfloat32 speed  #
-//! Speed\n".into()).unwrap(); let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])]; let
-//! findings = lint(&sources, &packages, &[], &Settings::default()); assert_eq!(findings[0].rule, "unit-missing");
+//! let text = "# Wind\n\nuint64 timestamp  # [us] Time\nfloat32 speed  # Speed\n";
+//! let id = sources.add("Wind.msg", text.into()).unwrap();
+//! let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! let findings = lint(&sources, &packages, &[], &Settings::default());
+//! assert_eq!(findings[0].rule, "unit-missing");
 //! ```
 
 mod fix;

@@ -52,11 +52,11 @@ pub(crate) enum CodeChange<'a> {
     Removed(&'a ErrorCode),
     /// Only in the new version.
     Added(&'a ErrorCode),
-    /// The same abbreviation with another number that was not used before.
+    /// An abbreviation with a new number that was not used before.
     Renumbered(&'a ErrorCode, &'a ErrorCode),
-    /// The same number with another meaning.
+    /// A number with a new meaning.
     Reused(&'a ErrorCode, &'a ErrorCode),
-    /// The same number with the same meaning.
+    /// An unchanged number and meaning.
     Same(&'a ErrorCode, &'a ErrorCode),
 }
 
@@ -132,7 +132,7 @@ impl<'a> Matcher<'a> {
         self.changes.extend(removed.chain(added));
     }
 
-    /// Pairs of names whose messages have such similar fields that they were renamed, most similar first.
+    /// The old and new names of renamed messages, which are detected by their fields. The most similar pairs come first.
     fn renamed(
         &self,
         old: &BTreeMap<&'a str, MessageId>,

@@ -39,7 +39,7 @@ pub(crate) struct Pair<'a> {
     pub new: &'a Message,
     /// The fields.
     pub fields: Vec<FieldChange>,
-    /// The constants, without those that have a special meaning in PX4.
+    /// The constants, except those with a special meaning in PX4.
     pub constants: Vec<ConstantChange<'a>>,
     /// The kind of the compared versions.
     pub between: Between,
@@ -72,9 +72,9 @@ pub(crate) struct Kept {
 /// The change of a field's element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Held {
-    /// The same type.
+    /// An unchanged type.
     Same,
-    /// The same nested message, whose bytes changed.
+    /// A nested message whose bytes changed.
     Changed {
         /// True if its CDR bytes changed.
         cdr: bool,
@@ -92,11 +92,11 @@ pub(crate) enum ConstantChange<'a> {
     Removed(&'a Constant),
     /// Only in the new version.
     Added(&'a Constant),
-    /// The same value with another name.
+    /// A renamed constant with the old value.
     Renamed(&'a Constant, &'a Constant),
-    /// The same value with another meaning.
+    /// A new constant with the value of a removed one.
     Reused(&'a Constant, &'a Constant),
-    /// The same name.
+    /// A constant with the old name.
     Same(&'a Constant, &'a Constant),
 }
 
@@ -302,7 +302,7 @@ fn constants<'a>(old: &'a Message, new: &'a Message) -> Vec<ConstantChange<'a>> 
 }
 
 /// Removes the most similar of `candidates`, which have the same value. The flag is true if it is the same constant
-/// under another name. A candidate whose name has nothing in common, not even its first word, is not taken.
+/// under another name. Candidates that are not similar and have another first word are ignored.
 fn take_twin<'a>(constant: &Constant, candidates: &mut Vec<&'a Constant>) -> Option<(&'a Constant, bool)> {
     /// The maximum number of compared candidates. Enums have fewer aliases.
     const MAX_CANDIDATES: usize = 100;

@@ -10,7 +10,7 @@ use crate::schema::enumeration;
 pub(super) const RULE: Rule = Rule {
     id: "constant-comment-missing",
     statement: "A constant without a comment.",
-    why: "The name rarely says when the value is used, and the documentation has nothing else to show.",
+    why: "The name rarely says when the value is used, and the documentation shows only the name.",
     fix: "Describe in a comment what the value means.",
     levels: Levels::strict(Level::Note),
     bad: Example {

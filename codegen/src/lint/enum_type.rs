@@ -41,7 +41,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         let Some(reference) = field.enumeration else { continue };
         let wider = *known.entry(reference).or_insert_with(|| wider(reference, subject.schema));
         let Some((constant, scalar)) = wider else { continue };
-        // Bit numbers need no type as wide as the mask, and a mask need not have all its bits.
+        // The field of a bit mask and its constants, which may be bit numbers, can have different types.
         if bits.are_bits(field, reference, subject.schema) {
             continue;
         }

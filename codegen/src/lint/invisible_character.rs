@@ -6,8 +6,8 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "invisible-character",
-    statement: "A zero-width character, or one that changes the text direction.",
-    why: "A name or a number looks different from what it is, and a search doesn't find it.",
+    statement: "A zero-width character, or a character that changes the text direction.",
+    why: "A name or a number looks different, and a search doesn't find it.",
     fix: "Remove the character.",
     levels: Levels::both(Level::Warning),
     bad: Example {

@@ -12,7 +12,7 @@ use crate::source::{SourceMap, Span};
 pub struct Rule {
     /// The id. Its meaning never changes, and it is never reused.
     pub id: &'static str,
-    /// A description of what the rule reports.
+    /// A description of the findings.
     pub statement: &'static str,
     /// The harm that a violation does.
     pub why: &'static str,
@@ -40,7 +40,7 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// Creates levels that are the same in both presets.
+    /// Creates equal levels for both presets.
     pub const fn both(level: Level) -> Self {
         Self { px4: Some(level), strict: Some(level) }
     }

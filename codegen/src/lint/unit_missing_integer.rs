@@ -56,7 +56,7 @@ const NO_QUANTITIES: [&str; 6] = [
     "data raw buffer payload bytes arguments text name val value values reserved rsv padding junk",
 ];
 
-/// Suffixes of such words: `sysid`, `cmdcount`.
+/// Suffixes of compound words without a unit: `sysid`, `cmdcount`.
 const ENDS: [&str; 5] = ["sysid", "compid", "svid", "sessionid", "count"];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {

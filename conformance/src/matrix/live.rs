@@ -24,8 +24,7 @@ const OBSERVE: Duration = Duration::from_millis(1_500);
 /// The time after which a UAV is lost.
 const LOSS: Duration = Duration::from_millis(700);
 
-/// The time after which the server with farewell closes a connection. It is longer than any trial on a separate
-/// connection.
+/// The time after which the server with farewell closes a connection: longer than any trial on a separate connection.
 const FAREWELL_DELAY: Duration = Duration::from_secs(2);
 
 /// The simulation speed: 10 runs ten times as fast as real time.

@@ -53,8 +53,7 @@ impl Date {
         if seconds >= END {
             return None;
         }
-        // Years that start in March have their leap day at the end. From March of the year 0 to 1970, there are 719468
-        // days.
+        // Years that start in March have their leap day at the end. March of the year 0 is 719468 days before 1970.
         let days = seconds / DAY + 719_468;
         let in_cycle = days % CYCLE;
         // Removes the leap days: one in 4 years, except one in 100 years, and the last one of the cycle.

@@ -7,7 +7,7 @@ use super::Date;
 /// The reason why a known failure doesn't count.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Excuse {
-    /// Whether it fails always or sometimes.
+    /// The kind: it fails always or sometimes.
     pub kind: ExcuseKind,
     /// The reason, from the list of known failures.
     pub reason: String,

@@ -66,7 +66,7 @@ pub enum Verdict {
     Known,
     /// Findings of an INFO, which are only shown.
     Shown,
-    /// The capture has nothing that the rule applies to.
+    /// The rule applies to no data in the capture.
     NotCovered,
 }
 

@@ -184,8 +184,7 @@ pub(crate) enum Interest {
 
 /// Checks the records of one capture.
 pub(crate) trait Checker {
-    /// Handles a new channel, and returns the interest in its messages. Without interest, [`Self::message`] isn't
-    /// called.
+    /// Handles a new channel, and returns the interest in it. Without interest, [`Self::message`] isn't called.
     fn opened(&mut self, _channel: &Channel<'_>, _context: &mut RuleContext<'_>) -> Interest {
         Interest::Nothing
     }

@@ -1,5 +1,4 @@
-//! Conforming captures, generated from any definitions. Rules must find nothing in them, and mutants are made from
-//! them.
+//! Conforming captures, generated from any definitions. Rules find nothing in them, and mutants are made from them.
 //!
 //! The bytes depend only on the definitions. All values are the typical ones of the test vectors, so adjacent values
 //! differ and no value is zero by chance. Times and the messages of external components are realistic.

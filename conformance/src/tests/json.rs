@@ -240,7 +240,7 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
             value("/timestamp", json!(58 * PERIOD)),
             "Glider.timestamp: timestamp 1160000 is before the previous one, 1180000",
         ),
-        ("PX-TIME-02", value("/timestamp", json!(80 * PERIOD)), "Glider: 420 ms without a message"),
+        ("PX-TIME-02", value("/timestamp", json!(80 * PERIOD)), "Glider: no message for 420 ms"),
         (
             "PX-VER-01",
             published("/glider_v1", &good),

@@ -362,7 +362,7 @@ fn mutants() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             "glider.name: no UTF-8 from its byte 1 on",
         ),
         ("PX-TIME-01", value(|glider| glider.timestamp = 58 * PERIOD), "glider.timestamp: timestamp 1160000"),
-        ("PX-TIME-02", value(|glider| glider.timestamp = 80 * PERIOD), "glider: 420 ms without a message"),
+        ("PX-TIME-02", value(|glider| glider.timestamp = 80 * PERIOD), "glider: no message for 420 ms"),
         (
             "PX-VER-01",
             json_file("/fmu/out/glider_v1", &[good().json()]),

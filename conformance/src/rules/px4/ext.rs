@@ -225,8 +225,7 @@ pub(super) fn is_reply(channel: &Channel<'_>, context: &RuleContext<'_>) -> bool
     role(channel, context) == Some(Role::Reply)
 }
 
-/// The value of an integer field, or of a bool as 0 or 1. `None` if there is no such field, or if the value doesn't
-/// fit.
+/// The value of an integer field, or of a bool as 0 or 1. `None` if the field is missing or the value doesn't fit.
 pub(super) fn number<T: TryFrom<i128>>(values: DynamicView<'_>, path: &str) -> Option<T> {
     match values.get(path)?.number()? {
         Number::Int(value) => T::try_from(value).ok(),

@@ -71,7 +71,7 @@ enum Known {
     },
 }
 
-/// Whether the capture contains all registrations.
+/// The completeness of the registrations in the capture.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 enum Whole {
     /// No message was received yet.

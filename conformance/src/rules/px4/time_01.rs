@@ -55,8 +55,7 @@ impl Checker for Times {
             });
         }
         context.covered();
-        // Later messages are compared with this one. Otherwise one wrong time or a restart would make all of them
-        // wrong.
+        // Compares later messages with this one. Otherwise, one wrong time or a restart would make all of them wrong.
         if timestamp != 0 {
             *latest = timestamp;
         }
