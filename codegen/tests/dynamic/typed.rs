@@ -49,28 +49,28 @@ const TREE: &str = "bool[3] flags\nstring text\nuint16[] numbers\nLeaf[<=2] leav
                     Empty[] more\nstring<=4[2] names\nbool[<=4] bits\nLeaf leaf\nwstring<=2[] wides\nuint64 end\n";
 
 record! {
-    Leaf;
-    0 on: bool = bool("on", 0);
-    1 name: String = string("name", 0).at_most(3);
-    2 wide: String = wstring("wide", 0);
+    Leaf[3];
+    0 on = bool("on", 0);
+    1 name = string("name", 0).at_most(3);
+    2 wide = wstring("wide", 0);
 }
 
-record! { Empty; }
+record! { Empty[0]; }
 
 record! {
-    Tree;
-    0 flags: [bool; 3] = bool("flags", 0).array(3);
-    1 text: String = string("text", 0);
-    2 numbers: Vec<u16> = uint16("numbers", 0).sequence();
-    3 leaves: Vec<Leaf> = message::<Leaf>("leaves", 0).bounded(2);
-    4 reals: Vec<f64> = float64("reals", 0).sequence();
-    5 nothing: [Empty; 2] = message::<Empty>("nothing", 0).array(2);
-    6 more: Vec<Empty> = message::<Empty>("more", 0).sequence();
-    7 names: [String; 2] = string("names", 0).at_most(4).array(2);
-    8 bits: Vec<bool> = bool("bits", 0).bounded(4);
-    9 leaf: Leaf = message::<Leaf>("leaf", 0);
-    10 wides: Vec<String> = wstring("wides", 0).at_most(2).sequence();
-    11 end: u64 = uint64("end", 0);
+    Tree[12];
+    0 flags = bool("flags", 0).array(3);
+    1 text = string("text", 0);
+    2 numbers = uint16("numbers", 0).sequence();
+    3 leaves = message::<Leaf>("leaves", 0).bounded(2);
+    4 reals = float64("reals", 0).sequence();
+    5 nothing = message::<Empty>("nothing", 0).array(2);
+    6 more = message::<Empty>("more", 0).sequence();
+    7 names = string("names", 0).at_most(4).array(2);
+    8 bits = bool("bits", 0).bounded(4);
+    9 leaf = message::<Leaf>("leaf", 0);
+    10 wides = wstring("wides", 0).at_most(2).sequence();
+    11 end = uint64("end", 0);
 }
 
 macro_rules! message {

@@ -17,6 +17,8 @@
 //! assert_eq!(payload[HEADER..], 42_u32.to_le_bytes());
 //! ```
 
+use core::mem;
+
 use crate::descriptor::{Element, MessageDescriptor, Shape};
 use crate::error::{DecodeError, EncodeError, Fault};
 use crate::fixed::{self, Form};
@@ -102,7 +104,7 @@ fn decode_body<T: Message, const BIG: bool, const STRICT: bool>(payload: &[u8]) 
         return finish(T::DESCRIPTOR, message, size, payload.len() - size, failure);
     }
     let body = payload.get(HEADER..).unwrap_or_default();
-    let mut reader = Reader::<BIG, STRICT> { body, at: 0, failure: &mut failure };
+    let mut reader = Reader::<BIG, STRICT> { message: T::DESCRIPTOR, body, at: 0, failure: &mut failure };
     let message = reader.message();
     let end = reader.at;
     finish(T::DESCRIPTOR, message, end + HEADER, body.len().saturating_sub(end), failure)
@@ -201,6 +203,8 @@ fn finish<T>(
 }
 
 struct Reader<'b, const BIG: bool, const STRICT: bool> {
+    /// The message whose fields are read.
+    message: &'static MessageDescriptor,
     /// What follows the header.
     body: &'b [u8],
     at: usize,
@@ -240,11 +244,11 @@ impl<'b, const BIG: bool, const STRICT: bool> Reader<'b, BIG, STRICT> {
 
 impl<const BIG: bool, const STRICT: bool> FieldSource for Reader<'_, BIG, STRICT> {
     #[inline]
-    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize) -> T {
+    fn field<T: Value>(&mut self, index: usize) -> T {
         let had_failed = self.has_failed();
-        let value = T::read(self, &message.fields[index]);
+        let value = T::read(self, &self.message.fields[index]);
         if !had_failed && let Some(error) = self.failure {
-            error.path.enclose(message, index);
+            error.path.enclose(self.message, index);
         }
         value
     }
@@ -331,7 +335,10 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
         if M::DESCRIPTOR.fields.is_empty() {
             self.take(1, 1);
         }
-        M::read_fields(self)
+        let outer = mem::replace(&mut self.message, M::DESCRIPTOR);
+        let message = M::read_fields(self);
+        self.message = outer;
+        message
     }
 
     #[inline]
@@ -402,7 +409,8 @@ pub(crate) fn encode<T: Message>(
 
 fn write_body<T: Record, const BIG: bool>(message: &T, body: &mut [u8]) -> (usize, Option<EncodeError>) {
     let mut failure = None;
-    let mut writer = Writer::<BIG> { body, at: 0, failure: &mut failure, element: None };
+    let mut writer =
+        Writer::<BIG> { message: T::DESCRIPTOR, body, at: 0, failure: &mut failure, element: None };
     writer.message(message);
     (writer.at, failure)
 }
@@ -415,6 +423,8 @@ pub(crate) fn size<T: Message>(message: &T) -> usize {
 }
 
 struct Writer<'b, const BIG: bool> {
+    /// The message whose fields are written.
+    message: &'static MessageDescriptor,
     body: &'b mut [u8],
     at: usize,
     /// Apart, so that the compiler can keep the rest in registers.
@@ -449,11 +459,11 @@ impl<const BIG: bool> Writer<'_, BIG> {
 
 impl<const BIG: bool> FieldSink for Writer<'_, BIG> {
     #[inline]
-    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize, value: &T) {
+    fn field<T: Value>(&mut self, index: usize, value: &T) {
         let had_failed = self.failure.is_some();
-        value.write(self, &message.fields[index]);
+        value.write(self, &self.message.fields[index]);
         if !had_failed && let Some(error) = self.failure {
-            error.path.enclose(message, index);
+            error.path.enclose(self.message, index);
         }
     }
 }
@@ -517,7 +527,9 @@ impl<const BIG: bool> Sink for Writer<'_, BIG> {
         if M::DESCRIPTOR.fields.is_empty() {
             self.scalar(0_u8);
         }
+        let outer = mem::replace(&mut self.message, M::DESCRIPTOR);
         message.write_fields(self);
+        self.message = outer;
         if !had_failed && let (Some(error), Some(element)) = (self.failure.as_mut(), element) {
             error.path.within(element);
         }

@@ -5,6 +5,7 @@
 #![allow(clippy::inline_always)] // a call in between, and the compiler knows no offset any more
 
 use core::marker::PhantomData;
+use core::mem;
 
 use crate::Path;
 use crate::descriptor::{MessageDescriptor, Shape};
@@ -32,18 +33,20 @@ pub(crate) fn read<T: Record, F: Form, const STRICT: bool>(
     bytes: &[u8],
     failure: &mut Option<DecodeError>,
 ) -> T {
-    let mut reader = Reader::<F, STRICT> { bytes, at: 0, failure, form: PhantomData };
+    let mut reader = Reader::<F, STRICT> { message: T::DESCRIPTOR, bytes, at: 0, failure, form: PhantomData };
     if F::HAS_OFFSETS { T::read_fields(&mut reader) } else { reader.message() }
 }
 
 /// Writes a message to bytes that suffice and are zeros.
 #[inline(always)]
 pub(crate) fn write<T: Record, F: Form>(message: &T, bytes: &mut [u8]) {
-    let mut writer = Writer::<F> { bytes, at: 0, form: PhantomData };
+    let mut writer = Writer::<F> { message: T::DESCRIPTOR, bytes, at: 0, form: PhantomData };
     if F::HAS_OFFSETS { message.write_fields(&mut writer) } else { writer.message(message) }
 }
 
 struct Reader<'b, F, const STRICT: bool> {
+    /// The message whose fields are read.
+    message: &'static MessageDescriptor,
     bytes: &'b [u8],
     at: usize,
     /// Apart, so that the compiler can keep the rest in registers.
@@ -74,8 +77,8 @@ fn refuse_bool(failure: &mut Option<DecodeError>, byte: u8, offset: usize, eleme
 
 impl<F: Form, const STRICT: bool> FieldSource for Reader<'_, F, STRICT> {
     #[inline(always)]
-    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize) -> T {
-        let field = &message.fields[index];
+    fn field<T: Value>(&mut self, index: usize) -> T {
+        let field = &self.message.fields[index];
         if F::HAS_OFFSETS {
             self.at = field.offset;
         }
@@ -85,7 +88,7 @@ impl<F: Form, const STRICT: bool> FieldSource for Reader<'_, F, STRICT> {
             && !had_failed
             && let Some(error) = self.failure
         {
-            error.path.enclose(message, index);
+            error.path.enclose(self.message, index);
         }
         value
     }
@@ -128,12 +131,21 @@ impl<F: Form, const STRICT: bool> Source for Reader<'_, F, STRICT> {
             if M::DESCRIPTOR.fields.is_empty() {
                 self.at += 1;
             }
-            return M::read_fields(self);
+            let outer = mem::replace(&mut self.message, M::DESCRIPTOR);
+            let message = M::read_fields(self);
+            self.message = outer;
+            return message;
         }
         let start = self.at;
         let bytes = self.take(1, M::DESCRIPTOR.padded_size());
         let had_failed = self.has_failed();
-        let mut nested = Reader::<F, STRICT> { bytes, at: 0, failure: self.failure, form: PhantomData };
+        let mut nested = Reader::<F, STRICT> {
+            message: M::DESCRIPTOR,
+            bytes,
+            at: 0,
+            failure: self.failure,
+            form: PhantomData,
+        };
         let message = M::read_fields(&mut nested);
         if STRICT
             && !had_failed
@@ -158,6 +170,8 @@ impl<F: Form, const STRICT: bool> Source for Reader<'_, F, STRICT> {
 }
 
 struct Writer<'b, F> {
+    /// The message whose fields are written.
+    message: &'static MessageDescriptor,
     bytes: &'b mut [u8],
     at: usize,
     form: PhantomData<F>,
@@ -175,8 +189,8 @@ impl<F: Form> Writer<'_, F> {
 
 impl<F: Form> FieldSink for Writer<'_, F> {
     #[inline(always)]
-    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize, value: &T) {
-        let field = &message.fields[index];
+    fn field<T: Value>(&mut self, index: usize, value: &T) {
+        let field = &self.message.fields[index];
         if F::HAS_OFFSETS {
             self.at = field.offset;
         }
@@ -211,12 +225,19 @@ impl<F: Form> Sink for Writer<'_, F> {
     fn message<M: Record>(&mut self, message: &M) {
         if F::HAS_OFFSETS {
             let bytes = self.take(1, M::DESCRIPTOR.padded_size());
-            message.write_fields(&mut Writer::<F> { bytes, at: 0, form: PhantomData });
+            message.write_fields(&mut Writer::<F> {
+                message: M::DESCRIPTOR,
+                bytes,
+                at: 0,
+                form: PhantomData,
+            });
         } else {
             if M::DESCRIPTOR.fields.is_empty() {
                 self.at += 1;
             }
+            let outer = mem::replace(&mut self.message, M::DESCRIPTOR);
             message.write_fields(self);
+            self.message = outer;
         }
     }
 

@@ -20,8 +20,8 @@
 //! #     const DEFINITION: Definition = Definition::new("example", "Wind");
 //! # }
 //! # record! {
-//! #     Wind;
-//! #     0 speed: f32 = float32("speed", 0).within(&number().from(int(0)).not_nan());
+//! #     Wind[1];
+//! #     0 speed = float32("speed", 0).within(&number().from(int(0)).not_nan());
 //! # }
 //! # #[cfg(feature = "json")] {
 //! let text = r#"{"speed": 1.5}"#;
@@ -92,14 +92,15 @@ pub trait Source<'de> {
 
 /// Keeps the first error and then takes no more.
 struct Writer<S: SerializeStruct> {
+    message: &'static MessageDescriptor,
     out: S,
     error: Option<S::Error>,
 }
 
 impl<S: SerializeStruct> FieldSink for Writer<S> {
     #[inline]
-    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize, value: &T) {
-        let name = message.fields[index].name;
+    fn field<T: Value>(&mut self, index: usize, value: &T) {
+        let name = self.message.fields[index].name;
         if self.error.is_none()
             && let Err(error) = self.out.serialize_field(name, &Named { name, value })
         {
@@ -112,7 +113,7 @@ impl<S: SerializeStruct> FieldSink for Writer<S> {
 #[doc(hidden)]
 pub fn serialize<T: Fields, S: Serializer>(record: &T, serializer: S) -> Result<S::Ok, S::Error> {
     let out = serializer.serialize_struct(T::DESCRIPTOR.name, T::NAMES.len())?;
-    let mut writer = Writer { out, error: None };
+    let mut writer = Writer { message: T::DESCRIPTOR, out, error: None };
     record.write_fields(&mut writer);
     match writer.error {
         None => writer.out.end(),

@@ -61,8 +61,8 @@ impl Definition {
 /// }
 ///
 /// record! {
-///     Altitude;
-///     0 metres: f32 = float32("metres", 0);
+///     Altitude[1];
+///     0 metres = float32("metres", 0);
 /// }
 ///
 /// let mut payload = [0; 8];
@@ -143,11 +143,7 @@ pub trait UorbMessage: Message {
     /// A payload of zeros.
     const ZEROS: Self::Bytes = <Self::Bytes as uorb::Bytes>::ZEROS;
     /// A view of the bytes of a payload, which reads a field when its method is called.
-    type View<'b>;
-
-    /// The view of the message at `offset`.
-    #[doc(hidden)]
-    fn view_at(bytes: &[u8], offset: usize) -> Self::View<'_>;
+    type View<'b>: uorb::View<'b>;
 
     /// Reads all fields that a view shows.
     fn from_view(view: Self::View<'_>) -> Self;
@@ -167,7 +163,7 @@ pub trait UorbMessage: Message {
     /// Looks at a payload, with or without the padding at its end, without reading all of it.
     #[inline]
     fn view(payload: &[u8]) -> Result<Self::View<'_>, DecodeError> {
-        Ok(Self::view_at(uorb::payload::<Self>(payload)?, 0))
+        Ok(uorb::View::at(uorb::payload::<Self>(payload)?, 0))
     }
 
     /// The payload, with the padding at its end.

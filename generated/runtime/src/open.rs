@@ -168,13 +168,12 @@ macro_rules! __open {
             }
         }
 
-        impl $crate::uorb::Viewed for $type {
-            type View<'b> = Self;
-            const STRIDE: usize = <$number as $crate::uorb::Viewed>::STRIDE;
+        impl $crate::uorb::View<'_> for $type {
+            const STRIDE: usize = <$number as $crate::uorb::View<'_>>::STRIDE;
 
             #[inline]
-            fn view_at(bytes: &[u8], offset: usize) -> Self {
-                Self(<$number as $crate::uorb::Viewed>::view_at(bytes, offset))
+            fn at(bytes: &[u8], offset: usize) -> Self {
+                Self($crate::uorb::View::at(bytes, offset))
             }
         }
 

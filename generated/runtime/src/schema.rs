@@ -18,8 +18,8 @@
 //! #     const DEFINITION: Definition = Definition::new("example", "Wind");
 //! # }
 //! # record! {
-//! #     Wind;
-//! #     0 speed: f32 = float32("speed", 0).within(&number().from(int(0)).not_nan());
+//! #     Wind[1];
+//! #     0 speed = float32("speed", 0).within(&number().from(int(0)).not_nan());
 //! # }
 //! use uavspec_runtime::schemars::schema_for;
 //!
@@ -29,6 +29,7 @@
 
 use alloc::string::ToString as _;
 use alloc::vec::Vec;
+use core::mem;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
@@ -212,6 +213,8 @@ fn insert(schema: &mut Schema, keyword: &str, value: Number) {
 /// nothing: what is asked for in place of a field has the type of the field.
 struct References<'g> {
     generator: &'g mut SchemaGenerator,
+    /// The message whose fields are read.
+    message: &'static MessageDescriptor,
     /// For each field of the message.
     found: Vec<Option<Schema>>,
     /// The field that is being read.
@@ -221,18 +224,18 @@ struct References<'g> {
 }
 
 impl<'g> References<'g> {
-    fn new(message: &MessageDescriptor, generator: &'g mut SchemaGenerator) -> Self {
+    fn new(message: &'static MessageDescriptor, generator: &'g mut SchemaGenerator) -> Self {
         let found = message.fields.iter().map(|_| None).collect();
-        Self { generator, found, field: 0, depth: 0 }
+        Self { generator, message, found, field: 0, depth: 0 }
     }
 }
 
 impl FieldSource for References<'_> {
-    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize) -> T {
+    fn field<T: Value>(&mut self, index: usize) -> T {
         if self.depth == 0 {
             self.field = index;
         }
-        T::read(self, &message.fields[index])
+        T::read(self, &self.message.fields[index])
     }
 }
 
@@ -259,7 +262,9 @@ impl Source for References<'_> {
             *found = Some(self.generator.subschema_for::<M>());
         }
         self.depth += 1;
+        let outer = mem::replace(&mut self.message, M::DESCRIPTOR);
         let message = M::read_fields(self);
+        self.message = outer;
         self.depth -= 1;
         message
     }

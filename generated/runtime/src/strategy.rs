@@ -20,8 +20,8 @@
 //! #     const DEFINITION: Definition = Definition::new("example", "Wind");
 //! # }
 //! # record! {
-//! #     Wind;
-//! #     0 speed: f32 = float32("speed", 0).within(&number().from(int(0)).not_nan());
+//! #     Wind[1];
+//! #     0 speed = float32("speed", 0).within(&number().from(int(0)).not_nan());
 //! # }
 //! use uavspec_runtime::proptest::prelude::*;
 //! use uavspec_runtime::strategy::{broken, valid};

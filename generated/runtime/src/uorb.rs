@@ -4,6 +4,7 @@
 //! the padding at its end. Padding is written as zeros and read as anything.
 //!
 //! ```
+//! use uavspec_runtime::uorb::Elements;
 //! use uavspec_runtime::{Definition, Message, UorbMessage, record};
 //!
 //! #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,9 +18,9 @@
 //! }
 //!
 //! record! {
-//!     Wind, WindView, 16, 16;
+//!     Wind[2], WindView, 16, 16;
 //!     0 timestamp: u64 = uint64("timestamp", 0);
-//!     1 speed: [f32; 2] = float32("speed", 8).array(2);
+//!     1 speed: Elements<'b, f32, 2> = float32("speed", 8).array(2);
 //! }
 //!
 //! let payload = Wind { timestamp: 1, speed: [2.0, 3.0] }.to_uorb();
@@ -35,7 +36,7 @@ use crate::descriptor::MessageDescriptor;
 use crate::error::{DecodeError, Fault};
 use crate::fixed::{self, Form};
 use crate::layout::Size;
-use crate::record::{Primitive, Record, Value};
+use crate::record::{Primitive, Record};
 use crate::{Path, Text, UorbMessage};
 
 /// The bytes that hold all fields of a message: the payload without the padding at its end.
@@ -132,10 +133,10 @@ impl<'b, M: Record, const N: usize> Fields<'b, M, N> {
         Self { bytes, message: PhantomData }
     }
 
-    /// The view of field `index`, which has the type `T`.
+    /// The view of the field `index`.
     #[inline]
-    pub fn get<T: Viewed>(self, index: usize) -> T::View<'b> {
-        <T as Viewed>::view_at(self.bytes, M::DESCRIPTOR.fields[index].offset)
+    pub fn get<V: View<'b>>(self, index: usize) -> V {
+        V::at(self.bytes, M::DESCRIPTOR.fields[index].offset)
     }
 
     /// The whole message.
@@ -152,103 +153,85 @@ impl<M: Record + fmt::Debug, const N: usize> fmt::Debug for Fields<'_, M, N> {
     }
 }
 
-/// A type of fixed size that can be looked at in the bytes of a message, without reading all of it.
-pub trait Viewed: Value {
-    /// What is seen: of numbers, enums and text the value itself, of arrays [`Elements`], of messages
-    /// their view type.
-    type View<'b>;
+/// A value in the bytes of a payload, read when it is needed: a number, an enum or a text itself, [`Elements`] for an
+/// array, and its view type for a message.
+pub trait View<'b>: Copy {
     /// Bytes from one element of an array to the next.
     const STRIDE: usize;
 
-    /// Looks at the value at `offset`.
-    fn view_at(bytes: &[u8], offset: usize) -> Self::View<'_>;
+    /// The value at `offset`; zeros if there are too few bytes.
+    fn at(bytes: &'b [u8], offset: usize) -> Self;
 }
 
-/// What the view of a message gives for a field of type `T`.
-pub type View<'b, T> = <T as Viewed>::View<'b>;
-
-macro_rules! viewed_numbers {
+macro_rules! numbers {
     ($($type:ty),*) => {$(
-        impl Viewed for $type {
-            type View<'b> = Self;
+        impl View<'_> for $type {
             const STRIDE: usize = <Self as Primitive>::SIZE;
 
             #[inline]
-            fn view_at(bytes: &[u8], offset: usize) -> Self {
+            fn at(bytes: &[u8], offset: usize) -> Self {
                 Self::read_le(bytes.get(offset..).unwrap_or_default())
             }
         }
     )*};
 }
 
-viewed_numbers!(bool, u8, i8, u16, i16, u32, i32, u64, i64, f32, f64);
+numbers!(bool, u8, i8, u16, i16, u32, i32, u64, i64, f32, f64);
 
-impl<T: UorbMessage> Viewed for T {
-    type View<'b> = T::View<'b>;
-    const STRIDE: usize = T::SIZE;
-
-    #[inline]
-    fn view_at(bytes: &[u8], offset: usize) -> T::View<'_> {
-        T::view_at(bytes, offset)
-    }
-}
-
-impl<const N: usize> Viewed for Text<N> {
-    type View<'b> = Self;
+impl<const N: usize> View<'_> for Text<N> {
     const STRIDE: usize = N;
 
     #[inline]
-    fn view_at(bytes: &[u8], offset: usize) -> Self {
+    fn at(bytes: &[u8], offset: usize) -> Self {
         bytes.get(offset..).and_then(<[u8]>::first_chunk).map_or_else(Self::default, |bytes| Self(*bytes))
     }
 }
 
-impl<T: Viewed, const N: usize> Viewed for [T; N] {
-    type View<'b> = Elements<'b, T, N>;
-    const STRIDE: usize = T::STRIDE.saturating_mul(N);
+impl<'b, V: View<'b>, const N: usize> View<'b> for Elements<'b, V, N> {
+    const STRIDE: usize = V::STRIDE.saturating_mul(N);
 
     #[inline]
-    fn view_at(bytes: &[u8], offset: usize) -> Elements<'_, T, N> {
-        Elements { bytes: bytes.get(offset..).unwrap_or_default(), element: PhantomData }
+    fn at(bytes: &'b [u8], offset: usize) -> Self {
+        Self { bytes: bytes.get(offset..).unwrap_or_default(), element: PhantomData }
     }
 }
 
-/// An array of `N` in the bytes of a message.
-pub struct Elements<'b, T, const N: usize> {
+/// An array of `N` elements in the bytes of a message. `V` is the view of an element.
+pub struct Elements<'b, V, const N: usize> {
     /// From the first element to the end of the message.
     bytes: &'b [u8],
-    element: PhantomData<T>,
+    element: PhantomData<V>,
 }
 
-impl<T, const N: usize> Clone for Elements<'_, T, N> {
+impl<V, const N: usize> Clone for Elements<'_, V, N> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<T, const N: usize> Copy for Elements<'_, T, N> {}
+impl<V, const N: usize> Copy for Elements<'_, V, N> {}
 
-impl<'b, T: Viewed, const N: usize> Elements<'b, T, N> {
+impl<'b, V: View<'b>, const N: usize> Elements<'b, V, N> {
     /// The number of elements, `N`.
     pub const fn len(self) -> usize {
         N
     }
 
-    /// Whether there is no element.
+    /// True if `N` is 0.
     pub const fn is_empty(self) -> bool {
         N == 0
     }
 
     /// The element `index`, if it is under `N`.
     #[inline]
-    pub fn get(self, index: usize) -> Option<View<'b, T>> {
-        (index < N).then(|| <T as Viewed>::view_at(self.bytes, index * T::STRIDE))
+    pub fn get(self, index: usize) -> Option<V> {
+        (index < N).then(|| V::at(self.bytes, index * V::STRIDE))
     }
 
     /// All elements in order.
     #[inline]
-    pub fn iter(self) -> impl ExactSizeIterator<Item = View<'b, T>> + DoubleEndedIterator {
-        (0..N).map(move |index| <T as Viewed>::view_at(self.bytes, index * T::STRIDE))
+    pub fn iter(self) -> impl ExactSizeIterator<Item = V> + DoubleEndedIterator {
+        (0..N).map(move |index| V::at(self.bytes, index * V::STRIDE))
     }
 }
 
@@ -259,10 +242,7 @@ impl<'b, const N: usize> Elements<'b, u8, N> {
     }
 }
 
-impl<'b, T: Viewed, const N: usize> fmt::Debug for Elements<'b, T, N>
-where
-    View<'b, T>: fmt::Debug,
-{
+impl<'b, V: View<'b> + fmt::Debug, const N: usize> fmt::Debug for Elements<'b, V, N> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.debug_list().entries(self.iter()).finish()
     }

@@ -1,6 +1,6 @@
 //! Whether the values of a message are what its definition allows.
 
-use core::fmt;
+use core::{fmt, mem};
 
 use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 use crate::record::{FieldSink, Primitive, Record, Sink, Value};
@@ -34,10 +34,12 @@ impl std::error::Error for Violation {}
 /// Calls `report` with everything in `message` that breaks a rule.
 pub(crate) fn each<T: Message>(message: &T, report: &mut dyn FnMut(Violation)) {
     let path = Path::to(T::DESCRIPTOR);
-    message.write_fields(&mut Validator { path, field: None, report });
+    message.write_fields(&mut Validator { message: T::DESCRIPTOR, path, field: None, report });
 }
 
 struct Validator<'r> {
+    /// The message whose fields are checked.
+    message: &'static MessageDescriptor,
     path: Path,
     /// The field that is being looked at.
     field: Option<&'static FieldDescriptor>,
@@ -59,8 +61,8 @@ impl Validator<'_> {
 
 impl FieldSink for Validator<'_> {
     #[inline]
-    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize, value: &T) {
-        let field = &message.fields[index];
+    fn field<T: Value>(&mut self, index: usize, value: &T) {
+        let field = &self.message.fields[index];
         if !field.is_restricted() {
             return;
         }
@@ -99,7 +101,9 @@ impl Sink for Validator<'_> {
 
     #[inline]
     fn message<M: Record>(&mut self, message: &M) {
+        let outer = mem::replace(&mut self.message, M::DESCRIPTOR);
         message.write_fields(self);
+        self.message = outer;
     }
 
     #[inline]

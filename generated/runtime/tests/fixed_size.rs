@@ -28,34 +28,34 @@ sample!(In, 9 { x: u16, flags: [bool; 3] });
 sample!(Out, 29 { time: u64, share: f32, last: bool, ins: [In; 2] });
 
 uavspec_runtime::record! {
-    In, InView, 8, 5;
+    In[2], InView, 8, 5;
     0 x: u16 = uint16("x", 0);
-    1 flags: [bool; 3] = bool("flags", 2).array(3);
+    1 flags: uavspec_runtime::uorb::Elements<'b, bool, 3> = bool("flags", 2).array(3);
 }
 
 uavspec_runtime::record! {
-    Out, OutView, 32, 32;
+    Out[4], OutView, 32, 32;
     0 time: u64 = uint64("time", 0);
     1 share: f32 = float32("share", 8);
     2 last: bool = bool("last", 12);
-    3 ins: [In; 2] = message::<In>("ins", 16).array(2);
+    3 ins: uavspec_runtime::uorb::Elements<'b, InView<'b>, 2> = message::<In>("ins", 16).array(2);
 }
 
 uavspec_runtime::record! {
-    Empty;
+    Empty[0];
 }
 
 uavspec_runtime::record! {
-    Hollow;
-    0 e: Empty = message::<Empty>("e", 0);
-    1 x: u8 = uint8("x", 0);
+    Hollow[2];
+    0 e = message::<Empty>("e", 0);
+    1 x = uint8("x", 0);
 }
 
 uavspec_runtime::record! {
-    Hollows;
-    0 few: [Empty; 3] = message::<Empty>("few", 0).array(3);
-    1 x: u16 = uint16("x", 0);
-    2 last: Hollow = message::<Hollow>("last", 0);
+    Hollows[3];
+    0 few = message::<Empty>("few", 0).array(3);
+    1 x = uint16("x", 0);
+    2 last = message::<Hollow>("last", 0);
 }
 
 const ORDERS: [ByteOrder; 2] = [ByteOrder::LittleEndian, ByteOrder::BigEndian];

@@ -2,6 +2,7 @@
 
 //! [`ArmingCheckReply`](struct@ArmingCheckReply) and the types of its fields.
 
+use uavspec_runtime::uorb::Elements;
 use uavspec_runtime::{Definition, Message, flags, format_record, open, record};
 
 /// Reply of an external component to an ArmingCheckRequest
@@ -113,7 +114,7 @@ impl Message for ArmingCheckReply {
 }
 
 record! {
-    ArmingCheckReply, ArmingCheckReplyView, 232, 232;
+    ArmingCheckReply[21], ArmingCheckReplyView, 232, 232;
     0 timestamp: u64 = uint64("timestamp", 0);
     1 request_id: u8 = uint8("request_id", 8);
     2 registration_id: u8 = uint8("registration_id", 9);
@@ -123,7 +124,7 @@ record! {
     6 health_component_error: bool = bool("health_component_error", 13);
     7 can_arm_and_run: bool = bool("can_arm_and_run", 14);
     8 num_events: u8 = uint8("num_events", 15).within(&number().counting(5));
-    9 events: [super::Event; 5] = message::<super::Event>("events", 32).array(5);
+    9 events: Elements<'b, super::EventView<'b>, 5> = message::<super::Event>("events", 32).array(5);
     10 mode_req_angular_velocity: bool = bool("mode_req_angular_velocity", 16);
     11 mode_req_attitude: bool = bool("mode_req_attitude", 17);
     12 mode_req_local_alt: bool = bool("mode_req_local_alt", 18);

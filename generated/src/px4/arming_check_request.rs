@@ -46,7 +46,7 @@ impl Message for ArmingCheckRequest {
 }
 
 record! {
-    ArmingCheckRequest, ArmingCheckRequestView, 16, 13;
+    ArmingCheckRequest[3], ArmingCheckRequestView, 16, 13;
     0 timestamp: u64 = uint64("timestamp", 0);
     1 request_id: u8 = uint8("request_id", 12);
     2 valid_registrations_mask: u32 = uint32("valid_registrations_mask", 8);

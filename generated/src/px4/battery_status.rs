@@ -2,6 +2,7 @@
 
 //! [`BatteryStatus`](struct@BatteryStatus) and the types of its fields.
 
+use uavspec_runtime::uorb::Elements;
 use uavspec_runtime::{Definition, Message, flags, format_record, open, record};
 
 /// Battery state: measurements, estimates, warnings and faults
@@ -201,7 +202,7 @@ impl Message for BatteryStatus {
 }
 
 record! {
-    BatteryStatus, BatteryStatusView, 168, 167;
+    BatteryStatus[40], BatteryStatusView, 168, 167;
     0 timestamp: u64 = uint64("timestamp", 0);
     1 connected: bool = bool("connected", 158);
     2 voltage_v: f32 = float32("voltage_v", 8).within(&number().not_nan());
@@ -226,7 +227,7 @@ record! {
     21 max_error: u16 = uint16("max_error", 148).within(&number().from(int(1)).to(int(100)));
     22 id: u8 = uint8("id", 162);
     23 interface_error: u16 = uint16("interface_error", 150);
-    24 voltage_cell_v: [f32; 14] = float32("voltage_cell_v", 48).array(14).within(&number().not_nan());
+    24 voltage_cell_v: Elements<'b, f32, 14> = float32("voltage_cell_v", 48).array(14).within(&number().not_nan());
     25 max_cell_voltage_delta: f32 = float32("max_cell_voltage_delta", 104);
     26 is_powering_off: bool = bool("is_powering_off", 163);
     27 is_required: bool = bool("is_required", 164);

@@ -2,6 +2,7 @@
 
 //! [`Event`](struct@Event) and the types of its fields.
 
+use uavspec_runtime::uorb::Elements;
 use uavspec_runtime::{Definition, Message, format_record, record};
 
 /// Event on the vehicle, in a form that ground stations translate into text
@@ -53,11 +54,11 @@ impl Message for Event {
 }
 
 record! {
-    Event, EventView, 40, 40;
+    Event[5], EventView, 40, 40;
     0 timestamp: u64 = uint64("timestamp", 0);
     1 id: u32 = uint32("id", 8);
     2 event_sequence: u16 = uint16("event_sequence", 12);
-    3 arguments: [u8; 25] = uint8("arguments", 14).array(25);
+    3 arguments: Elements<'b, u8, 25> = uint8("arguments", 14).array(25);
     4 log_levels: u8 = uint8("log_levels", 39);
 }
 

@@ -193,7 +193,7 @@ impl Message for FailsafeFlags {
 }
 
 record! {
-    FailsafeFlags, FailsafeFlagsView, 88, 85;
+    FailsafeFlags[39], FailsafeFlagsView, 88, 85;
     0 timestamp: u64 = uint64("timestamp", 0);
     1 mode_req_angular_velocity: u32 = uint32("mode_req_angular_velocity", 8);
     2 mode_req_attitude: u32 = uint32("mode_req_attitude", 12);

@@ -64,7 +64,7 @@ impl Message for RegisterExtComponentReply {
 }
 
 record! {
-    RegisterExtComponentReply, RegisterExtComponentReplyView, 48, 47;
+    RegisterExtComponentReply[8], RegisterExtComponentReplyView, 48, 47;
     0 timestamp: u64 = uint64("timestamp", 0);
     1 request_id: u64 = uint64("request_id", 8);
     2 name: Text<25> = text("name", 18).array(25);

@@ -71,7 +71,7 @@ impl Message for RegisterExtComponentRequest {
 }
 
 record! {
-    RegisterExtComponentRequest, RegisterExtComponentRequestView, 56, 49;
+    RegisterExtComponentRequest[10], RegisterExtComponentRequestView, 56, 49;
     0 timestamp: u64 = uint64("timestamp", 0);
     1 request_id: u64 = uint64("request_id", 8);
     2 name: Text<25> = text("name", 18).array(25);

@@ -56,7 +56,7 @@ impl Message for UnregisterExtComponent {
 }
 
 record! {
-    UnregisterExtComponent, UnregisterExtComponentView, 40, 36;
+    UnregisterExtComponent[5], UnregisterExtComponentView, 40, 36;
     0 timestamp: u64 = uint64("timestamp", 0);
     1 name: Text<25> = text("name", 8).array(25);
     2 arming_check_id: i8 = int8("arming_check_id", 33);

@@ -31,9 +31,9 @@ pub(crate) struct Inner {
 }
 
 record! {
-    Inner;
-    0 number: i64 = int64("number", 0).within(&number().from(int(-5)).or(&[int(i64::MAX as i128)]));
-    1 names: Vec<String> = string("names", 0).at_most(4).bounded(2);
+    Inner[2];
+    0 number = int64("number", 0).within(&number().from(int(-5)).or(&[int(i64::MAX as i128)]));
+    1 names = string("names", 0).at_most(4).bounded(2);
 }
 
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -58,24 +58,24 @@ pub(crate) struct Every {
 }
 
 record! {
-    Every;
-    0 yes: bool = bool("yes", 0);
-    1 bytes: Vec<u8> = byte("bytes", 0).bounded(3);
-    2 any: Vec<u16> = uint16("any", 0).sequence();
-    3 single: f32 = float32("single", 0).within(&number().not_nan());
-    4 double: f64 = float64("double", 0);
-    5 share: [f32; 3] = float32("share", 0).array(3).within(&number().from(int(0)).to(float(0.1_f32 as f64)).or(&[int(-1)]).not_nan());
-    6 far: f64 = float64("far", 0).within(&number().from(float(1e10)).to(float(1e10 + 1.0)));
-    7 mode: Mode = int8("mode", 0).within(&number().values::<Mode>());
-    8 modes: [Mode; 2] = int8("modes", 0).array(2).within(&number().to(int(4)).or(&[int(9)]).values::<Mode>());
-    9 bits: Bits = int16("bits", 0).within(&number().flags::<Bits>());
-    10 text: uavspec_runtime::Text<6> = text("text", 0).array(6);
-    11 wide: String = wstring("wide", 0).at_most(5);
-    12 inner: Inner = message::<Inner>("inner", 0);
-    13 inners: Vec<Inner> = message::<Inner>("inners", 0).bounded(3);
-    14 count: u8 = uint8("count", 0).within(&number().counting(3));
-    15 long: u64 = uint64("long", 0);
-    16 letter: u8 = char("letter", 0);
+    Every[17];
+    0 yes = bool("yes", 0);
+    1 bytes = byte("bytes", 0).bounded(3);
+    2 any = uint16("any", 0).sequence();
+    3 single = float32("single", 0).within(&number().not_nan());
+    4 double = float64("double", 0);
+    5 share = float32("share", 0).array(3).within(&number().from(int(0)).to(float(0.1_f32 as f64)).or(&[int(-1)]).not_nan());
+    6 far = float64("far", 0).within(&number().from(float(1e10)).to(float(1e10 + 1.0)));
+    7 mode = int8("mode", 0).within(&number().values::<Mode>());
+    8 modes = int8("modes", 0).array(2).within(&number().to(int(4)).or(&[int(9)]).values::<Mode>());
+    9 bits = int16("bits", 0).within(&number().flags::<Bits>());
+    10 text = text("text", 0).array(6);
+    11 wide = wstring("wide", 0).at_most(5);
+    12 inner = message::<Inner>("inner", 0);
+    13 inners = message::<Inner>("inners", 0).bounded(3);
+    14 count = uint8("count", 0).within(&number().counting(3));
+    15 long = uint64("long", 0);
+    16 letter = char("letter", 0);
 }
 
 /// Nothing in it can be broken.
@@ -86,9 +86,9 @@ pub(crate) struct Free {
 }
 
 record! {
-    Free;
-    0 a: i32 = int32("a", 0);
-    1 b: bool = bool("b", 4);
+    Free[2];
+    0 a = int32("a", 0);
+    1 b = bool("b", 4);
 }
 
 macro_rules! message {

@@ -41,10 +41,18 @@ impl Context<'_> {
 
     /// The path of a message's type as the module of another message writes it.
     pub(super) fn path(&self, from: MessageId, to: MessageId) -> TokenStream {
-        let place = self.place(to);
+        self.public_path(from, to, &self.place(to).type_name)
+    }
+
+    /// The path of a message's view type as the module of another message writes it.
+    pub(super) fn view_path(&self, from: MessageId, to: MessageId) -> TokenStream {
+        self.public_path(from, to, &self.place(to).view_name)
+    }
+
+    fn public_path(&self, from: MessageId, to: MessageId, type_name: &str) -> TokenStream {
         // Types are re-exported by the package's module, so the message's own module is left out.
-        let public = &place.modules[..place.modules.len().saturating_sub(1)];
-        self.relative(from, public, &place.type_name)
+        let modules = &self.place(to).modules;
+        self.relative(from, &modules[..modules.len().saturating_sub(1)], type_name)
     }
 
     /// The path of an enum's type as the module of another message writes it.

@@ -146,7 +146,10 @@ impl Parts<'_> {
     /// The fields with their types and places, from which a macro of the runtime makes the codecs.
     fn record(&self) -> TokenStream {
         let Self { context, id, message, name, fields } = self;
-        let types = message.fields.iter().map(|field| types::field(context, *id, field));
+        let views = message.fields.iter().map(|field| {
+            let view = message.uorb.as_ref().map(|_| types::view(context, *id, field));
+            view.map(|view| quote!(: #view))
+        });
         let indices = (0..message.fields.len()).map(proc_macro2::Literal::usize_unsuffixed);
         let descriptors = (0..message.fields.len()).map(|index| self.descriptor(index));
         let head = message.uorb.as_ref().map(|layout| {
@@ -155,10 +158,11 @@ impl Parts<'_> {
             let no_padding = types::integer(layout.size_no_padding as i128);
             quote!(, #view, #size, #no_padding)
         });
+        let count = proc_macro2::Literal::usize_unsuffixed(fields.len());
         quote! {
             ::uavspec_runtime::record! {
-                #name #head;
-                #(#indices #fields: #types = #descriptors;)*
+                #name [#count] #head;
+                #(#indices #fields #views = #descriptors;)*
             }
         }
     }
@@ -334,7 +338,7 @@ impl Parts<'_> {
             }),
         }
         facts.extend(field.constraints.iter().filter_map(|found| found.fact(prose::code, prose::inline)));
-        facts.extend(field.attributes().map(|(attribute, text)| attribute.said(&prose::inline(text))));
+        facts.extend(field.attributes().map(|(attribute, text)| attribute.to_text(&prose::inline(text))));
         if let Some(array) = field.counts {
             facts.push(format!("counts the entries in use of [`{0}`](Self::{0})", self.fields[array]));
         }

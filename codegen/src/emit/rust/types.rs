@@ -52,6 +52,25 @@ pub(super) fn field(context: &Context<'_>, id: MessageId, field: &Field) -> Toke
     }
 }
 
+/// The type that the view of a message of fixed size gives for a field. It may name the lifetime `'b` of the bytes.
+pub(super) fn view(context: &Context<'_>, id: MessageId, shown: &Field) -> TokenStream {
+    let element = match shown.ty.element {
+        Element::Message(nested) => {
+            let view = context.view_path(id, nested);
+            quote!(#view<'b>)
+        }
+        _ => element(context, id, shown),
+    };
+    match shown.ty.shape {
+        Shape::Array(length) if !shown.is_text(dialect(context, id)) => {
+            let length = Literal::u32_unsuffixed(length);
+            quote!(::uavspec_runtime::uorb::Elements<'b, #element, #length>)
+        }
+        Shape::Single => element,
+        _ => field(context, id, shown),
+    }
+}
+
 fn element(context: &Context<'_>, id: MessageId, field: &Field) -> TokenStream {
     if let Some(reference) = field.enumeration {
         return enumeration(context, id, reference);

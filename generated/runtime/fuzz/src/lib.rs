@@ -45,25 +45,25 @@ sample!(Point { tag: u8, label: String, x: u64 });
 sample!(Empty {});
 
 uavspec_runtime::record! {
-    Sample;
-    0 flag: bool = bool("flag", 0);
-    1 name: String = string("name", 0).at_most(5);
-    2 wide: String = wstring("wide", 0);
-    3 numbers: Vec<f64> = float64("numbers", 0).sequence();
-    4 few: Vec<u16> = uint16("few", 0).bounded(3);
-    5 points: Vec<Point> = message::<Point>("points", 0).sequence();
-    6 pair: [Point; 2] = message::<Point>("pair", 0).array(2);
-    7 empties: Vec<Empty> = message::<Empty>("empties", 0).sequence();
-    8 names: Vec<String> = string("names", 0).at_most(4).bounded(2);
+    Sample[9];
+    0 flag = bool("flag", 0);
+    1 name = string("name", 0).at_most(5);
+    2 wide = wstring("wide", 0);
+    3 numbers = float64("numbers", 0).sequence();
+    4 few = uint16("few", 0).bounded(3);
+    5 points = message::<Point>("points", 0).sequence();
+    6 pair = message::<Point>("pair", 0).array(2);
+    7 empties = message::<Empty>("empties", 0).sequence();
+    8 names = string("names", 0).at_most(4).bounded(2);
 }
 
 uavspec_runtime::record! {
-    Point;
-    0 tag: u8 = uint8("tag", 0);
-    1 label: String = string("label", 0);
-    2 x: u64 = uint64("x", 0);
+    Point[3];
+    0 tag = uint8("tag", 0);
+    1 label = string("label", 0);
+    2 x = uint64("x", 0);
 }
 
 uavspec_runtime::record! {
-    Empty;
+    Empty[0];
 }

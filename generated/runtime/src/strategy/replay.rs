@@ -1,5 +1,6 @@
 //! Reads a message from the values that were drawn for it.
 
+use std::mem;
 use std::string::String;
 use std::vec::{IntoIter, Vec};
 
@@ -17,6 +18,8 @@ pub(super) struct Script {
 
 /// The source of a message from a [`Script`]. Unlike codecs it keeps to no bounds.
 pub(super) struct Replay {
+    /// The message whose fields are read.
+    message: &'static MessageDescriptor,
     numbers: IntoIter<u64>,
     strings: IntoIter<String>,
 }
@@ -25,17 +28,18 @@ impl Replay {
     pub(super) fn of(root: &Node) -> Self {
         let mut script = Script::default();
         root.write(&mut script);
-        Self { numbers: script.numbers.into_iter(), strings: script.strings.into_iter() }
+        let Script { numbers, strings } = script;
+        Self { message: &MessageDescriptor::NONE, numbers: numbers.into_iter(), strings: strings.into_iter() }
     }
 
     pub(super) fn message<M: Record>(mut self) -> M {
-        M::read_fields(&mut self)
+        Source::message(&mut self)
     }
 }
 
 impl FieldSource for Replay {
-    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize) -> T {
-        T::read(self, &message.fields[index])
+    fn field<T: Value>(&mut self, index: usize) -> T {
+        T::read(self, &self.message.fields[index])
     }
 }
 
@@ -57,7 +61,10 @@ impl Source for Replay {
     }
 
     fn message<M: Record>(&mut self) -> M {
-        M::read_fields(self)
+        let outer = mem::replace(&mut self.message, M::DESCRIPTOR);
+        let message = M::read_fields(self);
+        self.message = outer;
+        message
     }
 
     fn has_failed(&self) -> bool {
