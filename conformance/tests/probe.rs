@@ -334,7 +334,11 @@ fn reports_invalid_usage() {
         (&["probe", "--uav", "00", "tcp://localhost:5001"], 2, "--allow-commands"),
         (&["probe", "--allow-commands", "tcp://localhost:5001"], 2, "--uav"),
         (&["probe", "--require", "FW-NONE-01", "tcp://localhost:5001"], 2, "no such rule"),
-        (&["probe", "--record", "/no/such/folder/run.jsonl", "tcp://localhost:5001"], 3, "can't write the recording"),
+        (
+            &["probe", "--record", "/no/such/folder/run.jsonl", "tcp://localhost:5001"],
+            3,
+            "can't write the recording",
+        ),
     ] {
         let (found, printed, output) = uavspec(arguments);
         assert_eq!((found, printed.as_str()), (Some(status), ""), "{output}");
