@@ -102,7 +102,7 @@ enum Command {
     /// itself are requested every two seconds. If the connection is lost, it reconnects, and the last known states
     /// remain visible.
     ///
-    /// Press ? for a list of all keys. The environment variable NO_COLOR disables colours.
+    /// Press ? for a list of all keys. The environment variable `NO_COLOR` disables colours.
     Watch(watch::WatchArgs),
     /// List the rules, or explain one.
     Rules(rules::RulesArgs),

@@ -69,7 +69,7 @@ Exit status:
 pub(super) struct CheckArgs {
     /// Files, folders or glob patterns; - is standard input.
     ///
-    /// Inputs are PX4 logs (ULog), MCAP files, JSON messages and recorded Flockwave sessions, optionally compressed
+    /// Inputs are PX4 logs (.ulg), MCAP files, JSON messages and recorded Flockwave sessions, optionally compressed
     /// with gzip or zstd. The file type is detected from the content. Folders are searched for .ulg, .mcap, .json,
     /// .jsonl and .ndjson files.
     #[arg(required = true, value_name = "FILE")]

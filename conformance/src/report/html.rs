@@ -8,6 +8,7 @@ mod subject;
 mod testee;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::{About, Action, Counts, Outcome, OutcomeKind, Report, RuleReport, Subject, Verdict};
 use crate::text::Grouped;
@@ -199,7 +200,7 @@ fn rule_row(rule: &RuleReport, subjects: &[&Subject]) -> Markup {
                     None if rule.covered == 0 => span.aside title="not covered" { "–" },
                     None => (Grouped(rule.findings)),
                 }
-                @if rule.covered > 0 { span.aside { " in " (Grouped(rule.covered)) " checks" } }
+                @if rule.covered > 0 { span.aside { " in " (plural(rule.covered, "check")) } }
             }
         }
     }

@@ -11,7 +11,7 @@ pub enum Kind {
     Text,
     /// JSON with all details.
     Json,
-    /// JUnit XML for CI systems.
+    /// `JUnit` XML for CI systems.
     Junit,
     /// SARIF 2.1.0 for editors and code scanning.
     Sarif,
