@@ -382,7 +382,7 @@ fn the_table_of_contents_includes_additional_pages() {
     let docs = "docs = { path = \"out/docs\", contents = \"more.md\" }";
     write(&folder, "uavspec.toml", &CONFIG.replace("docs = \"out/docs\"", docs));
     let errors = run(&folder, &["codegen"], 2);
-    assert!(errors.contains("more.md") && errors.contains("`output.docs.contents` names it"), "{errors}");
+    assert!(errors.contains("more.md") && errors.contains("from `output.docs.contents`"), "{errors}");
     // Commands without documentation output don't need the file.
     run(&folder, &["lint"], 0);
     write(&folder, "more.md", "- [Flights](flights.md)\n");
