@@ -16,7 +16,7 @@
 //! let payload = message.to_cdr(ByteOrder::LittleEndian)?;
 //! let message = wind.decode_cdr(&payload)?;
 //! assert_eq!(message.get("speed[0]").unwrap().number().unwrap().to_string(), "1.5");
-//! assert_eq!(message.validate()[0].to_string(), "speed[1]: NaN, which has no meaning here (PX-NAN-01)");
+//! assert_eq!(message.validate()[0].to_string(), "speed[1]: NaN is not allowed here (PX-NAN-01)");
 //! # Ok::<(), uavspec_codegen::dynamic::Error>(())
 //! ```
 //!

@@ -138,7 +138,10 @@ fn detects_encrypted_and_very_short_logs() {
     fs::write(folder.path().join("a.ulge"), b"ULogEnc\x01\0\0\0\0\0\0\0\0\x04").expect("a file");
     let (status, printed, output) = uavspec(folder.path(), &["check", "a.ulge"]);
     assert_eq!((status, printed.as_str()), (Some(3), ""));
-    assert!(output.contains("an encrypted PX4 log") && output.contains("decrypt it"), "{output}");
+    assert!(
+        output.contains("an encrypted PX4 log") && output.contains("decrypt it with its key first"),
+        "{output}"
+    );
     for begun in [&b"ULog"[..], b"ULog\x01\x12", b"ULog\x01\x12\x35\x01"] {
         fs::write(folder.path().join("begun.ulg"), begun).expect("a file");
         let (status, printed, _) = uavspec(folder.path(), &["check", "begun.ulg"]);

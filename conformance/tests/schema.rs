@@ -98,12 +98,15 @@ fn checks_bodies_against_the_schema_of_their_type() {
     recording(folder.path(), &responses, &[]);
     let slash = std::path::MAIN_SEPARATOR;
     let expected: Vec<[String; 5]> = [
-        ["SOAR-INF", "/body/lift", "lift.json has at /properties/lift/minimum: 0", "-1"],
-        ["SOAR-LIST", "/body", "more/SOAR-LIST.json has at /required: [\"marks\"]", "an object"],
-        ["SOAR-OFF", "/body", "more/switch.json has at /maxProperties: 1", "an object"],
+        ["SOAR-INF", "/body/lift", "lift.json at /properties/lift/minimum: 0", "-1"],
+        ["SOAR-LIST", "/body", "more/SOAR-LIST.json at /required: [\"marks\"]", "an object"],
+        ["SOAR-OFF", "/body", "more/switch.json at /maxProperties: 1", "an object"],
     ]
     .map(|[subject, path, what, actual]| {
-        let expected = format!("what schemas{slash}{}", what.replacen("more/", &format!("more{slash}"), 1));
+        let expected = format!(
+            "a value that matches schemas{slash}{}",
+            what.replacen("more/", &format!("more{slash}"), 1)
+        );
         ["FW-ENV-18".to_owned(), subject.to_owned(), path.to_owned(), expected, actual.to_owned()]
     })
     .to_vec();
@@ -169,13 +172,13 @@ fn reports_an_invalid_schema_with_its_location() {
     let bad_type = lift("SOAR-INF", &json!({ "type": "altitude" }));
     let missing = lift("SOAR-INF", &json!({ "$ref": "https://example.org/none.json" }));
     let cases: [(Files<'_>, &str, &str); 5] = [
-        (&[("s/a.json", bad_type)], "a.json:/properties/lift/type: no schema", "altitude"),
+        (&[("s/a.json", bad_type)], "a.json:/properties/lift/type: invalid JSON Schema", "altitude"),
         (
             &[("s/a.json", missing)],
             "a.json",
             "no file in the folder is named `none.json`, and remote schemas aren't fetched",
         ),
-        (&[("s/a.json", json!({ "type": "object" }))], "s: no file `*.json` in it", "SYS-VER.json"),
+        (&[("s/a.json", json!({ "type": "object" }))], "s: no file `*.json` in this folder", "SYS-VER.json"),
         (
             &[("s/a.json", good()), ("s/b.json", good())],
             "b.json: ",

@@ -1,7 +1,7 @@
 //! Copies for messages of fixed size. Each byte has a fixed offset in memory and in CDR, so the conversion is a list of
 //! copies that is computed once.
 
-use uavspec_runtime::cdr::{ByteOrder, HEADER, is_filling};
+use uavspec_runtime::cdr::{ByteOrder, HEADER, is_padding};
 
 use super::bytes::{copy, copy_short, make_bools, part};
 use super::step::Width;
@@ -44,7 +44,7 @@ impl Packed {
     pub(super) fn read(&self, payload: &[u8], order: ByteOrder, padded: usize) -> Option<Vec<u8>> {
         let end = HEADER + self.size;
         let body = payload.get(HEADER..end)?;
-        if payload.len() > end && !is_filling(end, payload.len() - end) {
+        if payload.len() > end && !is_padding(end, payload.len() - end) {
             return None;
         }
         let mut memory = vec![0; padded];

@@ -55,7 +55,7 @@ impl<'v> Walk<'v> for Validator<'v, '_> {
         let constraint = field.restriction.as_ref().map(crate::schema::Restriction::constraint);
         let violation = match stop {
             Stop::Number(scalar, bytes, _) => scalar_value(scalar, bytes).number().and_then(|found| {
-                let rule = constraint.unwrap_or(Constraint::NONE).broken_by(found)?;
+                let rule = constraint.unwrap_or(Constraint::NONE).violated_by(found)?;
                 Some((rule, found, None))
             }),
             Stop::Text(bytes) => std::str::from_utf8(until_nul(bytes))

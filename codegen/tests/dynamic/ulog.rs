@@ -51,7 +51,7 @@ fn finds_only_known_violations_in_real_logs() {
                         };
                         let Some(restriction) = schema.restriction(message, field) else { continue };
                         checked += 1;
-                        if let Some(rule) = restriction.constraint().broken_by(number) {
+                        if let Some(rule) = restriction.constraint().violated_by(number) {
                             *found.entry(format!("{topic}.{name} {rule}")).or_default() += 1;
                         }
                     }

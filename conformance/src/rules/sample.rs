@@ -248,7 +248,7 @@ fn violating_value(rule: Rule, field: &Field, requested: &Restriction) -> Option
         (Number::Int(value), Some((low, high))) => (low..=high).contains(&value),
         (_, bounds) => bounds.is_none(),
     };
-    let breaks = |number: &Number| requested.constraint().broken_by(*number) == Some(rule);
+    let breaks = |number: &Number| requested.constraint().violated_by(*number) == Some(rule);
     Some(match candidates.filter(fits).find(breaks)? {
         Number::Int(value) => i64::try_from(value).ok()?.into(),
         // NaN is null.

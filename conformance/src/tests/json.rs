@@ -213,8 +213,8 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
             replaced("\"ratio\":1e+300", "\"ratio\":1e400"),
             "Glider.ratio: expected a number, or null for NaN, found 1e400, which is too large for float64",
         ),
-        ("PX-LEN-01", value("/num_marks", json!(4)), "Glider.num_marks: 4 entries in use of an array of 3"),
-        ("PX-NAN-01", value("/speed", json!(null)), "Glider.speed: NaN, which has no meaning here"),
+        ("PX-LEN-01", value("/num_marks", json!(4)), "Glider.num_marks: 4 exceeds the array length 3"),
+        ("PX-NAN-01", value("/speed", json!(null)), "Glider.speed: NaN is not allowed here"),
         ("PX-QUEUE-01", format!("{0}\n{0}\n{0}", typed(&good)), "Glider: more than 2 messages at 1200000 µs"),
         (
             "PX-RANGE-01",

@@ -3,7 +3,7 @@
 //! This slow pass reads field by field, like the typed codec, and reports the same errors.
 
 use uavspec_runtime::Fault;
-use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_filling, wide_characters};
+use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_padding, wide_characters};
 use uavspec_runtime::record::Primitive as _;
 
 use crate::dynamic::error::{Error, Reason};
@@ -32,7 +32,7 @@ fn first_fault(ty: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<E
         return Some(error(ty, fault, at + HEADER, &reader.trail));
     }
     let (end, left) = (reader.at + HEADER, body.len() - reader.at);
-    let is_whole = left == 0 || is_filling(end, left);
+    let is_whole = left == 0 || is_padding(end, left);
     (!is_whole).then(|| error(ty, Fault::Trailing(left), end, &reader.trail))
 }
 

@@ -1,6 +1,6 @@
 //! CDR decoder.
 
-use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_filling, wide_characters};
+use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_padding, wide_characters};
 
 use super::explain;
 use crate::dynamic::bytes::copy;
@@ -43,7 +43,7 @@ fn read<const BIG: bool>(ty: MessageType<'_>, payload: &[u8], is_strict: bool) -
     let mut reader = Reader::<BIG> { types: ty.types, body, at: 0, buffer, is_strict };
     reader.message(ty.plan, 0)?;
     let left = body.len() - reader.at;
-    (left == 0 || is_filling(reader.at + HEADER, left)).then_some(reader.buffer)
+    (left == 0 || is_padding(reader.at + HEADER, left)).then_some(reader.buffer)
 }
 
 struct Reader<'b, const BIG: bool> {

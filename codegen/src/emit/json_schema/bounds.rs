@@ -74,7 +74,7 @@ mod tests {
             let (low, high) = (spread(Number::Float(-pi), scalar).0, spread(Number::Float(pi), scalar).1);
             Constraint::NONE.from(low).to(high).asserted(scalar).expect("a number")
         };
-        let is_valid = |scalar, value| bounds(scalar).broken_by(Number::Float(value)).is_none();
+        let is_valid = |scalar, value| bounds(scalar).violated_by(Number::Float(value)).is_none();
         for value in [f64::from(std::f32::consts::PI), 3.141_592_7, -3.141_592_7, pi] {
             assert!(is_valid(Scalar::Float32, value), "{value}");
         }
@@ -90,11 +90,12 @@ mod tests {
         assert_eq!(asserted(wide, Scalar::UInt8), byte);
         assert_eq!(asserted(Constraint::NONE.counting(300), Scalar::UInt8), byte);
         let few = asserted(Constraint::NONE.counting(5), Scalar::UInt8);
-        assert!(few.broken_by(Number::Int(6)).is_some());
+        assert!(few.violated_by(Number::Int(6)).is_some());
         let long = asserted(Constraint::NONE, Scalar::UInt64);
         let most = i128::from(u64::MAX);
         assert!(
-            long.broken_by(Number::Int(most)).is_none() && long.broken_by(Number::Int(most + 1)).is_some()
+            long.violated_by(Number::Int(most)).is_none()
+                && long.violated_by(Number::Int(most + 1)).is_some()
         );
     }
 

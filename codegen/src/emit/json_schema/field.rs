@@ -100,7 +100,7 @@ impl<'s> FieldSchema<'s> {
     fn are_disjoint(self, used: &Numbers, scalar: Scalar) -> bool {
         let specials = self.field.constraints.iter().filter(|found| found.is_special());
         let values = specials.filter_map(|special| bounds::stored(special.stated.value()?, scalar).number());
-        let exact = values.filter(|value| used.broken_by(*value).is_some());
+        let exact = values.filter(|value| used.violated_by(*value).is_some());
         let exact = exact.map(|value| bounds::exactly(value, scalar));
         let all: Vec<Numbers> = once(*used).chain(exact).collect();
         all.iter()
@@ -113,7 +113,7 @@ impl<'s> FieldSchema<'s> {
         let nodes = self.field.constraints.iter().filter_map(|special| {
             let Effect::Allows { title, .. } = special.kind.effect else { return None };
             let value = bounds::stored(special.stated.value()?, scalar).number()?;
-            if whole.broken_by(value).is_some() || used.broken_by(value).is_none() {
+            if whole.violated_by(value).is_some() || used.violated_by(value).is_none() {
                 return None;
             }
             let mut members = bounds::only(value, scalar);

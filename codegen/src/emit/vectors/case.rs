@@ -50,7 +50,7 @@ impl Verdict {
 
     /// The verdict of `constraint` for a number of the right type.
     pub(super) fn of(constraint: &Constraint<'_>, number: Number) -> Self {
-        match constraint.broken_by(number) {
+        match constraint.violated_by(number) {
             None => Self::VALID,
             Some(rule) => Self {
                 rule: Some(rule.id()),

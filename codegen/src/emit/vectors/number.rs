@@ -177,7 +177,7 @@ impl<'s> NumberSamples<'s> {
             neighbours.chain(values().map(|value| value - 1)).chain(values().map(|value| value + 1));
         let candidates: Vec<i128> = if found.is_flags { bits.collect() } else { neighbours.collect() };
         let is_undocumented = |number: &Number| {
-            self.restriction.constraint().broken_by(*number) == Some(Rule::Enum)
+            self.restriction.constraint().violated_by(*number) == Some(Rule::Enum)
                 && self.is_representable(*number)
         };
         candidates.into_iter().map(Number::Int).find(is_undocumented)

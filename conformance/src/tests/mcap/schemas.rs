@@ -84,7 +84,7 @@ fn checks_counts_against_the_array_in_the_schema() {
         let found = violated(&checked(&file(&records.concat())));
         let found: Vec<_> = found.into_iter().filter(|(rule, _)| *rule != "PX-FMT-01").collect();
         let message =
-            ("PX-LEN-01", format!("glider.num_marks: {num_marks} entries in use of an array of {marks}"));
+            ("PX-LEN-01", format!("glider.num_marks: {num_marks} exceeds the array length {marks}"));
         assert_eq!(found, if is_violating { vec![message] } else { vec![] }, "{num_marks} of {marks}");
     }
 }
