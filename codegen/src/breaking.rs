@@ -1,10 +1,9 @@
-//! Two sets of definitions compared: what changed, and whom that breaks.
+//! Compares two versions of definitions, and reports the changes and the users that they affect.
 //!
-//! Messages, fields and constants are matched first, renamed ones too (`Comparison`, `Pair`); then each
-//! rule looks at what was matched, or was not. A rule is one kind of change. It breaks programs by
-//! [`Category`], and there is one finding for each of those.
+//! Messages, fields and constants are matched first, including renamed ones (`Comparison`, `Pair`). Then each rule
+//! checks the result. A rule is one kind of change. There is one finding for each [`Category`] that a change breaks.
 //!
-//! Types and messages of pages are not compared yet: no rule says anything of what changes in them.
+//! Types and messages in pages are not compared yet.
 //!
 //! ```
 //! use uavspec_codegen::breaking::{Between, breaking};
@@ -69,7 +68,7 @@ use crate::finding::Finding;
 use crate::schema::Schema;
 use crate::source::SourceMap;
 
-/// Every rule, by id.
+/// All rules, sorted by id.
 pub const RULES: &[&Rule] = &[
     &array_length_changed::RULE,
     &constant_added::RULE,
@@ -107,12 +106,13 @@ pub const RULES: &[&Rule] = &[
     &topic_removed::RULE,
 ];
 
-/// The rule of an id.
+/// Finds a rule by its id.
 pub fn rule(id: &str) -> Option<&'static Rule> {
     RULES.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| RULES[at])
 }
 
-/// Compares two sets of definitions, both without errors, whose sources are all in `sources`. Sorted by place.
+/// Compares two versions of definitions without errors, whose sources are all in `sources`. The findings are sorted by
+/// location.
 pub fn breaking(sources: &SourceMap, old: &Schema, new: &Schema, between: Between) -> Vec<Finding> {
     let comparison = Comparison::new(old, new, between);
     let mut findings = Vec::new();
@@ -147,7 +147,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rules_are_sorted_so_that_they_can_be_looked_up() {
+    fn rules_are_sorted_by_id() {
         assert!(RULES.windows(2).all(|pair| pair[0].id < pair[1].id));
     }
 }

@@ -1,20 +1,20 @@
-//! Care for definitions: what can be read, and should still be written otherwise.
+//! The linter: finds definitions that are valid but misleading, incomplete or inconsistent.
 //!
-//! A rule stands in a file of its own, with its purpose, its examples and its check, and in the list
-//! [`RULES`]. What the readers report themselves is a rule too where it is no error, so that its level can be
-//! chosen, that it can be let stand and that it may be mended (`Check::Reader`). Errors of the readers are
+//! Each rule has a file with its texts, its examples and its check, and an entry in [`RULES`]. Parser warnings are
+//! rules as well (`Check::Reader`), so users can configure their level, ignore them and fix them. Parser errors are
 //! always reported.
 //!
-//! A finding is let stand by a comment `# uavspec:ignore RULE reason`: behind a declaration or above one for
-//! that line, in the comment at the head of a file for the whole file. In a page the comment is one of the
-//! page's language, `<!-- uavspec:ignore RULE reason -->`.
+//! A comment `# uavspec:ignore RULE reason` ignores a finding. At the end of a declaration or above it, it applies to
+//! that line. In the comment at the start of a file, it applies to the file. Pages use HTML comments:
+//! `<!-- uavspec:ignore RULE reason -->`.
 //!
 //! ```
 //! use uavspec_codegen::lint::{Settings, lint};
 //! use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, schema::Form};
 //!
 //! let mut sources = SourceMap::default();
-//! let id = sources.add("Wind.msg", "# Wind\n\nuint64 timestamp  # [us] Time\nfloat32 speed  # Speed\n".into()).unwrap();
+//! let text = "# Wind\n\nuint64 timestamp  # [us] Time\nfloat32 speed  # Speed\n";
+//! let id = sources.add("Wind.msg", text.into()).unwrap();
 //! let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
 //! let findings = lint(&sources, &packages, &[], &Settings::default());
 //! assert_eq!(findings[0].rule, "unit-missing");
@@ -102,7 +102,7 @@ use crate::schema::{Form, Package, Schema};
 use crate::source::{SourceId, SourceMap};
 use crate::translation;
 
-/// Every rule, by id.
+/// All rules, sorted by id.
 pub const RULES: &[&Rule] = &[
     &px_fsf_01::RULE,
     &px_fsf_02::RULE,
@@ -166,15 +166,14 @@ pub const RULES: &[&Rule] = &[
     &version_type::RULE,
 ];
 
-/// The rule of an id.
+/// Finds a rule by its id.
 pub fn rule(id: &str) -> Option<&'static Rule> {
     RULES.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| RULES[at])
 }
 
-/// Reads `packages` and the catalogues of their translations, and reports all that is to be said of them, by place.
+/// Checks `packages` and the catalogues of their translations. The findings are sorted by location.
 ///
-/// What other packages only refer to is not judged: of sources without any message that is wanted, only
-/// errors are reported.
+/// Sources that other packages only refer to are not checked: without a selected message, only errors are reported.
 pub fn lint(
     sources: &SourceMap,
     packages: &[PackageInput],
@@ -184,20 +183,20 @@ pub fn lint(
     let (parsed, mut diagnostics) = parse_all(sources, packages);
     let (schema, mut resolved) = resolve(&parsed);
     diagnostics.append(&mut resolved);
-    // Translations of what can't be read would seem to name nothing.
+    // If a definition has errors, its translations would be reported as unknown.
     if !has_errors(&diagnostics) {
         diagnostics.append(&mut translation::resolve(sources, &schema, catalogues).1);
     }
     let linter = Linter { sources, schema: &schema, settings };
-    let mut findings = linter.read(&diagnostics);
+    let mut findings = linter.parser_findings(&diagnostics);
     linter.check(&parsed, &diagnostics, &mut findings);
-    let mut wanted = wanted(sources, &schema, &parsed);
-    wanted.extend(catalogues);
+    let mut selected = selected(sources, &schema, &parsed);
+    selected.extend(catalogues);
     findings.retain(|finding| {
         finding.level == Level::Error && rule(finding.rule).is_none()
-            || wanted.contains(&sources.source_of(finding.span))
+            || selected.contains(&sources.source_of(finding.span))
     });
-    ignore::apply(sources, &parsed, (RULES, settings), &wanted, &mut findings);
+    ignore::apply(sources, &parsed, (RULES, settings), &selected, &mut findings);
     findings.sort_by(|left, right| {
         (left.span, left.rule, &left.message).cmp(&(right.span, right.rule, &right.message))
     });
@@ -211,8 +210,8 @@ struct Linter<'s> {
 }
 
 impl Linter<'_> {
-    /// What the readers say, at the level that is chosen where it is a rule.
-    fn read(&self, diagnostics: &[Diagnostic]) -> Vec<Finding> {
+    /// The findings of the parser, with the configured levels.
+    fn parser_findings(&self, diagnostics: &[Diagnostic]) -> Vec<Finding> {
         let mut findings = Vec::new();
         for diagnostic in diagnostics {
             let mut finding = Finding::from(diagnostic);
@@ -228,15 +227,14 @@ impl Linter<'_> {
         findings
     }
 
-    /// What the rules find. A file with errors is incomplete, and rules on messages would report what comes
-    /// of that.
+    /// Adds the findings of the rules. Messages in files with errors are skipped, since they are incomplete.
     fn check(&self, parsed: &[PackageSource<'_>], diagnostics: &[Diagnostic], findings: &mut Vec<Finding>) {
-        let broken: BTreeSet<SourceId> = diagnostics
+        let invalid: BTreeSet<SourceId> = diagnostics
             .iter()
             .filter(|diagnostic| diagnostic.level() == Level::Error)
             .map(|diagnostic| self.sources.source_of(diagnostic.span))
             .collect();
-        let subjects = subject::subjects(self.sources, self.schema, parsed, &broken);
+        let subjects = subject::subjects(self.sources, self.schema, parsed, &invalid);
         let texts = subject::texts(self.sources, parsed);
         for rule in RULES {
             let Some(level) = self.settings.level(rule) else { continue };
@@ -246,8 +244,8 @@ impl Linter<'_> {
                 Check::Text(check) => texts.iter().for_each(|text| check(text, &mut sink)),
                 Check::Message(check) => subjects.iter().for_each(|subject| check(subject, &mut sink)),
                 Check::ErrorCodes(check) => {
-                    let of_tables = |package: &&Package| package.form == Form::Table;
-                    let packages = self.schema.packages.iter().filter(of_tables);
+                    let has_tables = |package: &&Package| package.form == Form::Table;
+                    let packages = self.schema.packages.iter().filter(has_tables);
                     packages.for_each(|package| check(package, self.sources, &mut sink));
                 }
                 Check::Reader(_) | Check::Ignores => {}
@@ -257,21 +255,21 @@ impl Linter<'_> {
     }
 }
 
-/// The sources that hold anything that is wanted.
-fn wanted(sources: &SourceMap, schema: &Schema, parsed: &[PackageSource<'_>]) -> BTreeSet<SourceId> {
-    let mut wanted = BTreeSet::new();
+/// The sources with a selected message.
+fn selected(sources: &SourceMap, schema: &Schema, parsed: &[PackageSource<'_>]) -> BTreeSet<SourceId> {
+    let mut selected = BTreeSet::new();
     for (package, source) in schema.packages.iter().zip(parsed) {
         if source.select.is_some() {
             let messages = package.messages.iter().map(|id| schema.message(*id).span);
             let spans = messages.chain(package.interfaces.iter().map(|interface| interface.span));
-            wanted.extend(spans.map(|span| sources.source_of(span)));
+            selected.extend(spans.map(|span| sources.source_of(span)));
         } else {
             let spans = source.files.iter().map(|(_, _, span, _)| *span);
             let spans = spans.chain(source.pages.iter().map(|page| page.span));
-            wanted.extend(spans.map(|span| sources.source_of(span)));
+            selected.extend(spans.map(|span| sources.source_of(span)));
         }
     }
-    wanted
+    selected
 }
 
 #[cfg(test)]
@@ -279,7 +277,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rules_are_sorted_so_that_they_can_be_looked_up() {
+    fn rules_are_sorted_by_id() {
         assert!(RULES.windows(2).all(|pair| pair[0].id < pair[1].id));
     }
 }

@@ -25,7 +25,9 @@ mod sarif;
 #[cfg(test)]
 mod tests;
 
-pub use self::model::{Entry, Format, Place, READING_PAGE, RULES_URL, Region, Report, RuleInfo, rule_url};
+pub use self::model::{
+    Entry, Format, GUIDE_URL, Place, READING_PAGE, RULES_URL, Region, Report, RuleInfo, rule_url,
+};
 
 impl Report {
     /// The report as text. Ends with a newline unless it is empty.

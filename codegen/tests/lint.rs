@@ -130,7 +130,7 @@ fn each_further_case_says_what_is_expected() {
 fn each_warning_of_the_readers_is_a_rule_and_no_error_is() {
     assert_eq!(Problem::CODES.len(), Problem::LEVELS.len());
     for (code, level) in Problem::CODES.iter().zip(Problem::LEVELS) {
-        let is_rule = rule(code).map(Rule::is_of_readers);
+        let is_rule = rule(code).map(Rule::is_parser_warning);
         let expected = (*level != Level::Error).then_some(true);
         assert_eq!(is_rule, expected, "{code}");
     }

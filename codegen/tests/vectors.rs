@@ -244,7 +244,7 @@ fn hex(text: &Json) -> Option<Vec<u8>> {
 }
 
 /// True if two values are equal after conversion to the types of their fields.
-#[allow(clippy::cast_possible_truncation, clippy::float_cmp)] // equal as float32, sign and all, is what is asked
+#[allow(clippy::cast_possible_truncation, clippy::float_cmp)] // exact equality as float32 is intended
 fn is_same(left: &Json, right: &Json) -> bool {
     match (left, right) {
         (Json::Number(a), Json::Number(b)) if a.is_f64() && b.is_f64() => {

@@ -1,4 +1,4 @@
-//! What each rule finds in each mutant of each rule: whether they find what they should, and nothing else.
+//! Checks all mutants, and compares the violated rules with the expected ones.
 
 pub(crate) mod live;
 
@@ -11,42 +11,42 @@ use crate::rules::flockwave::sample::Session;
 use crate::rules::sample::{Encoding, Flight};
 use crate::rules::{Mutant, mutants};
 
-/// What came of a mutant.
+/// The result for a mutant.
 #[derive(Debug)]
 pub(crate) struct Row {
-    /// The rule that it has to break.
+    /// The rule that the mutant violates.
     pub rule: &'static Rule,
     /// The mutant.
     pub mutant: Mutant,
     /// The change, and the encoding of the capture if there are several.
     pub title: String,
-    /// The ids of the rules that it broke; none where the definitions have nothing to change so.
+    /// The ids of the violated rules. `None` if the change isn't possible with the definitions.
     pub violated: Option<BTreeSet<&'static str>>,
 }
 
 impl Row {
-    /// The ids of the rules that it should break.
+    /// The ids of the rules that the mutant should violate.
     pub(crate) fn expected(&self) -> BTreeSet<&'static str> {
         self.mutant.also.iter().chain([&self.rule]).map(|rule| rule.id).collect()
     }
 
-    /// Whether it broke what it should, and nothing else; or couldn't be made.
+    /// True if exactly the expected rules are violated, or if the mutant couldn't be made.
     pub(crate) fn is_right(&self) -> bool {
         self.violated.as_ref().is_none_or(|violated| *violated == self.expected())
     }
 }
 
-/// The rules that what a flight conforms to finds broken in it, source by source: none, if all is right.
+/// Checks the conforming captures: a flight in each encoding, and a Flockwave session. No findings are expected.
 pub(crate) fn conforming(definitions: &Definitions) -> Vec<(&'static str, CaptureResult)> {
     let flight = Flight::new(definitions);
     let flights =
         Encoding::ALL.into_iter().filter_map(|encoding| Some((encoding.name(), encoding.write(&flight)?)));
-    let sources = flights.chain([("Flockwave", Session::new().to_bytes())]);
-    let checked = sources.map(|(name, bytes)| (name, check_bytes(&bytes, definitions)));
+    let captures = flights.chain([("Flockwave", Session::new().to_bytes())]);
+    let checked = captures.map(|(name, bytes)| (name, check_bytes(&bytes, definitions)));
     checked.filter_map(|(name, result)| Some((name, result?))).collect()
 }
 
-/// Checks all mutants of all rules, made from a flight of some definitions.
+/// Checks all mutants of all rules.
 pub(crate) fn matrix(definitions: &Definitions) -> Vec<Row> {
     let flight = Flight::new(definitions);
     let violated = |bytes: Vec<u8>| {
@@ -62,13 +62,13 @@ pub(crate) fn matrix(definitions: &Definitions) -> Vec<Row> {
     mutants().flat_map(rows).collect()
 }
 
-/// Ids of rules, in words.
+/// Formats a list of rule ids.
 pub(crate) fn list<'i>(ids: impl IntoIterator<Item = &'i &'static str>) -> String {
     let ids: Vec<&str> = ids.into_iter().copied().collect();
     if ids.is_empty() { "nothing".to_owned() } else { ids.join(", ") }
 }
 
-/// Bytes can always be read.
+/// Checks a capture in memory.
 fn check_bytes(bytes: &[u8], definitions: &Definitions) -> Option<CaptureResult> {
     check_capture(bytes, None, definitions).ok()
 }

@@ -1,4 +1,4 @@
-//! The words that all rooms share: rules, the records that they look at, and what they find.
+//! The shared types: rules, records and findings.
 //!
 //! ```
 //! use uavspec_conformance::check::check_capture;
@@ -7,9 +7,9 @@
 //! use uavspec_conformance::rules::rule;
 //!
 //! let definitions = Definitions::built_in();
-//! let of = definitions.message_of_type("px4/ArmingCheckRequest");
+//! let definition = definitions.message_of_type("px4/ArmingCheckRequest");
 //! let record = r#"{"timestamp": 7, "request_id": 300, "valid_registrations_mask": 1}"#;
-//! let result = check_capture(record.as_bytes(), of, &definitions)?;
+//! let result = check_capture(record.as_bytes(), definition, &definitions)?;
 //! assert_eq!(result.extent, Extent::Whole);
 //! let rule = rule("PX-JSON-02").unwrap();
 //! assert_eq!(rule.level, Level::Must);

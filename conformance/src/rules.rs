@@ -1,7 +1,7 @@
-//! The rules, a file each, by family.
+//! The rules, one file each, by family.
 //!
-//! A rule is a statement with a permanent id. Rules on single values are checked by a plan that is made once for each format
-//! (`px4`); rules on the course of things keep a state of their own.
+//! A rule is a statement with a permanent id. A plan, compiled once for each format (`px4`), checks the rules about
+//! single values. Rules about sequences keep their own state.
 //!
 //! ```
 //! use uavspec_conformance::rules::{RULES, rule};
@@ -22,7 +22,7 @@ use self::sample::Flight;
 use crate::definitions::Definitions;
 use crate::model::{Detail, Findings, Location, Rule};
 
-/// Every rule, by id.
+/// All rules, sorted by id.
 pub static RULES: [&Rule; flockwave::RULES.len() + px4::RULES.len()] = {
     let mut rules = [&flockwave::RULES[0].rule; flockwave::RULES.len() + px4::RULES.len()];
     let mut at = 0;
@@ -36,7 +36,7 @@ pub static RULES: [&Rule; flockwave::RULES.len() + px4::RULES.len()] = {
     rules
 };
 
-/// A mutant of a rule of either family.
+/// A mutant of a PX4 or Flockwave rule.
 #[derive(Clone, Debug)]
 pub(crate) struct Mutant {
     /// The rule that it violates.
@@ -55,8 +55,7 @@ enum Make {
 }
 
 impl Mutant {
-    /// The captures, made of a flight or a session, each with its title; none if the definitions have nothing that could
-    /// be changed so.
+    /// The captures, each with a title. Empty if the change isn't possible with the definitions of the flight.
     pub(crate) fn captures(&self, flight: &Flight<'_>) -> Vec<(String, Vec<u8>)> {
         match self.make {
             Make::Session(make) => make().map(|bytes| (self.name.to_owned(), bytes)).into_iter().collect(),
@@ -72,19 +71,19 @@ impl Mutant {
     }
 }
 
-/// The mutants of all rules, in the order of these.
+/// The mutants of all rules, in the order of the rules.
 pub(crate) fn mutants() -> impl Iterator<Item = Mutant> {
-    let sessions = flockwave::RULES.iter().flat_map(|of| {
-        of.mutants.iter().map(|flockwave::Mutant { name, make, also }| Mutant {
-            rule: &of.rule,
+    let sessions = flockwave::RULES.iter().flat_map(|entry| {
+        entry.mutants.iter().map(|flockwave::Mutant { name, make, also }| Mutant {
+            rule: &entry.rule,
             name,
             also: also.to_vec(),
             make: Make::Session(*make),
         })
     });
-    let flights = px4::RULES.iter().flat_map(|of| {
-        of.mutants.iter().map(|px4::Mutant { name, change, also }| Mutant {
-            rule: &of.rule,
+    let flights = px4::RULES.iter().flat_map(|entry| {
+        entry.mutants.iter().map(|px4::Mutant { name, change, also }| Mutant {
+            rule: &entry.rule,
             name,
             also: also.iter().map(|also| &also.rule).collect(),
             make: Make::Flight(*change),
@@ -93,51 +92,51 @@ pub(crate) fn mutants() -> impl Iterator<Item = Mutant> {
     sessions.chain(flights)
 }
 
-/// The way in which a rule is checked, in words.
+/// Describes how a rule is checked.
 pub(crate) fn checked_by(rule: &Rule) -> &'static str {
     let keeps_state = |check: &flockwave::Check| matches!(check, flockwave::Check::Session(_));
-    let flockwave = flockwave::rule(rule.id).map(|of| {
-        if of.checks.iter().any(keeps_state) {
+    let flockwave = flockwave::rule(rule.id).map(|entry| {
+        if entry.checks.iter().any(keeps_state) {
             BY_STATE
         } else {
-            "message by message, with what went over the connection before"
+            "message by message, with the earlier messages of the connection"
         }
     });
-    let px4 = px4::RULES.iter().find(|of| of.rule.id == rule.id).map(|of| match of.check {
-        px4::Check::Value => "value by value, by a plan that is made once for each format",
-        px4::Check::Source => "reading: what breaks it can't be read as anything",
+    let px4 = px4::RULES.iter().find(|entry| entry.rule.id == rule.id).map(|entry| match entry.check {
+        px4::Check::Value => "value by value, by a plan that is compiled once for each format",
+        px4::Check::Source => "by the reader, since it can't read data that violates the rule",
         px4::Check::State(_) => BY_STATE,
     });
     flockwave.or(px4).unwrap_or_default()
 }
 
-const BY_STATE: &str = "following the records of a source with a small state for each topic";
+const BY_STATE: &str = "record by record, with a small state for each topic";
 
-/// The surroundings of a check: what it is checked by, and where its findings and its coverage are counted.
+/// The context of a check: its rule, the definitions, and the findings and the coverage that it adds to.
 pub(crate) struct RuleContext<'c> {
     /// The rule.
     pub rule: &'static Rule,
-    /// The definitions that captures are checked against.
+    /// The definitions that the capture is checked against.
     pub definitions: &'c Definitions,
     /// All findings of the run.
     pub findings: &'c mut Findings,
-    /// The number of times that the rule had something to check.
+    /// The number of items that the rule checked.
     pub coverage: &'c mut u64,
 }
 
 impl RuleContext<'_> {
-    /// The line where a definition starts.
+    /// The location of a definition.
     pub(crate) fn defined(&self, definition: Option<MessageId>) -> Option<Span> {
         definition.map(|id| self.definitions.schema.message(id).span)
     }
 
-    /// The line where a definition has this field.
+    /// The location of a field in its definition.
     pub(crate) fn field(&self, definition: Option<MessageId>, name: &str) -> Option<Span> {
         let fields = &self.definitions.schema.message(definition?).fields;
         fields.iter().find(|field| field.name == name).map(|field| field.span)
     }
 
-    /// Counts that the rule had something to check, whatever the result.
+    /// Counts one checked item, whatever the result.
     pub(crate) fn covered(&mut self) {
         *self.coverage += 1;
     }
@@ -147,7 +146,7 @@ impl RuleContext<'_> {
         self.violation_of(subject, location, None, detail);
     }
 
-    /// Reports a violation of what a definition says at this line.
+    /// Reports a violation, with the location in the definition that it violates.
     pub(crate) fn violation_of(
         &mut self,
         subject: &str,
@@ -159,7 +158,7 @@ impl RuleContext<'_> {
     }
 }
 
-// A rule that finds nothing is none.
+// A rule without a mutant would not be tested.
 const _: () = {
     let mut at = 0;
     while at < flockwave::RULES.len() {
@@ -173,7 +172,7 @@ const _: () = {
     }
 };
 
-/// The rule of an id.
+/// Finds a rule by its id.
 pub fn rule(id: &str) -> Option<&'static Rule> {
     RULES.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| RULES[at])
 }
@@ -183,7 +182,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rules_are_sorted_so_that_they_can_be_looked_up() {
+    fn rules_are_sorted_by_id() {
         assert!(RULES.windows(2).all(|pair| pair[0].id < pair[1].id));
+    }
+
+    #[test]
+    fn every_rule_has_a_reason_an_example_and_a_fix() {
+        let is_incomplete = |rule: &&&Rule| {
+            [rule.statement, rule.source, rule.applies_to, rule.why, rule.example, rule.fix].contains(&"")
+        };
+        let incomplete: Vec<&str> = RULES.iter().filter(is_incomplete).map(|rule| rule.id).collect();
+        assert_eq!(incomplete, Vec::<&str>::new());
+    }
+
+    #[test]
+    fn examples_fit_on_a_screen() {
+        let fits = |example: &str| {
+            example.lines().count() <= 8 && example.lines().all(|line| line.chars().count() <= 100)
+        };
+        let long: Vec<&str> = RULES.iter().filter(|rule| !fits(rule.example)).map(|rule| rule.id).collect();
+        assert_eq!(long, Vec::<&str>::new());
     }
 }

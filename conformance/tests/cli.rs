@@ -365,9 +365,11 @@ fn prints_rules_and_help() {
     let here = Path::new(".");
     let (status, printed, _) = uavspec(here, &["rules", "PX-RANGE-01"]);
     assert_eq!(status, Some(0));
-    for wanted in
-        ["PX-RANGE-01  SHOULD, normative", "has to find", "https://uavspec.dev/docs/rules/PX-RANGE-01.html"]
-    {
+    for wanted in [
+        "PX-RANGE-01  SHOULD, normative",
+        "What the rule finds",
+        "https://uavspec.dev/docs/rules/PX-RANGE-01.html",
+    ] {
         assert!(printed.contains(wanted), "{wanted}: {printed}");
     }
     let (status, _, output) = uavspec(here, &["rules", "PX-NONE-01"]);
@@ -377,10 +379,7 @@ fn prints_rules_and_help() {
     assert_eq!(list.as_array().map(Vec::len), Some(uavspec_conformance::rules::RULES.len()));
     let (status, printed, _) = uavspec(here, &["rules", "--matrix"]);
     assert_eq!(status, Some(0));
-    assert!(
-        printed.contains(", 0 of them not found as they should be") && !printed.contains("  !"),
-        "{printed}"
-    );
+    assert!(printed.contains(", 0 with unexpected results") && !printed.contains("  !"), "{printed}");
     let rows: Value =
         serde_json::from_str(&uavspec(here, &["rules", "--matrix", "--format", "json"]).1).expect("JSON");
     assert!(

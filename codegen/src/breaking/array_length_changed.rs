@@ -1,4 +1,4 @@
-//! `array-length-changed`: an array or a string of another length.
+//! `array-length-changed`: the length of an array or string changed.
 
 use super::field_added::uorb;
 use super::message::Pair;
@@ -10,8 +10,10 @@ use crate::schema::{Element, Field, Shape};
 
 pub(super) const RULE: Rule = Rule {
     id: "array-length-changed",
-    purpose: "A field holds another number of elements or characters. Messages have other bytes, and readers expect \
-              another count.",
+    statement: "The length of an array, a sequence or a string changed.",
+    why: "Messages have other bytes, and existing readers expect another number of elements.",
+    fix: "Update all peers together, and raise `MESSAGE_VERSION` of a versioned message. To stay \
+        compatible, add a new field or message.",
     breaks: &[
         (Category::Source, Level::Error),
         (Category::Json, Level::Error),
@@ -45,26 +47,26 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     } else {
         (elements(old.ty.shape), elements(new.ty.shape))
     };
-    let message = format!("`{}.{}` holds {now}, and held {before}", pair.name(), new.name);
+    let message = format!("`{}.{}` has {now} instead of {before}", pair.name(), new.name);
     let is_counted = |field: &Field| !matches!(field.ty.shape, Shape::Single | Shape::Array(_));
     let is_string = matches!(new.ty.element, Element::String { .. }) && old.ty.shape == new.ty.shape;
-    // Their length stands before them, so that only what is too long is read wrongly.
+    // They have a length prefix, so only values that are too long are misread.
     let cdr = if is_string || is_counted(old) && is_counted(new) {
-        "readers refuse what is longer than they know; the type's hash is another one"
+        "existing readers reject longer values, and the type hash differs"
     } else {
-        "all that follows it stands elsewhere: readers of before take other bytes for it"
+        "all later fields move: existing readers read other bytes for them"
     };
     let mut change = sink.change(new.span, both(old.span, new.span), message);
     change
-        .breaks(Category::Source, "its type is another one: programs that use it as before may not compile")
-        .breaks(Category::Json, "readers of before expect another length")
+        .breaks(Category::Source, "its type differs: existing programs may not compile")
+        .breaks(Category::Json, "existing readers expect another length")
         .breaks(Category::Cdr, cdr);
     if pair.is_uorb() {
         change.breaks(Category::Uorb, uorb(pair));
     }
 }
 
-/// How many elements a shape has, in words.
+/// Describes the number of elements of a shape.
 fn elements(shape: Shape) -> String {
     match shape {
         Shape::Single => "one value".to_owned(),
@@ -74,7 +76,7 @@ fn elements(shape: Shape) -> String {
     }
 }
 
-/// How many characters a string has, in words; none where it is no string.
+/// Describes the length of a string. `None` for other types.
 fn characters(element: Element) -> Option<String> {
     match element {
         Element::String { bound: Some(bound), .. } => Some(format!("up to {bound} characters")),

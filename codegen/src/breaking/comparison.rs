@@ -1,4 +1,4 @@
-//! What of one set stands for what in the other: packages, messages, services, error codes.
+//! Matches the packages, messages, services and error codes of two versions.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -9,60 +9,59 @@ use super::signature::Signatures;
 use crate::schema::{ErrorCode, Interface, Kind, Message, MessageId, Package, Schema, Type};
 use crate::source::Span;
 
-/// Beyond this many comparisons of fields in messages that are in one set only, renamed messages are not
-/// looked for.
+/// The maximum number of field comparisons for the detection of renamed messages. Beyond it, the detection is skipped.
 const MAX_COMPARISONS: usize = 1_000_000;
 
-/// Two sets of definitions, matched.
+/// Two matched versions of definitions.
 #[derive(Debug)]
 pub(crate) struct Comparison<'a> {
-    /// Messages that are in both sets, parts of services and actions too.
+    /// Messages in both versions, including the parts of services and actions.
     pub pairs: Vec<Pair<'a>>,
-    /// Messages, services and actions that are in one set only, or called otherwise in the other.
+    /// Messages, services and actions that were added, removed or renamed.
     pub changes: Vec<MessageChange<'a>>,
-    /// Error codes.
+    /// The error codes.
     pub codes: Vec<CodeChange<'a>>,
 }
 
-/// A message, a service or an action that is in one set only, or called otherwise in the other.
+/// A message, a service or an action that was added, removed or renamed.
 #[derive(Debug)]
 pub(crate) enum MessageChange<'a> {
-    /// Only in the old set.
+    /// Only in the old version.
     Removed(Named<'a>),
-    /// Only in the new set.
+    /// Only in the new version.
     Added(Named<'a>),
-    /// With the same fields under another name.
+    /// Similar fields under a new name.
     Renamed(Named<'a>, Named<'a>),
 }
 
 /// A message, a service or an action.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Named<'a> {
-    /// What it is.
+    /// The kind.
     pub kind: Kind,
-    /// Its name.
+    /// The name.
     pub name: &'a str,
-    /// Its file.
+    /// The file.
     pub span: Span,
 }
 
-/// An error code of two sets, or of one.
+/// An error code in one or both versions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum CodeChange<'a> {
-    /// Only in the old set.
+    /// Only in the old version.
     Removed(&'a ErrorCode),
-    /// Only in the new set.
+    /// Only in the new version.
     Added(&'a ErrorCode),
-    /// Under the same abbreviation, but another number that was free before.
+    /// An abbreviation with a new number that was not used before.
     Renumbered(&'a ErrorCode, &'a ErrorCode),
-    /// The same number for something else.
+    /// A number with a new meaning.
     Reused(&'a ErrorCode, &'a ErrorCode),
-    /// The same number for the same.
+    /// An unchanged number and meaning.
     Same(&'a ErrorCode, &'a ErrorCode),
 }
 
 impl<'a> Comparison<'a> {
-    /// Matches two sets.
+    /// Matches two versions.
     pub(crate) fn new(old: &'a Schema, new: &'a Schema, between: Between) -> Self {
         let mut matcher = Matcher { old, new, twins: Vec::new(), changes: Vec::new(), codes: Vec::new() };
         for (before, after) in packages(old, new) {
@@ -85,7 +84,7 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Packages of the same name; and where each set has one of a form left, those.
+/// Packages with the same name, and the remaining ones if each version has exactly one of the same form.
 fn packages<'a>(old: &'a Schema, new: &'a Schema) -> Vec<(Option<&'a Package>, Option<&'a Package>)> {
     let find = |among: &'a Schema, name: &str| among.packages.iter().find(|package| package.name == name);
     let mut pairs: Vec<(Option<&Package>, Option<&Package>)> = Vec::new();
@@ -133,7 +132,7 @@ impl<'a> Matcher<'a> {
         self.changes.extend(removed.chain(added));
     }
 
-    /// Names of messages whose fields are called so alike that they are the same, the most alike first.
+    /// The old and new names of renamed messages, which are detected by their fields. The most similar pairs come first.
     fn renamed(
         &self,
         old: &BTreeMap<&'a str, MessageId>,
@@ -158,7 +157,7 @@ impl<'a> Matcher<'a> {
             for (twin, after) in &new {
                 let common = before.intersection(after).count();
                 let most = before.len().max(after.len());
-                // Messages of two or three fields are often alike: their names have to be, too.
+                // Messages with two or three fields are often similar, so their names must be similar as well.
                 let is_same = if common > 3 {
                     common * 5 >= most * 4
                 } else {
@@ -207,20 +206,20 @@ impl<'a> Matcher<'a> {
             tables.flat_map(|table| &table.codes).map(|code| (code.code, code)).collect()
         };
         let (before, mut after) = (by_code(old), by_code(new));
-        let mut gone = Vec::new();
+        let mut removed = Vec::new();
         for (number, old) in before {
             match after.remove(&number) {
                 Some(new) if is_other(old, new) => self.codes.push(CodeChange::Reused(old, new)),
                 Some(new) => self.codes.push(CodeChange::Same(old, new)),
-                None => gone.push(old),
+                None => removed.push(old),
             }
         }
         let mut by_abbreviation: BTreeMap<&str, Vec<&'a ErrorCode>> = BTreeMap::new();
         for code in after.values() {
             by_abbreviation.entry(code.abbreviation.as_deref().unwrap_or("")).or_default().push(code);
         }
-        for old in gone {
-            // Of the same severity, where there is one, and the nearest.
+        for old in removed {
+            // Prefers the same severity, then the nearest number.
             let twins = old.abbreviation.as_deref().and_then(|text| by_abbreviation.get(text));
             let twins = twins.into_iter().flatten().filter(|twin| after.contains_key(&twin.code));
             let twin =
@@ -238,7 +237,7 @@ fn named(message: &Message) -> Named<'_> {
     Named { kind: message.kind, name: &message.name, span: message.span }
 }
 
-/// Whether a code stands for something else: neither its abbreviation nor its description reminds of the old.
+/// True if a code has another meaning: neither its abbreviation nor its description resembles the old one.
 fn is_other(old: &ErrorCode, new: &ErrorCode) -> bool {
     let abbreviations = [old, new].map(|code| code.abbreviation.as_deref().unwrap_or(""));
     abbreviations[0] != abbreviations[1]
@@ -246,7 +245,7 @@ fn is_other(old: &ErrorCode, new: &ErrorCode) -> bool {
         && common_words(&old.description, &new.description) < 0.5
 }
 
-/// How many of the words of two texts are common, from 0 to 1.
+/// The share of common words in two texts, from 0 to 1.
 pub(super) fn common_words(left: &str, right: &str) -> f64 {
     let words = |text: &str| -> BTreeSet<String> {
         let words = text.split(|c: char| !c.is_alphanumeric()).filter(|word| word.len() > 2);
@@ -257,7 +256,7 @@ pub(super) fn common_words(left: &str, right: &str) -> f64 {
     if all == 0 {
         return 1.0;
     }
-    #[allow(clippy::cast_precision_loss)] // counts of words
+    #[allow(clippy::cast_precision_loss)] // small counts of words
     let share = 2.0 * left.intersection(&right).count() as f64 / all as f64;
     share
 }

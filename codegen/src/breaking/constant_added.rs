@@ -1,4 +1,4 @@
-//! `constant-added`: a constant that is new.
+//! `constant-added`: a constant was added.
 
 use super::message::{ConstantChange, Pair};
 use super::rule::{Category, Check, Rule, Sink};
@@ -8,8 +8,9 @@ use crate::finding::Sides;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-added",
-    purpose: "A constant is new. Enums are open, so readers of before take its value for one that they \
-              don't know.",
+    statement: "A constant was added.",
+    why: "Enums are open: existing programs receive a value that they don't know.",
+    fix: "Check that existing programs handle unknown values.",
     breaks: &[(Category::Semantic, Level::Note)],
     old: &[Example {
         path: "Glider.msg",
@@ -31,7 +32,7 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     let ConstantChange::Added(new) = change else { return };
-    let message = format!("`{}.{}` (= {}) is new", pair.name(), new.name, new.value);
+    let message = format!("`{}.{}` (= {}) was added", pair.name(), new.name, new.value);
     sink.change(new.span, Sides { old: None, new: Some(new.span) }, message)
-        .breaks(Category::Semantic, "programs of before don't know what its value means");
+        .breaks(Category::Semantic, "existing programs don't know its value");
 }

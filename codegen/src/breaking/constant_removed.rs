@@ -1,4 +1,4 @@
-//! `constant-removed`: a constant that is gone.
+//! `constant-removed`: a constant was removed.
 
 use super::message::{ConstantChange, Pair};
 use super::rule::{Category, Check, Rule, Sink};
@@ -8,7 +8,9 @@ use crate::finding::Sides;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-removed",
-    purpose: "A constant is gone. Programs that use it don't compile, and its value has no name any more.",
+    statement: "A constant was removed.",
+    why: "Programs that use it don't compile, and the value has no name if a peer still sends it.",
+    fix: "Keep the constant, and mark it as deprecated in its comment.",
     breaks: &[(Category::Source, Level::Error)],
     old: &[Example {
         path: "Glider.msg",
@@ -30,9 +32,9 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     let ConstantChange::Removed(old) = change else { return };
-    let message = format!("`{}.{}` (= {}) is gone", pair.name(), old.name, old.value);
+    let message = format!("`{}.{}` (= {}) was removed", pair.name(), old.name, old.value);
     sink.change(pair.head(), Sides { old: Some(old.span), new: None }, message).breaks(
         Category::Source,
-        "programs that use it don't compile; peers of before may still send its value",
+        "programs that use it don't compile, and existing peers may still send its value",
     );
 }

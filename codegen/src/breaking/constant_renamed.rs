@@ -1,4 +1,4 @@
-//! `constant-renamed`: a constant under another name.
+//! `constant-renamed`: a constant was renamed.
 
 use super::message::both;
 use super::message::{ConstantChange, Pair};
@@ -8,8 +8,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-renamed",
-    purpose: "A constant has another name and the same value. Messages are the same; programs that use the \
-              old name don't compile.",
+    statement: "A constant was renamed; its value is the same.",
+    why: "Messages do not change, but programs that use the old name don't compile.",
+    fix: "Keep the old name if programs outside the repository use it. Otherwise update them.",
     breaks: &[(Category::Source, Level::Error)],
     old: &[Example {
         path: "Glider.msg",
@@ -30,7 +31,7 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     let ConstantChange::Renamed(old, new) = change else { return };
-    let message = format!("`{}.{}` (= {}) is now called `{}`", pair.name(), old.name, new.value, new.name);
+    let message = format!("`{}.{}` (= {}) was renamed to `{}`", pair.name(), old.name, new.value, new.name);
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Source, "programs that use it by its old name don't compile");
+        .breaks(Category::Source, "programs that use the old name don't compile");
 }

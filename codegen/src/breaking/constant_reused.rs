@@ -1,4 +1,4 @@
-//! `constant-reused`: a value that stands for something else.
+//! `constant-reused`: the value of a removed constant was reused.
 
 use super::message::both;
 use super::message::{ConstantChange, Pair};
@@ -8,8 +8,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-reused",
-    purpose: "A constant is gone, and another one has its value: what programs of before send or show as \
-              the old is now the new.",
+    statement: "The value of a removed constant belongs to a new constant.",
+    why: "Existing programs send and show the value with its old meaning.",
+    fix: "Use a new value for the new constant, and don't reuse values.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Error)],
     old: &[Example {
         path: "Glider.msg",
@@ -30,8 +31,8 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     let ConstantChange::Reused(old, new) = change else { return };
-    let message = format!("{} is now `{}.{}`, and was `{}`", new.value, pair.name(), new.name, old.name);
+    let message = format!("{} is now `{}.{}` instead of `{}`", new.value, pair.name(), new.name, old.name);
     sink.change(new.span, both(old.span, new.span), message)
         .breaks(Category::Source, format!("programs that use `{}` don't compile", old.name))
-        .breaks(Category::Semantic, "programs of before take the value for what it was");
+        .breaks(Category::Semantic, "existing programs use the old meaning of the value");
 }

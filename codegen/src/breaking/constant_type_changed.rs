@@ -1,4 +1,4 @@
-//! `constant-type-changed`: a constant of another type.
+//! `constant-type-changed`: the type of a constant changed.
 
 use super::message::both;
 use super::message::{ConstantChange, Pair};
@@ -9,8 +9,9 @@ use crate::schema::{Shape, Type};
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-type-changed",
-    purpose: "A constant has another type. Its value is the same; programs that compare it with a field of \
-              the old type don't compile.",
+    statement: "The type of a constant changed.",
+    why: "The value is the same, but programs that compare it with a field of the old type may not compile.",
+    fix: "Keep the type of the field that holds the constant.",
     breaks: &[(Category::Source, Level::Warning)],
     old: &[Example {
         path: "Glider.msg",
@@ -36,7 +37,7 @@ fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     }
     let text = |element| Type { element, shape: Shape::Single };
     let (before, now) = (pair.old_type(text(old.ty)), pair.new_type(text(new.ty)));
-    let message = format!("`{}.{}` is of type {now}, and was {before}", pair.name(), new.name);
+    let message = format!("`{}.{}` has type {now} instead of {before}", pair.name(), new.name);
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Source, "programs that use it as the old type may not compile");
+        .breaks(Category::Source, "programs that expect the old type may not compile");
 }

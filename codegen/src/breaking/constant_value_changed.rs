@@ -1,4 +1,4 @@
-//! `constant-value-changed`: a constant of another value.
+//! `constant-value-changed`: the value of a constant changed.
 
 use super::message::both;
 use super::message::{ConstantChange, Pair};
@@ -9,8 +9,9 @@ use crate::schema::Constant;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-value-changed",
-    purpose: "A constant has another value. Programs compile as before, and understand each other wrongly \
-              where only one side was built anew.",
+    statement: "The value of a constant changed.",
+    why: "Programs still compile, but two peers misunderstand each other until both are rebuilt.",
+    fix: "Keep the value, and add a new constant.",
     breaks: &[(Category::Semantic, Level::Error)],
     old: &[Example {
         path: "Glider.msg",
@@ -31,28 +32,28 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     let ConstantChange::Same(old, new) = change else { return };
-    // As text, since NaN equals nothing.
+    // Compared as text, since NaN doesn't equal itself.
     let (before, now) = (old.value.to_string(), new.value.to_string());
     if before == now {
         return;
     }
-    let message = format!("`{}.{}` is {now}, and was {before}", pair.name(), new.name);
+    let message = format!("`{}.{}` is {now} instead of {before}", pair.name(), new.name);
     let mut change = sink.change(new.span, both(old.span, new.span), message);
-    let heir = pair.new.constants.iter().take(MAX_CONSTANTS).find(|other| is_heir(old, other));
-    match heir {
-        Some(heir) => change.breaks(
+    let successor = pair.new.constants.iter().take(MAX_CONSTANTS).find(|other| takes_value_of(old, other));
+    match successor {
+        Some(successor) => change.breaks(
             Category::Semantic,
-            format!("programs of before take `{}`, which is {before} now, for it", heir.name),
+            format!("existing programs confuse it with `{}`, which is {before} now", successor.name),
         ),
-        None => change.breaks(Category::Semantic, "programs of before take its value for something else"),
+        None => change.breaks(Category::Semantic, "existing programs misunderstand its value"),
     };
 }
 
-/// How many constants are searched for one that has the value now: more than any enum known has.
+/// The maximum number of constants that are searched. No known enum has more.
 const MAX_CONSTANTS: usize = 1_000;
 
-/// Whether a constant has the value that another one had, and belongs with it by its first word.
-fn is_heir(old: &Constant, other: &Constant) -> bool {
-    let is_of_one_family = old.name.split('_').next() == other.name.split('_').next();
-    other.value == old.value && other.name != old.name && is_of_one_family
+/// True if a constant has another one's old value and the same first word.
+fn takes_value_of(old: &Constant, other: &Constant) -> bool {
+    let is_related = old.name.split('_').next() == other.name.split('_').next();
+    other.value == old.value && other.name != old.name && is_related
 }

@@ -1,4 +1,4 @@
-//! `error-code-abbreviation-changed`: an error code of another abbreviation.
+//! `error-code-abbreviation-changed`: the abbreviation of an error code changed.
 
 use super::comparison::CodeChange;
 use super::error_code_removed::name;
@@ -10,8 +10,9 @@ use crate::schema::ErrorCode;
 
 pub(super) const RULE: Rule = Rule {
     id: "error-code-abbreviation-changed",
-    purpose: "An error code has another abbreviation for the same condition. Programs that use the old \
-              name don't compile, and displays show another word.",
+    statement: "The abbreviation of an error code changed; its meaning is the same.",
+    why: "Programs that use the old name don't compile, and user interfaces show another word.",
+    fix: "Keep the abbreviation, and change only the description.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Warning)],
     old: &[Example {
         path: "boats.md",
@@ -41,12 +42,12 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
     if old.abbreviation == new.abbreviation {
         return;
     }
-    let message = format!("error code {} is now abbreviated {}", name(old), text(new));
+    let message = format!("error code {} now has the abbreviation {}", name(old), text(new));
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Source, "programs that use it by its old name don't compile")
-        .breaks(Category::Semantic, "displays and logs of before and now name it differently");
+        .breaks(Category::Source, "programs that use the old name don't compile")
+        .breaks(Category::Semantic, "existing displays and logs show another name");
 }
 
 fn text(code: &ErrorCode) -> &str {
-    code.abbreviation.as_deref().unwrap_or("by its number alone")
+    code.abbreviation.as_deref().unwrap_or("(none)")
 }

@@ -1,4 +1,4 @@
-//! `error-code-added`: an error code that is new.
+//! `error-code-added`: an error code was added.
 
 use super::comparison::CodeChange;
 use super::error_code_removed::name;
@@ -9,8 +9,9 @@ use crate::finding::Sides;
 
 pub(super) const RULE: Rule = Rule {
     id: "error-code-added",
-    purpose: "An error code is new. Readers of before don't know it, but can tell its severity from its \
-              number.",
+    statement: "An error code was added.",
+    why: "Existing programs don't know it. They can still derive the severity from the number.",
+    fix: "No change is necessary. Choose a number whose severity bits are right.",
     breaks: &[(Category::Semantic, Level::Note)],
     old: &[Example {
         path: "boats.md",
@@ -38,7 +39,7 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
     let CodeChange::Added(new) = change else { return };
-    let message = format!("error code {} is new", name(new));
+    let message = format!("error code {} was added", name(new));
     sink.change(new.span, Sides { old: None, new: Some(new.span) }, message)
-        .breaks(Category::Semantic, "programs of before show the number, and its severity");
+        .breaks(Category::Semantic, "existing programs show its number and severity");
 }

@@ -1,4 +1,4 @@
-//! `error-code-meaning-changed`: an error code that is described otherwise.
+//! `error-code-meaning-changed`: the meaning of an error code changed.
 
 use super::comparison::CodeChange;
 use super::comparison::common_words;
@@ -10,8 +10,10 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "error-code-meaning-changed",
-    purpose: "The description of an error code has become another one, by more than a change of words; or \
-              the codes that stand for the same condition at other severities have changed.",
+    statement: "The meaning of an error code changed: its description is a different one, or its \
+        alternatives changed.",
+    why: "Existing programs react to the old meaning.",
+    fix: "Check that the meaning is the same. For another condition, use a new code.",
     breaks: &[(Category::Semantic, Level::Warning)],
     old: &[Example {
         path: "boats.md",
@@ -36,20 +38,20 @@ pub(super) const RULE: Rule = Rule {
     check: Check::ErrorCode(check),
 };
 
-/// Where fewer of the words are common, the description is another one.
+/// The minimum share of common words in two descriptions with the same meaning.
 const SAME: f64 = 0.5;
 
 fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
     let CodeChange::Same(old, new) = change else { return };
     if common_words(&old.description, &new.description) < SAME {
-        let message = format!("error code {} is described otherwise", name(new));
+        let message = format!("the description of error code {} changed", name(new));
         sink.change(new.span, both(old.span, new.span), message)
-            .breaks(Category::Semantic, "read whether it still means the same");
+            .breaks(Category::Semantic, "check that it has the same meaning");
     } else if old.alternatives != new.alternatives {
-        let message = format!("error code {} has other alternatives", name(new));
+        let message = format!("the alternatives of error code {} changed", name(new));
         sink.change(new.span, both(old.span, new.span), message).breaks(
             Category::Semantic,
-            "a list that kept to the rule before may hold two of one condition now",
+            "a list that followed the rule may now have two codes for one condition",
         );
     }
 }

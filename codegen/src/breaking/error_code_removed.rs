@@ -1,4 +1,4 @@
-//! `error-code-removed`: an error code that is gone.
+//! `error-code-removed`: an error code was removed.
 
 use super::comparison::CodeChange;
 use super::rule::{Category, Check, Rule, Sink};
@@ -9,8 +9,9 @@ use crate::schema::ErrorCode;
 
 pub(super) const RULE: Rule = Rule {
     id: "error-code-removed",
-    purpose: "An error code is gone. Programs that use its name don't compile; whoever still sends it is \
-              no longer understood.",
+    statement: "An error code was removed.",
+    why: "Programs that use its name don't compile, and nobody understands it if a peer still sends it.",
+    fix: "Keep the code, and mark it as obsolete in its description.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Error)],
     old: &[Example {
         path: "boats.md",
@@ -38,13 +39,13 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
     let CodeChange::Removed(old) = change else { return };
-    let message = format!("error code {} is gone", name(old));
+    let message = format!("error code {} was removed", name(old));
     sink.change(old.span, Sides { old: Some(old.span), new: None }, message)
-        .breaks(Category::Source, "programs that use it by its name don't compile")
-        .breaks(Category::Semantic, "whoever still sends it is no longer understood");
+        .breaks(Category::Source, "programs that use its name don't compile")
+        .breaks(Category::Semantic, "peers that still send it are not understood");
 }
 
-/// A code as messages name it.
+/// The name of a code in messages.
 pub(super) fn name(code: &ErrorCode) -> String {
     match &code.abbreviation {
         Some(abbreviation) => format!("{} ({abbreviation})", code.code),

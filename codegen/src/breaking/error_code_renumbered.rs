@@ -1,4 +1,4 @@
-//! `error-code-renumbered`: an error code of another number.
+//! `error-code-renumbered`: the number of an error code changed.
 
 use super::comparison::CodeChange;
 use super::error_code_removed::name;
@@ -9,9 +9,10 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "error-code-renumbered",
-    purpose: "An abbreviation that was unique to a code has another number. The two sides understand each \
-              other wrongly until both change; where the severity changes with it, they also judge it \
-              otherwise.",
+    statement: "An error code has a new number.",
+    why: "Peers misunderstand each other until both are updated. If the severity changes too, they \
+        also react differently.",
+    fix: "Keep the old number.",
     breaks: &[(Category::Semantic, Level::Error)],
     old: &[Example {
         path: "boats.md",
@@ -40,9 +41,9 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
     let CodeChange::Renumbered(old, new) = change else { return };
     let message = format!("error code {} is now {}", name(old), new.code);
     let help = if old.severity() == new.severity() {
-        "programs of before don't understand the new number, and wait for the old one".to_owned()
+        "existing programs don't know the new number, and wait for the old one".to_owned()
     } else {
-        format!("it was of severity {} and is of severity {}", old.severity(), new.severity())
+        format!("its severity changes from {} to {}", old.severity(), new.severity())
     };
     sink.change(new.span, both(old.span, new.span), message).breaks(Category::Semantic, help);
 }

@@ -1,4 +1,4 @@
-//! `error-code-reused`: an error code that stands for something else.
+//! `error-code-reused`: the number of an error code has a new meaning.
 
 use super::comparison::CodeChange;
 use super::error_code_removed::name;
@@ -9,7 +9,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "error-code-reused",
-    purpose: "A number stands for another condition than before. Programs of before show the old one.",
+    statement: "The number of an error code has a new meaning.",
+    why: "Existing programs show the old condition.",
+    fix: "Use a new number for the new condition, and don't reuse numbers.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Error)],
     old: &[Example {
         path: "boats.md",
@@ -38,6 +40,6 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
     let CodeChange::Reused(old, new) = change else { return };
     let message = format!("error code {} is now {}", name(old), name(new));
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Source, "programs that use it by its old name don't compile")
-        .breaks(Category::Semantic, "programs of before take it for what it was");
+        .breaks(Category::Source, "programs that use the old name don't compile")
+        .breaks(Category::Semantic, "existing programs use the old meaning");
 }

@@ -1,4 +1,4 @@
-//! `field-added`: a field that is new.
+//! `field-added`: a field was added.
 
 use super::message::{FieldChange, Pair};
 use super::rule::{Category, Check, Rule, Sink};
@@ -9,8 +9,9 @@ use crate::schema::Message;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-added",
-    purpose: "A field is new. Messages of before lack it and have other bytes, so peers have to change \
-              together.",
+    statement: "A field was added.",
+    why: "Existing messages lack it and have other bytes, so all peers must change together.",
+    fix: "Update all peers together, and raise `MESSAGE_VERSION` of a versioned message.",
     breaks: &[
         (Category::Source, Level::Warning),
         (Category::Json, Level::Error),
@@ -42,15 +43,18 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         let last = pair.new.fields.len()
             - pair.fields.iter().rev().take_while(|change| matches!(change, FieldChange::Added(_))).count();
         let cdr = if at >= last {
-            "messages are longer: readers of before refuse what is left over, new ones miss it in old messages"
+            "messages are longer: existing readers reject the extra bytes, and new ones miss it in old messages"
         } else {
-            "all that follows it stands elsewhere: readers of before take its bytes for other fields"
+            "all later fields move: existing readers read its bytes as other fields"
         };
-        let message = format!("`{}.{}` ({}) is new", pair.name(), field.name, pair.new_type(field.ty));
+        let message = format!("`{}.{}` ({}) was added", pair.name(), field.name, pair.new_type(field.ty));
         let mut change = sink.change(field.span, Sides { old: None, new: Some(field.span) }, message);
         change
-            .breaks(Category::Source, "Rust code that names all fields of a value doesn't compile")
-            .breaks(Category::Json, "it is missing in messages of before, and unknown to their readers")
+            .breaks(
+                Category::Source,
+                "Rust code that constructs the message without the field doesn't compile",
+            )
+            .breaks(Category::Json, "old messages lack it, and existing readers don't know it")
             .breaks(Category::Cdr, cdr);
         if pair.is_uorb() {
             change.breaks(Category::Uorb, uorb(pair));
@@ -58,14 +62,16 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// What becomes of the layout in memory.
+/// Describes the change of the memory layout.
 pub(super) fn uorb(pair: &Pair<'_>) -> String {
     let size = |message: &Message| message.uorb.as_ref().map_or(0, |layout| layout.size);
     let (before, now) = (size(pair.old), size(pair.new));
     if before == now {
-        "the layout differs, though not the size: programs of before take the bytes for other fields"
+        "the layout differs, but the size is the same: existing programs read the bytes as other fields"
             .to_owned()
     } else {
-        format!("the layout differs: {now} bytes, {before} before; logs say so and can still be read by name")
+        format!(
+            "the layout differs: {now} bytes instead of {before}; readers of logs can still find fields by name"
+        )
     }
 }

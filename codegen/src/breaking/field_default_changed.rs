@@ -1,4 +1,4 @@
-//! `field-default-changed`: a field with another default.
+//! `field-default-changed`: the default of a field changed.
 
 use super::message::Pair;
 use super::message::both;
@@ -10,8 +10,9 @@ use crate::value::Value;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-default-changed",
-    purpose: "The default of a field changed (ROS 2): whoever leaves the field alone sends another value \
-              than before.",
+    statement: "The default value of a field changed (ROS 2).",
+    why: "Programs that don't set the field now send another value.",
+    fix: "Keep the default, or check all programs that don't set the field.",
     breaks: &[(Category::Semantic, Level::Warning)],
     old: &[Example { path: "glider_msgs/Glider.msg", text: "float32 sink 0.5\n" }],
     new: &[Example { path: "glider_msgs/Glider.msg", text: "float32 sink 0.7\n" }],
@@ -24,7 +25,7 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     if before == now {
         return;
     }
-    let message = format!("the default of `{}.{}` is {now}, and was {before}", pair.name(), new.name);
+    let message = format!("the default of `{}.{}` is {now} instead of {before}", pair.name(), new.name);
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Semantic, "whoever leaves the field alone sends another value than before");
+        .breaks(Category::Semantic, "programs that don't set the field send another value");
 }

@@ -1,4 +1,4 @@
-//! `field-enum-changed`: a field that holds other constants.
+//! `field-enum-changed`: the enum annotation of a field changed.
 
 use super::message::Pair;
 use super::message::both;
@@ -9,8 +9,9 @@ use crate::schema::{Field, Schema};
 
 pub(super) const RULE: Rule = Rule {
     id: "field-enum-changed",
-    purpose: "A field is annotated with other constants than before. Its values are the same numbers; its \
-              type in Rust is another one.",
+    statement: "The enum annotation of a field changed.",
+    why: "The values are the same numbers, but the Rust type of the field changes.",
+    fix: "Update the Rust programs that use the field.",
     breaks: &[(Category::Source, Level::Note)],
     old: &[Example {
         path: "Glider.msg",
@@ -18,7 +19,7 @@ pub(super) const RULE: Rule = Rule {
                \n\
                uint64 timestamp  # [us] Time since system start\n\
                uint8 MODE_THERMAL = 0  # Circling in lift\n\
-               uint8 mode              # What it does\n",
+               uint8 mode              # Current mode\n",
     }],
     new: &[Example {
         path: "Glider.msg",
@@ -34,8 +35,8 @@ pub(super) const RULE: Rule = Rule {
 fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     let name = |schema: &Schema, field: &Field| {
         let found = schema.enumeration(field.enumeration?);
-        let of = if found.is_flags { "flags" } else { "enum" };
-        Some(format!("the {of} {}", found.prefixes.join(", ")))
+        let kind = if found.is_flags { "flags" } else { "enum" };
+        Some(format!("the {kind} {}", found.prefixes.join(", ")))
     };
     let (before, now) = (name(pair.old_schema, old), name(pair.new_schema, new));
     if before == now {
@@ -43,7 +44,7 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     }
     let plain = || "a plain number".to_owned();
     let (before, now) = (before.unwrap_or_else(plain), now.unwrap_or_else(plain));
-    let message = format!("`{}.{}` is {now}, and was {before}", pair.name(), new.name);
+    let message = format!("`{}.{}` is {now} instead of {before}", pair.name(), new.name);
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Source, "its type in Rust is another one; values and bytes are the same");
+        .breaks(Category::Source, "its Rust type differs; values and bytes are the same");
 }

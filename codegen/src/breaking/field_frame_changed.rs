@@ -1,4 +1,4 @@
-//! `field-frame-changed`: a field in another coordinate frame.
+//! `field-frame-changed`: the coordinate frame of a field changed.
 
 use super::message::Pair;
 use super::message::both;
@@ -10,8 +10,9 @@ use crate::schema::Field;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-frame-changed",
-    purpose: "A field has another coordinate frame: the same numbers mean another direction or place. \
-              Where a frame is stated for the first time, nothing is reported.",
+    statement: "The coordinate frame of a field changed.",
+    why: "The same numbers mean another direction or position, and nothing but the definition shows it.",
+    fix: "Keep the frame, or add a new field with the new frame.",
     breaks: &[(Category::Semantic, Level::Error)],
     old: &[Example {
         path: "Glider.msg",
@@ -35,7 +36,7 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     if before == now {
         return;
     }
-    let message = format!("`{}.{}` is in the frame {now}, and was in {before}", pair.name(), new.name);
+    let message = format!("`{}.{}` is in frame {now} instead of {before}", pair.name(), new.name);
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Semantic, "programs of before take the numbers for another direction or place");
+        .breaks(Category::Semantic, "existing programs read the numbers as another direction or position");
 }

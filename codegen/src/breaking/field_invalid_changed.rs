@@ -1,4 +1,4 @@
-//! `field-invalid-changed`: a field that says otherwise that it has no data.
+//! `field-invalid-changed`: the value for missing data changed.
 
 use super::message::Pair;
 use super::message::both;
@@ -10,9 +10,10 @@ use crate::value::Value;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-invalid-changed",
-    purpose: "Another value than before says that a field has no data, or that a set point doesn't apply. \
-              Programs of before take it for data. Where such a value is stated for the first time, \
-              nothing is reported.",
+    statement: "The value for missing data changed. A value that is added for the first time is not \
+        reported.",
+    why: "Existing programs use the new value as data, and wait for the old one.",
+    fix: "Keep the value, or update all readers before the writers.",
     breaks: &[(Category::Semantic, Level::Error)],
     old: &[Example {
         path: "Glider.msg",
@@ -37,19 +38,15 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
         if text(before) == now {
             continue;
         }
-        let message = format!(
-            "no data in `{}.{}` is said by {now}, and was by {}",
-            pair.name(),
-            new.name,
-            text(before)
-        );
+        let message =
+            format!("missing data in `{}.{}` is {now} instead of {}", pair.name(), new.name, text(before));
         sink.change(new.span, both(old.span, new.span), message).breaks(
             Category::Semantic,
-            "programs of before take the new value for data, and wait for the old one",
+            "existing programs read the new value as data, and wait for the old one",
         );
     }
 }
 
 fn text(special: &Constraint) -> String {
-    special.stated.value().map_or_else(|| "emptiness".to_owned(), Value::to_string)
+    special.stated.value().map_or_else(|| "an empty value".to_owned(), Value::to_string)
 }

@@ -1,4 +1,4 @@
-//! `field-moved`: a field at another place among the others.
+//! `field-moved`: a field moved among the others.
 
 use super::message::Pair;
 use super::message::{Kept, both};
@@ -9,9 +9,10 @@ use crate::schema::Element;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-moved",
-    purpose: "Fields stand in another order. CDR writes them in that order, so its bytes differ always. \
-              uORB sorts fields by size, so its layout differs only where fields of equal size change \
-              places.",
+    statement: "The order of the fields changed.",
+    why: "CDR writes fields in the order of the definition. uORB sorts them by size, so its layout \
+        changes only if fields of the same size swap places.",
+    fix: "Restore the order.",
     breaks: &[(Category::Cdr, Level::Error), (Category::Uorb, Level::Error)],
     old: &[Example {
         path: "Glider.msg",
@@ -32,7 +33,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Message(check),
 };
 
-/// Beyond this many comparisons the field that one changes places with is no longer looked for.
+/// The maximum number of comparisons to find the field that swapped places with a moved one.
 const MAX_COMPARISONS: usize = 1_000_000;
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
@@ -45,8 +46,8 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
             let is_crossed = (other.old < moved.old) != (other.new < moved.new);
             is_crossed && size(pair, moved) == size(pair, other)
         });
-        let message = format!("`{}.{}` stands at another place among the fields", pair.name(), new.name);
-        let cdr = "readers of before take its bytes for other fields";
+        let message = format!("`{}.{}` has another position among the fields", pair.name(), new.name);
+        let cdr = "existing readers read its bytes as other fields";
         let mut change = sink.change(new.span, both(old.span, new.span), message);
         if !pair.is_uorb() {
             change.breaks(Category::Cdr, cdr);
@@ -54,16 +55,16 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
             let name = &pair.new.fields[partner.new].name;
             change.breaks(Category::Cdr, cdr).breaks(
                 Category::Uorb,
-                format!("it changes places with `{name}`, which is of equal size: the layout differs"),
+                format!("it swaps places with `{name}`, which has the same size: the layout differs"),
             );
         } else {
-            let help = format!("{cdr}; in uORB it stays where it is, as fields are sorted by size");
+            let help = format!("{cdr}; its position in uORB is the same, since fields are sorted by size");
             change.breaks(Category::Cdr, help);
         }
     }
 }
 
-/// What uORB sorts a field by: the size of its elements; nested messages come last.
+/// The key by which uORB sorts a field: the size of its elements. Nested messages come last.
 fn size(pair: &Pair<'_>, kept: &Kept) -> (usize, bool) {
     match pair.new.fields[kept.new].ty.element {
         Element::Scalar(scalar) => (scalar.size(), false),

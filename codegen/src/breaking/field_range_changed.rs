@@ -1,4 +1,4 @@
-//! `field-range-changed`: a field with other bounds, or another limit of its values.
+//! `field-range-changed`: the range or another limit of a field changed.
 
 use super::message::Pair;
 use super::message::both;
@@ -10,8 +10,10 @@ use crate::value::Value;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-range-changed",
-    purpose: "The range of a field changed: values that were within it may be outside now, or the reverse. \
-              Where a range is stated for the first time, nothing is reported.",
+    statement: "The range of a field changed. A range that is added for the first time is not reported.",
+    why: "Values that were valid may be out of range now, or the reverse. A new range often means a \
+        new scale.",
+    fix: "Check that readers accept the new range. If the scale changes, add a new field.",
     breaks: &[(Category::Semantic, Level::Warning)],
     old: &[Example {
         path: "Glider.msg",
@@ -33,11 +35,9 @@ pub(super) const RULE: Rule = Rule {
 fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     for before in old.constraints.iter().filter(|found| !found.is_special()) {
         let Some(now) = new.constraint(before.kind).filter(|now| *now != before) else { continue };
-        let message = format!("`{}.{}` is {}, and was {}", pair.name(), new.name, text(now), text(before));
-        sink.change(new.span, both(old.span, new.span), message).breaks(
-            Category::Semantic,
-            "what was a valid value may be none now, or may mean another share of the whole",
-        );
+        let message = format!("`{}.{}` is {} instead of {}", pair.name(), new.name, text(now), text(before));
+        sink.change(new.span, both(old.span, new.span), message)
+            .breaks(Category::Semantic, "valid values may be out of range now, or have another scale");
     }
 }
 

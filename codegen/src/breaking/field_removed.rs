@@ -1,4 +1,4 @@
-//! `field-removed`: a field that is gone.
+//! `field-removed`: a field was removed.
 
 use super::field_added::uorb;
 use super::message::{FieldChange, Pair};
@@ -9,8 +9,10 @@ use crate::finding::Sides;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-removed",
-    purpose: "A field is gone. Programs that use it don't compile, and messages have other bytes, so peers \
-              have to change together.",
+    statement: "A field was removed.",
+    why: "Programs that use it don't compile, and messages have other bytes, so all peers must change \
+        together.",
+    fix: "Keep the field, and mark it as deprecated in its comment. Otherwise update all peers together.",
     breaks: &[
         (Category::Source, Level::Error),
         (Category::Json, Level::Error),
@@ -39,16 +41,16 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     for change in &pair.fields {
         let FieldChange::Removed(at) = *change else { continue };
         let field = &pair.old.fields[at];
-        let message = format!("`{}.{}` ({}) is gone", pair.name(), field.name, pair.old_type(field.ty));
+        let message = format!("`{}.{}` ({}) was removed", pair.name(), field.name, pair.old_type(field.ty));
         let cdr = if at + 1 == pair.old.fields.len() {
-            "messages are shorter: readers of before miss it, new ones refuse what old messages have left over"
+            "messages are shorter: existing readers miss it, and new ones reject the extra bytes of old messages"
         } else {
-            "all that followed it stands elsewhere: readers of before take other bytes for it"
+            "all later fields move: existing readers read other bytes for them"
         };
         let mut change = sink.change(pair.head(), Sides { old: Some(field.span), new: None }, message);
         change
             .breaks(Category::Source, "programs that use it don't compile")
-            .breaks(Category::Json, "readers of before miss it, and what they write has one member too many")
+            .breaks(Category::Json, "existing readers miss it, and existing writers send an unknown member")
             .breaks(Category::Cdr, cdr);
         if pair.is_uorb() {
             change.breaks(Category::Uorb, uorb(pair));

@@ -1,4 +1,4 @@
-//! `field-renamed`: a field under another name.
+//! `field-renamed`: a field was renamed.
 
 use super::message::Pair;
 use super::message::both;
@@ -9,9 +9,10 @@ use crate::schema::Field;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-renamed",
-    purpose: "A field has another name: recognised as one where its type and its position are the same. \
-              Its bytes are too, but PX4 and ROS 2 hash the names of fields with their types, and peers \
-              that compare hashes refuse each other.",
+    statement: "A field was renamed; its type and position are the same.",
+    why: "The bytes do not change. But PX4 and ROS 2 include field names in the hash of a type, and \
+        peers with different hashes reject each other.",
+    fix: "Keep the name, or update all peers together.",
     breaks: &[
         (Category::Source, Level::Error),
         (Category::Json, Level::Error),
@@ -40,18 +41,18 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
         return;
     }
     let message =
-        format!("`{}.{}` ({}) is now called `{}`", pair.name(), old.name, pair.new_type(new.ty), new.name);
+        format!("`{}.{}` ({}) was renamed to `{}`", pair.name(), old.name, pair.new_type(new.ty), new.name);
     let mut change = sink.change(new.span, both(old.span, new.span), message);
     change
-        .breaks(Category::Source, "programs that use it by its old name don't compile")
-        .breaks(Category::Json, "readers of before miss the old member, and don't know the new one")
+        .breaks(Category::Source, "programs that use the old name don't compile")
+        .breaks(Category::Json, "existing readers miss the old member and don't know the new one")
         .breaks(
             Category::Cdr,
-            "the bytes are the same; but the type's hash isn't, so peers that compare hashes refuse",
+            "the bytes are the same, but the type hash differs: peers that compare hashes reject each other",
         );
     if pair.is_uorb() {
         let help =
-            "the bytes are the same; but the message's hash isn't, and readers of logs look for the old name";
+            "the bytes are the same, but the message hash differs, and readers of logs look for the old name";
         change.breaks(Category::Uorb, help);
     }
 }

@@ -1,4 +1,4 @@
-//! `field-type-changed`: a field of another type.
+//! `field-type-changed`: the type of a field changed.
 
 use super::field_added::uorb;
 use super::message::Pair;
@@ -10,8 +10,9 @@ use crate::schema::Element;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-type-changed",
-    purpose: "A field has another type. Its bytes mean something else, and those of all fields after it \
-              may have moved.",
+    statement: "The type of a field changed.",
+    why: "Its bytes have another meaning, and later fields may move.",
+    fix: "Keep the type, and add a new field with the new type. Otherwise update all peers together.",
     breaks: &[
         (Category::Source, Level::Error),
         (Category::Json, Level::Error),
@@ -42,23 +43,20 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
             continue;
         }
         let (before, now) = (pair.old_type(old.ty), pair.new_type(new.ty));
-        let message = format!("`{}.{}` is {now}, and was {before}", pair.name(), new.name);
+        let message = format!("`{}.{}` has type {now} instead of {before}", pair.name(), new.name);
         let mut change = sink.change(new.span, both(old.span, new.span), message);
-        change.breaks(Category::Source, "programs that use it as before don't compile");
+        change.breaks(Category::Source, "programs that expect the old type don't compile");
         if !is_same_json(old.ty.element, new.ty.element) {
-            change.breaks(Category::Json, "values of the one type may be none of the other");
+            change.breaks(Category::Json, "values of one type may be invalid for the other");
         }
-        change.breaks(
-            Category::Cdr,
-            "its bytes are read as another type, and all that follows may stand elsewhere",
-        );
+        change.breaks(Category::Cdr, "its bytes are read as another type, and later fields may move");
         if pair.is_uorb() {
             change.breaks(Category::Uorb, uorb(pair));
         }
     }
 }
 
-/// Whether both are strings of a kind: that they may have another length is told by `array-length-changed`.
+/// True if both are strings of the same kind. `array-length-changed` reports a change of their length.
 fn is_same_string(old: Element, new: Element) -> bool {
     let wide = |element| match element {
         Element::String { wide, .. } => Some(wide),
@@ -67,7 +65,7 @@ fn is_same_string(old: Element, new: Element) -> bool {
     wide(old).is_some() && wide(old) == wide(new)
 }
 
-/// Whether values of both types are the same in JSON: so all floats.
+/// True if both types have the same values in JSON, as all floats do.
 fn is_same_json(old: Element, new: Element) -> bool {
     let is_float = |element| matches!(element, Element::Scalar(scalar) if scalar.is_float());
     is_float(old) && is_float(new)

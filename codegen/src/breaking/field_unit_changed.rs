@@ -1,4 +1,4 @@
-//! `field-unit-changed`: a field in another unit.
+//! `field-unit-changed`: the unit of a field changed.
 
 use super::message::Pair;
 use super::message::both;
@@ -9,9 +9,9 @@ use crate::schema::Field;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-unit-changed",
-    purpose: "A field has another unit: the same number means another quantity, and nothing but the \
-              definition tells. Where a unit is stated for the first time, nothing is reported: the field \
-              was in some unit all along.",
+    statement: "The unit of a field changed. A unit that is added for the first time is not reported.",
+    why: "The same number means another quantity, and nothing but the definition shows it.",
+    fix: "Keep the unit, or add a new field with the new unit in its name.",
     breaks: &[(Category::Semantic, Level::Error)],
     old: &[Example {
         path: "Glider.msg",
@@ -35,7 +35,7 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     if before == now {
         return;
     }
-    let message = format!("`{}.{}` is in {now}, and was in {before}", pair.name(), new.name);
+    let message = format!("`{}.{}` is in {now} instead of {before}", pair.name(), new.name);
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Semantic, "programs of before read the numbers as if the unit were the old one");
+        .breaks(Category::Semantic, "existing programs read the numbers in the old unit");
 }

@@ -1,107 +1,107 @@
-//! A message of two sets: which field and which constant of one stands for which in the other.
+//! Matches the fields and constants of a message in two versions.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::order;
 use super::order::{MAX_COMPARISONS, align, likeness};
-use super::signature::OfSet;
+use super::signature::SchemaSignatures;
 use crate::finding::Sides;
 use crate::schema::{Constant, Dialect, Element, Field, Form, Kind, Message, MessageId, Schema, Type};
 use crate::source::Span;
 
-/// Between which states versions of messages are judged.
+/// The kind of the compared versions, which determines how `MESSAGE_VERSION` may change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Between {
-    /// Between commits a changed message has a version that is one higher.
+    /// Between commits, the version of a changed message is higher by one.
     #[default]
     Commits,
-    /// Between releases it may be higher by more: the message may have changed several times.
+    /// Between releases, it may be higher by more, since the message may have changed several times.
     Releases,
 }
 
-/// Constants that PX4 knows by name, with rules of their own.
+/// Constants with a special meaning in PX4, which have separate rules.
 pub(super) const VERSION: &str = "MESSAGE_VERSION";
 pub(super) const QUEUE_LENGTH: &str = "ORB_QUEUE_LENGTH";
 
-/// From this on, two names are taken for one and the same thing.
+/// The minimum likeness of a renamed item.
 const ALIKE: f64 = 0.5;
 
-/// A message that is in both sets.
+/// A message in both versions.
 #[derive(Debug)]
 pub(crate) struct Pair<'a> {
-    /// The set that it was in.
+    /// The old schema.
     pub old_schema: &'a Schema,
-    /// The set that it is in.
+    /// The new schema.
     pub new_schema: &'a Schema,
-    /// As it was.
+    /// The old message.
     pub old: &'a Message,
-    /// As it is.
+    /// The new message.
     pub new: &'a Message,
-    /// Its fields.
+    /// The fields.
     pub fields: Vec<FieldChange>,
-    /// Its constants but those that PX4 knows by name.
+    /// The constants, except those with a special meaning in PX4.
     pub constants: Vec<ConstantChange<'a>>,
-    /// Between which states versions are judged.
+    /// The kind of the compared versions.
     pub between: Between,
 }
 
-/// A field of two sets, or of one, by index.
+/// A field in one or both versions, by index.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum FieldChange {
-    /// In both.
+    /// In both versions.
     Kept(Kept),
-    /// Only in the old set.
+    /// Only in the old version.
     Removed(usize),
-    /// Only in the new set.
+    /// Only in the new version.
     Added(usize),
 }
 
-/// A field that is in both sets, under whatever name.
+/// A field in both versions, possibly renamed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kept {
-    /// Its index in the old message.
+    /// The index in the old message.
     pub old: usize,
-    /// Its index in the new one.
+    /// The index in the new message.
     pub new: usize,
-    /// What became of the type of its elements.
+    /// The change of its element type.
     pub held: Held,
-    /// Whether it has to move so that the fields that are kept stand in the old order.
+    /// True if it moved relative to the other fields in both versions.
     pub is_moved: bool,
 }
 
-/// What became of that which a field holds, in whatever number.
+/// The change of a field's element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Held {
-    /// It is the same.
+    /// An unchanged type.
     Same,
-    /// It is the same message, but that has other bytes.
+    /// A nested message whose bytes changed.
     Changed {
-        /// In CDR.
+        /// True if its CDR bytes changed.
         cdr: bool,
-        /// In memory.
+        /// True if its memory layout changed.
         uorb: bool,
     },
-    /// It is another scalar, string or message.
+    /// Another scalar, string or message.
     Other,
 }
 
-/// A constant of two sets, or of one.
+/// A constant in one or both versions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum ConstantChange<'a> {
-    /// Only in the old set.
+    /// Only in the old version.
     Removed(&'a Constant),
-    /// Only in the new set.
+    /// Only in the new version.
     Added(&'a Constant),
-    /// The same value under another name.
+    /// A renamed constant with the old value.
     Renamed(&'a Constant, &'a Constant),
-    /// The same value for something else.
+    /// A new constant with the value of a removed one.
     Reused(&'a Constant, &'a Constant),
-    /// Under the same name.
+    /// A constant with the old name.
     Same(&'a Constant, &'a Constant),
 }
 
 impl<'a> Pair<'a> {
-    /// The fields that are in both sets.
+    /// The fields in both versions.
     pub(crate) fn kept(&self) -> impl Iterator<Item = &Kept> {
         self.fields.iter().filter_map(|change| match change {
             FieldChange::Kept(kept) => Some(kept),
@@ -109,12 +109,12 @@ impl<'a> Pair<'a> {
         })
     }
 
-    /// The fields that are in both sets, as they were and as they are.
+    /// The old and the new field of each field in both versions.
     pub(crate) fn fields(&self) -> impl Iterator<Item = (&'a Field, &'a Field)> {
         self.kept().map(|kept| (&self.old.fields[kept.old], &self.new.fields[kept.new]))
     }
 
-    /// Whether anything changed that PX4 asks a new version for: names, types, lengths or order of fields.
+    /// True if a change requires a new version in PX4: names, types, lengths or order of fields.
     pub(crate) fn has_changed_fields(&self) -> bool {
         let is_changed = |change: &FieldChange| match change {
             FieldChange::Removed(_) | FieldChange::Added(_) => true,
@@ -130,46 +130,46 @@ impl<'a> Pair<'a> {
         self.fields.iter().any(is_changed)
     }
 
-    /// Its name, as it is now.
+    /// The new name.
     pub(crate) fn name(&self) -> &'a str {
         &self.new.name
     }
 
-    /// The place of the message in the new set.
+    /// The location of the message in the new version.
     pub(crate) fn head(&self) -> Span {
         self.new.span.part(0..0)
     }
 
-    /// Whether it is a message of PX4's uORB.
+    /// True if it is a uORB message.
     pub(crate) fn is_uorb(&self) -> bool {
         let form = self.new_schema.package_of(self.new).form;
         form == Form::Msg(Dialect::Px4) && self.new.kind == Kind::Message
     }
 
-    /// What a field's type was, as a definition writes it.
+    /// The old type of a field, in the syntax of definitions.
     pub(crate) fn old_type(&self, ty: Type) -> String {
         self.old_schema.type_text(self.old, ty)
     }
 
-    /// What a field's type is.
+    /// The new type of a field.
     pub(crate) fn new_type(&self, ty: Type) -> String {
         self.new_schema.type_text(self.new, ty)
     }
 }
 
-/// Both places.
+/// Both locations.
 pub(super) fn both(old: Span, new: Span) -> Sides {
     Sides { old: Some(old), new: Some(new) }
 }
 
-/// What pairs are made from.
+/// The context in which pairs are made.
 pub(super) struct PairOf<'a, 'm> {
     pub(super) old: &'a Schema,
     pub(super) new: &'a Schema,
-    /// Which message of the new set stands for one of the old.
+    /// The new message of each old message.
     pub(super) twins: &'m HashMap<MessageId, MessageId>,
-    pub(super) old_signatures: OfSet,
-    pub(super) new_signatures: OfSet,
+    pub(super) old_signatures: SchemaSignatures,
+    pub(super) new_signatures: SchemaSignatures,
     pub(super) between: Between,
 }
 
@@ -190,25 +190,25 @@ impl<'a> PairOf<'a, '_> {
     fn fields(&self, old: &Message, new: &Message) -> Vec<FieldChange> {
         let mut twin_of = same_names(old, new);
         let is_taken: BTreeSet<usize> = twin_of.values().copied().collect();
-        let gone = gaps(&old.fields, |at| twin_of.contains_key(&at));
-        let come = gaps(&new.fields, |at| is_taken.contains(&at));
+        let removed = gaps(&old.fields, |at| twin_of.contains_key(&at));
+        let added = gaps(&new.fields, |at| is_taken.contains(&at));
         let mut budget = MAX_COMPARISONS;
-        for (anchor, gone) in &gone {
-            let Some(come) = come.get(anchor) else { continue };
-            let field = |at: usize| &old.fields[gone[at]];
+        for (anchor, removed) in &removed {
+            let Some(added) = added.get(anchor) else { continue };
+            let field = |at: usize| &old.fields[removed[at]];
             let can_match = |left: usize, right: usize| {
-                let (before, after) = (field(left), &new.fields[come[right]]);
-                // What is measured in another unit is another thing, though it may be as wide.
+                let (before, after) = (field(left), &new.fields[added[right]]);
+                // A field with another unit is another field, although it may have the same type.
                 let is_other_unit =
                     before.unit.is_some() && after.unit.is_some() && before.unit != after.unit;
                 before.ty.shape == after.ty.shape
                     && self.is_same(before.ty.element, after.ty.element)
                     && !is_other_unit
             };
-            let alike =
-                |left: usize, right: usize| likeness(&field(left).name, &new.fields[come[right]].name);
-            let renamed = align(gone.len(), come.len(), &mut budget, can_match, alike);
-            twin_of.extend(renamed.into_iter().map(|(left, right)| (gone[left], come[right])));
+            let similarity =
+                |left: usize, right: usize| likeness(&field(left).name, &new.fields[added[right]].name);
+            let renamed = align(removed.len(), added.len(), &mut budget, can_match, similarity);
+            twin_of.extend(renamed.into_iter().map(|(left, right)| (removed[left], added[right])));
         }
         let positions: Vec<usize> = twin_of.values().copied().collect();
         let mut moved = order::moved(&positions).into_iter();
@@ -249,7 +249,7 @@ impl<'a> PairOf<'a, '_> {
     }
 }
 
-/// For each field of the old message that of the new one that is called the same.
+/// The new index of each old field with the same name.
 fn same_names(old: &Message, new: &Message) -> BTreeMap<usize, usize> {
     let by_name: HashMap<&str, usize> =
         new.fields.iter().enumerate().map(|(at, field)| (field.name.as_str(), at)).collect();
@@ -257,7 +257,7 @@ fn same_names(old: &Message, new: &Message) -> BTreeMap<usize, usize> {
     names.filter_map(|(at, field)| Some((at, *by_name.get(field.name.as_str())?))).collect()
 }
 
-/// The fields that aren't known, by the name of the known field before them.
+/// The unmatched fields, by the name of the matched field before them.
 fn gaps(fields: &[Field], is_known: impl Fn(usize) -> bool) -> BTreeMap<&str, Vec<usize>> {
     let mut gaps: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     let mut anchor = "";
@@ -276,20 +276,20 @@ fn constants<'a>(old: &'a Message, new: &'a Message) -> Vec<ConstantChange<'a>> 
     let mut after: BTreeMap<&str, &Constant> =
         new.constants.iter().filter(plain).map(|constant| (constant.name.as_str(), constant)).collect();
     let mut changes = Vec::new();
-    let mut gone = Vec::new();
+    let mut removed = Vec::new();
     for before in old.constants.iter().filter(plain) {
         match after.remove(before.name.as_str()) {
             Some(after) => changes.push(ConstantChange::Same(before, after)),
-            None => gone.push(before),
+            None => removed.push(before),
         }
     }
-    // By value, so that each is compared with few.
-    let mut come: BTreeMap<String, Vec<&Constant>> = BTreeMap::new();
+    // Grouped by value to limit the number of comparisons.
+    let mut added: BTreeMap<String, Vec<&Constant>> = BTreeMap::new();
     for constant in after.into_values() {
-        come.entry(constant.value.to_string()).or_default().push(constant);
+        added.entry(constant.value.to_string()).or_default().push(constant);
     }
-    for before in gone {
-        let candidates = come.get_mut(&before.value.to_string());
+    for before in removed {
+        let candidates = added.get_mut(&before.value.to_string());
         let twin = candidates.and_then(|candidates| take_twin(before, candidates));
         changes.push(match twin {
             Some((after, true)) => ConstantChange::Renamed(before, after),
@@ -297,28 +297,29 @@ fn constants<'a>(old: &'a Message, new: &'a Message) -> Vec<ConstantChange<'a>> 
             None => ConstantChange::Removed(before),
         });
     }
-    changes.extend(come.into_values().flatten().map(ConstantChange::Added));
+    changes.extend(added.into_values().flatten().map(ConstantChange::Added));
     changes
 }
 
-/// The most alike of `candidates`, which have the same value, and whether it is the same under another name.
-/// One whose name shares nothing, not even its first word, is neither.
+/// Removes the most similar of `candidates`, which have the same value. The flag is true if it is the same constant
+/// under another name. Candidates that are not similar and have another first word are ignored.
 fn take_twin<'a>(constant: &Constant, candidates: &mut Vec<&'a Constant>) -> Option<(&'a Constant, bool)> {
-    /// More are not compared: enums don't have so many aliases.
+    /// The maximum number of compared candidates. Enums have fewer aliases.
     const MAX_CANDIDATES: usize = 100;
-    let alike = |other: &Constant| {
+    let similarity = |other: &Constant| {
         let shared = common_words(&constant.name, &other.name);
-        let says_same = !constant.description.is_empty() && constant.description == other.description;
+        let has_same_comment = !constant.description.is_empty() && constant.description == other.description;
         let letters = likeness(&constant.name[shared..], &other.name[shared..]);
-        if says_same { 1.0 } else { letters }
+        if has_same_comment { 1.0 } else { letters }
     };
-    let scores = candidates.iter().take(MAX_CANDIDATES).enumerate().map(|(at, other)| (at, alike(other)));
+    let scores =
+        candidates.iter().take(MAX_CANDIDATES).enumerate().map(|(at, other)| (at, similarity(other)));
     let (at, score) = scores.max_by(|left, right| left.1.total_cmp(&right.1).then(right.0.cmp(&left.0)))?;
-    let is_of_one_family = common_words(&constant.name, &candidates[at].name) > 0;
-    (score >= ALIKE || is_of_one_family).then(|| (candidates.remove(at), score >= ALIKE))
+    let is_related = common_words(&constant.name, &candidates[at].name) > 0;
+    (score >= ALIKE || is_related).then(|| (candidates.remove(at), score >= ALIKE))
 }
 
-/// Length of the words, up to a `_`, that two names start with.
+/// The length of the common words, up to a `_`, at the start of two names.
 fn common_words(left: &str, right: &str) -> usize {
     let common = left.bytes().zip(right.bytes()).take_while(|(left, right)| left == right).count();
     left.as_bytes()[..common].iter().rposition(|byte| *byte == b'_').map_or(0, |at| at + 1)

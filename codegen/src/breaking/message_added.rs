@@ -1,4 +1,4 @@
-//! `message-added`: a message, service or action that is new.
+//! `message-added`: a message, service or action was added.
 
 use super::comparison::MessageChange;
 use super::message_removed::what;
@@ -9,8 +9,9 @@ use crate::finding::Sides;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-added",
-    purpose: "A message, a service or an action is new. That breaks nobody; it is said so that the report \
-              tells all that changed.",
+    statement: "A message, service or action was added.",
+    why: "It breaks nobody. The report lists it for completeness.",
+    fix: "No change is necessary.",
     breaks: &[(Category::Source, Level::Note)],
     old: &[Example {
         path: "Glider.msg",
@@ -31,7 +32,7 @@ pub(super) const RULE: Rule = Rule {
 fn check(change: &MessageChange<'_>, sink: &mut Sink<'_>) {
     let MessageChange::Added(new) = change else { return };
     let place = new.span.part(0..0);
-    let message = format!("the {} `{}` is new", what(new.kind), new.name);
+    let message = format!("the {} `{}` was added", what(new.kind), new.name);
     sink.change(place, Sides { old: None, new: Some(place) }, message)
-        .breaks(Category::Source, "nobody: programs may use it from now on");
+        .breaks(Category::Source, "no existing program is affected");
 }

@@ -1,4 +1,4 @@
-//! `message-removed`: a message, service or action that is gone.
+//! `message-removed`: a message, service or action was removed.
 
 use super::comparison::MessageChange;
 use super::rule::{Category, Check, Rule, Sink};
@@ -9,8 +9,9 @@ use crate::schema::Kind;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-removed",
-    purpose: "A message, a service or an action is gone. Nothing that was built on it goes on: programs \
-              don't compile, and nobody sends or takes it any more.",
+    statement: "A message, service or action was removed.",
+    why: "Programs that use it don't compile, and peers that send or expect it have no partner.",
+    fix: "Keep it until no program uses it.",
     breaks: &[
         (Category::Source, Level::Error),
         (Category::Json, Level::Error),
@@ -36,18 +37,18 @@ fn check(change: &MessageChange<'_>, sink: &mut Sink<'_>) {
     let MessageChange::Removed(old) = change else { return };
     let place = old.span.part(0..0);
     let what = what(old.kind);
-    let message = format!("the {what} `{}` is gone", old.name);
+    let message = format!("the {what} `{}` was removed", old.name);
     let mut change = sink.change(place, Sides { old: Some(place), new: None }, message);
     change
         .breaks(Category::Source, "programs that use its type don't compile")
-        .breaks(Category::Json, "nothing in JSON is of this type any more")
-        .breaks(Category::Cdr, "peers that send or expect it find no partner");
+        .breaks(Category::Json, "JSON messages of this type are unknown")
+        .breaks(Category::Cdr, "peers that send or expect it have no partner");
     if old.kind == Kind::Message {
-        change.breaks(Category::Uorb, "its topics are gone, and new logs don't have them");
+        change.breaks(Category::Uorb, "its topics don't exist, and new logs lack them");
     }
 }
 
-/// What a kind of file defines, in words.
+/// The name of a kind.
 pub(super) fn what(kind: Kind) -> &'static str {
     match kind {
         Kind::Message => "message",

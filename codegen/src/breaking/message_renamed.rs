@@ -1,4 +1,4 @@
-//! `message-renamed`: a message under another name.
+//! `message-renamed`: a message was renamed.
 
 use super::comparison::MessageChange;
 use super::message::both;
@@ -8,8 +8,10 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-renamed",
-    purpose: "A message has another name: recognised as one by its fields. What refers to it by name no \
-              longer finds it, while its bytes may be the same.",
+    statement: "A message was renamed; most of its fields are the same.",
+    why: "Programs, topics and logs refer to it by name. Its bytes may be the same, but peers don't \
+        find each other.",
+    fix: "Keep the name, or update all peers together.",
     breaks: &[
         (Category::Source, Level::Error),
         (Category::Json, Level::Error),
@@ -36,16 +38,13 @@ pub(super) const RULE: Rule = Rule {
 fn check(change: &MessageChange<'_>, sink: &mut Sink<'_>) {
     let MessageChange::Renamed(old, new) = change else { return };
     let places = both(old.span.part(0..0), new.span.part(0..0));
-    let message = format!("`{}` is now called `{}`", old.name, new.name);
+    let message = format!("`{}` was renamed to `{}`", old.name, new.name);
     sink.change(new.span.part(0..0), places, message)
         .breaks(Category::Source, "programs that use its type don't compile")
-        .breaks(
-            Category::Json,
-            "messages that name their type, and references to its schema, name another one",
-        )
-        .breaks(Category::Cdr, "DDS and ROS 2 match types by name and hash: peers of before find no partner")
+        .breaks(Category::Json, "messages with a type name, and references to the schema, use another name")
+        .breaks(Category::Cdr, "DDS and ROS 2 match types by name and hash: existing peers have no partner")
         .breaks(
             Category::Uorb,
-            "logs name another format, and topics that are called after it change with it",
+            "the name of the format in logs changes, and so do topics that are named after the message",
         );
 }

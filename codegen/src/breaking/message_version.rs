@@ -1,4 +1,4 @@
-//! `message-version`: a version that doesn't tell of a change.
+//! `message-version`: a version that doesn't reflect a change.
 
 use super::message::VERSION;
 use super::message::{Between, Pair};
@@ -10,9 +10,11 @@ use crate::schema::Message;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-version",
-    purpose: "A versioned message of PX4 whose fields changed has a MESSAGE_VERSION that is higher by one, \
-              between releases by one or more; and a version never goes back. Otherwise two different \
-              messages have the same version, and nothing can tell them apart.",
+    statement: "A versioned PX4 message changed, but its MESSAGE_VERSION is not higher by one. \
+        Between releases, it may be higher by more.",
+    why: "Two different messages have the same version, so peers and the translation between versions \
+        can't distinguish them.",
+    fix: "Raise `MESSAGE_VERSION` by one, and never lower it.",
     breaks: &[(Category::Version, Level::Error)],
     old: &[Example {
         path: "Glider.msg",
@@ -35,15 +37,21 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     let next = before.saturating_add(1);
     let name = pair.name();
     let (message, help) = if now < before {
-        (format!("the version of `{name}` goes back from {before} to {now}"), "versions only rise".to_owned())
+        (
+            format!("the version of `{name}` decreases from {before} to {now}"),
+            "a version must not decrease".to_owned(),
+        )
     } else if !pair.has_changed_fields() {
         return;
     } else if now == before {
-        let message = format!("the fields of `{name}` changed, and its version is still {now}");
+        let message = format!("the fields of `{name}` changed, but its version is still {now}");
         (message, format!("raise {VERSION} to {next}"))
     } else if now > next && pair.between == Between::Commits {
         let message = format!("the version of `{name}` jumps from {before} to {now}");
-        (message, format!("one change raises {VERSION} by one: to {next}; between releases it may be more"))
+        (
+            message,
+            format!("a change raises {VERSION} by one, to {next}; for releases, use `--between releases`"),
+        )
     } else {
         return;
     };
@@ -51,7 +59,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     sink.change(sides.new.unwrap_or(pair.head()), sides, message).breaks(Category::Version, help);
 }
 
-/// Where the version stands.
+/// The locations of the versions.
 pub(super) fn places(pair: &Pair<'_>) -> Sides {
     let place = |message: &Message| {
         message.constants.iter().find(|constant| constant.name == VERSION).map(|found| found.span)

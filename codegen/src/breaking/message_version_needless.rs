@@ -1,4 +1,4 @@
-//! `message-version-needless`: a version that tells of no change.
+//! `message-version-needless`: a new version without a change.
 
 use super::message::Pair;
 use super::message_version::places;
@@ -8,8 +8,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-version-needless",
-    purpose: "The version of a message rose though no field changed. Peers of both versions refuse each \
-              other without a reason.",
+    statement: "MESSAGE_VERSION was raised, but no field changed.",
+    why: "Peers of both versions reject each other without a reason.",
+    fix: "Restore the version.",
     breaks: &[(Category::Version, Level::Note)],
     old: &[Example {
         path: "Glider.msg",
@@ -32,10 +33,10 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         return;
     }
     let message =
-        format!("the version of `{}` rises from {before} to {now}, and no field changed", pair.name());
+        format!("the version of `{}` increases from {before} to {now}, but no field changed", pair.name());
     let sides = places(pair);
     sink.change(sides.new.unwrap_or(pair.head()), sides, message).breaks(
         Category::Version,
-        "peers of both versions refuse each other, although they understand each other",
+        "peers of both versions reject each other, although their messages are compatible",
     );
 }

@@ -1,4 +1,4 @@
-//! `message-version-removed`: a message that has no version any more.
+//! `message-version-removed`: the version of a message was removed.
 
 use super::message::Pair;
 use super::message_version::places;
@@ -8,8 +8,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-version-removed",
-    purpose: "A message was versioned and isn't any more: peers can no longer tell its states apart, and \
-              PX4's translation between versions leaves it out.",
+    statement: "MESSAGE_VERSION was removed.",
+    why: "Peers can't detect later changes, and PX4's translation between versions leaves the message out.",
+    fix: "Keep `MESSAGE_VERSION`.",
     breaks: &[(Category::Version, Level::Warning)],
     old: &[Example {
         path: "Glider.msg",
@@ -23,7 +24,7 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     let (Some(before), None) = (pair.old.version, pair.new.version) else { return };
-    let message = format!("`{}` was versioned ({before}), and isn't any more", pair.name());
+    let message = format!("the version of `{}`, {before}, was removed", pair.name());
     sink.change(pair.head(), places(pair), message)
-        .breaks(Category::Version, "peers of before can't tell by a version that it may have changed");
+        .breaks(Category::Version, "existing peers can't detect changes by the version");
 }

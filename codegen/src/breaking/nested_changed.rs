@@ -1,4 +1,4 @@
-//! `nested-changed`: a field whose message changed.
+//! `nested-changed`: a nested message changed.
 
 use super::field_added::uorb;
 use super::message::Pair;
@@ -10,22 +10,20 @@ use crate::schema::Element;
 
 pub(super) const RULE: Rule = Rule {
     id: "nested-changed",
-    purpose: "A field holds a message that changed, so the message that holds it has other bytes as well, \
-              though its own definition is the same.",
+    statement: "A nested message changed, so the message that contains it changed as well.",
+    why: "The outer message has other bytes, although its own definition is the same.",
+    fix: "Raise `MESSAGE_VERSION` of the outer message as well, and update all peers together.",
     breaks: &[
         (Category::Cdr, Level::Error),
         (Category::Uorb, Level::Error),
         (Category::Version, Level::Warning),
     ],
-    old: &[
-        GLIDER,
-        Example { path: "Flap.msg", text: "# A flap\n\nfloat32 angle  # [rad] How far it is out\n" },
-    ],
+    old: &[GLIDER, Example { path: "Flap.msg", text: "# A flap\n\nfloat32 angle  # [rad] Deflection\n" }],
     new: &[
         GLIDER,
         Example {
             path: "Flap.msg",
-            text: "# A flap\n\nfloat32 angle  # [rad] How far it is out\nbool is_stuck  # Whether it moves no more\n",
+            text: "# A flap\n\nfloat32 angle  # [rad] Deflection\nbool is_stuck  # True if it is stuck\n",
         },
     ],
     check: Check::Message(check),
@@ -43,13 +41,13 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         let (old, new) = (&pair.old.fields[kept.old], &pair.new.fields[kept.new]);
         let Element::Message(id) = new.ty.element else { continue };
         let nested = pair.new_schema.message(id);
-        let message = format!("`{}.{}` holds `{}`, which changed", pair.name(), new.name, nested.name);
+        let message = format!("`{}.{}` contains `{}`, which changed", pair.name(), new.name, nested.name);
         let mut change = sink.change(new.span, both(old.span, new.span), message);
-        change.relate(nested.span.part(0..0), "this changed");
+        change.relate(nested.span.part(0..0), "changed message");
         if cdr {
             change.breaks(
                 Category::Cdr,
-                "readers of before take its bytes, and those after it, for other fields",
+                "existing readers read its bytes and the following ones as other fields",
             );
         }
         if memory && pair.is_uorb() {
@@ -57,8 +55,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         }
         let is_silent = pair.old.version.is_some() && pair.old.version == pair.new.version;
         if is_silent && !pair.has_changed_fields() {
-            let help =
-                format!("`{}` has the same version as before: nobody can tell the two by it", pair.name());
+            let help = format!("the version of `{}` is the same: peers can't detect the change", pair.name());
             change.breaks(Category::Version, help);
         }
     }

@@ -1,8 +1,8 @@
-//! Sequences: what moved in one, and what in one stands for what in the other.
+//! Comparison of sequences: moved items and matched items.
 
-/// Marks the places of `positions` that have to move so that the rest ascends: as few as possible.
+/// Marks the items of `positions` that must move so that the rest ascends. Marks as few as possible.
 pub(super) fn moved(positions: &[usize]) -> Vec<bool> {
-    // For each length the place where an ascending sequence of that length ends lowest.
+    // For each length, the item with the lowest end of an ascending sequence of that length.
     let mut ends: Vec<usize> = Vec::new();
     let mut before: Vec<Option<usize>> = vec![None; positions.len()];
     for (at, position) in positions.iter().enumerate() {
@@ -23,11 +23,11 @@ pub(super) fn moved(positions: &[usize]) -> Vec<bool> {
     moved
 }
 
-/// How many comparisons of names all gaps of a message may take; beyond that they are matched in their order.
+/// The maximum number of name comparisons for all gaps of a message. Beyond it, fields are matched by their order.
 pub(super) const MAX_COMPARISONS: usize = 20_000;
 
-/// Matches two sequences without crossings: as many pairs as possible of those that `can_match`, and among
-/// these the most alike ones. Pairs of indices, ascending. `budget` is what comparisons may be made.
+/// Matches two sequences without crossings: as many pairs as possible that `can_match`, and among these the most
+/// similar ones. Returns ascending pairs of indices. `budget` is the number of comparisons that are left.
 pub(super) fn align(
     old: usize,
     new: usize,
@@ -43,7 +43,7 @@ pub(super) fn align(
             .collect();
     }
     *budget -= comparisons;
-    // best[i][j]: pairs and their likeness that the ends from i and j on can have.
+    // best[i][j]: the number of pairs and their total likeness in the rests from i and j.
     let mut best = vec![vec![(0_usize, 0.0_f64); new + 1]; old + 1];
     let matched = |best: &[Vec<(usize, f64)>], left: usize, right: usize| {
         let (count, sum) = best[left + 1][right + 1];
@@ -77,10 +77,10 @@ pub(super) fn align(
     pairs
 }
 
-/// Longest names that are compared letter by letter.
+/// The maximum length of names that are compared letter by letter.
 const MAX_NAME_LEN: usize = 100;
 
-/// How alike two names are, from 0 to 1: by letters, and wholly where one ends with the other.
+/// The likeness of two names, from 0 to 1, by edit distance. It is 1 if one name ends with the other.
 pub(super) fn likeness(left: &str, right: &str) -> f64 {
     if left.len() > MAX_NAME_LEN || right.len() > MAX_NAME_LEN {
         return 0.0;
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn as_few_as_possible_move() {
+    fn marks_as_few_items_as_possible() {
         assert_eq!(moved(&[0, 1, 2]), [false; 3]);
         assert_eq!(moved(&[2, 0, 1]), [true, false, false]);
         assert_eq!(moved(&[0, 3, 1, 2, 4]), [false, true, false, false, false]);
@@ -105,12 +105,12 @@ mod tests {
     }
 
     #[test]
-    fn the_most_and_the_most_alike_are_matched() {
+    fn matches_most_pairs_and_most_similar_names() {
         let old = ["speed", "course"];
         let new = ["altitude", "speed_ground", "course_ground"];
-        let alike = |left: usize, right: usize| likeness(old[left], new[right]);
-        assert_eq!(align(2, 3, &mut 100, |_, _| true, alike), [(0, 1), (1, 2)]);
-        assert_eq!(align(2, 3, &mut 100, |left, right| left == 1 && right == 0, alike), [(1, 0)]);
-        assert_eq!(align(0, 3, &mut 100, |_, _| true, alike), []);
+        let similarity = |left: usize, right: usize| likeness(old[left], new[right]);
+        assert_eq!(align(2, 3, &mut 100, |_, _| true, similarity), [(0, 1), (1, 2)]);
+        assert_eq!(align(2, 3, &mut 100, |left, right| left == 1 && right == 0, similarity), [(1, 0)]);
+        assert_eq!(align(0, 3, &mut 100, |_, _| true, similarity), []);
     }
 }

@@ -1,4 +1,4 @@
-//! `queue-length-changed`: a queue of another length.
+//! `queue-length-changed`: the length of a queue changed.
 
 use super::message::Pair;
 use super::message::QUEUE_LENGTH;
@@ -10,8 +10,9 @@ use crate::schema::Message;
 
 pub(super) const RULE: Rule = Rule {
     id: "queue-length-changed",
-    purpose: "ORB_QUEUE_LENGTH changed: subscribers may miss messages that they got before, or get more at \
-              once.",
+    statement: "ORB_QUEUE_LENGTH changed.",
+    why: "With a shorter queue, subscribers may miss messages. A longer queue uses more memory.",
+    fix: "Check that all subscribers read the topic often enough.",
     breaks: &[(Category::Semantic, Level::Warning)],
     old: &[Example {
         path: "Glider.msg",
@@ -30,7 +31,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Message(check),
 };
 
-/// What PX4 keeps of a topic that doesn't say.
+/// PX4's default queue length.
 const DEFAULT: u32 = 1;
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
@@ -43,11 +44,11 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         message.constants.iter().find(|constant| constant.name == QUEUE_LENGTH).map(|found| found.span)
     };
     let sides = Sides { old: place(pair.old), new: place(pair.new) };
-    let message = format!("`{}.{QUEUE_LENGTH}` is {now}, and was {before}", pair.name());
+    let message = format!("`{}.{QUEUE_LENGTH}` is {now} instead of {before}", pair.name());
     let help = if now < before {
-        "bursts that subscribers could catch up with are lost now"
+        "subscribers may lose messages of a burst that the old queue held"
     } else {
-        "more memory is used, and subscribers may get more messages at once"
+        "the queue uses more memory, and subscribers may receive more messages in a row"
     };
     sink.change(sides.new.unwrap_or(pair.head()), sides, message).breaks(Category::Semantic, help);
 }

@@ -1,4 +1,4 @@
-//! Rules on changes, and what they report.
+//! Rules about changes and their findings.
 
 use super::comparison::{CodeChange, MessageChange};
 use super::message::{ConstantChange, Pair};
@@ -8,29 +8,29 @@ use crate::finding::{Finding, Sides};
 use crate::schema::Field;
 use crate::source::Span;
 
-/// Whom a change breaks.
+/// The users that a change affects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Category {
-    /// Programs that are built from the definitions: names and types in their source.
+    /// Programs that are built from the definitions and use their names and types.
     Source,
     /// Programs that exchange messages as JSON.
     Json,
-    /// Peers over DDS or ROS 2, whose messages are CDR.
+    /// DDS and ROS 2 peers, which exchange CDR.
     Cdr,
-    /// Peers in uORB, readers of its logs (`ULog`) and of shared memory.
+    /// Users of uORB memory, and readers of logs (`ULog`).
     Uorb,
-    /// Whoever relies on PX4's rule that a versioned message says when it changes.
+    /// Users of PX4's versioning rule: a changed versioned message has a higher version.
     Version,
-    /// Whoever gives a value its meaning: units, frames, numbers of constants, error codes.
+    /// Users of a value's meaning: units, frames, constants, error codes.
     Semantic,
 }
 
 impl Category {
-    /// All categories, in the order in which they are reported.
+    /// All categories, in the order of the report.
     pub const ALL: [Self; 6] =
         [Self::Source, Self::Json, Self::Cdr, Self::Uorb, Self::Version, Self::Semantic];
 
-    /// Its name in reports.
+    /// The name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Source => "source",
@@ -43,39 +43,43 @@ impl Category {
     }
 }
 
-/// A kind of change.
+/// A rule: one kind of change.
 #[derive(Debug)]
 pub struct Rule {
-    /// Its id, which never changes its meaning and is never used again.
+    /// The id. Its meaning never changes, and it is never reused.
     pub id: &'static str,
-    /// What the change is, and what comes of it.
-    pub purpose: &'static str,
-    /// Whom it may break, and how badly.
+    /// A description of the change.
+    pub statement: &'static str,
+    /// The consequences of the change.
+    pub why: &'static str,
+    /// The way to avoid them.
+    pub fix: &'static str,
+    /// The categories that it can break, with their levels.
     pub breaks: &'static [(Category, Level)],
-    /// Definitions before such a change.
+    /// Example definitions before the change.
     pub old: &'static [Example],
-    /// The same definitions after it.
+    /// Example definitions after the change.
     pub new: &'static [Example],
-    /// What finds such changes.
+    /// The check.
     pub(crate) check: Check,
 }
 
-/// What finds changes of a kind.
+/// The check of a rule.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Check {
-    /// Looks at each message, service and action that is only in one set, or is called otherwise in the other.
+    /// Checks each message, service and action that was added, removed or renamed.
     Interface(fn(&MessageChange<'_>, &mut Sink<'_>)),
-    /// Looks at each message that is in both sets.
+    /// Checks each message that is in both versions.
     Message(fn(&Pair<'_>, &mut Sink<'_>)),
-    /// Looks at each field that is in both, under whatever name.
+    /// Checks each field that is in both versions, including renamed ones.
     Field(fn(&Pair<'_>, &Field, &Field, &mut Sink<'_>)),
-    /// Looks at each constant that changed.
+    /// Checks each matched constant.
     Constant(fn(&Pair<'_>, &ConstantChange<'_>, &mut Sink<'_>)),
-    /// Looks at each error code that changed.
+    /// Checks each matched error code.
     ErrorCode(fn(&CodeChange<'_>, &mut Sink<'_>)),
 }
 
-/// Takes what a rule finds.
+/// Collects the findings of a rule.
 #[derive(Debug)]
 pub(crate) struct Sink<'f> {
     pub(super) rule: &'static Rule,
@@ -90,21 +94,28 @@ pub(crate) struct Change<'s, 'f> {
 }
 
 impl<'f> Sink<'f> {
-    /// Reports a change. `span` is where it is in the new set, or what held it there.
+    /// Reports a change. `span` is its location in the new version, or that of its container.
     pub(super) fn change(&mut self, span: Span, sides: Sides, message: String) -> Change<'_, 'f> {
         let finding = Finding::new(self.rule.id, Level::Note, span, message);
         Change { sink: self, finding: Finding { sides: Some(sides), ..finding } }
     }
 }
 
+impl Rule {
+    /// The statement and the consequences, as one text.
+    pub fn purpose(&self) -> String {
+        format!("{} {}", self.statement, self.why)
+    }
+}
+
 impl Change<'_, '_> {
-    /// Adds another place that has to do with it.
+    /// Adds a related location.
     pub(super) fn relate(&mut self, span: Span, label: impl Into<String>) -> &mut Self {
         self.finding.relate(span, label);
         self
     }
 
-    /// Says that it breaks a category, and what comes of it there.
+    /// Adds a finding for a category, with a description of the consequences.
     pub(super) fn breaks(&mut self, category: Category, help: impl Into<String>) -> &mut Self {
         let declared = self.sink.rule.breaks.iter().find(|(declared, _)| *declared == category);
         debug_assert!(declared.is_some(), "{} doesn't declare {}", self.sink.rule.id, category.name());

@@ -1,35 +1,35 @@
-//! Whether messages are the same bytes in two sets, with all that they nest.
+//! Detects whether messages have the same bytes in two versions, including nested messages.
 
 use std::collections::HashMap;
 
 use crate::schema::{Element, MessageId, Schema, Shape};
 use uavspec_runtime::Scalar;
 
-/// What decides on the bytes of a message, names left out. Equal numbers stand for equal contents.
+/// Numbers for the layouts of messages, without names. Equal layouts have equal numbers.
 #[derive(Debug, Default)]
 pub(super) struct Signatures {
     known: HashMap<Vec<Member>, u32>,
 }
 
-/// A member as it is written.
+/// A member of a layout.
 #[derive(Debug, PartialEq, Eq, Hash)]
 enum Member {
     Scalar(Scalar, Shape),
     String(bool, Option<u32>, Shape),
-    /// By its signature.
+    /// A nested message, by its signature.
     Message(u32, Shape),
-    /// In memory: at which offset.
+    /// The offset of the next member in memory.
     At(usize),
 }
 
-/// The signatures of all messages of a set, by index.
+/// The signatures of all messages of a version, by index.
 #[derive(Debug)]
-pub(super) struct OfSet {
+pub(super) struct SchemaSignatures {
     cdr: Vec<u32>,
     uorb: Vec<u32>,
 }
 
-impl OfSet {
+impl SchemaSignatures {
     pub(super) fn cdr(&self, id: MessageId) -> u32 {
         self.cdr[id.0 as usize]
     }
@@ -40,10 +40,10 @@ impl OfSet {
 }
 
 impl Signatures {
-    /// The signatures of all messages of `schema`, comparable with those of another set.
-    pub(super) fn of(&mut self, schema: &Schema) -> OfSet {
+    /// Computes the signatures of all messages of `schema`. They can be compared with those of another version.
+    pub(super) fn of(&mut self, schema: &Schema) -> SchemaSignatures {
         let count = schema.messages.len();
-        let mut found = OfSet { cdr: vec![0; count], uorb: vec![0; count] };
+        let mut found = SchemaSignatures { cdr: vec![0; count], uorb: vec![0; count] };
         for id in schema.nested_first.iter().copied() {
             let message = schema.message(id);
             let member = |index: usize, nested: &[u32]| {

@@ -1,4 +1,4 @@
-//! `topic-added`: a topic that is new.
+//! `topic-added`: a topic was added.
 
 use std::collections::BTreeSet;
 
@@ -10,8 +10,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-added",
-    purpose: "A message has one more topic. That breaks nobody; it is said so that the report tells all \
-              that changed.",
+    statement: "A topic was added to a message.",
+    why: "It breaks nobody. The report lists it for completeness.",
+    fix: "No change is necessary.",
     breaks: &[(Category::Source, Level::Note)],
     old: &[Example {
         path: "Glider.msg",
@@ -37,6 +38,6 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     for topic in pair.new.topics.iter().filter(|topic| !known.contains(topic)) {
         let message = format!("`{}` has the new topic `{topic}`", pair.name());
         sink.change(pair.head(), both(pair.old.span.part(0..0), pair.head()), message)
-            .breaks(Category::Source, "nobody: programs may use it from now on");
+            .breaks(Category::Source, "no existing program is affected");
     }
 }

@@ -1,4 +1,4 @@
-//! `topic-removed`: a topic that is gone.
+//! `topic-removed`: a topic was removed.
 
 use std::collections::BTreeSet;
 
@@ -10,8 +10,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-removed",
-    purpose: "A topic is gone from a message: programs that publish or subscribe it don't compile, or find \
-              no partner.",
+    statement: "A topic was removed from a message.",
+    why: "Programs that publish or subscribe to it don't compile, or have no partner.",
+    fix: "Keep the topic until no program uses it.",
     breaks: &[(Category::Source, Level::Error)],
     old: &[Example {
         path: "Glider.msg",
@@ -38,7 +39,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         let message = format!("`{}` no longer has the topic `{topic}`", pair.name());
         sink.change(pair.head(), both(pair.old.span.part(0..0), pair.head()), message).breaks(
             Category::Source,
-            "programs that publish or subscribe it don't compile, or find no partner",
+            "programs that publish or subscribe to it don't compile, or have no partner",
         );
     }
 }

@@ -90,7 +90,7 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
     };
     let rules = RULES.iter().map(|rule| {
         let level = rule.breaks.iter().map(|(_, level)| *level).max().unwrap_or(Level::Note);
-        RuleInfo::new(rule.id, rule.purpose, level)
+        RuleInfo::new(rule.id, rule.purpose(), level)
     });
     let succeeded = args.report.show("breaking", rules.collect(), &findings, &new.sources);
     let files = plural(new.files.len(), "file");

@@ -65,7 +65,7 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
     let settings = settings(&plan, &loaded, args.preset);
     let rules = RULES.iter().filter_map(|rule| {
         let level = settings.level(rule)?;
-        Some(RuleInfo::new(rule.id, rule.purpose, level))
+        Some(RuleInfo::new(rule.id, rule.purpose(), level))
     });
     let succeeded = args.report.show("lint", rules.collect(), &findings, &loaded.sources);
     let read = plural(loaded.files.len(), "file");

@@ -1,4 +1,4 @@
-//! `annotation-near-miss`: what comes close to an annotation is read as one.
+//! `annotation-near-miss`: text that resembles an annotation.
 
 use super::rule::{Check, Levels, Measured, Rule};
 use crate::diagnostic::{Diagnostic, Level, Problem};
@@ -9,20 +9,22 @@ use crate::source::SourceMap;
 
 pub(super) const RULE: Rule = Rule {
     id: "annotation-near-miss",
-    purpose: "Annotations are written as the standard has them: `[@enum PREFIX]`, `[@range low, high]`, \
-              `[@frame NED]`. What comes close is read as meant here; other tools take it for text, or for a unit.",
+    statement: "Text that resembles an annotation but is written differently from the standard.",
+    why: "uavspec reads it as the annotation. Other tools read it as text or as a unit.",
+    fix: "Write the annotation in its standard form, such as `[@enum PREFIX]`, `[@range low, high]` \
+        or `[@frame NED]`.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 flaps     # [-] (@range 0, 1) How far the flaps are out\n",
+               float32 flaps     # [-] (@range 0, 1) Flap deflection\n",
     },
     good: Example {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 flaps     # [-] [@range 0, 1] How far the flaps are out\n",
+               float32 flaps     # [-] [@range 0, 1] Flap deflection\n",
     },
-    measured: Some(Measured { findings: 6, sample: 6, right: 6, remark: "" }),
+    measured: Some(Measured { findings: 6, sample: 6, right: 6 }),
     check: Check::Reader(fix),
 };
 

@@ -1,4 +1,4 @@
-//! `annotation-value-type`: an annotation of values that the field can't have.
+//! `annotation-value-type`: an annotation with a value that the field can't represent.
 
 use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,10 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "annotation-value-type",
-    purpose: "The bounds and special values of a field are values of its type. One that the type can't hold \
-              never occurs: an integer is never NaN.",
+    statement: "An annotation with a value that the type of the field can't represent.",
+    why: "The value never occurs: an integer is never NaN. Checks that rely on the annotation have no \
+        effect.",
+    fix: "Use a value of the field's type, or change the type.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -19,6 +21,6 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                uint8 crew  # [-] [@invalid 255] People on board\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Reader(no_fix),
 };

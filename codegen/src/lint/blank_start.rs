@@ -1,4 +1,4 @@
-//! `blank-start`: files start with something.
+//! `blank-start`: an empty line at the start of a file.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -9,22 +9,24 @@ use crate::source::Span;
 
 pub(super) const RULE: Rule = Rule {
     id: "blank-start",
-    purpose: "A file starts with its description, not with an empty line. A comment below an empty line \
-              describes what follows it, no longer the message.",
+    statement: "An empty line at the start of a file.",
+    why: "A comment after an empty line describes the next declaration, so it isn't used as the \
+        description of the message.",
+    fix: "Remove the empty line.",
     levels: Levels::both(Level::Note),
     bad: Example { path: "Glider.msg", text: "\nuint64 timestamp  # [us] Time since system start\n" },
     good: Example { path: "Glider.msg", text: "uint64 timestamp  # [us] Time since system start\n" },
-    measured: Some(Measured { findings: 4, sample: 4, right: 4, remark: "" }),
+    measured: Some(Measured { findings: 4, sample: 4, right: 4 }),
     check: Check::Message(check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    // Other parts of services start below a `---`.
+    // The other parts of a service start after `---`.
     let source = subject.sources.span(subject.sources.source_of(subject.message.span));
     let lines = &subject.part.lines;
-    let blank = lines.iter().take_while(|line| line.is_blank()).count();
+    let empty = lines.iter().take_while(|line| line.is_blank()).count();
     let starts = lines.first().is_some_and(|line| line.span.start == source.start);
-    let Some(first) = lines.get(blank).filter(|_| subject.is_px4() && blank > 0 && starts) else { return };
+    let Some(first) = lines.get(empty).filter(|_| subject.is_px4() && empty > 0 && starts) else { return };
     let place = Span { start: source.start, end: source.start };
     let finding = sink.report(place, "an empty line at the start of the file", "remove it");
     let is_comment = |line: &Line<'_>| line.item.is_none();

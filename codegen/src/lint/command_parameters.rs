@@ -1,4 +1,4 @@
-//! `command-parameters`: commands with seven parameters.
+//! `command-parameters`: a command without seven parameters.
 
 use super::constant_without_enum;
 use super::rule::{Check, Levels, Measured, Rule, Sink};
@@ -9,9 +9,10 @@ use crate::schema::enumeration;
 
 pub(super) const RULE: Rule = Rule {
     id: "command-parameters",
-    purpose: "The comment of a command in VehicleCommand ends in its seven parameters, each between pipes. \
-              With fewer or more, nobody can tell which is which, and the documentation of the command has \
-              none.",
+    statement: "A command of VehicleCommand whose comment does not have seven parameters between `|`.",
+    why: "Readers can't tell which parameter is which, and the documentation of the command has no \
+        parameters.",
+    fix: "List all seven parameters, and write `Unused` for those without a meaning.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "VehicleCommand.msg",
@@ -24,16 +25,11 @@ pub(super) const RULE: Rule = Rule {
         text: "# Command to the vehicle\n\nuint64 timestamp  # [us] Time since system start\n\n\
                uint16 VEHICLE_CMD_TOW = 900  # Tow a glider |[m] Height|[m/s] Speed|Unused|Unused|Unused|Unused|Unused|\n\nuint16 command  # [@enum VEHICLE_CMD] Command\n",
     },
-    measured: Some(Measured {
-        findings: 42,
-        sample: 30,
-        right: 28,
-        remark: "the others are marks and tests, no commands",
-    }),
+    measured: Some(Measured { findings: 42, sample: 30, right: 28 }),
     check: Check::Message(check),
 };
 
-/// How many parameters a command of `MAVLink` has.
+/// The number of parameters of a `MAVLink` command.
 const COUNT: usize = 7;
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
@@ -50,7 +46,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         let text = line.comment.as_ref().map_or("", |comment| comment.text);
         let found = match text.split('|').count() {
             1 => 0,
-            // What follows the last pipe is a parameter too, where the pipe that closes it is left out.
+            // Text after the last `|` is a parameter too, if the closing `|` is missing.
             parts => parts - 2 + usize::from(!text.trim_end().ends_with('|')),
         };
         let found = match found {
@@ -60,7 +56,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         };
         sink.report(
             constant.span,
-            format!("`{}` has {found}, not {COUNT}", constant.name),
+            format!("`{}` has {found}, expected {COUNT}", constant.name),
             "end the comment in `|p1|p2|p3|p4|p5|p6|p7|`",
         );
     }

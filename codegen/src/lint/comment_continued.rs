@@ -1,4 +1,4 @@
-//! `comment-continued`: the comment of a declaration on its line.
+//! `comment-continued`: a comment that continues below its declaration.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -7,8 +7,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "comment-continued",
-    purpose: "The comment of a field or constant stands wholly on its line. What goes on below is added here; \
-              PX4's documentation leaves it out.",
+    statement: "A comment of a field or constant that continues on the next line.",
+    why: "uavspec joins the lines, but PX4's documentation shows only the first.",
+    fix: "Write the whole comment on the line of the declaration.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -20,7 +21,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink  # [m/s] Sink rate, down is positive\n",
     },
-    measured: Some(Measured { findings: 15, sample: 15, right: 15, remark: "" }),
+    measured: Some(Measured { findings: 15, sample: 15, right: 15 }),
     check: Check::Message(check),
 };
 
@@ -37,8 +38,8 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
                 if !comment.text.trim().is_empty() {
                     sink.report(
                         comment.span,
-                        "a comment that goes on below its declaration",
-                        "put it on the line of the declaration: PX4's documentation leaves it out here",
+                        "the comment continues below its declaration",
+                        "write it on the line of the declaration: PX4's documentation doesn't show this line",
                     );
                 }
             }

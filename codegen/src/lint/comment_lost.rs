@@ -1,4 +1,4 @@
-//! `comment-lost`: comments that no documentation shows.
+//! `comment-lost`: a comment that appears in no documentation.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -10,9 +10,10 @@ use crate::source::Span;
 
 pub(super) const RULE: Rule = Rule {
     id: "comment-lost",
-    purpose: "A comment on lines of its own describes the message at the head of its file, or stands above \
-              declarations without an empty line between. Any other gets into no documentation: most often an \
-              empty line cuts it off from what it is about.",
+    statement: "A comment that belongs neither to the message nor to a declaration.",
+    why: "It appears in no documentation. Often an empty line separates it from the text or the \
+        declaration that it belongs to.",
+    fix: "Remove the empty line, or replace it with a line `#`. Delete the comment if it is obsolete.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -24,12 +25,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n#\n# Sent by its logger once a second.\n\n\
                uint64 timestamp  # [us] Time since system start\n",
     },
-    measured: Some(Measured {
-        findings: 16,
-        sample: 16,
-        right: 15,
-        remark: "the other is a line that was switched off",
-    }),
+    measured: Some(Measured { findings: 16, sample: 16, right: 15 }),
     check: Check::Message(check),
 };
 
@@ -57,14 +53,14 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     block.end(sink);
 }
 
-/// Comments on lines of their own, one below the other.
+/// Consecutive lines that contain only a comment.
 #[derive(Default)]
 struct Block {
-    /// From the first to the last that says anything.
+    /// The span from the first to the last comment with text.
     place: Option<Span>,
-    /// Whether the line before is a declaration, or goes on with its comment.
+    /// True if the line before is a declaration, or continues its comment.
     is_after_item: bool,
-    /// Whether a list of topics stands among them, which they may be about.
+    /// True if a list of topics is among them, which they may describe.
     is_of_topics: bool,
 }
 
@@ -79,11 +75,11 @@ impl Block {
         }
     }
 
-    /// Reports a block that nothing stands below.
+    /// Reports a block without a declaration below it.
     fn end(&self, sink: &mut Sink<'_>) {
         if let Some(place) = self.place.filter(|_| !self.is_of_topics) {
-            let help = "remove the empty line between it and what it is about, or the comment";
-            sink.report(place, "a comment that stands for nothing", help);
+            let help = "remove the empty line between the comment and its declaration, or delete the comment";
+            sink.report(place, "the comment belongs to no declaration", help);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! `constant-comment-missing`: a constant that nobody explains.
+//! `constant-comment-missing`: a constant without a comment.
 
 use super::constant_without_enum;
 use super::rule::{Check, Levels, Measured, Rule, Sink};
@@ -9,8 +9,9 @@ use crate::schema::enumeration;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-comment-missing",
-    purpose: "A constant has a comment. Its name seldom says when the value is sent, and documentation has \
-              nothing else to show.",
+    statement: "A constant without a comment.",
+    why: "The name rarely says when the value is used, and the documentation shows only the name.",
+    fix: "Describe in a comment what the value means.",
     levels: Levels::strict(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -23,12 +24,7 @@ pub(super) const RULE: Rule = Rule {
                uint8 GEAR_UP = 0    # Retracted\nuint8 GEAR_DOWN = 1  # Extended\n\n\
                uint8 gear  # [@enum GEAR] Landing gear\n",
     },
-    measured: Some(Measured {
-        findings: 430,
-        sample: 30,
-        right: 26,
-        remark: "the others are numbered alike, or say it in their names",
-    }),
+    measured: Some(Measured { findings: 430, sample: 30, right: 26 }),
     check: Check::Message(check),
 };
 
@@ -44,8 +40,8 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         if !is_known && constant.parameters.is_empty() {
             sink.report(
                 constant.span,
-                format!("nothing is said of `{name}`"),
-                "say in a comment what it means",
+                format!("`{name}` has no comment"),
+                "describe in a comment what it means",
             );
         }
     }

@@ -1,4 +1,4 @@
-//! `constant-without-enum`: a constant that no field claims.
+//! `constant-without-enum`: a constant that no field refers to.
 
 use std::collections::BTreeSet;
 
@@ -10,9 +10,10 @@ use crate::schema::{Message, enumeration};
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-without-enum",
-    purpose: "A constant is a value of some field, which says so with `[@enum PREFIX]`. Of one that no field \
-              claims, nobody can tell where it may stand, and a value outside the list isn't noticed. Limits \
-              and counts need no field.",
+    statement: "A constant that no field refers to with `[@enum PREFIX]`.",
+    why: "Readers can't tell which field uses the constant, and values outside the list are not \
+        detected. Limits and counts, such as `MAX_…`, are not reported.",
+    fix: "Add `[@enum PREFIX]` to the comment of the field that holds the constant.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -26,14 +27,14 @@ pub(super) const RULE: Rule = Rule {
                uint8 GEAR_UP = 0    # Retracted\nuint8 GEAR_DOWN = 1  # Extended\n\n\
                uint8 gear  # [@enum GEAR] Landing gear\n",
     },
-    measured: Some(Measured { findings: 728, sample: 30, right: 29, remark: "the other is a default" }),
+    measured: Some(Measured { findings: 728, sample: 30, right: 29 }),
     check: Check::Message(check),
 };
 
-/// Constants that PX4 knows by name.
+/// Constants with a special meaning in PX4.
 pub(super) const KNOWN_BY_NAME: [&str; 2] = ["MESSAGE_VERSION", "ORB_QUEUE_LENGTH"];
 
-/// First and last words of constants that bound, count or date something: they are none of a set of values.
+/// First and last words of constants that are limits, counts or versions, and no values of a field.
 const LIMIT_STARTS: [&str; 4] = ["MAX_", "MIN_", "NUM_", "LATEST_"];
 const LIMIT_ENDS: [&str; 6] = ["_MIN", "_MAX", "_LENGTH", "_SIZE", "_DIM", "_VERSION"];
 
@@ -42,22 +43,22 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         return;
     }
     let message = subject.message;
-    let claimed = claimed(message);
+    let prefixes = prefixes(message);
     let names = names(message);
     for constant in &message.constants {
         let name = constant.name.as_str();
-        if !is_plain(name, &names) && enumeration::longest_prefix(name, &claimed).is_none() {
+        if !is_plain(name, &names) && enumeration::longest_prefix(name, &prefixes).is_none() {
             sink.report(
                 constant.span,
-                format!("no field claims `{name}`"),
-                "name its prefix where it is a value: `[@enum PREFIX]` in the comment of the field",
+                format!("no field refers to `{name}`"),
+                "write `[@enum PREFIX]` in the comment of the field that holds it",
             );
         }
     }
 }
 
-/// The prefixes that fields and parameters claim, those of other messages too where they name this one.
-fn claimed(message: &Message) -> BTreeSet<String> {
+/// The enum prefixes of fields and parameters, including those in other messages that refer to this one.
+fn prefixes(message: &Message) -> BTreeSet<String> {
     let fields = message.fields.iter().flat_map(|field| &field.enum_prefixes);
     let parameters = message.constants.iter().flat_map(|constant| &constant.parameters);
     let parameters = parameters.flat_map(|parameter| &parameter.enum_prefixes);
@@ -70,7 +71,7 @@ pub(super) fn names(message: &Message) -> BTreeSet<&str> {
     message.constants.iter().map(|constant| constant.name.as_str()).collect()
 }
 
-/// Whether the name says that the constant is no value of a field.
+/// True if the name shows that the constant is no value of a field.
 fn is_plain(name: &str, names: &BTreeSet<&str>) -> bool {
     KNOWN_BY_NAME.contains(&name)
         || enumeration::is_sentinel_among(name, names)

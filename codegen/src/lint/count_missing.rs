@@ -1,4 +1,4 @@
-//! `count-missing`: a field that counts, without saying so.
+//! `count-missing`: a field that counts entries without `@count`.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -13,9 +13,10 @@ use crate::source::{SourceMap, Span};
 
 pub(super) const RULE: Rule = Rule {
     id: "count-missing",
-    purpose: "A field that counts the entries in use of an array names it with `[@count array]`. Nobody else \
-              can tell which entries are to be read; the names alone are a guess. PX4's own tools know no \
-              `@count`.",
+    statement: "A field that seems to count the used entries of an array, but has no `@count`.",
+    why: "Without `@count`, tools can only guess from the names which entries are valid. PX4's own \
+        tools do not support `@count` yet.",
+    fix: "Add `[@count array]` with the name of the array.",
     levels: Levels::strict(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -29,11 +30,11 @@ pub(super) const RULE: Rule = Rule {
                uint8 num_waypoints    # [-] [@count waypoints] Waypoints in use\n\
                float32[8] waypoints  # [m] Distance to each\n",
     },
-    measured: Some(Measured { findings: 9, sample: 9, right: 9, remark: "" }),
+    measured: Some(Measured { findings: 9, sample: 9, right: 9 }),
     check: Check::Message(check),
 };
 
-/// What stands before or behind the name of an array in the name of its count, or instead of both.
+/// Prefixes, suffixes and whole names of fields that count the entries of an array.
 const STARTS: [&str; 2] = ["num_", "n_"];
 const ENDS: [&str; 3] = ["_count", "_len", "_length"];
 const WHOLE: [&str; 4] = ["count", "num", "len", "length"];
@@ -49,8 +50,8 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     for (field, line) in subject.fields() {
         if let Some(array) = field.counts.and_then(|array| fields.get(array)) {
             if !states_count(line) {
-                let help = format!("say so: `[@count {}]`", array.name);
-                let message = format!("`{}` counts the entries of `{}`, by its name", field.name, array.name);
+                let help = format!("write `[@count {}]`", array.name);
+                let message = format!("`{}` seems to count the entries of `{}`", field.name, array.name);
                 let finding = sink.report(field.span, message, help);
                 if is_bracketed(&format!("[@count {}]", array.name)) {
                     finding.fix.push(insertion(line, &array.name, subject.sources));
@@ -63,7 +64,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// An array whose entries may be in use or not: no text, no vector and no quaternion.
+/// True for an array that may be partly used, so not for text, vectors and quaternions.
 fn is_list(field: &Field, subject: &Subject<'_>) -> bool {
     !field.is_text(subject.dialect) && matches!(field.ty.shape, Shape::Array(length) if length > 4)
 }
@@ -73,7 +74,7 @@ fn looks_like_count(field: &Field, array: &Field) -> bool {
     let is_integer = matches!(field.ty.element, Element::Scalar(scalar) if scalar.integer_bounds().is_some());
     let mut named = STARTS.iter().filter_map(|start| name.strip_prefix(start));
     let mut named_before = ENDS.iter().filter_map(|end| name.strip_suffix(end));
-    // An array of several may be called in the singular.
+    // The name in the count may be singular.
     let is_array =
         |rest: &str| array.name.strip_prefix(rest).is_some_and(|rest| matches!(rest, "" | "s" | "es"));
     is_integer
@@ -88,7 +89,7 @@ fn states_count(line: &Line<'_>) -> bool {
     })
 }
 
-/// The annotation at the head of the comment, after a unit that stands there, or in a new comment.
+/// The edit that inserts the annotation at the start of the comment, after a unit, or in a new comment.
 fn insertion(line: &Line<'_>, array: &str, sources: &SourceMap) -> Edit {
     let Some(comment) = &line.comment else {
         let end = sources.slice(line.span).trim_end().len();

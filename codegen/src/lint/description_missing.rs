@@ -1,4 +1,4 @@
-//! `description-missing`: an error code that nobody explains.
+//! `description-missing`: an error code without a description.
 
 use super::rule::{Check, Levels, Rule, Sink};
 use crate::diagnostic::Level;
@@ -8,8 +8,9 @@ use crate::source::SourceMap;
 
 pub(super) const RULE: Rule = Rule {
     id: "description-missing",
-    purpose: "An error code has a description. An operator who sees the code has to know what has happened and \
-              what to do.",
+    statement: "An error code without a description.",
+    why: "An operator who sees the code doesn't know what happened or what to do.",
+    fix: "Describe the condition and the remedy.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "winch.md",
@@ -31,7 +32,7 @@ fn check(package: &Package, _: &SourceMap, sink: &mut Sink<'_>) {
             sink.report(
                 code.span,
                 format!("code {} has no description", code.code),
-                "say what has happened, and what to do about it",
+                "describe what has happened and what to do",
             );
         }
     }

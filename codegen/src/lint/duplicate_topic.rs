@@ -9,7 +9,9 @@ use crate::source::SourceMap;
 
 pub(super) const RULE: Rule = Rule {
     id: "duplicate-topic",
-    purpose: "A topic is listed once. The second entry says nothing new; most often another name was meant.",
+    statement: "A topic that is listed twice.",
+    why: "The second entry has no effect. Often another name was intended.",
+    fix: "Remove the second entry, or correct its name.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -21,7 +23,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
                # TOPICS glider tow_plane\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Reader(fix),
 };
 

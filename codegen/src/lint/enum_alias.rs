@@ -1,4 +1,4 @@
-//! `enum-alias`: two names of one value.
+//! `enum-alias`: two constants with the same value.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,22 +9,23 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-alias",
-    purpose: "Each constant of an enum has a value of its own. Where two share one, only the first can be \
-              shown, and one of them may be a slip.",
+    statement: "Two constants of an enum with the same value.",
+    why: "Tools can show only the first name, and one of the two values may be a mistake.",
+    fix: "Give each constant a separate value, or remove one of them.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                uint8 GEAR_UP = 0      # Retracted\nuint8 GEAR_DOWN = 1    # Extended\n\
-               uint8 GEAR_MOVING = 1  # On its way\n\nuint8 gear  # [@enum GEAR] Landing gear\n",
+               uint8 GEAR_MOVING = 1  # Moving\n\nuint8 gear  # [@enum GEAR] Landing gear\n",
     },
     good: Example {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                uint8 GEAR_UP = 0      # Retracted\nuint8 GEAR_DOWN = 1    # Extended\n\
-               uint8 GEAR_MOVING = 2  # On its way\n\nuint8 gear  # [@enum GEAR] Landing gear\n",
+               uint8 GEAR_MOVING = 2  # Moving\n\nuint8 gear  # [@enum GEAR] Landing gear\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };
 
@@ -38,15 +39,15 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
                 first.insert(member.value, member.constant);
                 continue;
             };
-            // An enum that two fields hold in two types is two.
+            // Two fields of different types result in two enums.
             if reported.insert(member.constant) {
                 let (constant, known) = (&constants[member.constant], &constants[*known]);
                 sink.report(
                     constant.span,
-                    format!("`{}` has the value of `{}`", constant.name, known.name),
-                    "give it a value of its own, or remove it",
+                    format!("`{}` has the same value as `{}`", constant.name, known.name),
+                    "give it another value, or remove it",
                 )
-                .relate(known.span, "the first of that value");
+                .relate(known.span, "first constant with this value");
             }
         }
     }

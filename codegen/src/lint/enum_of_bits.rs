@@ -1,4 +1,4 @@
-//! `enum-of-bits`: constants that are combined under `@enum`.
+//! `enum-of-bits`: a field with `@enum` whose constants are bits.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,9 +10,10 @@ use crate::schema::{Enum, EnumRef, Field, Message, Schema};
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-of-bits",
-    purpose: "Constants that are combined bit by bit are claimed with `[@flags PREFIX]`. Under `[@enum \
-              PREFIX]` every combination is taken for a value that nobody knows. PX4's own tools know no \
-              `@flags`.",
+    statement: "A field with `@enum` whose constants are bits.",
+    why: "With `@enum`, every combination of bits counts as an unknown value. PX4's own tools do not \
+        support `@flags` yet.",
+    fix: "Write `[@flags PREFIX]`.",
     levels: Levels::strict(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -28,23 +29,18 @@ pub(super) const RULE: Rule = Rule {
                uint8 LIGHT_RIGHT = 4  # On the right wing\nuint8 LIGHT_TAIL = 8   # In the tail\n\n\
                uint8 lights  # [@flags LIGHT] Lights that are on\n",
     },
-    measured: Some(Measured {
-        findings: 4,
-        sample: 4,
-        right: 4,
-        remark: "PX4's own tools know no other annotation yet",
-    }),
+    measured: Some(Measured { findings: 4, sample: 4, right: 4 }),
     check: Check::Message(check),
 };
 
-/// Words that tell of bits, in comments and in the names of fields.
+/// Words for bit fields, in comments and field names.
 const WORDS: [&str; 8] = ["bitmask", "bitmasks", "bitmap", "bitfield", "bitset", "bitwise", "mask", "bits"];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     let mut known = Bits::default();
     for field in &subject.message.fields {
         let Some(reference) = field.enumeration else { continue };
-        if !subject.schema.enumeration(reference).is_flags && known.is_meant(field, reference, subject.schema)
+        if !subject.schema.enumeration(reference).is_flags && known.are_bits(field, reference, subject.schema)
         {
             sink.report(
                 field.span,
@@ -55,24 +51,24 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// Which enums are made of bits, each looked at once: any number of fields may hold it.
+/// Caches which enums consist of bits, since any number of fields may use an enum.
 #[derive(Default)]
 pub(super) struct Bits {
     known: BTreeMap<EnumRef, bool>,
 }
 
 impl Bits {
-    /// Whether the constants of a field are combined bit by bit, whatever its annotation says.
-    pub(super) fn is_meant(&mut self, field: &Field, reference: EnumRef, schema: &Schema) -> bool {
-        let are_bits = || {
+    /// True if the constants of a field are bits, whatever its annotation is.
+    pub(super) fn are_bits(&mut self, field: &Field, reference: EnumRef, schema: &Schema) -> bool {
+        let check = || {
             let found = schema.enumeration(reference);
-            found.is_flags || are_masks(found) || are_called_bits(found, schema.message(reference.message))
+            found.is_flags || are_masks(found) || are_named_bits(found, schema.message(reference.message))
         };
-        *self.known.entry(reference).or_insert_with(are_bits) || tells_of_bits(field)
+        *self.known.entry(reference).or_insert_with(check) || mentions_bits(field)
     }
 }
 
-/// Whether the values are powers of two up to 8 at least, with none between that would be the next number.
+/// True if the values are powers of two up to at least 8, and not consecutive numbers.
 fn are_masks(found: &Enum) -> bool {
     let values: BTreeSet<i128> = found.members.iter().map(|member| member.value).collect();
     let powers = values.iter().filter(|value| **value > 0 && value.count_ones() == 1).count();
@@ -80,14 +76,14 @@ fn are_masks(found: &Enum) -> bool {
     powers >= 4 && [1, 2, 4].iter().all(|low| values.contains(low)) && others <= 1 && !values.contains(&3)
 }
 
-/// Whether the names of all constants say that they are bits or masks.
-fn are_called_bits(found: &Enum, owner: &Message) -> bool {
+/// True if all names contain `BIT` or `MASK`.
+fn are_named_bits(found: &Enum, owner: &Message) -> bool {
     let is_bit = |name: &str| name.split('_').any(|word| matches!(word, "BIT" | "MASK"));
     found.members.len() > 1
         && found.members.iter().all(|member| is_bit(&owner.constants[member.constant].name))
 }
 
-fn tells_of_bits(field: &Field) -> bool {
+fn mentions_bits(field: &Field) -> bool {
     let words = field.description.split(|c: char| !c.is_alphanumeric()).chain(field.name.split('_'));
     words.map(str::to_ascii_lowercase).any(|word| WORDS.contains(&word.as_str()))
 }

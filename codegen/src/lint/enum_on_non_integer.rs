@@ -1,4 +1,4 @@
-//! `enum-on-non-integer`: an enum on a field that holds no integers.
+//! `enum-on-non-integer`: an enum on a field that isn't an integer.
 
 use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-on-non-integer",
-    purpose: "A field that holds constants of an enum is of an integer type, and so are they. On any other \
-              field the annotation does nothing.",
+    statement: "An enum annotation on a field or constant that isn't an integer.",
+    why: "The annotation has no effect, so values are not checked and have no names.",
+    fix: "Use an integer type for the field and the constants.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -21,6 +22,6 @@ pub(super) const RULE: Rule = Rule {
                uint8 GEAR_UP = 0    # Retracted\nuint8 GEAR_DOWN = 1  # Extended\n\n\
                uint8 gear  # [@enum GEAR] Landing gear\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Reader(no_fix),
 };

@@ -1,4 +1,4 @@
-//! `enum-type`: constants of a wider type than the field that holds them.
+//! `enum-type`: constants with a wider type than their field.
 
 use std::collections::BTreeMap;
 
@@ -13,8 +13,10 @@ use crate::schema::{Constant, Element, EnumRef, Schema};
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-type",
-    purpose: "The field that holds the constants of an enum has a type that holds all of theirs. What is \
-              assigned from a wider one is cut without a word; one of the two types is a slip.",
+    statement: "An enum whose constants have a wider type than the field.",
+    why: "Code that assigns a constant to the field truncates it without a warning. One of the two \
+        types is a mistake.",
+    fix: "Use the same type for the field and its constants.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -28,7 +30,7 @@ pub(super) const RULE: Rule = Rule {
                uint8 GEAR_UP = 0    # Retracted\nuint8 GEAR_DOWN = 1  # Extended\n\n\
                uint8 gear  # [@enum GEAR] Landing gear\n",
     },
-    measured: Some(Measured { findings: 1, sample: 1, right: 1, remark: "" }),
+    measured: Some(Measured { findings: 1, sample: 1, right: 1 }),
     check: Check::Message(check),
 };
 
@@ -39,21 +41,21 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         let Some(reference) = field.enumeration else { continue };
         let wider = *known.entry(reference).or_insert_with(|| wider(reference, subject.schema));
         let Some((constant, scalar)) = wider else { continue };
-        // Numbers of bits need no type as wide as the mask, and no mask is as wide as all its bits.
-        if bits.is_meant(field, reference, subject.schema) {
+        // The field of a bit mask and its constants, which may be bit numbers, can have different types.
+        if bits.are_bits(field, reference, subject.schema) {
             continue;
         }
         let held = subject.schema.enumeration(reference).scalar.name();
         sink.report(
             field.span,
-            format!("`{}` is a `{held}`, its constants are `{}`", field.name, scalar.name()),
-            "give both one type",
+            format!("`{}` is a `{held}`, but its constants are `{}`", field.name, scalar.name()),
+            "use the same type for both",
         )
-        .relate(constant.span, "one of its constants");
+        .relate(constant.span, "a constant of the enum");
     }
 }
 
-/// The first constant of an enum whose type has values that the type of its fields doesn't hold.
+/// Finds the first constant whose type is wider than that of the field.
 fn wider(reference: EnumRef, schema: &Schema) -> Option<(&Constant, Scalar)> {
     let found = schema.enumeration(reference);
     let constants = &schema.message(reference.message).constants;
@@ -63,7 +65,7 @@ fn wider(reference: EnumRef, schema: &Schema) -> Option<(&Constant, Scalar)> {
     })
 }
 
-/// Whether a type has no values but those of another.
+/// True if all values of a type are values of the other.
 fn is_within(scalar: Scalar, other: Scalar) -> bool {
     match (scalar.integer_bounds(), other.integer_bounds()) {
         (Some((least, greatest)), Some((low, high))) => low <= least && greatest <= high,

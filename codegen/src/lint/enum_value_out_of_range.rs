@@ -1,4 +1,4 @@
-//! `enum-value-out-of-range`: a constant that the field can't hold.
+//! `enum-value-out-of-range`: a constant that doesn't fit into the field.
 
 use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-value-out-of-range",
-    purpose: "The type of a field holds each constant of its enum. One that it can't hold is cut when it is \
-              assigned, and read as another.",
+    statement: "A constant of an enum that doesn't fit into the field.",
+    why: "The value is truncated when it is assigned, and readers see another one.",
+    fix: "Use a wider type for the field, or a smaller value.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -21,6 +22,6 @@ pub(super) const RULE: Rule = Rule {
                uint16 GEAR_UP = 0      # Retracted\nuint16 GEAR_DOWN = 256  # Extended\n\n\
                uint16 gear  # [@enum GEAR] Landing gear\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Reader(no_fix),
 };

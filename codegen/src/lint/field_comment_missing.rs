@@ -1,4 +1,4 @@
-//! `field-comment-missing`: a field that nobody explains.
+//! `field-comment-missing`: a field without a comment.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -7,8 +7,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-comment-missing",
-    purpose: "A field has a comment. Its name alone leaves open what counts as true, who sets it and what it \
-              is measured against.",
+    statement: "A field without a comment.",
+    why: "The name doesn't say what true means, who sets the field or what the value is relative to.",
+    fix: "Describe the field in a comment.",
     levels: Levels { px4: Some(Level::Note), strict: Some(Level::Warning) },
     bad: Example {
         path: "Glider.msg",
@@ -19,12 +20,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink  # [m/s] Sink rate, down is positive\n",
     },
-    measured: Some(Measured {
-        findings: 464,
-        sample: 30,
-        right: 28,
-        remark: "the others stand under a heading that says it",
-    }),
+    measured: Some(Measured { findings: 464, sample: 30, right: 28 }),
     check: Check::Message(check),
 };
 
@@ -35,8 +31,8 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     for field in subject.message.fields.iter().filter(|field| field.description.is_empty()) {
         sink.report(
             field.span,
-            format!("nothing is said of `{}`", field.name),
-            "say in a comment what it means",
+            format!("`{}` has no comment", field.name),
+            "describe in a comment what it means",
         );
     }
 }

@@ -1,4 +1,4 @@
-//! `frame-unknown`: a coordinate frame that nobody knows.
+//! `frame-unknown`: an unknown coordinate frame.
 
 use std::collections::HashSet;
 
@@ -12,8 +12,10 @@ use crate::schema::Message;
 
 pub(super) const RULE: Rule = Rule {
     id: "frame-unknown",
-    purpose: "A coordinate frame is one of those known, or with `@` the name of a field that says which. North \
-              of a frame that only its author knows can't be told from south.",
+    statement: "A coordinate frame that is not in the list of known frames.",
+    why: "Readers can't tell the direction of the axes, so they may use a value with the wrong sign.",
+    fix: "Write a known frame, such as NED, ENU, FRD or FLU, or `@` and the name of the field that \
+        contains the frame.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -25,7 +27,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32[3] wind  # [m/s] [@frame NED] Wind\n",
     },
-    measured: Some(Measured { findings: 2, sample: 2, right: 2, remark: "" }),
+    measured: Some(Measured { findings: 2, sample: 2, right: 2 }),
     check: Check::Message(check),
 };
 
@@ -52,14 +54,14 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         if !is_known {
             sink.report(
                 annotation.span,
-                format!("`{frame}` is no known coordinate frame"),
-                "write NED, ENU, ECEF, FRD, FLU or Body, or `@` and the name of the field that says which",
+                format!("unknown coordinate frame `{frame}`"),
+                "write NED, ENU, ECEF, FRD, FLU or Body, or `@` and the name of the field that contains the frame",
             );
         }
     }
 }
 
-/// What a message declares.
+/// The names of the fields and constants of a message.
 fn names(message: &Message) -> HashSet<&str> {
     let fields = message.fields.iter().map(|field| field.name.as_str());
     fields.chain(message.constants.iter().map(|constant| constant.name.as_str())).collect()

@@ -1,4 +1,4 @@
-//! `header-end`: how the short description ends.
+//! `header-end`: the end of the short description.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -8,9 +8,11 @@ use crate::msg::ast::{Comment, Line};
 
 pub(super) const RULE: Rule = Rule {
     id: "header-end",
-    purpose: "The short description of a message stands on one line without a full stop, as PX4's \
-              documentation standard asks. One of several lines ends in a full stop; without, the rest of the \
-              description most often runs into it.",
+    statement: "A short description that doesn't follow PX4's standard: one line without a full stop.",
+    why: "Without a full stop or an empty comment line, a description of several lines runs into the \
+        text below it.",
+    fix: "Remove the full stop from a description of one line. End one of several lines with a full \
+        stop, or separate it with a line `#`.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -20,7 +22,7 @@ pub(super) const RULE: Rule = Rule {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
     },
-    measured: Some(Measured { findings: 32, sample: 30, right: 30, remark: "" }),
+    measured: Some(Measured { findings: 32, sample: 30, right: 30 }),
     check: Check::Message(check),
 };
 
@@ -41,21 +43,21 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         if let [only] = &paragraph[..]
             && is_one_sentence(only.text)
         {
-            let help = "a short description of one line ends without it";
-            sink.report(end(only), "a full stop after the short description", help);
+            let help = "remove it: a short description of one line has no full stop";
+            sink.report(end(only), "full stop after the short description", help);
         }
         return;
     };
     if last.text.ends_with(|c: char| c.is_alphanumeric()) {
         sink.report(
             first.span.to(last.span),
-            "a short description of several lines, without a full stop",
-            "end it with one, or set the short description apart by a line `#`",
+            "short description of several lines without a full stop",
+            "add a full stop, or separate the short description with a line `#`",
         );
     }
 }
 
-/// Whether a text is one sentence that ends in a full stop.
+/// True if a text is one sentence that ends with a full stop.
 fn is_one_sentence(text: &str) -> bool {
     text.strip_suffix('.')
         .is_some_and(|text| !text.contains(". ") && !text.ends_with(['.', ')']) && !text.ends_with("etc"))

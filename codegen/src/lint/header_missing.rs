@@ -7,15 +7,17 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "header-missing",
-    purpose: "A message starts with a comment that says what it is for. The list of all messages shows its \
-              first paragraph; without it there is only the name.",
+    statement: "A message without a description at the start of the file.",
+    why: "The list of messages shows the first paragraph of the description. Without one, it shows \
+        only the name.",
+    fix: "Start the file with a comment that says what the message is for.",
     levels: Levels::both(Level::Warning),
     bad: Example { path: "Glider.msg", text: "uint64 timestamp  # [us] Time since system start\n" },
     good: Example {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
     },
-    measured: Some(Measured { findings: 131, sample: 30, right: 30, remark: "" }),
+    measured: Some(Measured { findings: 131, sample: 30, right: 30 }),
     check: Check::Message(check),
 };
 

@@ -1,4 +1,4 @@
-//! Findings that are let stand, and requests for that which no longer apply.
+//! Ignore comments and the ignores in the configuration. Invalid and unused ones are reported.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,31 +15,35 @@ use crate::resolve::PackageSource;
 use crate::schema::Form;
 use crate::source::{SourceId, SourceMap, Span};
 
-/// Requests that can't be granted.
+/// Invalid ignore comments.
 pub(super) const INVALID: Rule = Rule {
     id: "invalid-ignore",
-    purpose: "A request to ignore findings names a rule and says why. One without a reason is granted and \
-              reported; one that names no rule does nothing. Errors of the readers can't be ignored.",
+    statement: "An ignore comment without a known rule or without a reason.",
+    why: "A comment with an unknown rule has no effect. Without a reason, nobody can tell when it \
+        becomes obsolete. Parser errors can't be ignored.",
+    fix: "Name a rule and give a reason.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink      # [m/s] Sink rate  # uavspec:ignore unit-mising taken over as it is\n",
+               float32 sink      # [m/s] Sink rate  # uavspec:ignore unit-mising the source defines no unit\n",
     },
     good: Example {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink      # Sink rate  # uavspec:ignore unit-missing taken over as it is\n",
+               float32 sink      # Sink rate  # uavspec:ignore unit-missing the source defines no unit\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Ignores,
 };
 
-/// Requests that nothing is left to ignore for.
+/// Unused ignore comments.
 pub(super) const UNUSED: Rule = Rule {
     id: "unused-ignore",
-    purpose: "A request to ignore findings that no longer has any to ignore hides the next one that comes. \
-              Requests for rules that are off are left alone.",
+    statement: "An ignore comment without a finding to ignore.",
+    why: "It would hide the next finding of the rule. Comments for rules that are switched off are \
+        not reported.",
+    fix: "Remove the comment.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -51,53 +55,53 @@ pub(super) const UNUSED: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink      # [m/s] Sink rate\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Ignores,
 };
 
-/// A request and what it is for.
+/// A request to ignore findings.
 struct Request<'s> {
     rule: &'s str,
     reason: &'s str,
     span: Span,
     scope: Scope,
-    /// What goes when the request goes: its comment, or its whole line.
+    /// The span to delete in order to remove the request: its comment, or its whole line.
     removal: Option<Span>,
 }
 
 enum Scope {
-    /// Findings that start in a line.
+    /// Findings that start in this line.
     Line(Span),
-    /// Findings in a source.
+    /// Findings in this source.
     Source(SourceId),
-    /// Findings in some sources, or in all.
+    /// Findings in these sources, or in all.
     Sources(Option<BTreeSet<SourceId>>),
 }
 
-/// Takes out of `findings` what is let stand, and adds what is to be said of the requests.
+/// Removes the ignored findings, and adds findings about invalid and unused requests.
 pub(super) fn apply(
     sources: &SourceMap,
     parsed: &[PackageSource<'_>],
     (rules, settings): (&[&Rule], &Settings),
-    wanted: &BTreeSet<SourceId>,
+    selected: &BTreeSet<SourceId>,
     findings: &mut Vec<Finding>,
 ) {
-    let mut requests: Vec<Request<'_>> = settings.ignores.iter().map(of_configuration).collect();
+    let mut requests: Vec<Request<'_>> = settings.ignores.iter().map(configured_request).collect();
     for (_, _, span, definition) in parsed.iter().flat_map(|package| &package.files) {
         let source = sources.source_of(*span);
-        definition.parts.iter().for_each(|part| of_part(part, source, sources, &mut requests));
+        definition.parts.iter().for_each(|part| add_requests_of_part(part, source, sources, &mut requests));
     }
     for text in subject::texts(sources, parsed).iter().filter(|text| text.form == Form::Table) {
-        of_page(text, sources, &mut requests);
+        add_requests_of_page(text, sources, &mut requests);
     }
     requests.retain(|request| match request.scope {
-        Scope::Line(_) | Scope::Source(_) => wanted.contains(&sources.source_of(request.span)),
+        Scope::Line(_) | Scope::Source(_) => selected.contains(&sources.source_of(request.span)),
         Scope::Sources(_) => true,
     });
     let index = Index::new(&requests);
     let mut used = vec![false; requests.len()];
     findings.retain(|finding| {
-        let request = find(rules, finding.rule).and_then(|_| index.granting(finding, sources, &requests));
+        let request = find(rules, finding.rule).and_then(|_| index.find(finding, sources, &requests));
         request.inspect(|request| used[*request] = true).is_none()
     });
     for (request, used) in requests.iter().zip(used) {
@@ -108,12 +112,17 @@ pub(super) fn apply(
     }
 }
 
-fn of_configuration(ignore: &Ignore) -> Request<'_> {
+fn configured_request(ignore: &Ignore) -> Request<'_> {
     let scope = Scope::Sources(ignore.sources.clone());
     Request { rule: &ignore.rule, reason: &ignore.reason, span: ignore.span, scope, removal: None }
 }
 
-fn of_part<'s>(part: &Part<'s>, source: SourceId, sources: &SourceMap, requests: &mut Vec<Request<'s>>) {
+fn add_requests_of_part<'s>(
+    part: &Part<'s>,
+    source: SourceId,
+    sources: &SourceMap,
+    requests: &mut Vec<Request<'s>>,
+) {
     let is_comment = |line: &&Line<'_>| line.item.is_none() && line.comment.is_some();
     let head = part.lines.iter().take_while(is_comment).count();
     for (at, line) in part.lines.iter().enumerate() {
@@ -130,7 +139,7 @@ fn of_part<'s>(part: &Part<'s>, source: SourceId, sources: &SourceMap, requests:
         let removal = if comment.is_directive() && line.item.is_none() {
             whole_line(line.span, sources)
         } else {
-            // From the end of what stands before it.
+            // Starts at the end of the text before the request.
             let text = comment.text.trim_end();
             let start = if text.is_empty() { 0 } else { 1 + text.len() };
             comment.span.part(start..start).to(comment.span)
@@ -139,7 +148,7 @@ fn of_part<'s>(part: &Part<'s>, source: SourceId, sources: &SourceMap, requests:
     }
 }
 
-fn of_page<'s>(page: &SourceText<'s>, sources: &SourceMap, requests: &mut Vec<Request<'s>>) {
+fn add_requests_of_page<'s>(page: &SourceText<'s>, sources: &SourceMap, requests: &mut Vec<Request<'s>>) {
     for (line, span) in page.lines() {
         let Some((directive, start)) = directive::find(line, span) else { continue };
         let (scope, removal) = if start == 0 {
@@ -152,7 +161,7 @@ fn of_page<'s>(page: &SourceText<'s>, sources: &SourceMap, requests: &mut Vec<Re
     }
 }
 
-/// A line with its end, where it has one.
+/// The span of a line with its line end, if any.
 fn whole_line(line: Span, sources: &SourceMap) -> Span {
     let source = sources.span(sources.source_of(line));
     let rest = sources.slice(Span { start: line.end, end: source.end });
@@ -174,21 +183,24 @@ impl<'s> Request<'s> {
             Some(finding)
         };
         if self.rule.is_empty() {
-            return report("no rule is named".to_owned(), "write `uavspec:ignore RULE reason`".to_owned());
+            return report(
+                "an ignore comment without a rule".to_owned(),
+                "write `uavspec:ignore RULE reason`".to_owned(),
+            );
         }
         if find(rules, self.rule).is_none() {
             let is_error = crate::diagnostic::Problem::CODES.contains(&self.rule);
             let help = match similar(self.rule, rules) {
-                _ if is_error => "what can't be read has to be mended".to_owned(),
+                _ if is_error => "correct the error".to_owned(),
                 Some(similar) => format!("did you mean `{similar}`?"),
-                None => "the documentation lists all rules".to_owned(),
+                None => "`cargo xtask lint --rules` lists all rules".to_owned(),
             };
-            let what = if is_error { "an error, which can't be ignored" } else { "no rule" };
+            let what = if is_error { "an error and can't be ignored" } else { "not a rule" };
             return report(format!("`{}` is {what}", self.rule), help);
         }
         if self.reason.is_empty() {
-            let help = "say why, so that others can tell when it no longer holds".to_owned();
-            return report(format!("no reason is given for ignoring `{}`", self.rule), help);
+            let help = "give a reason, so that others can tell when it becomes obsolete".to_owned();
+            return report(format!("no reason for ignoring `{}`", self.rule), help);
         }
         None
     }
@@ -196,9 +208,9 @@ impl<'s> Request<'s> {
     fn unused(&self, rules: &[&Rule], settings: &Settings) -> Option<Finding> {
         let level = settings.level(&UNUSED)?;
         settings.level(find(rules, self.rule)?)?;
-        let message = format!("nothing is left here that `{}` would report", self.rule);
+        let message = format!("`{}` has no finding here", self.rule);
         let mut finding = Finding::new(UNUSED.id, level, self.span, message);
-        finding.help("remove the request");
+        finding.help("remove the comment");
         if let Some(removal) = self.removal {
             finding.edit(removal, "");
         }
@@ -206,27 +218,27 @@ impl<'s> Request<'s> {
     }
 }
 
-/// The rule of an id.
+/// Finds a rule by its id.
 fn find<'r>(rules: &[&'r Rule], id: &str) -> Option<&'r Rule> {
     rules.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| rules[at])
 }
 
-/// The rule whose id is closest to `id`, where any is close.
+/// Finds the rule with the most similar id, if any is similar.
 fn similar(id: &str, rules: &[&Rule]) -> Option<&'static str> {
     let distances = rules.iter().map(|rule| (strsim::damerau_levenshtein(rule.id, id), rule.id));
-    // Ids are short: what is much longer is none, and comparing takes the product of the lengths.
+    // Ids are short, and the cost of a comparison is the product of the lengths. Much longer texts are no ids.
     distances
         .filter(|(distance, known)| id.len() < 60 && *distance <= 1 + known.len() / 5)
         .min()
         .map(|(_, known)| known)
 }
 
-/// Requests by what they are for.
+/// Requests, indexed by scope.
 struct Index<'s> {
-    /// By rule and start of the line.
+    /// The requests for lines, by rule and start of the line.
     lines: BTreeMap<(&'s str, u32), usize>,
     sources: BTreeMap<(&'s str, SourceId), usize>,
-    /// Of the configuration: few.
+    /// The requests in the configuration, of which there are few.
     others: Vec<usize>,
 }
 
@@ -247,24 +259,24 @@ impl<'s> Index<'s> {
         index
     }
 
-    /// The request that lets `finding` stand.
-    fn granting(&self, finding: &Finding, sources: &SourceMap, requests: &[Request<'_>]) -> Option<usize> {
+    /// Finds a request that ignores `finding`.
+    fn find(&self, finding: &Finding, sources: &SourceMap, requests: &[Request<'_>]) -> Option<usize> {
         let source = sources.source_of(finding.span);
-        let of_line = || {
+        let in_line = || {
             let before = self.lines.range((finding.rule, 0)..=(finding.rule, finding.span.start));
             let (_, request) = before.last()?;
             let Scope::Line(line) = requests[*request].scope else { return None };
             (finding.span.start <= line.end).then_some(*request)
         };
-        let of_source = || self.sources.get(&(finding.rule, source)).copied();
-        let of_others = || {
+        let in_source = || self.sources.get(&(finding.rule, source)).copied();
+        let in_others = || {
             let covers = |request: &&usize| match &requests[**request].scope {
                 Scope::Sources(Some(only)) => only.contains(&source),
                 _ => true,
             };
-            let is_of_rule = |request: &&usize| requests[**request].rule == finding.rule;
-            self.others.iter().filter(is_of_rule).find(covers).copied()
+            let has_rule = |request: &&usize| requests[**request].rule == finding.rule;
+            self.others.iter().filter(has_rule).find(covers).copied()
         };
-        of_line().or_else(of_source).or_else(of_others)
+        in_line().or_else(in_source).or_else(in_others)
     }
 }

@@ -1,4 +1,4 @@
-//! `invisible-character`: characters that nobody sees.
+//! `invisible-character`: an invisible character.
 
 use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "invisible-character",
-    purpose: "A text has no characters without width and none that turn its direction. They make a name or a \
-              number look other than it is, and a search doesn't find it.",
+    statement: "A zero-width character, or a character that changes the text direction.",
+    why: "A name or a number looks different, and a search doesn't find it.",
+    fix: "Remove the character.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -19,6 +20,6 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink  # [m/s] Sink rate\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Reader(no_fix),
 };

@@ -1,4 +1,4 @@
-//! `leading-white-space`: declarations start at the start of their line.
+//! `leading-white-space`: white space before a declaration.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -7,8 +7,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "leading-white-space",
-    purpose: "A declaration starts in the first column. An indented one looks like a part of that above, and \
-              there is none.",
+    statement: "White space before a declaration.",
+    why: "An indented declaration looks like part of the one above, but messages have no such structure.",
+    fix: "Start the declaration in the first column.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -19,7 +20,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink  # [m/s] Sink rate\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };
 
@@ -28,9 +29,9 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         return;
     }
     for (_, text, place) in subject.declarations() {
-        let blanks = text.len() - text.trim_start_matches([' ', '\t']).len();
-        if blanks > 0 {
-            let place = place.part(0..blanks);
+        let width = text.len() - text.trim_start_matches([' ', '\t']).len();
+        if width > 0 {
+            let place = place.part(0..width);
             sink.report(place, "white space before a declaration", "remove it").edit(place, "");
         }
     }

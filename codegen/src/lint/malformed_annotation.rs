@@ -1,4 +1,4 @@
-//! `malformed-annotation`: an annotation that can't be read.
+//! `malformed-annotation`: an annotation with invalid arguments.
 
 use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "malformed-annotation",
-    purpose: "An annotation has the form that its name asks for. One that can't be read stays part of the \
-              text, and the value is not checked.",
+    statement: "An annotation with invalid arguments.",
+    why: "It is treated as text, so the value is not checked.",
+    fix: "Write the arguments that the annotation expects.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -19,6 +20,6 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink  # [m/s] [@range 0, 10] Sink rate\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Reader(no_fix),
 };

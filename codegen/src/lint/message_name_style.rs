@@ -1,4 +1,4 @@
-//! `message-name-style`: messages are named in `PascalCase`.
+//! `message-name-style`: a message file that isn't named in `PascalCase`.
 
 use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-name-style",
-    purpose: "The file of a message is named in PascalCase. Tools derive the name of its topic and of its \
-              types from it, and ROS 2 refuses any other.",
+    statement: "A message file whose name is not in PascalCase.",
+    why: "Tools derive the topic and type names from the file name, and ROS 2 rejects other names.",
+    fix: "Rename the file.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "glider_state.msg",
@@ -17,6 +18,6 @@ pub(super) const RULE: Rule = Rule {
         path: "GliderState.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Reader(no_fix),
 };

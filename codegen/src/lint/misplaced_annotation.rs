@@ -1,4 +1,4 @@
-//! `misplaced-annotation`: an annotation on a type that it says nothing about.
+//! `misplaced-annotation`: an annotation that doesn't apply to the type.
 
 use super::rule::{Check, Levels, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,10 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "misplaced-annotation",
-    purpose: "An annotation belongs to the type: units and ranges to numbers, patterns and formats to strings, lengths \
-              to strings and lists. On any other it says nothing, and the value is not checked.",
+    statement: "An annotation that doesn't apply to the type of the value.",
+    why: "It has no effect, so the value is not checked. Units and ranges apply to numbers, patterns \
+        and formats to strings, lengths to strings and lists.",
+    fix: "Use an annotation for this type.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "winch.md",

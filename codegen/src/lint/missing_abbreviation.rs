@@ -6,8 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "missing-abbreviation",
-    purpose: "An error code has an abbreviation, or a `-` that says that none is meant. User interfaces show \
-              it where space is short, and the bare number where there is none.",
+    statement: "An error code without an abbreviation.",
+    why: "User interfaces show the abbreviation if there is little space. Without one, they show the number.",
+    fix: "Add an abbreviation, or `-` if the code should have none.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "winch.md",

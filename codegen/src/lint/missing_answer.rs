@@ -1,4 +1,4 @@
-//! `missing-answer`: a request that nothing answers.
+//! `missing-answer`: a request without a response.
 
 use super::rule::{Check, Levels, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,10 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "missing-answer",
-    purpose: "Whoever sends a request has to know what comes back: a response of the same type, or one of the types that \
-              the line `Answer:` below the heading `Request` names.",
+    statement: "A request type without a response.",
+    why: "Clients don't know what to expect. A response has the same type, or one of the types in the \
+        line `Answer:` under the heading `Request`.",
+    fix: "Add a section `Response`, or a line `Answer:` with the types of the answers.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "winch.md",

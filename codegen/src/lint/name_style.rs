@@ -1,4 +1,4 @@
-//! `name-style`: names in the style that all tools take.
+//! `name-style`: names that some tools reject.
 
 use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,10 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "name-style",
-    purpose: "Fields are in lower_snake_case and constants in UPPER_SNAKE_CASE, without `__` and without `_` \
-              at the end. ROS 2 refuses any other name, so the message can't be bridged.",
+    statement: "A field that is not in lower_snake_case, or a constant that is not in UPPER_SNAKE_CASE.",
+    why: "ROS 2 rejects other names, and names with `__` or with `_` at the end, so the message can't \
+        be bridged.",
+    fix: "Rename the field or the constant.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -19,6 +21,6 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink_rate  # [m/s] Sink rate\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Reader(no_fix),
 };

@@ -1,4 +1,4 @@
-//! `near-type-table`: a table that is nearly one of a type.
+//! `near-type-table`: a table that is almost a type table.
 
 use super::rule::{Check, Levels, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "near-type-table",
-    purpose: "A table defines a type where its columns are those of one. Where a column is missing or misspelt, it stays \
-              prose, and nobody is told of its fields.",
+    statement: "A table whose columns are almost those of a type.",
+    why: "A missing or misspelt column turns the table into text, and its fields are not defined.",
+    fix: "Correct the columns: `Field`, `Required`, `Type`, `Description`.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "winch.md",

@@ -1,4 +1,4 @@
-//! `not-portable`: what only some of the tools read.
+//! `not-portable`: syntax that only some tools support.
 
 use super::rule::{Check, Levels, Measured, Rule};
 use crate::diagnostic::{Diagnostic, Level, Problem};
@@ -8,20 +8,22 @@ use crate::source::SourceMap;
 
 pub(super) const RULE: Rule = Rule {
     id: "not-portable",
-    purpose: "PX4's generator reads decimal integers, `True` and `False`, and wants a blank between type and \
-              name. It takes another spelling for something else, or cuts it, without a word.",
+    statement: "Syntax that PX4's generator doesn't support.",
+    why: "PX4's generator reads decimal integers, `True` and `False`, and needs a space between type \
+        and name. It misreads other forms without an error.",
+    fix: "Write the portable form.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
-        text: "# State of a glider\n\nuint8 SEATS_MAX = 0x02  # Seats of the largest one\n\n\
+        text: "# State of a glider\n\nuint8 SEATS_MAX = 0x02  # Seats of the largest glider\n\n\
                uint64 timestamp  # [us] Time since system start\n",
     },
     good: Example {
         path: "Glider.msg",
-        text: "# State of a glider\n\nuint8 SEATS_MAX = 2  # Seats of the largest one\n\n\
+        text: "# State of a glider\n\nuint8 SEATS_MAX = 2  # Seats of the largest glider\n\n\
                uint64 timestamp  # [us] Time since system start\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Reader(fix),
 };
 

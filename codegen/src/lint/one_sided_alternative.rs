@@ -1,4 +1,4 @@
-//! `one-sided-alternative`: alternatives that don't name each other.
+//! `one-sided-alternative`: error codes that don't name each other as alternatives.
 
 use super::rule::{Check, Levels, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,10 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "one-sided-alternative",
-    purpose: "Codes of which only one stands for the same event name each other. Where one of them doesn't, \
-              whoever reads only its description reports the event twice.",
+    statement: "An error code that names an alternative which doesn't name it in return.",
+    why: "Only one of the two codes may be reported for an event. A developer who reads only the \
+        other description reports both.",
+    fix: "Name the alternative in both descriptions.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "winch.md",

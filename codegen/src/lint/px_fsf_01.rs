@@ -1,4 +1,4 @@
-//! `PX-FSF-01`: flags of `FailsafeFlags` name a failure.
+//! `PX-FSF-01`: a flag of `FailsafeFlags` that doesn't describe a failure.
 
 use uavspec_runtime::Scalar;
 
@@ -10,42 +10,43 @@ use crate::schema::{Element, Field};
 
 pub(super) const RULE: Rule = Rule {
     id: "PX-FSF-01",
-    purpose: "A flag of FailsafeFlags is named after the failure that it tells of, so that false means that \
-              all is well. The failsafe state machine and its simulation take every true flag for a failure.",
+    statement: "A flag of FailsafeFlags whose name doesn't describe a failure.",
+    why: "The failsafe state machine and its simulation treat every flag that is true as a failure.",
+    fix: "Choose a name that makes false mean no failure, such as `…_invalid`, `…_lost` or `…_unhealthy`.",
     levels: Levels::both(Level::Error),
     bad: Example {
         path: "FailsafeFlags.msg",
-        text: "# What the failsafe state machine decides on\n\n\
+        text: "# Input flags of the failsafe state machine\n\n\
                uint64 timestamp  # [us] Time since system start\n\n\
                bool tow_rope_attached  # Tow rope attached\n",
     },
     good: Example {
         path: "FailsafeFlags.msg",
-        text: "# What the failsafe state machine decides on\n\n\
+        text: "# Input flags of the failsafe state machine\n\n\
                uint64 timestamp  # [us] Time since system start\n\n\
                bool tow_rope_lost  # Tow rope lost\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };
 
-/// Words that name a failure, in the names of flags.
+/// Words for a failure in the names of flags.
 const FAILURES: &str = "breached breach broken corrupt corrupted critical denied disconnected empty error exceeded \
     failed failing failure fault faulty high imbalanced inconsistent invalid inaccurate loss lost \
     low missing overheated overload overloaded rejected spoofed stale stuck timeout triggered \
     unavailable unhealthy unsafe unstable violated violation warning weak";
 
-/// What may stand behind such a word without turning its meaning: how bad it has to be, or what has failed. A word of
-/// its own would: `high_accuracy_available` and `failure_cleared` are true while all is well.
+/// Words that may follow without changing the meaning: a threshold, or the part that failed. Other words change the
+/// meaning: `high_accuracy_available` and `failure_cleared` are true if there is no failure.
 const QUALIFIERS: [&str; 3] = ["prop", "relaxed", "remaining_time"];
 
-/// Words before it that turn its meaning.
+/// Words before it that negate the meaning.
 const NEGATIONS: [&str; 4] = ["never", "no", "not", "without"];
 
-/// Masks over the flight modes: they require, and tell of no failure.
+/// The prefix of the masks of flight modes, which describe requirements.
 pub(super) const REQUIREMENT: &str = "mode_req_";
 
-/// Whether a message is the one that both rules on flags are about.
+/// True if the rules about flags apply to the message.
 pub(super) fn applies(subject: &Subject<'_>) -> bool {
     subject.is_px4_message() && subject.message.name == "FailsafeFlags"
 }
@@ -54,22 +55,22 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     if !applies(subject) {
         return;
     }
-    for field in subject.message.fields.iter().filter(|field| !names_a_failure(field)) {
+    for field in subject.message.fields.iter().filter(|field| !describes_failure(field)) {
         sink.report(
             field.span,
-            format!("`{}` names no failure", field.name),
-            "name it so that false means no failure: `…_invalid`, `…_lost`, `…_unhealthy`",
+            format!("`{}` doesn't describe a failure", field.name),
+            "choose a name that makes false mean no failure, such as `…_invalid`, `…_lost` or `…_unhealthy`",
         );
     }
 }
 
-fn names_a_failure(field: &Field) -> bool {
+fn describes_failure(field: &Field) -> bool {
     field.ty.element != Element::Scalar(Scalar::Bool)
         || field.name.starts_with(REQUIREMENT)
-        || ends_in_a_failure(&field.name)
+        || ends_with_failure(&field.name)
 }
 
-fn ends_in_a_failure(name: &str) -> bool {
+fn ends_with_failure(name: &str) -> bool {
     let qualified = QUALIFIERS.iter().find_map(|last| name.strip_suffix(last)?.strip_suffix('_'));
     let mut words = qualified.unwrap_or(name).rsplit('_');
     let is_failure = words.next().is_some_and(|last| FAILURES.split(' ').any(|known| known == last));
@@ -78,9 +79,9 @@ fn ends_in_a_failure(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::ends_in_a_failure;
+    use super::ends_with_failure;
 
-    /// The flags of PX4 1.15, 1.16 and what came since.
+    /// The flags of PX4 1.15, 1.16 and later versions.
     const FLAGS: &str = "angular_velocity_invalid attitude_invalid auto_mission_missing battery_low_remaining_time \
         battery_unhealthy fd_alt_loss fd_critical_failure fd_esc_arming_failure fd_imbalanced_prop fd_motor_failure \
         flight_time_limit_exceeded gcs_connection_lost geofence_breached global_position_invalid \
@@ -91,14 +92,14 @@ mod tests {
         vtol_fixed_wing_system_failure wind_limit_exceeded";
 
     #[test]
-    fn flags_of_px4_name_a_failure() {
+    fn px4_flags_describe_a_failure() {
         for flag in FLAGS.split(' ') {
-            assert!(ends_in_a_failure(flag), "{flag}");
+            assert!(ends_with_failure(flag), "{flag}");
         }
     }
 
     #[test]
-    fn a_failure_that_something_else_follows_or_that_is_denied_is_none() {
+    fn other_words_or_negation_change_the_meaning() {
         for flag in [
             "high_accuracy_available",
             "low_noise_ok",
@@ -112,7 +113,7 @@ mod tests {
             "",
             "_",
         ] {
-            assert!(!ends_in_a_failure(flag), "{flag}");
+            assert!(!ends_with_failure(flag), "{flag}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! `PX-FSF-02`: flags of `FailsafeFlags` have a label.
+//! `PX-FSF-02`: a flag of `FailsafeFlags` without a comment.
 
 use uavspec_runtime::Scalar;
 
@@ -11,21 +11,23 @@ use crate::schema::Element;
 
 pub(super) const RULE: Rule = Rule {
     id: "PX-FSF-02",
-    purpose: "A flag of FailsafeFlags has a comment. It is the label under which the simulation of the \
-              failsafe state machine shows it; without, there is a check box that says nothing.",
+    statement: "A flag of FailsafeFlags without a comment.",
+    why: "The failsafe simulation shows the comment as the label of the flag. Without one, the check \
+        box has no label.",
+    fix: "Describe the failure in a comment.",
     levels: Levels::both(Level::Error),
     bad: Example {
         path: "FailsafeFlags.msg",
-        text: "# What the failsafe state machine decides on\n\n\
+        text: "# Input flags of the failsafe state machine\n\n\
                uint64 timestamp  # [us] Time since system start\n\nbool tow_rope_lost\n",
     },
     good: Example {
         path: "FailsafeFlags.msg",
-        text: "# What the failsafe state machine decides on\n\n\
+        text: "# Input flags of the failsafe state machine\n\n\
                uint64 timestamp  # [us] Time since system start\n\n\
                bool tow_rope_lost  # Tow rope lost\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };
 
@@ -38,8 +40,8 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         if is_flag && field.description.is_empty() && !field.name.starts_with(px_fsf_01::REQUIREMENT) {
             sink.report(
                 field.span,
-                format!("`{}` has no label", field.name),
-                "say in a comment what has failed: the simulation shows it",
+                format!("`{}` has no comment", field.name),
+                "describe the failure in a comment: the failsafe simulation shows it as the label",
             );
         }
     }

@@ -1,4 +1,4 @@
-//! `queue-length`: queues as PX4 makes them.
+//! `queue-length`: a queue length that is not a power of two.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -7,8 +7,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "queue-length",
-    purpose: "The length of a queue is a power of two. PX4 rounds any other up to the next one, so that the \
-              queue holds more than the definition says.",
+    statement: "A queue length that is not a power of two.",
+    why: "PX4 rounds the length up to the next power of two, so the queue is longer than defined.",
+    fix: "Write the power of two.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -20,7 +21,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
                uint8 ORB_QUEUE_LENGTH = 16\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };
 
@@ -31,9 +32,9 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     let constants = &subject.message.constants;
     if let Some(constant) = constants.iter().find(|constant| constant.name == "ORB_QUEUE_LENGTH") {
         let help = match length.checked_next_power_of_two() {
-            Some(next) => format!("PX4 makes it {next}: write that"),
-            None => "no queue is that long".to_owned(),
+            Some(next) => format!("PX4 rounds it up to {next}: write {next}"),
+            None => "the length is too large".to_owned(),
         };
-        sink.report(constant.span, format!("a queue of {length} messages"), help);
+        sink.report(constant.span, format!("queue length {length} is not a power of two"), help);
     }
 }

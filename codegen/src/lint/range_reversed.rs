@@ -1,4 +1,4 @@
-//! `range-reversed`: a range that ends before it starts.
+//! `range-reversed`: a range with swapped bounds.
 
 use super::rule::{Check, Levels, Measured, Rule};
 use crate::diagnostic::{Diagnostic, Level};
@@ -9,30 +9,31 @@ use crate::source::SourceMap;
 
 pub(super) const RULE: Rule = Rule {
     id: "range-reversed",
-    purpose: "A range gives its lower bound first. Tools that take the bounds in the order written find every \
-              value outside.",
+    statement: "A range whose lower bound is higher than its upper bound.",
+    why: "Tools that read the bounds in order find every value out of range.",
+    fix: "Swap the bounds.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 flaps  # [-] [@range 1, 0] How far the flaps are out\n",
+               float32 flaps  # [-] [@range 1, 0] Flap deflection\n",
     },
     good: Example {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 flaps  # [-] [@range 0, 1] How far the flaps are out\n",
+               float32 flaps  # [-] [@range 0, 1] Flap deflection\n",
     },
-    measured: Some(Measured { findings: 1, sample: 1, right: 1, remark: "" }),
+    measured: Some(Measured { findings: 1, sample: 1, right: 1 }),
     check: Check::Reader(fix),
 };
 
-/// Swaps the bounds as they are written, labels and all. A near miss is mended by its own rule first.
+/// Swaps the bounds, including their labels. A near miss is fixed by its own rule first.
 fn fix(diagnostic: &Diagnostic, sources: &SourceMap) -> Vec<Edit> {
     let inner = |text: &str| -> Option<String> {
         let bounds = text.strip_prefix("[@range ")?.strip_suffix(']')?;
         let (high, low) = bounds.split_once(',').filter(|(_, low)| !low.contains(','))?;
         Some(format!("[@range {}, {}]", low.trim(), high.trim()))
     };
-    let mended = inner(sources.slice(diagnostic.span)).filter(|text| is_bracketed(text));
-    mended.map(|text| Edit { span: diagnostic.span, text }).into_iter().collect()
+    let fixed = inner(sources.slice(diagnostic.span)).filter(|text| is_bracketed(text));
+    fixed.map(|text| Edit { span: diagnostic.span, text }).into_iter().collect()
 }

@@ -1,4 +1,4 @@
-//! `repeated-white-space`: single blanks within declarations.
+//! `repeated-white-space`: more than one space within a declaration.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -7,8 +7,10 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "repeated-white-space",
-    purpose: "Between type, name, `=` and value there is one blank each: PX4's documentation checker asks \
-              for that. Columns within a declaration have to be set anew with each longer name.",
+    statement: "More than one space within a declaration.",
+    why: "PX4's documentation checker requires a single space. Aligned columns must be changed for \
+        every longer name.",
+    fix: "Write one space between type, name, `=` and value.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -20,12 +22,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink  # [m/s] Sink rate\n",
     },
-    measured: Some(Measured {
-        findings: 191,
-        sample: 30,
-        right: 30,
-        remark: "most are columns set by hand, which PX4's checker reports too",
-    }),
+    measured: Some(Measured { findings: 191, sample: 30, right: 30 }),
     check: Check::Message(check),
 };
 
@@ -38,8 +35,8 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         let (Some(first), Some(last)) = (runs.first(), runs.last()) else { continue };
         let finding = sink.report(
             place.part(first.start..last.end),
-            "more than one blank within a declaration",
-            "leave one",
+            "more than one space within a declaration",
+            "write one space",
         );
         for run in runs {
             finding.edit(place.part(run), " ");
@@ -47,15 +44,15 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// Where in a declaration more stands between two words than a blank.
+/// The ranges in a declaration where words are separated by more than one space.
 fn runs(text: &str) -> Vec<std::ops::Range<usize>> {
-    let is_blank = |c: char| matches!(c, ' ' | '\t');
-    let end = text.trim_end_matches(is_blank).len();
+    let is_space = |c: char| matches!(c, ' ' | '\t');
+    let end = text.trim_end_matches(is_space).len();
     let mut runs = Vec::new();
-    let mut at = text.len() - text.trim_start_matches(is_blank).len();
-    while let Some(start) = text[at..end].find(is_blank).map(|found| at + found) {
+    let mut at = text.len() - text.trim_start_matches(is_space).len();
+    while let Some(start) = text[at..end].find(is_space).map(|found| at + found) {
         let rest = &text[start..end];
-        at = start + rest.len() - rest.trim_start_matches(is_blank).len();
+        at = start + rest.len() - rest.trim_start_matches(is_space).len();
         if &text[start..at] != " " {
             runs.push(start..at);
         }

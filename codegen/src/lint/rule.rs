@@ -1,4 +1,4 @@
-//! Rules, and what they report.
+//! Lint rules and their findings.
 
 use super::subject::{SourceText, Subject};
 use crate::diagnostic::{Diagnostic, Level};
@@ -7,41 +7,45 @@ use crate::finding::{Edit, Finding};
 use crate::schema::Package;
 use crate::source::{SourceMap, Span};
 
-/// A rule.
+/// A lint rule.
 #[derive(Debug)]
 pub struct Rule {
-    /// Its id, which never changes its meaning and is never used again.
+    /// The id. Its meaning never changes, and it is never reused.
     pub id: &'static str,
-    /// What it demands, and what comes of it where that isn't kept.
-    pub purpose: &'static str,
-    /// How grave a breach is in each preset; none where the preset leaves the rule out.
+    /// A description of the findings.
+    pub statement: &'static str,
+    /// The harm that a violation does.
+    pub why: &'static str,
+    /// The way to correct a violation.
+    pub fix: &'static str,
+    /// The level in each preset.
     pub levels: Levels,
-    /// A definition that breaks it.
+    /// A definition that violates the rule.
     pub bad: Example,
-    /// The same definition without that.
+    /// The corrected definition.
     pub good: Example,
-    /// What it finds in real definitions, where that was counted.
+    /// The findings in PX4's definitions, if they were counted.
     pub measured: Option<Measured>,
-    /// What finds it.
+    /// The check.
     pub(crate) check: Check,
 }
 
-/// The level of a rule in each preset.
+/// The level of a rule in each preset. `None` if the preset leaves the rule out.
 #[derive(Clone, Copy, Debug)]
 pub struct Levels {
-    /// In [`Preset::Px4`].
+    /// The level in [`Preset::Px4`].
     pub px4: Option<Level>,
-    /// In [`Preset::Strict`].
+    /// The level in [`Preset::Strict`].
     pub strict: Option<Level>,
 }
 
 impl Levels {
-    /// The same level in both presets.
+    /// Creates equal levels for both presets.
     pub const fn both(level: Level) -> Self {
         Self { px4: Some(level), strict: Some(level) }
     }
 
-    /// Left out by all presets but the strict one.
+    /// Creates the levels of a rule in the strict preset only.
     pub const fn strict(level: Level) -> Self {
         Self { px4: None, strict: Some(level) }
     }
@@ -55,40 +59,38 @@ impl Levels {
     }
 }
 
-/// What a rule finds in the definitions of PX4 (`px4_msgs` main at a4a9864), and how much of it is right.
+/// The findings of a rule in PX4's definitions (`px4_msgs` main at a4a9864).
 #[derive(Clone, Copy, Debug)]
 pub struct Measured {
-    /// How many findings there are.
+    /// The number of findings.
     pub findings: usize,
-    /// How many of them were looked at, taken by chance: all, or thirty.
+    /// The number of findings that were reviewed: all, or a random sample of thirty.
     pub sample: usize,
-    /// How many of those are right: whoever knows the definitions would change them.
+    /// The number of correct findings in the sample: an expert would change the definition.
     pub right: usize,
-    /// A word on the others; may be empty.
-    pub remark: &'static str,
 }
 
-/// What finds breaches of a rule.
+/// The check of a rule.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Check {
-    /// The readers report it under the same id; this mends it, where it can.
+    /// The parser reports it as a warning with the same id. The function returns the edits that fix it, if possible.
     Reader(fn(&Diagnostic, &SourceMap) -> Vec<Edit>),
-    /// Looks at each source as text.
+    /// Checks the text of each source.
     Text(fn(&SourceText<'_>, &mut Sink<'_>)),
-    /// Looks at each message, parts of services and actions too.
+    /// Checks each message, including the parts of services and actions.
     Message(fn(&Subject<'_>, &mut Sink<'_>)),
-    /// Looks at the error codes of each package.
+    /// Checks the error codes of each package.
     ErrorCodes(fn(&Package, &SourceMap, &mut Sink<'_>)),
-    /// The ignores themselves.
+    /// Checks the ignore comments.
     Ignores,
 }
 
-/// For rules of the readers that take a person to mend.
+/// The fix of rules that can't be fixed automatically.
 pub(super) fn no_fix(_: &Diagnostic, _: &SourceMap) -> Vec<Edit> {
     Vec::new()
 }
 
-/// Takes what a rule finds.
+/// Collects the findings of a rule.
 #[derive(Debug)]
 pub(crate) struct Sink<'f> {
     pub(super) rule: &'static str,
@@ -96,7 +98,7 @@ pub(crate) struct Sink<'f> {
 }
 
 impl Sink<'_> {
-    /// Reports a breach. The level is set for all findings of a rule afterwards.
+    /// Reports a finding. The caller sets the level of all findings of a rule later.
     pub(super) fn report(
         &mut self,
         span: Span,
@@ -111,19 +113,24 @@ impl Sink<'_> {
     }
 }
 
-/// Sets of levels.
+/// A set of levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preset {
-    /// What PX4's documentation standard asks, and whatever makes readers go wrong.
+    /// The rules of PX4's documentation standard, and mistakes that mislead readers or parsers.
     #[default]
     Px4,
-    /// All rules but that on PX4's own list of units.
+    /// All rules except the one about PX4's own list of units.
     Strict,
 }
 
 impl Rule {
-    /// True if the readers of definitions report it themselves.
-    pub fn is_of_readers(&self) -> bool {
+    /// The statement and the reason, as one text.
+    pub fn purpose(&self) -> String {
+        format!("{} {}", self.statement, self.why)
+    }
+
+    /// True if the parser reports the findings of the rule.
+    pub fn is_parser_warning(&self) -> bool {
         matches!(self.check, Check::Reader(_))
     }
 }

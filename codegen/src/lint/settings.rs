@@ -1,4 +1,4 @@
-//! Settings of a run.
+//! Settings of a lint run.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,33 +6,33 @@ use super::rule::{Preset, Rule};
 use crate::diagnostic::Level;
 use crate::source::{SourceId, Span};
 
-/// Which rules apply, how grave they are, and what is let stand.
+/// The levels of the rules, and the ignored findings.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// The levels to start from.
+    /// The preset with the initial levels.
     pub preset: Preset,
-    /// Other levels for single rules, by id; none turns the rule off.
+    /// Levels of single rules, by id. `None` switches a rule off.
     pub levels: BTreeMap<String, Option<Level>>,
-    /// What is let stand by configuration.
+    /// The ignores in the configuration.
     pub ignores: Vec<Ignore>,
 }
 
 impl Settings {
-    /// The level of a rule; none where it is off.
+    /// The level of a rule. `None` if it is off.
     pub fn level(&self, rule: &Rule) -> Option<Level> {
         self.levels.get(rule.id).copied().unwrap_or_else(|| rule.levels.of(self.preset))
     }
 }
 
-/// A request of the configuration to let findings of a rule stand.
+/// An entry of the configuration that ignores findings of a rule.
 #[derive(Clone, Debug)]
 pub struct Ignore {
     /// The rule.
     pub rule: String,
-    /// In which sources; in all, where absent.
+    /// The sources that it applies to. `None` for all sources.
     pub sources: Option<BTreeSet<SourceId>>,
-    /// Why.
+    /// The reason.
     pub reason: String,
-    /// Where it is asked for.
+    /// The location of the entry.
     pub span: Span,
 }

@@ -1,4 +1,4 @@
-//! `severity-bits`: codes as grave as their texts say.
+//! `severity-bits`: an error code whose text contradicts its severity bits.
 
 use uavspec_runtime::Severity;
 
@@ -10,9 +10,10 @@ use crate::source::SourceMap;
 
 pub(super) const RULE: Rule = Rule {
     id: "severity-bits",
-    purpose: "Bits 6 and 7 of an error code say how grave it is, in the ranges of vendors too. Where the table \
-              or the description says otherwise, receivers that go by the bits stop a flight for a warning, or \
-              show a failure as a hint.",
+    statement: "An error code whose text contradicts its severity bits.",
+    why: "Bits 6 and 7 of a code are its severity, also in vendor ranges. Receivers that use the bits \
+        stop a flight for a warning, or show a failure as a hint.",
+    fix: "Move the code to a number with the right bits, or correct the text.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "winch.md",
@@ -28,7 +29,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::ErrorCodes(check),
 };
 
-/// Words for severities, in lower case and the singular.
+/// Words for severities, in lower case and singular.
 const WORDS: &[(&str, Severity)] = &[
     ("info", Severity::Informational),
     ("information", Severity::Informational),
@@ -43,7 +44,7 @@ const WORDS: &[(&str, Severity)] = &[
     ("critical error", Severity::Fatal),
 ];
 
-/// Parts of abbreviations that can't mean anything else: many codes of any severity tell of an `ERR`.
+/// Parts of abbreviations that clearly name a severity. `ERR` is missing, since codes of any severity contain it.
 const MARKS: &[(&str, Severity)] = &[
     ("INFO", Severity::Informational),
     ("WARN", Severity::Warning),
@@ -53,34 +54,36 @@ const MARKS: &[(&str, Severity)] = &[
     ("CRITICAL", Severity::Fatal),
 ];
 
-/// From here on no range of codes belongs to one severity.
+/// The first code of the vendor ranges, which contain all severities.
 const FIRST_OF_VENDORS: u32 = 256;
 
 fn check(package: &Package, _: &SourceMap, sink: &mut Sink<'_>) {
     for table in &package.error_tables {
-        let of_table = of_title(&table.title);
+        let table_severity = title_severity(&table.title);
         for code in table.codes.iter().filter(|code| code.code >= FIRST_OF_VENDORS) {
-            let stated = of_description(&code.description).or_else(|| of_abbreviation(code)).or(of_table);
+            let stated = description_severity(&code.description)
+                .or_else(|| abbreviation_severity(code))
+                .or(table_severity);
             if let Some(stated) = stated.filter(|stated| *stated != code.severity()) {
                 let found = code.severity();
                 sink.report(
                     code.span,
-                    format!("code {} is called {stated}, its bits say {found}", code.code),
-                    "move it to a code whose bits 6 and 7 say so, or correct the text",
+                    format!("code {} is described as {stated}, but its bits mean {found}", code.code),
+                    "move it to a code with the right bits 6 and 7, or correct the text",
                 );
             }
         }
     }
 }
 
-/// `Warnings of the winch`: one severity, and nothing about error codes as such.
-fn of_title(title: &str) -> Option<Severity> {
+/// The severity in a title such as `Warnings of the winch`, if there is exactly one. `Error codes` counts as none.
+fn title_severity(title: &str) -> Option<Severity> {
     let lower = title.to_lowercase().replace("error code", "code");
     let words = lower.split(|c: char| !c.is_alphanumeric()).map(|word| word.trim_end_matches('s'));
     let mut found = None;
-    for severity in words.filter_map(|word| of_word(word, WORDS)) {
+    for severity in words.filter_map(|word| find_severity(word, WORDS)) {
         match found {
-            // A fatal error is one severity in two words.
+            // `Fatal error` is one severity.
             Some(Severity::Fatal) if severity == Severity::Error => {}
             Some(other) if other != severity => return None,
             _ => found = Some(severity),
@@ -89,20 +92,20 @@ fn of_title(title: &str) -> Option<Severity> {
     found
 }
 
-fn of_abbreviation(code: &ErrorCode) -> Option<Severity> {
+fn abbreviation_severity(code: &ErrorCode) -> Option<Severity> {
     let mut words = code.abbreviation.as_deref()?.split(|c: char| !c.is_alphanumeric());
-    words.find_map(|word| of_word(word, MARKS))
+    words.find_map(|word| find_severity(word, MARKS))
 }
 
-/// `Warning: …`, or `(warning) …`.
-fn of_description(description: &str) -> Option<Severity> {
+/// The severity at the start of a description: `Warning: …` or `(warning) …`.
+fn description_severity(description: &str) -> Option<Severity> {
     let (head, _) = match description.strip_prefix('(') {
         Some(rest) => rest.split_once(')')?,
         None => description.split_once(':')?,
     };
-    of_word(&head.to_lowercase(), WORDS)
+    find_severity(&head.to_lowercase(), WORDS)
 }
 
-fn of_word(word: &str, words: &[(&str, Severity)]) -> Option<Severity> {
+fn find_severity(word: &str, words: &[(&str, Severity)]) -> Option<Severity> {
     words.iter().find(|(known, _)| *known == word).map(|(_, severity)| *severity)
 }

@@ -1,4 +1,4 @@
-//! What rules look at: messages with the lines that declare them, and sources as text.
+//! The input of rules: messages with their lines, and sources as text.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -12,47 +12,47 @@ use crate::source::{SourceId, SourceMap, Span};
 /// A message, or a part of a service or action, with its lines.
 #[derive(Debug)]
 pub(crate) struct Subject<'a> {
-    /// All texts.
+    /// All sources.
     pub sources: &'a SourceMap,
     /// All messages.
     pub schema: &'a Schema,
-    /// How it is written.
+    /// The dialect of the definition.
     pub dialect: Dialect,
     /// The message.
     pub message: &'a Message,
-    /// Its lines.
+    /// The lines of the message.
     pub part: &'a Part<'a>,
-    /// Whether another message holds it.
+    /// True if another message contains it.
     pub is_nested: bool,
 }
 
 impl<'a> Subject<'a> {
-    /// Whether it is a message of PX4, neither of ROS 2 nor a part of a service.
+    /// True if it is a PX4 message, and not a ROS 2 message or a part of a service.
     pub(crate) fn is_px4_message(&self) -> bool {
         self.dialect == Dialect::Px4 && self.message.kind == Kind::Message
     }
 
-    /// Whether it is written in PX4's dialect: whatever asks for its documentation standard asks only that.
+    /// True if it is written in PX4's dialect, so that PX4's documentation standard applies.
     pub(crate) fn is_px4(&self) -> bool {
         self.dialect == Dialect::Px4
     }
 
-    /// The place to name where the matter is the message as a whole: its first line.
+    /// The location for findings about the whole message: its first line.
     pub(crate) fn head(&self) -> Span {
         self.part.lines.first().map_or(self.message.span.part(0..0), |line| line.span)
     }
 
-    /// Its fields with their lines.
+    /// The fields with their lines.
     pub(crate) fn fields(&self) -> impl Iterator<Item = (&'a Field, &'a Line<'a>)> {
         self.message.fields.iter().filter_map(|field| Some((field, self.line(field.span)?)))
     }
 
-    /// Its constants with their lines.
+    /// The constants with their lines.
     pub(crate) fn constants(&self) -> impl Iterator<Item = (&'a Constant, &'a Line<'a>)> {
         self.message.constants.iter().filter_map(|constant| Some((constant, self.line(constant.span)?)))
     }
 
-    /// Its lines that declare something, with the text before their comment and its place.
+    /// The lines with declarations, with the text before the comment and its span.
     pub(crate) fn declarations(&self) -> impl Iterator<Item = (&'a Line<'a>, &'a str, Span)> {
         let sources = self.sources;
         self.part.lines.iter().filter(|line| line.item.is_some()).map(move |line| {
@@ -62,14 +62,14 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// The line that holds `span`.
+    /// The line that contains `span`.
     pub(crate) fn line(&self, span: Span) -> Option<&'a Line<'a>> {
         let after = self.part.lines.partition_point(|line| line.span.start <= span.start);
         self.part.lines.get(after.checked_sub(1)?)
     }
 }
 
-/// The annotations of a declaration, those of the parameters of a command too.
+/// The annotations of a declaration, including those of command parameters.
 pub(super) fn annotations<'l>(line: &'l Line<'_>) -> impl Iterator<Item = &'l Annotation<'l>> {
     let note = line.comment.as_ref().and_then(|comment| comment.note.as_ref());
     let notes = note.into_iter().flat_map(|note| std::iter::once(note).chain(&note.parameters));
@@ -79,16 +79,16 @@ pub(super) fn annotations<'l>(line: &'l Line<'_>) -> impl Iterator<Item = &'l An
 /// A source as text.
 #[derive(Debug)]
 pub(crate) struct SourceText<'a> {
-    /// What it says.
+    /// The text.
     pub text: &'a str,
-    /// Where.
+    /// The location.
     pub span: Span,
-    /// What it holds.
+    /// The form of the source.
     pub form: Form,
 }
 
 impl<'a> SourceText<'a> {
-    /// Its lines without their ends, each with its place.
+    /// The lines without line ends, each with its span.
     pub(crate) fn lines(&self) -> impl Iterator<Item = (&'a str, Span)> {
         let span = self.span;
         self.text.split_inclusive('\n').scan(0, move |at, raw| {
@@ -101,7 +101,7 @@ impl<'a> SourceText<'a> {
     }
 }
 
-/// All messages that could be read wholly.
+/// All messages in sources without errors.
 pub(super) fn subjects<'a>(
     sources: &'a SourceMap,
     schema: &'a Schema,
@@ -131,7 +131,7 @@ pub(super) fn subjects<'a>(
     (0..).zip(&schema.messages).filter(is_whole).filter_map(subject).collect()
 }
 
-/// All sources.
+/// All sources as text.
 pub(super) fn texts<'a>(sources: &'a SourceMap, parsed: &[PackageSource<'a>]) -> Vec<SourceText<'a>> {
     let mut texts = Vec::new();
     for package in parsed {

@@ -1,4 +1,4 @@
-//! `timestamp-missing`: a message that no topic can carry.
+//! `timestamp-missing`: a message without a timestamp.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -8,9 +8,10 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "timestamp-missing",
-    purpose: "A message of PX4 has a field `timestamp`: the middleware and logs order its samples by it, and \
-              the build stops where a topic has none. Only messages that are nothing but a part of others need \
-              none.",
+    statement: "A PX4 message without a field `timestamp`.",
+    why: "The middleware and the logs order samples by it, and the PX4 build fails if a topic has \
+        none. Messages that are only nested don't need it.",
+    fix: "Add `uint64 timestamp  # [us] Time since system start`.",
     levels: Levels::both(Level::Warning),
     bad: Example { path: "Glider.msg", text: "# State of a glider\n\nfloat32 sink  # [m/s] Sink rate\n" },
     good: Example {
@@ -18,7 +19,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink  # [m/s] Sink rate\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };
 
@@ -29,7 +30,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         && (!subject.is_nested || has_topics())
     {
         let help =
-            "add `uint64 timestamp  # [us] Time since system start`, or remove a message that nothing holds";
+            "add `uint64 timestamp  # [us] Time since system start`, or remove the message if it is not used";
         sink.report(subject.head(), format!("`{}` has no timestamp", subject.message.name), help);
     }
 }

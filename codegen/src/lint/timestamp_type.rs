@@ -1,4 +1,4 @@
-//! `timestamp-type`: a timestamp of another type.
+//! `timestamp-type`: a timestamp that is not a `uint64`.
 
 use uavspec_runtime::Scalar;
 
@@ -10,8 +10,9 @@ use crate::schema::{Element, Shape, Type};
 
 pub(super) const RULE: Rule = Rule {
     id: "timestamp-type",
-    purpose: "The field `timestamp` of a message of PX4 is a `uint64`, in microseconds since system start. The \
-              middleware, logs and the bridge to ROS 2 read eight bytes there, whatever the definition says.",
+    statement: "A field `timestamp` of a PX4 message that is not a `uint64`.",
+    why: "The middleware, the logs and the ROS 2 bridge read eight bytes, whatever the definition says.",
+    fix: "Change the type to `uint64`, in microseconds since system start.",
     levels: Levels::both(Level::Error),
     bad: Example {
         path: "Glider.msg",
@@ -21,7 +22,7 @@ pub(super) const RULE: Rule = Rule {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };
 
@@ -34,7 +35,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     for field in &subject.message.fields {
         if field.name == "timestamp" && field.ty != EXPECTED {
             let found = subject.schema.type_text(subject.message, field.ty);
-            sink.report(field.span, format!("`timestamp` is of type `{found}`"), "make it a `uint64`");
+            sink.report(field.span, format!("`timestamp` has type `{found}`"), "change the type to `uint64`");
         }
     }
 }

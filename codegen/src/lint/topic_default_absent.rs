@@ -1,4 +1,4 @@
-//! `topic-default-absent`: a list of topics without the one of the message's name.
+//! `topic-default-absent`: a list of topics without the default topic.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -9,9 +9,10 @@ use crate::resolve::default_topic;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-default-absent",
-    purpose: "A message that lists topics no longer has that of its own name unless it lists it too. Most often \
-              that is meant, so look whether anything waits for that topic; where one of the list is that name \
-              but for a letter or two, it is a slip.",
+    statement: "A list of topics without the topic that has the message's name.",
+    why: "A message with a list has only the listed topics. Usually that is intended, but a similar name in \
+        the list can be a typing error.",
+    fix: "Add the default topic if a subscriber needs it, or correct the name.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -23,19 +24,14 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
                # TOPICS glider tow_plane\n",
     },
-    measured: Some(Measured {
-        findings: 10,
-        sample: 10,
-        right: 0,
-        remark: "all are meant; PX4's own checker notes them too",
-    }),
+    measured: Some(Measured { findings: 10, sample: 10, right: 0 }),
     check: Check::Message(check),
 };
 
-/// How many letters a slip may change.
+/// The maximum number of changed letters in a typing error.
 const MAX_DISTANCE: usize = 2;
 
-/// No topic is longer; comparing takes the product of the lengths.
+/// The maximum length of compared topics. The cost of a comparison is the product of the lengths.
 const MAX_LEN: usize = 100;
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
@@ -47,7 +43,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     if default.len() > MAX_LEN || listed().any(|(word, _)| word == default) {
         return;
     }
-    let is_slip = |word: &str| {
+    let is_typo = |word: &str| {
         // `glider_0` is another topic.
         word.len().abs_diff(default.len()) <= MAX_DISTANCE
             && !word.starts_with(&default)
@@ -55,11 +51,11 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     };
     let name = &subject.message.name;
     let Some((_, first)) = listed().next() else { return };
-    let slip = listed().find(|(word, _)| is_slip(word));
-    let help = match slip {
-        Some((word, _)) => format!("`{word}` is nearly that: write `{default}`, or add it if both are meant"),
-        None => "add it, if anything is to find the message by its name".to_owned(),
+    let typo = listed().find(|(word, _)| is_typo(word));
+    let help = match typo {
+        Some((word, _)) => format!("`{word}` is similar: write `{default}`, or add it if both are intended"),
+        None => "add it if subscribers need it".to_owned(),
     };
-    let place = slip.map_or(first, |(_, place)| place);
-    sink.report(place, format!("the topics of `{name}` lack `{default}`, which is that of its name"), help);
+    let place = typo.map_or(first, |(_, place)| place);
+    sink.report(place, format!("the topics of `{name}` do not include its default topic `{default}`"), help);
 }

@@ -1,4 +1,4 @@
-//! `topic-list-empty`: a list of topics without any.
+//! `topic-list-empty`: an empty list of topics.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -8,8 +8,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-list-empty",
-    purpose: "A line `# TOPICS` names at least one topic. Without any it is a comment, which the documentation \
-              shows as a text.",
+    statement: "A line `# TOPICS` without a topic.",
+    why: "The line has no effect, and the documentation shows it as text.",
+    fix: "List the topics, or remove the line.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -20,7 +21,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
                # TOPICS glider tow_plane\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };
 
@@ -29,6 +30,6 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         return;
     }
     for line in topics::lines(subject).filter(|line| topics::words(line).next().is_none()) {
-        sink.report(line.span, "a list of no topics", "name the topics behind it, or remove the line");
+        sink.report(line.span, "empty list of topics", "list the topics, or remove the line");
     }
 }

@@ -1,4 +1,4 @@
-//! `topic-redundant`: a list of topics that says nothing.
+//! `topic-redundant`: a list with the default topic only.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -9,8 +9,9 @@ use crate::resolve::default_topic;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-redundant",
-    purpose: "A list of topics that holds only the topic that the message would have anyway says nothing, and \
-              goes wrong when the message is renamed.",
+    statement: "A list of topics that contains only the default topic.",
+    why: "The list has no effect, and it becomes wrong if the message is renamed.",
+    fix: "Remove the line.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -21,7 +22,7 @@ pub(super) const RULE: Rule = Rule {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
     },
-    measured: Some(Measured { findings: 4, sample: 4, right: 4, remark: "" }),
+    measured: Some(Measured { findings: 4, sample: 4, right: 4 }),
     check: Check::Message(check),
 };
 
@@ -31,13 +32,13 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
     let listed = || topics::lines(subject).flat_map(topics::words);
     let default = default_topic(&subject.message.name);
-    // A topic that is listed twice has a finding of its own.
+    // Another rule reports a topic that is listed twice.
     let Some((_, place)) =
         listed().next().filter(|_| listed().nth(1).is_none()).filter(|(word, _)| *word == default)
     else {
         return;
     };
-    let finding = sink.report(place, format!("`{default}` is the topic anyway"), "remove the line");
+    let finding = sink.report(place, format!("`{default}` is the default topic"), "remove the line");
     if let Some(removal) = topics::removal(place, subject.sources) {
         finding.edit(removal, "");
     }

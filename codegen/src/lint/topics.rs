@@ -1,14 +1,14 @@
-//! Lines `# TOPICS a b` of PX4's messages, and how a topic is taken out of one.
+//! Lines `# TOPICS a b` of PX4 messages.
 
 use super::subject::Subject;
 use crate::directive;
 use crate::msg::ast::Line;
 use crate::source::{SourceMap, Span};
 
-/// What the comment of such a line starts with.
+/// The start of the comment in such a line.
 const MARK: &str = " TOPICS";
 
-/// The lines of a message that list topics, or would if they named any.
+/// The lines of a message that list topics. A list may be empty.
 pub(super) fn lines<'a>(subject: &Subject<'a>) -> impl Iterator<Item = &'a Line<'a>> {
     let is_list = |line: &&Line<'_>| {
         let comment = line.comment.as_deref().filter(|comment| line.item.is_none() && comment.column == 0);
@@ -18,7 +18,7 @@ pub(super) fn lines<'a>(subject: &Subject<'a>) -> impl Iterator<Item = &'a Line<
     subject.part.lines.iter().filter(is_list)
 }
 
-/// The topics of such a line, each with its place.
+/// The topics in a line, each with its span.
 pub(super) fn words<'a>(line: &'a Line<'_>) -> impl Iterator<Item = (&'a str, Span)> {
     let comment = line.comment.as_deref();
     let text = comment.map_or("", |comment| comment.text);
@@ -32,10 +32,10 @@ pub(super) fn words<'a>(line: &'a Line<'_>) -> impl Iterator<Item = (&'a str, Sp
     })
 }
 
-/// What goes when the topic at `word` goes: the word with its blanks, or where it stands alone, the whole
-/// line. None where the comment below the line would then stand for something else.
+/// The span to delete in order to remove the topic at `word`: the word with the spaces around it, or the whole line if
+/// it is the only topic. `None` if a comment below the line would then belong to another declaration.
 ///
-/// Only the neighbourhood is looked at: a line may list any number of topics.
+/// The search is limited to the neighboring text, since a line may list any number of topics.
 pub(super) fn removal(word: Span, sources: &SourceMap) -> Option<Span> {
     let whole = sources.span(sources.source_of(word));
     let before = sources.slice(Span { start: whole.start, end: word.start });
@@ -53,25 +53,25 @@ pub(super) fn removal(word: Span, sources: &SourceMap) -> Option<Span> {
     } else if !rest.starts_with(|c: char| c.is_ascii_alphabetic()) || rest.starts_with(directive::MARK) {
         return None;
     } else {
-        // Others follow.
+        // More topics follow.
         return Some(Span { start: word.start, end: whole.end - length(rest) });
     };
     let line = |text: &str| text.split('\n').next().unwrap_or_default().trim().to_owned();
     let last = above.strip_suffix('\n').map(|above| (above, above.rsplit('\n').next().unwrap_or_default()));
-    let is_after_blank = last.is_some_and(|(_, line)| line.trim().is_empty());
+    let is_after_empty = last.is_some_and(|(_, line)| line.trim().is_empty());
     let next = line(below);
-    if is_after_blank && next.starts_with('#') {
+    if is_after_empty && next.starts_with('#') {
         return None;
     }
-    // Of two blank lines in a row, or one at the end, nothing is left but one or none.
+    // Of two consecutive empty lines, one remains. An empty line at the end is removed.
     let start = match last {
-        Some((above, blank)) if is_after_blank && next.is_empty() => above.len() - blank.len(),
+        Some((above, empty)) if is_after_empty && next.is_empty() => above.len() - empty.len(),
         _ => above.len(),
     };
     Some(Span { start: whole.start + length(&above[..start]), end: whole.end - length(below) })
 }
 
-/// Sources are shorter than any length that doesn't fit.
+/// The length of a text. Sources are shorter than `u32::MAX`.
 fn length(text: &str) -> u32 {
     u32::try_from(text.len()).unwrap_or(u32::MAX)
 }

@@ -1,4 +1,4 @@
-//! `trailing-white-space`: blanks and tabs before the end of a line.
+//! `trailing-white-space`: white space at the end of a line.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::SourceText;
@@ -8,8 +8,9 @@ use crate::schema::Form;
 
 pub(super) const RULE: Rule = Rule {
     id: "trailing-white-space",
-    purpose: "No line ends with white space: nobody sees it, and editors remove it in changes that are about \
-              something else.",
+    statement: "White space at the end of a line.",
+    why: "Editors remove it in unrelated changes.",
+    fix: "Remove it.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -19,12 +20,12 @@ pub(super) const RULE: Rule = Rule {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Text(check),
 };
 
 fn check(text: &SourceText<'_>, sink: &mut Sink<'_>) {
-    // In pages two blanks at the end break a line.
+    // In Markdown, two spaces at the end are a line break.
     if text.form == Form::Table {
         return;
     }

@@ -1,4 +1,4 @@
-//! `translation-fuzzy`: a translation that somebody has to look at.
+//! `translation-fuzzy`: a translation that must be reviewed.
 
 use super::rule::{Check, Levels, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "translation-fuzzy",
-    purpose: "A translation that is marked as fuzzy was made of another text, or by guesswork. It isn't used until \
-              somebody has looked at it and taken the flag away.",
+    statement: "A translation that is marked as fuzzy.",
+    why: "It was made from another text or guessed, so it is not used until a translator has reviewed it.",
+    fix: "Review the translation, and remove the flag.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "uk.po",

@@ -1,4 +1,4 @@
-//! `translation-missing`: a page that is translated in part.
+//! `translation-missing`: a partly translated page.
 
 use super::rule::{Check, Levels, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,9 +6,10 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "translation-missing",
-    purpose: "Where a language has begun to translate a message, a service, an action or the error codes of a package, \
-              all their texts are to be translated: until then the page is in two languages. What a catalogue has no \
-              entry of is left to English, and nothing of it is missing.",
+    statement: "A missing translation in a message, service, action or list of error codes that is \
+        partly translated.",
+    why: "The page is in two languages. Items without any translation stay in English and are not reported.",
+    fix: "Translate the remaining texts.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "uk.po",

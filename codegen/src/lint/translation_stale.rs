@@ -1,4 +1,4 @@
-//! `translation-stale`: a translation of a text that has changed since.
+//! `translation-stale`: a translation of a text that has changed.
 
 use super::rule::{Check, Levels, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,10 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "translation-stale",
-    purpose: "A translation says what the definition says. Where that has changed since, the translation isn't used, \
-              and English is shown. `cargo xtask translate` takes over the new text and keeps the old one for comparison.",
+    statement: "A translation of a text that has changed.",
+    why: "The translation is not used, and the page shows English.",
+    fix: "Run `cargo xtask translate`, which updates the text and keeps the old one for comparison. \
+        Then update the translation.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "uk.po",

@@ -1,4 +1,4 @@
-//! `unit-alias`: a unit in another spelling than its one.
+//! `unit-alias`: a unit in a nonstandard spelling.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::{Subject, annotations};
@@ -9,8 +9,9 @@ use crate::unit;
 
 pub(super) const RULE: Rule = Rule {
     id: "unit-alias",
-    purpose: "Each unit has one spelling, as in `m/s` or `degC`. Other tools know no other, and PX4's \
-              documentation reports it as unknown.",
+    statement: "A unit in a nonstandard spelling.",
+    why: "Other tools know only the standard spelling, and PX4's documentation reports the unit as unknown.",
+    fix: "Write the standard spelling, such as `m/s` or `degC`.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -22,7 +23,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink  # [m/s] Sink rate\n",
     },
-    measured: Some(Measured { findings: 16, sample: 16, right: 16, remark: "" }),
+    measured: Some(Measured { findings: 16, sample: 16, right: 16 }),
     check: Check::Message(check),
 };
 
@@ -36,7 +37,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         if written != symbol && unit::lookup(symbol).is_some() {
             sink.report(
                 annotation.span,
-                format!("`{written}` is another spelling of `{symbol}`"),
+                format!("`{written}` is a nonstandard spelling of `{symbol}`"),
                 format!("write `[{symbol}]`"),
             )
             .edit(annotation.span, format!("[{symbol}]"));

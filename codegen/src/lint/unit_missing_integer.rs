@@ -1,4 +1,4 @@
-//! `unit-missing-integer`: an integer without a unit.
+//! `unit-missing-integer`: an integer field without a unit.
 
 use std::collections::HashSet;
 use std::sync::LazyLock;
@@ -12,9 +12,10 @@ use crate::schema::{Element, Field};
 
 pub(super) const RULE: Rule = Rule {
     id: "unit-missing-integer",
-    purpose: "A field of integers states its unit too, `[-]` where it is a plain number: PX4's documentation \
-              standard leaves out only flags and enums. Fields whose name says that they measure nothing need \
-              none.",
+    statement: "An integer field without a unit.",
+    why: "PX4's documentation standard requires a unit for all fields except flags and enums. Fields \
+        whose names describe no quantity are not reported.",
+    fix: "Write the unit at the start of the comment, or `[-]` for a plain number.",
     levels: Levels::strict(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -26,42 +27,36 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                uint16 altitude  # [m] Above mean sea level\n",
     },
-    measured: Some(Measured {
-        findings: 95,
-        sample: 30,
-        right: 26,
-        remark: "the others name or encode something in words that no list has",
-    }),
+    measured: Some(Measured { findings: 95, sample: 30, right: 26 }),
     check: Check::Message(check),
 };
 
-/// Words in the names of fields that measure nothing: they name things, number them, count them or say how
-/// the rest is to be read.
+/// Words in the names of fields without a unit: identifiers, counters, counts, flags and modes.
 const NO_QUANTITIES: [&str; 6] = [
-    // Names
+    // Identifiers
     "id ids uid uuid identifier address addr index idx instance instances channel channels port slot \
      number serial vendor product version ver revision major minor hash crc checksum signature key \
      token pid ssrc mnc mcc lac mac prn squawk interface letter label session sessions date",
-    // Numbers in a row
+    // Sequence numbers
     "seq sequence counter counters generation iteration order priority",
     // Counts
     "count counts num n nr total len length strlen size samples errors rxerrors dropouts drops dropped \
      lost gaps overruns retries changes satellites cells points frames streams clipping clip noutputs",
-    // Sets and choices
+    // Flags and modes
     "mask bitmask bitfield bits flags flag type types mode modes state states status reason source src \
      sources action command cmd result code level levels class kind category severity health format \
      protocol function role group events event fault faults failure failures warning warnings quality \
      component system target origin destination node device backend executor selected request phase \
      frame orientation pattern band color behaviour behavior fix gear saturation config configuration \
      confirmation item custom default",
-    // Yes or no
+    // Booleans
     "active valid enabled connected present available healthy armed changed used switch button buttons \
      oc silence",
-    // Raw contents
+    // Raw data
     "data raw buffer payload bytes arguments text name val value values reserved rsv padding junk",
 ];
 
-/// Ends of words that name or count things: `sysid`, `cmdcount`.
+/// Suffixes of compound words without a unit: `sysid`, `cmdcount`.
 const ENDS: [&str; 5] = ["sysid", "compid", "svid", "sessionid", "count"];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
@@ -74,18 +69,18 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         if is_integer
             && field.unit.is_none()
             && is_quantity(field, subject)
-            && !unit_missing::says_that_there_is_none(field)
+            && !unit_missing::has_undefined_unit(field)
         {
             sink.report(
                 field.span,
                 format!("`{}` has no unit", field.name),
-                "state it at the head of the comment: `# [mV] …`, or `[-]` for a plain number",
+                "write it at the start of the comment: `# [mV] …`, or `[-]` for a plain number",
             );
         }
     }
 }
 
-/// The same words, to look up any number of names in.
+/// The words of [`NO_QUANTITIES`] as a set.
 fn no_quantities() -> &'static HashSet<&'static str> {
     static WORDS: LazyLock<HashSet<&str>> =
         LazyLock::new(|| NO_QUANTITIES.iter().flat_map(|words| words.split(' ')).collect());
@@ -93,7 +88,7 @@ fn no_quantities() -> &'static HashSet<&'static str> {
 }
 
 fn is_quantity(field: &Field, subject: &Subject<'_>) -> bool {
-    // Those are microseconds in all messages.
+    // Timestamps are microseconds in all messages.
     let is_timestamp = field.name.starts_with("timestamp");
     let mut words = field.name.split('_').map(|word| word.trim_end_matches(|c: char| c.is_ascii_digit()));
     !is_timestamp

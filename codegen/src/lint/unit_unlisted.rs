@@ -1,4 +1,4 @@
-//! `unit-unlisted`: a unit that PX4's documentation standard doesn't list.
+//! `unit-unlisted`: a unit that PX4's documentation checker doesn't know.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::{Subject, annotations};
@@ -9,9 +9,10 @@ use crate::unit;
 
 pub(super) const RULE: Rule = Rule {
     id: "unit-unlisted",
-    purpose: "PX4's own checker knows a short list of units, and warns of every other, real ones too. What it \
-              warns of is told here, for definitions that are to pass it; the preset `strict` asks for units \
-              that exist, and leaves this out.",
+    statement: "A unit that is not in the list of PX4's documentation checker.",
+    why: "PX4's checker has a short list of units and warns about all others, including valid ones. \
+        The preset `strict` leaves this rule out.",
+    fix: "Choose a unit in the list, or ask for its addition to PX4's checker.",
     levels: Levels { px4: Some(Level::Note), strict: None },
     bad: Example {
         path: "Glider.msg",
@@ -23,16 +24,11 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 load      # [m/s^2] Acceleration along the mast\n",
     },
-    measured: Some(Measured {
-        findings: 38,
-        sample: 30,
-        right: 3,
-        remark: "`norm`, where `-` is meant; the others are real units that PX4's list lacks",
-    }),
+    measured: Some(Measured { findings: 38, sample: 30, right: 3 }),
     check: Check::Message(check),
 };
 
-/// The units that the checker knows (`Tools/msg/generate_msg_docs.py` of PX4).
+/// The units in PX4's checker, `Tools/msg/generate_msg_docs.py`.
 const LISTED: [&str; 27] = [
     "m", "m/s", "m/s^2", "(m/s)^2", "deg", "deg/s", "rad", "rad/s", "rad^2", "rpm", "V", "A", "mA", "mAh",
     "W", "dBm", "h", "s", "ms", "us", "Ohm", "MB", "Kb/s", "degC", "Pa", "%", "-",
@@ -44,12 +40,12 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
     for annotation in subject.part.lines.iter().flat_map(annotations) {
         let Statement::Unit(symbol) = annotation.statement else { continue };
-        // Of one that nobody knows `unknown-unit` tells.
+        // `unknown-unit` reports unknown units.
         if unit::lookup(symbol).is_some() && !LISTED.contains(&symbol) {
             sink.report(
                 annotation.span,
-                format!("PX4's documentation standard doesn't list the unit `{symbol}`"),
-                "have it added to the list of PX4's checker, or choose one of the list",
+                format!("PX4's documentation checker doesn't list the unit `{symbol}`"),
+                "choose a unit in its list, or ask for its addition",
             );
         }
     }

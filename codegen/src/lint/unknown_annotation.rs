@@ -1,4 +1,4 @@
-//! `unknown-annotation`: an annotation that nobody knows.
+//! `unknown-annotation`: an annotation that doesn't exist.
 
 use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "unknown-annotation",
-    purpose: "Only the annotations of the language are read. Any other stays part of the text, and what it was \
-              to say reaches no tool; PX4's own tool stops at it.",
+    statement: "An annotation that doesn't exist.",
+    why: "It is treated as text and has no effect. PX4's own tool stops with an error.",
+    fix: "Use an existing annotation, or write plain text.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -19,6 +20,6 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink  # [m/s] [@range 0, 10] Sink rate\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Reader(no_fix),
 };

@@ -1,4 +1,4 @@
-//! `unknown-constant`: an annotation that names a constant that isn't there.
+//! `unknown-constant`: an annotation that refers to an unknown constant.
 
 use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "unknown-constant",
-    purpose: "A word as the value of an annotation is the name of a constant of the message, or of a limit \
-              such as `UINT8_MAX`. With any other the annotation says nothing.",
+    statement: "An annotation that refers to an unknown constant.",
+    why: "The annotation has no effect.",
+    fix: "Name a constant of the message, or a limit such as `UINT8_MAX`.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -19,6 +20,6 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                uint8 crew  # [-] [@invalid UINT8_MAX] People on board\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Reader(no_fix),
 };

@@ -1,4 +1,4 @@
-//! `unknown-enum`: an enum without constants.
+//! `unknown-enum`: an enum prefix without constants.
 
 use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "unknown-enum",
-    purpose: "The prefix of `[@enum]` and `[@flags]` is that of constants of the message. With any other the \
-              field stays a plain number, and no value of it has a name.",
+    statement: "An enum prefix that no constant of the message has.",
+    why: "The field stays a plain number, and its values have no names.",
+    fix: "Correct the prefix, or define the constants.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -21,6 +22,6 @@ pub(super) const RULE: Rule = Rule {
                uint8 GEAR_UP = 0    # Retracted\nuint8 GEAR_DOWN = 1  # Extended\n\n\
                uint8 gear  # [@enum GEAR] Landing gear\n",
     },
-    measured: Some(Measured { findings: 2, sample: 2, right: 2, remark: "" }),
+    measured: Some(Measured { findings: 2, sample: 2, right: 2 }),
     check: Check::Reader(no_fix),
 };

@@ -8,22 +8,23 @@ use crate::source::SourceMap;
 
 pub(super) const RULE: Rule = Rule {
     id: "unknown-escape",
-    purpose: "A backslash in a quoted string starts an escape sequence, or is written twice. Where no sequence \
-              starts, tools differ in what they read.",
+    statement: "A backslash in a string that starts no escape sequence.",
+    why: "Tools read different values from it.",
+    fix: "Write two backslashes.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "ros2/GliderLog.msg",
-        text: "# Where a glider keeps its log\n\nstring FOLDER = \"logs\\glider\"\n",
+        text: "# Log folder of a glider\n\nstring FOLDER = \"logs\\glider\"\n",
     },
     good: Example {
         path: "ros2/GliderLog.msg",
-        text: "# Where a glider keeps its log\n\nstring FOLDER = \"logs\\\\glider\"\n",
+        text: "# Log folder of a glider\n\nstring FOLDER = \"logs\\\\glider\"\n",
     },
     measured: None,
     check: Check::Reader(fix),
 };
 
-/// As it is, the backslash stands for itself, which is what two of them say.
+/// Doubles the backslash, which keeps its current meaning.
 fn fix(diagnostic: &Diagnostic, _: &SourceMap) -> Vec<Edit> {
     match &diagnostic.problem {
         Problem::UnknownEscape { escape } => {

@@ -1,4 +1,4 @@
-//! `unknown-translation`: an entry of a catalogue that translates nothing.
+//! `unknown-translation`: a translation of an unknown item.
 
 use super::rule::{Check, Levels, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,9 +6,10 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "unknown-translation",
-    purpose: "The `msgctxt` of an entry names something that the definitions say: `px4/Wind` a message, `px4/Wind.speed` \
-              a field, `px4/Wind::SPEED_LOW` a constant, `flockwave/error-code/134` an error code. One that names nothing \
-              was misspelt, or its thing is gone.",
+    statement: "A translation of an unknown item.",
+    why: "It is not used. The `msgctxt` is misspelt, or the item was removed.",
+    fix: "Correct the `msgctxt`, or remove the entry. Valid forms are `px4/Wind`, `px4/Wind.speed`, \
+        `px4/Wind::SPEED_LOW` and `flockwave/error-code/134`.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "uk.po",

@@ -1,4 +1,4 @@
-//! `unknown-unit`: a unit that nobody knows.
+//! `unknown-unit`: an unknown unit.
 
 use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
@@ -6,8 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "unknown-unit",
-    purpose: "Units are those of one list, each with one spelling. What is not on it can't be converted or \
-              compared, and may be no unit at all.",
+    statement: "A unit that is not in uavspec's list.",
+    why: "Its values can't be converted or compared, and it may not be a unit.",
+    fix: "Write a unit in the list.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -19,6 +20,6 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink  # [m/s] Sink rate\n",
     },
-    measured: Some(Measured { findings: 1, sample: 1, right: 1, remark: "" }),
+    measured: Some(Measured { findings: 1, sample: 1, right: 1 }),
     check: Check::Reader(no_fix),
 };

@@ -1,4 +1,4 @@
-//! `version-type`: the types of the constants that PX4 knows by name.
+//! `version-type`: special PX4 constants of another type.
 
 use uavspec_runtime::Scalar;
 
@@ -10,8 +10,10 @@ use crate::schema::Element;
 
 pub(super) const RULE: Rule = Rule {
     id: "version-type",
-    purpose: "`MESSAGE_VERSION` is a `uint32` and `ORB_QUEUE_LENGTH` a `uint8`, as in all other messages. \
-              Generated code that puts them side by side expects one type of each.",
+    statement: "A constant MESSAGE_VERSION or ORB_QUEUE_LENGTH of another type than in other messages.",
+    why: "Generated code that uses these constants expects `uint32 MESSAGE_VERSION` and `uint8 \
+        ORB_QUEUE_LENGTH`.",
+    fix: "Use the expected type.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -23,7 +25,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
                uint8 ORB_QUEUE_LENGTH = 8\n",
     },
-    measured: Some(Measured { findings: 1, sample: 1, right: 1, remark: "" }),
+    measured: Some(Measured { findings: 1, sample: 1, right: 1 }),
     check: Check::Message(check),
 };
 

@@ -12,6 +12,9 @@ use crate::source::{Position, SourceMap, Span};
 /// The website of the project.
 pub(super) const PROJECT_URL: &str = "https://uavspec.dev/";
 
+/// The URL of the guide, to which page names such as `lint.html` are appended.
+pub const GUIDE_URL: &str = "https://uavspec.dev/guide/";
+
 /// The URL of the rule pages.
 pub const RULES_URL: &str = "https://uavspec.dev/docs/rules/";
 
@@ -123,7 +126,7 @@ impl fmt::Display for Place {
 
 impl RuleInfo {
     /// Creates an entry for a rule that has a page.
-    pub fn new(id: &'static str, purpose: &'static str, level: Level) -> Self {
+    pub fn new(id: &'static str, purpose: impl Into<Cow<'static, str>>, level: Level) -> Self {
         Self { id: id.into(), purpose: purpose.into(), level, url: rule_url(id) }
     }
 }

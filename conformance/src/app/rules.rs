@@ -29,6 +29,7 @@ pub(super) struct RulesArgs {
     format: Format,
 }
 
+/// Runs `uavspec rules`.
 pub(super) fn rules(args: &RulesArgs) -> Status {
     let text = match (&args.id, args.format) {
         (Some(id), format) => {

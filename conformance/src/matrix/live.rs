@@ -1,4 +1,4 @@
-//! The same of live servers: the reference server is probed as it is, and with each of its bugs.
+//! Probes the reference server, without a bug and with each of its bugs.
 
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -15,31 +15,31 @@ use crate::probe::{self, probe};
 use crate::rules::flockwave::{FlockwaveRule, Needs, RULES};
 use crate::serve::{self, Server, Transport};
 
-/// How many servers are probed at the same time: most of it is waiting.
+/// The number of servers that are probed concurrently. Most of the time is spent waiting.
 const JOBS: usize = 32;
 
-/// How long it is listened to each.
+/// The observation time of each server.
 const OBSERVE: Duration = Duration::from_millis(1_500);
 
-/// When the UAV that gets lost does so.
+/// The time after which a UAV is lost.
 const LOSS: Duration = Duration::from_millis(700);
 
-/// How long a client may stay at the server that says farewell: longer than any trial on a connection of its own takes.
+/// The time after which the server with farewell closes a connection: longer than any trial on a separate connection.
 const FAREWELL_DELAY: Duration = Duration::from_secs(2);
 
-/// How many times as fast as life the simulation goes.
+/// The simulation speed: 10 runs ten times as fast as real time.
 const SPEED: f64 = 10.0;
 
-/// How often clients are told of the fleet, a second.
+/// The number of status reports per second.
 const RATE: f64 = 10.0;
 
-/// The UAVs that commands are sent to.
+/// The UAVs that receive commands.
 const UAVS: [&str; 2] = ["glider-1", "glider-2"];
 
-/// Name and password, where a login is needed.
+/// User name and password.
 const LOGIN: (&str, &str) = ("pilot", "soar");
 
-/// The ways to a server without a bug: transport, and what follows host and port.
+/// The transports of servers without a bug, and the query of their URLs.
 const TRANSPORTS: [(Transport, &str); 7] = [
     (Transport::Tcp, ""),
     (Transport::Udp, ""),
@@ -50,91 +50,91 @@ const TRANSPORTS: [(Transport, &str); 7] = [
     (Transport::SocketIo, "?protocol=5&transport=polling"),
 ];
 
-/// How a server is, and how it is reached.
+/// A configuration of the reference server.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Case {
-    /// The bug that it has.
+    /// The bug of the server.
     pub bug: Option<&'static FlockwaveRule>,
-    /// What it is reached over.
+    /// The transport.
     pub transport: Transport,
-    /// What follows host and port in its URL.
-    rest: &'static str,
-    /// Whether it wants a login.
+    /// The query of the URL.
+    query: &'static str,
+    /// True if the server requires a login.
     pub has_login: bool,
-    /// Whether it says farewell to its clients.
+    /// True if the server sends a farewell to its clients.
     pub sends_farewell: bool,
 }
 
-/// What came of probing a server.
+/// The result for a server.
 #[derive(Debug)]
 pub(crate) struct Row {
-    /// How it was.
+    /// The configuration of the server.
     pub case: Case,
-    /// The rules that were broken.
+    /// The violated rules.
     pub violated: BTreeSet<&'static str>,
-    /// The rules that are broken by the recording.
+    /// The rules that the recorded session violates.
     pub replayed: BTreeSet<&'static str>,
-    /// The rules that were exercised.
+    /// The covered rules.
     pub covered: BTreeSet<&'static str>,
-    /// Why not all could be asked.
+    /// The reason why the probe ended early.
     pub failure: Option<String>,
 }
 
 impl Case {
-    /// A name for people.
+    /// The name of the case.
     pub(crate) fn name(&self) -> String {
-        let with = |is: bool, what| if is { what } else { "" };
-        let (login, parting) =
-            (with(self.has_login, ", with a login"), with(self.sends_farewell, ", parting"));
-        format!("{}{}{login}{parting}", self.transport.name(), self.rest)
+        let text_if = |condition: bool, text| if condition { text } else { "" };
+        let login = text_if(self.has_login, ", with login");
+        let farewell = text_if(self.sends_farewell, ", with farewell");
+        format!("{}{}{login}{farewell}", self.transport.name(), self.query)
     }
 }
 
 impl Row {
-    /// The rules that it should break.
+    /// The rules that the server should violate.
     pub(crate) fn expected(&self) -> BTreeSet<&'static str> {
         let bug = self.case.bug;
-        let rules = bug.into_iter().flat_map(|of| of.bug.also.iter().copied().chain([&of.rule]));
+        let rules = bug.into_iter().flat_map(|entry| entry.bug.also.iter().copied().chain([&entry.rule]));
         rules.map(|rule| rule.id).collect()
     }
 
-    /// What should have been found, and what was.
+    /// Describes the difference between the expected and the violated rules.
     pub(crate) fn mismatch_text(&self) -> String {
         let (expected, found) = (list(&self.expected()), list(&self.violated));
         let recorded = match &self.replayed {
             same if *same == self.violated => String::new(),
-            other => format!(", and {} in the recording", list(other)),
+            other => format!(", and {} in the recorded session", list(other)),
         };
         let failure = self.failure.as_ref().map_or_else(String::new, |failure| format!("; {failure}"));
         format!("expected {expected}, found {found}{recorded}{failure}")
     }
 
-    /// Whether it broke what it should, and nothing else, live and recorded.
+    /// True if exactly the expected rules are violated, live and in the recorded session.
     pub(crate) fn is_right(&self) -> bool {
         self.violated == self.expected() && self.replayed == self.violated
     }
 }
 
-/// All cases: a server without a bug over each transport, and each bug over the one that it shows on.
+/// All cases: a server without a bug for each transport, and each bug with the transport that reveals it.
 pub(crate) fn cases() -> Vec<Case> {
     let plain =
-        |(transport, rest)| Case { bug: None, transport, rest, has_login: false, sends_farewell: false };
+        |(transport, query)| Case { bug: None, transport, query, has_login: false, sends_farewell: false };
     let tcp = plain((Transport::Tcp, ""));
-    let odd = [Case { has_login: true, ..tcp }, Case { sends_farewell: true, ..tcp }];
-    let with_bug = |of: &'static FlockwaveRule| {
-        let case = match of.bug.needs {
+    let special = [Case { has_login: true, ..tcp }, Case { sends_farewell: true, ..tcp }];
+    let with_bug = |entry: &'static FlockwaveRule| {
+        let case = match entry.bug.needs {
             Needs::Nothing => tcp,
             Needs::Udp => Case { transport: Transport::Udp, ..tcp },
             Needs::SocketIo => Case { transport: Transport::SocketIo, ..tcp },
             Needs::Login => Case { has_login: true, ..tcp },
             Needs::Farewell => Case { sends_farewell: true, ..tcp },
         };
-        Case { bug: Some(of), ..case }
+        Case { bug: Some(entry), ..case }
     };
-    TRANSPORTS.into_iter().map(plain).chain(odd).chain(RULES.into_iter().map(with_bug)).collect()
+    TRANSPORTS.into_iter().map(plain).chain(special).chain(RULES.into_iter().map(with_bug)).collect()
 }
 
-/// Probes a server for each case, and hands on what came of it, in their order.
+/// Probes a server for each case, and passes the results to `take` in the order of the cases.
 pub(crate) fn live(cases: &[Case], definitions: &Definitions, mut take: impl FnMut(io::Result<Row>)) {
     let work = |case: &Case| row(case, definitions);
     parallel::each(cases, NonZeroUsize::new(JOBS), work, |_, row| take(row));
@@ -153,18 +153,18 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
     let free = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
     let server = Server::start(options, &[(case.transport, free)])?;
     let Some(listening) = server.listening().first() else {
-        return Err(io::Error::other("it listens nowhere"));
+        return Err(io::Error::other("the server has no address"));
     };
-    let endpoint: Endpoint = format!("{listening}{}", case.rest).parse().map_err(io::Error::other)?;
-    // Over HTTP nobody hears what comes of a command.
+    let endpoint: Endpoint = format!("{listening}{}", case.query).parse().map_err(io::Error::other)?;
+    // Over HTTP, clients do not receive the results of commands.
     let uavs = if case.transport == Transport::Http { &[][..] } else { &UAVS[..] };
     let login = case.has_login.then(|| (LOGIN.0.to_owned(), LOGIN.1.to_owned()));
     let uavs = uavs.iter().map(|id| (*id).to_owned()).collect();
     let options = probe::Options::new(OBSERVE, login, uavs);
     let tape = Tape::default();
     let probed = probe(&endpoint, &options, definitions, Some(Box::new(tape.clone())), &|_, _| {});
-    let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner);
-    let replayed = check_capture(&**recording, None, definitions)?;
+    let recorded = tape.0.lock().unwrap_or_else(PoisonError::into_inner);
+    let replayed = check_capture(&**recorded, None, definitions)?;
     Ok(Row {
         case: *case,
         violated: violated(&probed.result),
@@ -183,7 +183,7 @@ fn covered(result: &CaptureResult) -> BTreeSet<&'static str> {
     crate::rules::RULES.iter().filter(is_covered).map(|rule| rule.id).collect()
 }
 
-/// A recording in memory.
+/// A recorded session in memory.
 #[derive(Clone, Default)]
 struct Tape(Arc<Mutex<Vec<u8>>>);
 

@@ -1,25 +1,25 @@
-//! Days, as entries expire on them.
+//! Calendar days, for the expiry of known failures.
 
 use std::env;
 use std::fmt;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// The environment variable that says, in seconds since 1970, what time it is: see reproducible-builds.org.
+/// The environment variable that sets the current time, in seconds since 1970: see reproducible-builds.org.
 const EPOCH_VARIABLE: &str = "SOURCE_DATE_EPOCH";
 
-/// How long a day is, in seconds.
+/// The length of a day in seconds.
 const DAY: u64 = 86_400;
 
-/// In so many days the calendar repeats itself: 400 years, 97 of them leap years.
+/// The number of days after which the calendar repeats: 400 years with 97 leap years.
 const CYCLE: u64 = 146_097;
 
-/// The first second after the year 9999, where dates of TOML end.
+/// The first second after the year 9999, the last year in TOML dates.
 const END: u64 = 253_402_300_800;
 
 /// A day of the Gregorian calendar, in UTC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Date {
-    /// The year, to 9999.
+    /// The year, up to 9999.
     pub year: u16,
     /// The month, from 1.
     pub month: u8,
@@ -28,31 +28,38 @@ pub struct Date {
 }
 
 impl Date {
-    /// Today; an error says what is wrong with the environment variable `SOURCE_DATE_EPOCH`.
+    /// The current day.
+    ///
+    /// # Errors
+    ///
+    /// The environment variable `SOURCE_DATE_EPOCH` is invalid.
     pub(crate) fn today() -> Result<Self, String> {
         if let Some(value) = env::var_os(EPOCH_VARIABLE) {
             let seconds = value.to_str().and_then(|value| value.parse().ok()).and_then(Self::at);
             return seconds.ok_or_else(|| {
-                format!("{EPOCH_VARIABLE}={}: no seconds from 1970 to 9999", value.to_string_lossy())
+                format!(
+                    "{EPOCH_VARIABLE}={}: expected seconds since 1970, up to the year 9999",
+                    value.to_string_lossy()
+                )
             });
         }
-        // A clock before 1970 was never set; then nothing has expired.
+        // A clock before 1970 was never set. Then nothing has expired.
         let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        Self::at(since.as_secs()).ok_or_else(|| "the clock of this machine is past the year 9999".to_owned())
+        Self::at(since.as_secs()).ok_or_else(|| "the system clock is after the year 9999".to_owned())
     }
 
-    /// The day of a time in seconds since 1970; none after the year 9999.
+    /// The day of a time in seconds since 1970. `None` after the year 9999.
     pub(crate) fn at(seconds: u64) -> Option<Self> {
         if seconds >= END {
             return None;
         }
-        // Years that begin in March have their leap day at the end. 719468 days lie from March of the year 0 to 1970.
+        // Years that start in March have their leap day at the end. March of the year 0 is 719468 days before 1970.
         let days = seconds / DAY + 719_468;
         let in_cycle = days % CYCLE;
-        // Of the days in a cycle all that are leap days but one in a century, and none at its very end, are taken out.
+        // Removes the leap days: one in 4 years, except one in 100 years, and the last one of the cycle.
         let year = (in_cycle - in_cycle / 1_460 + in_cycle / 36_524 - in_cycle / 146_096) / 365;
         let in_year = in_cycle - (365 * year + year / 4 - year / 100);
-        // From March on, five months have 153 days, over and over.
+        // From March on, each five months have 153 days.
         let month = (5 * in_year + 2) / 153;
         let day = in_year - (153 * month + 2) / 5 + 1;
         let (month, later) = if month < 10 { (month + 3, 0) } else { (month - 9, 1) };
@@ -76,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_day_from_1970_to_9999_is_the_one_after_the_last() {
+    fn each_day_from_1970_to_9999_follows_the_previous_one() {
         let mut expected = Date { year: 1970, month: 1, day: 1 };
         for day in 0..END / DAY {
             assert_eq!(Date::at(day * DAY), Some(expected));
@@ -104,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn a_date_is_written_as_toml_writes_it() {
+    fn dates_are_formatted_as_in_toml() {
         assert_eq!(Date::at(1_814_313_600).map(|date| date.to_string()), Some("2027-06-30".to_owned()));
     }
 }

@@ -1,72 +1,72 @@
-//! What is said of a breach.
+//! Details of a violation.
 
 use std::fmt;
 
 use uavspec_codegen::schema::Restriction;
 use uavspec_runtime::{Constraint, Number, Rule};
 
-/// How many documented values are listed.
+/// The maximum number of documented values that are listed.
 const MAX_LISTED: usize = 12;
 
-/// How many bytes of an excerpt are shown.
+/// The maximum number of bytes in an excerpt.
 const MAX_BYTES: usize = 32;
 
-/// What is said of a breach.
+/// The details of a violation.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Detail {
-    /// Where in the record: the path of a field, as `events[2].id`, or in JSON a pointer, as `/msg/events/2/id`. Empty
-    /// where it is about the whole of it.
+    /// The location in the record: the path of a field, such as `events[2].id`, or a JSON pointer, such as
+    /// `/msg/events/2/id`. Empty for the whole record.
     pub path: String,
-    /// Which part of the subject, as it stands before the words; empty where the subject says it all.
+    /// The part of the subject, printed before the message. Empty for the whole subject.
     pub part: String,
-    /// What is the matter, in words.
+    /// A description of the violation.
     pub message: String,
-    /// What should have been, where that can be said alone; may be empty.
+    /// The expected value; may be empty.
     pub expected: String,
-    /// What was found in its place; may be empty.
+    /// The actual value; may be empty.
     pub actual: String,
-    /// The bytes or the text that were judged, shortened; may be empty.
+    /// The checked bytes or text, shortened; may be empty.
     pub excerpt: String,
 }
 
 impl Detail {
-    /// What is the matter, in words.
+    /// Creates a detail with a message.
     pub(crate) fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), ..Self::default() }
     }
 
-    /// One was found in the place of the other.
+    /// Creates a detail with an expected and an actual value.
     pub(crate) fn differs(expected: impl fmt::Display, actual: impl fmt::Display) -> Self {
         let (expected, actual) = (expected.to_string(), actual.to_string());
         Self::new(format!("expected {expected}, found {actual}")).expected(expected).actual(actual)
     }
 
-    /// With what should have been.
+    /// Sets the expected value.
     #[must_use]
     pub(crate) fn expected(self, expected: impl Into<String>) -> Self {
         Self { expected: expected.into(), ..self }
     }
 
-    /// With what was found.
+    /// Sets the actual value.
     #[must_use]
     pub(crate) fn actual(self, actual: impl Into<String>) -> Self {
         Self { actual: actual.into(), ..self }
     }
 
-    /// With the part of the subject that it is about, which its path names.
+    /// Sets the path in the record, and uses it as the part of the subject.
     #[must_use]
     pub(crate) fn at(self, path: impl Into<String>) -> Self {
         let path = path.into();
         Self { part: path.clone(), path, ..self }
     }
 
-    /// With its place in the record, where the subject says that in other words, or the part does.
+    /// Sets the path in the record only, if the subject or the part describes it in another way.
     #[must_use]
     pub(crate) fn located(self, path: impl Into<String>) -> Self {
         Self { path: path.into(), ..self }
     }
 
-    /// With what was judged.
+    /// Sets the excerpt.
     #[must_use]
     pub(crate) fn excerpt(self, excerpt: impl Into<String>) -> Self {
         Self { excerpt: excerpt.into(), ..self }
@@ -82,7 +82,7 @@ impl fmt::Display for Detail {
     }
 }
 
-/// Bytes as an excerpt shows them, in hexadecimal: `01 ff`, and of many the first.
+/// Formats bytes in hexadecimal, such as `01 ff`, shortened to [`MAX_BYTES`].
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     let mut text: Vec<String> = bytes.iter().take(MAX_BYTES).map(|byte| format!("{byte:02x}")).collect();
     if bytes.len() > MAX_BYTES {
@@ -92,14 +92,14 @@ pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
 }
 
 impl Detail {
-    /// A number breaks a rule.
+    /// Creates a detail for a number that violates a constraint.
     pub(crate) fn number(rule: Rule, found: Number, restriction: &Restriction) -> Self {
         let Constraint { low, high, count, known, is_flags, .. } = restriction.constraint();
         let expected = match (rule, low, high) {
             (Rule::Range, Some(low), Some(high)) => format!("{low} to {high}"),
             (Rule::Range, Some(low), None) => format!("{low} or more"),
-            (Rule::Range, None, Some(high)) => format!("{high} at most"),
-            (Rule::Count, ..) => format!("{} at most", count.unwrap_or_default()),
+            (Rule::Range, None, Some(high)) => format!("at most {high}"),
+            (Rule::Count, ..) => format!("at most {}", count.unwrap_or_default()),
             (Rule::Enum, ..) => {
                 let known = known.unwrap_or_default();
                 let listed: Vec<String> = known.iter().take(MAX_LISTED).map(ToString::to_string).collect();
@@ -110,13 +110,13 @@ impl Detail {
             _ => String::new(),
         };
         let text = Explained { rule, found, restriction }.to_string();
-        // The rule stands beside it in any report.
+        // Reports print the rule separately.
         let text = text.rsplit_once(" (PX-").map_or(text.as_str(), |(text, _)| text);
         Self::new(text).expected(expected).actual(found.to_string())
     }
 }
 
-/// What a number should have been, in the words that generated types use.
+/// The description of a constraint violation, as in the errors of generated types.
 struct Explained<'r> {
     rule: Rule,
     found: Number,

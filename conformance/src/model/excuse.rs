@@ -4,16 +4,16 @@ use std::fmt;
 
 use super::Date;
 
-/// Why a failure doesn't count.
+/// The reason why a known failure doesn't count.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Excuse {
-    /// Whether it always fails.
+    /// The kind: it fails always or sometimes.
     pub kind: ExcuseKind,
-    /// Why it is let stand.
+    /// The reason, from the list of known failures.
     pub reason: String,
-    /// Where more is said of it.
+    /// A link to more information.
     pub link: Option<String>,
-    /// The last day that it is let stand.
+    /// The last day on which it doesn't count.
     pub expires: Option<Date>,
 }
 
@@ -27,17 +27,17 @@ impl fmt::Display for Excuse {
     }
 }
 
-/// What an entry says of that which it names.
+/// The kind of a known failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExcuseKind {
-    /// It fails.
+    /// It always fails.
     Known,
-    /// It fails now and then.
+    /// It fails sometimes.
     Flaky,
 }
 
 impl ExcuseKind {
-    /// Its name, in lists and reports.
+    /// The name in lists and reports.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Known => "known",

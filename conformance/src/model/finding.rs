@@ -1,4 +1,4 @@
-//! What was found, counted: equal findings are one, with the places of the first few.
+//! Findings, grouped by rule and subject, with a few examples for each group.
 
 use std::collections::BTreeMap;
 
@@ -6,46 +6,46 @@ use uavspec_codegen::source::Span;
 
 use crate::model::{Detail, Excuse, Level, Location, Rule};
 
-/// How many places of equal findings are kept.
+/// The maximum number of examples for each group.
 const MAX_EXAMPLES: usize = 3;
 
-/// How many different findings are kept of a rule: hostile input can have any number.
+/// The maximum number of groups for each rule. Hostile input could produce any number.
 const MAX_GROUPS: usize = 1_000;
 
-/// Equal findings: of one rule, in one subject.
+/// The findings of one rule in one subject.
 #[derive(Clone, Debug)]
 pub struct Group {
-    /// The rule that is broken.
+    /// The violated rule.
     pub rule: &'static Rule,
-    /// What breaks it: a topic, or a field of one.
+    /// The subject: a topic, or a field of a topic.
     pub subject: String,
-    /// How often.
+    /// The number of findings.
     pub count: u64,
-    /// The first of them: where, and what was found there.
+    /// The locations and details of the first findings.
     pub examples: Vec<(Location, Detail)>,
-    /// The message that has the least in common with the first one, at their beginnings; none where all are as that.
+    /// The message with the shortest common prefix with the first message. `None` if all messages start with the first.
     pub farthest: Option<String>,
-    /// How much all messages have in common at their beginnings, in bytes.
+    /// The length of the common prefix of all messages, in bytes.
     common: usize,
-    /// Where the definition says what should be.
+    /// The location in the definition that is violated.
     pub definition: Option<Span>,
-    /// Why it is let stand, where a list of known failures says so.
+    /// The entry in the list of known failures, if any.
     pub known: Option<Excuse>,
 }
 
 impl Group {
-    /// Messages that stand for all: whether these begin with a text, tells whether all do.
+    /// Messages that represent all others: all messages start with a text if and only if these do.
     pub fn messages(&self) -> Vec<String> {
         let first = self.examples.iter().map(|(_, detail)| detail.to_string());
         first.chain(self.farthest.clone()).collect()
     }
 
-    /// Looks at a message of one more finding, which stands not yet among the examples.
+    /// Updates the common prefix with the message of a further finding.
     fn compare(&mut self, message: String) {
         let first = self.examples.first().map_or_else(|| message.clone(), |(_, detail)| detail.to_string());
         let pairs = first.chars().zip(message.chars());
         let common = pairs.take_while(|(left, right)| left == right).map(|(left, _)| left.len_utf8()).sum();
-        // Where the whole of the first message begins all others, these are expected wherever it is.
+        // If all others start with the whole first message, it represents them.
         if common < self.common {
             self.common = common;
             self.farthest = (common < first.len()).then_some(message);
@@ -53,20 +53,20 @@ impl Group {
     }
 }
 
-/// What came of a rule.
+/// The result of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Nothing breaks it.
+    /// No violations.
     Pass,
-    /// Something breaks it, and it should be looked at.
+    /// Violations of a SHOULD.
     Warn,
-    /// Something breaks it that must not.
+    /// Violations of a MUST.
     Fail,
-    /// All that breaks it is listed as known.
+    /// All violations are known failures.
     Known,
-    /// It is broken, or rather shown: it judges nothing.
+    /// Findings of an INFO, which are only shown.
     Shown,
-    /// Nothing was there that it could have judged.
+    /// The rule applies to no data in the capture.
     NotCovered,
 }
 
@@ -74,28 +74,28 @@ pub enum Verdict {
 #[derive(Debug, Default)]
 pub struct Findings {
     groups: BTreeMap<(&'static str, String), Group>,
-    /// The counts of each rule that was exercised or violated, by id: findings are equal in whatever order they came.
+    /// The counts of each covered or violated rule, sorted by id so that the order of the findings doesn't matter.
     counts: Vec<(&'static Rule, Counts)>,
 }
 
-/// What is counted of a rule.
+/// The counts of a rule.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
-    /// How many groups it has.
+    /// The number of groups.
     num_groups: usize,
-    /// How often it was exercised.
+    /// The number of items that the rule checked.
     covered: u64,
-    /// How many findings belong to no group, as there are too many.
+    /// The number of findings without a group, since there were too many groups.
     dropped: u64,
 }
 
 impl Findings {
-    /// A rule was exercised so often.
+    /// Adds to the number of items that a rule checked.
     pub(crate) fn cover(&mut self, rule: &'static Rule, times: u64) {
         self.counts_of(rule).covered += times;
     }
 
-    /// Something in `subject` breaks a rule.
+    /// Reports a violation of a rule in `subject`.
     pub(crate) fn report(
         &mut self,
         rule: &'static Rule,
@@ -125,7 +125,7 @@ impl Findings {
         });
         group.count += 1;
         let has_examples = group.examples.len() >= MAX_EXAMPLES;
-        // Messages that have nothing in common can't have less.
+        // An empty common prefix can't get shorter.
         if has_examples && group.common == 0 {
             return;
         }
@@ -136,20 +136,20 @@ impl Findings {
         }
     }
 
-    /// Whether a further finding of a rule in `subject` would only be counted: there are examples enough.
+    /// True if a group has enough examples, so that a further finding is only counted.
     pub(crate) fn has_examples(&self, rule: &Rule, subject: &str) -> bool {
         let group = self.groups.get(&(rule.id, subject.to_owned()));
         group.is_some_and(|group| group.examples.len() == MAX_EXAMPLES)
     }
 
-    /// Counts so many more findings of a rule in `subject`, of which there are examples enough.
+    /// Counts further findings of a group that has enough examples.
     pub(crate) fn count(&mut self, rule: &Rule, subject: &str, times: u64) {
         if let Some(group) = self.groups.get_mut(&(rule.id, subject.to_owned())) {
             group.count += times;
         }
     }
 
-    /// All groups, by rule and subject.
+    /// All groups, sorted by rule and subject.
     pub fn groups(&self) -> impl Iterator<Item = &Group> {
         self.groups.values()
     }
@@ -160,19 +160,19 @@ impl Findings {
         self.groups.range(first..).map(|(_, group)| group).take_while(|group| group.rule.id == rule.id)
     }
 
-    /// How many findings of a rule are in no group.
+    /// The number of findings of a rule without a group.
     pub fn dropped(&self, rule: &Rule) -> u64 {
         self.known_counts_of(rule).map_or(0, |counts| counts.dropped)
     }
 
-    /// How often a rule was exercised.
+    /// The number of items that a rule checked.
     pub fn covered(&self, rule: &Rule) -> u64 {
-        // A finding says that there was something to judge.
+        // With a finding, at least one item was checked.
         self.known_counts_of(rule).map_or(0, |counts| counts.covered.max(u64::from(counts.num_groups > 0)))
     }
 
-    /// The counts of a rule that was exercised or violated. They are looked up with each message, and an address is
-    /// compared faster than an id.
+    /// The counts of a covered or violated rule. The lookup happens for each message, so it compares addresses, which
+    /// is faster than comparing ids.
     fn known_counts_of(&self, rule: &Rule) -> Option<&Counts> {
         self.counts.iter().find(|(known, _)| std::ptr::eq(*known, rule)).map(|(_, counts)| counts)
     }
@@ -188,12 +188,12 @@ impl Findings {
         &mut self.counts[at].1
     }
 
-    /// Notes at each group why it is let stand, where `excuse` says so.
+    /// Marks the groups for which `excuse` returns a known failure.
     pub(crate) fn excuse(&mut self, mut excuse: impl FnMut(&Group) -> Option<Excuse>) {
         self.groups.values_mut().for_each(|group| group.known = excuse(group));
     }
 
-    /// What came of a rule. What was too much to be kept can't be told to be known.
+    /// The verdict of a rule. Findings without a group never count as known.
     pub fn verdict(&self, rule: &'static Rule) -> Verdict {
         let is_known = self.dropped(rule) == 0 && self.groups_of(rule).all(|group| group.known.is_some());
         match (self.groups_of(rule).next().is_some(), rule.level) {
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_message_that_is_no_example_is_not_forgotten() {
+    fn messages_represent_those_without_an_example() {
         let odd = ["153 is no bool", "153 is no bool", "153 is no bool", "15 is no bool", "94 is no bool"];
         assert_eq!(messages_of(&reported(&odd[..3])), odd[..3]);
         for all in [&odd[..4], &odd] {

@@ -1,18 +1,18 @@
-//! Failures of a run as a whole.
+//! Failures of a whole run.
 
 use std::fmt;
 
 use serde::Serialize;
 
-/// Why a run as a whole fails.
+/// The reason why a whole run fails.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Reason {
-    /// What is the matter.
+    /// A description of the failure.
     pub message: String,
-    /// The list that it is about; empty where it is about none.
+    /// The list of known failures that it concerns; empty if there is none.
     pub path: String,
-    /// The line in it.
+    /// The line in the list.
     pub line: Option<u64>,
 }
 

@@ -1,4 +1,4 @@
-//! What rules see: the records of a source, wherever that is.
+//! The records of a capture, as rules see them.
 
 use std::fmt;
 
@@ -8,14 +8,14 @@ use uavspec_codegen::schema::MessageId;
 
 use crate::text::Grouped;
 
-/// Where in its source a record stands.
+/// The location of a record in its capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Location {
-    /// At a byte, from 0.
+    /// A byte offset, from 0.
     Byte(u64),
-    /// In a line, from 1.
+    /// A line number, from 1.
     Line(u64),
 }
 
@@ -28,50 +28,50 @@ impl fmt::Display for Location {
     }
 }
 
-/// How much of a source could be read, from the best to the worst.
+/// The readable part of a capture, from best to worst.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Extent {
-    /// All of it.
+    /// The whole capture.
     #[default]
     Whole,
-    /// All that is there, but it ends within something.
+    /// The whole file, but it is truncated within a record.
     #[serde(rename = "ends early")]
     EndsEarly,
-    /// Not all: parts of it were passed over.
+    /// Some corrupt parts were skipped.
     #[serde(rename = "with gaps")]
     WithGaps,
-    /// Not to its end: reading or unpacking it failed.
+    /// Reading or decompressing failed before the end.
     #[serde(rename = "broken off")]
     Unreadable,
 }
 
-/// A stream of messages of one type: a subscription of a log, a topic of a capture.
+/// A stream of messages of one type: a subscription in a log, or a topic in another capture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Channel<'c> {
-    /// Its number in its source. A channel that is opened anew in the place of another has that one's.
+    /// The number of the channel in its capture. It is reused if a new channel replaces another.
     pub index: usize,
     /// The topic.
     pub topic: &'c str,
-    /// The instance of the topic, from 0, where the source tells instances apart.
+    /// The instance of the topic, from 0, if the format distinguishes instances.
     pub multi_id: Option<u8>,
-    /// The definition of its messages, where there is one.
+    /// The definition of the messages, if known.
     pub definition: Option<MessageId>,
-    /// The version that its messages have, where the source itself says that; otherwise it is that of the definition.
+    /// The version of the messages, if the capture states it. Otherwise the version of the definition applies.
     pub version: Option<u32>,
-    /// Where it was opened.
+    /// The location where the channel was opened.
     pub location: Location,
 }
 
 /// A message on a channel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Message<'m> {
-    /// Its field `timestamp`, in µs since system start.
+    /// The field `timestamp`, in µs since boot.
     pub timestamp: Option<u64>,
-    /// Its fields, where a rule wants them (`Interest::Values`) and they can be read.
+    /// The fields, if a rule needs them (`Interest::Values`) and they can be read.
     pub values: Option<DynamicView<'m>>,
-    /// Where it stands.
+    /// The location of the message.
     pub location: Location,
 }
 
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_read_easily() {
+    fn locations_have_grouped_digits() {
         assert_eq!(Location::Byte(401_220).to_string(), "byte 401,220");
         assert_eq!(Location::Line(7).to_string(), "line 7");
         assert_eq!(Location::Byte(1_000_000).to_string(), "byte 1,000,000");

@@ -1,19 +1,19 @@
-//! What a rule says.
+//! Rules, their levels and their statuses.
 
 use std::fmt;
 
 use serde::Serialize;
 
-/// How much a rule binds.
+/// The level of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Level {
-    /// Derived, and shown without being judged.
+    /// Findings are only shown.
     Info,
-    /// What breaks it should be looked at.
+    /// A violation is a warning.
     Should,
-    /// What breaks it doesn't conform.
+    /// Data that violates the rule does not conform.
     Must,
 }
 
@@ -27,14 +27,14 @@ impl fmt::Display for Level {
     }
 }
 
-/// Whether what a rule says is beyond doubt.
+/// The authority of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// The specification lays it down.
+    /// The specification requires it.
     Normative,
-    /// The specification contradicts itself; how, says the text.
+    /// The specification contradicts itself. The text describes the contradiction.
     Disputed(&'static str),
-    /// It follows from the specification, or from what it is for.
+    /// It follows from the specification or its purpose.
     Advisory,
 }
 
@@ -48,24 +48,24 @@ impl fmt::Display for Status {
     }
 }
 
-/// The statement of a rule, by which findings and reports name it.
+/// A rule, without its check.
 #[derive(Debug)]
 pub struct Rule {
-    /// Its id, which never changes its meaning and is never used again.
+    /// The id. Its meaning never changes, and it is never reused.
     pub id: &'static str,
-    /// How much it binds.
+    /// The level.
     pub level: Level,
-    /// Whether it is beyond doubt.
+    /// The authority.
     pub status: Status,
-    /// What has to hold.
+    /// The requirement.
     pub statement: &'static str,
-    /// What lays it down.
+    /// The part of the specification that requires it.
     pub source: &'static str,
-    /// What it is about.
+    /// The data that it applies to.
     pub applies_to: &'static str,
     /// The harm that a violation does.
     pub why: &'static str,
-    /// A violation: a message, or a value and its definition.
+    /// An example of a violation: messages, or a value with its definition.
     pub example: &'static str,
     /// The way to correct a violation.
     pub fix: &'static str,
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_and_statuses_are_words_that_keep_to_columns() {
+    fn levels_and_statuses_are_padded_words() {
         let levels = [Level::Info, Level::Should, Level::Must].map(|level| format!("{level:7}|"));
         assert_eq!(levels, ["INFO   |", "SHOULD |", "MUST   |"]);
         let statuses = [Status::Normative, Status::Disputed("how"), Status::Advisory];

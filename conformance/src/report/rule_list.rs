@@ -1,4 +1,4 @@
-//! The rules as they are listed: at a terminal, for programs, and as pages of the documentation.
+//! Lists and pages of rules: for terminals, for programs and for the documentation.
 
 #[cfg(test)]
 mod pages;
@@ -16,7 +16,7 @@ use crate::matrix::Row;
 use crate::model::{Level, Rule, Status};
 use crate::rules::{Mutant, checked_by, mutants};
 
-/// A rule for programs.
+/// A rule in JSON.
 #[derive(Serialize)]
 struct Entry {
     id: &'static str,
@@ -27,12 +27,15 @@ struct Entry {
     statement: &'static str,
     source: &'static str,
     applies_to: &'static str,
+    why: &'static str,
+    example: &'static str,
+    fix: &'static str,
     checked_by: &'static str,
     mutants: Vec<&'static str>,
     url: String,
 }
 
-/// A row of the matrix for programs.
+/// A row of the matrix in JSON.
 #[derive(Serialize)]
 struct MatrixEntry<'r> {
     rule: &'static str,
@@ -42,7 +45,7 @@ struct MatrixEntry<'r> {
     expected: BTreeSet<&'static str>,
 }
 
-/// Rules as a JSON list.
+/// Formats rules as a JSON list.
 pub(crate) fn to_json(rules: &[&'static Rule]) -> String {
     let entry = |rule: &&'static Rule| Entry {
         id: rule.id,
@@ -52,6 +55,9 @@ pub(crate) fn to_json(rules: &[&'static Rule]) -> String {
         statement: rule.statement,
         source: rule.source,
         applies_to: rule.applies_to,
+        why: rule.why,
+        example: rule.example,
+        fix: rule.fix,
         checked_by: checked_by(rule),
         mutants: mutants_of(rule).map(|mutant| mutant.name).collect(),
         url: rule_url(rule.id),
@@ -59,7 +65,7 @@ pub(crate) fn to_json(rules: &[&'static Rule]) -> String {
     json(&rules.iter().map(entry).collect::<Vec<_>>())
 }
 
-/// The matrix as a JSON list.
+/// Formats the matrix as a JSON list.
 pub(crate) fn matrix_json(rows: &[Row]) -> String {
     let entries = rows.iter().map(|row| MatrixEntry {
         rule: row.rule.id,
@@ -71,14 +77,14 @@ pub(crate) fn matrix_json(rows: &[Row]) -> String {
 }
 
 fn json(value: &impl Serialize) -> String {
-    // Values of this kind can always be written.
+    // Serialization of these types can't fail.
     serde_json::to_string_pretty(value).map_or_else(|_| String::new(), |text| text + "\n")
 }
 
-/// How the specification contradicts itself over a rule.
+/// The contradiction in the specification that makes a rule disputed.
 fn dispute(rule: &Rule) -> Option<&'static str> {
     match rule.status {
-        Status::Disputed(how) => Some(how),
+        Status::Disputed(contradiction) => Some(contradiction),
         Status::Normative | Status::Advisory => None,
     }
 }

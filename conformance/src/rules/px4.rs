@@ -1,4 +1,4 @@
-//! The rules on messages of PX4 (`PX-…`), a file each, and the list of them.
+//! The PX4 rules (`PX-…`), one file each.
 
 mod arr_01;
 mod bool_01;
@@ -37,13 +37,13 @@ use super::sample::{Bag, Encoding, Flight, Lines, Log};
 use crate::model::{Channel, Detail, Level, Location, Message, Rule, Status};
 use crate::px4::ValueRules;
 
-/// The rules that sources of messages report violations of while they read them.
+/// Rules that are checked by the readers of captures.
 pub(crate) use self::{
     cdr_01::RULE as CDR_01, cdr_02::RULE as CDR_02, data_01::RULE as DATA_01, data_02::RULE as DATA_02,
     fmt_01::RULE as FMT_01, fmt_02::RULE as FMT_02, fmt_03::RULE as FMT_03, hash_01::RULE as HASH_01,
 };
 
-/// The rules on messages of PX4, by id.
+/// The PX4 rules, sorted by id.
 pub(crate) static RULES: [&Px4Rule; 28] = [
     &arr_01::RULE,
     &bool_01::RULE,
@@ -75,7 +75,7 @@ pub(crate) static RULES: [&Px4Rule; 28] = [
     &ver_01::RULE,
 ];
 
-/// The rules on single values.
+/// The rules about single values.
 pub(crate) static VALUES: ValueRules = ValueRules {
     bool: &bool_01::RULE.rule,
     text: &str_01::RULE.rule,
@@ -92,54 +92,54 @@ pub(crate) static VALUES: ValueRules = ValueRules {
     length: &arr_01::RULE.rule,
 };
 
-/// A rule on messages of PX4.
+/// A PX4 rule with its check and its mutants.
 #[derive(Debug)]
 pub(crate) struct Px4Rule {
-    /// What it says.
+    /// The statement.
     pub rule: Rule,
-    /// Finds violations.
+    /// The check.
     pub check: Check,
-    /// Captures that violate it.
+    /// Changes that violate the rule.
     pub mutants: &'static [Mutant],
 }
 
-/// The code of a rule.
+/// The way a rule is checked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Check {
     /// The plan of a format checks each value.
     Value,
-    /// The reader of a capture finds violations, since nothing can be read there.
+    /// The reader of a capture reports violations, since it can't read the data.
     Source,
-    /// A state that follows the records of a capture.
+    /// A stateful checker receives the records of a capture.
     State(fn() -> Box<dyn Checker>),
 }
 
-/// A small change of a flight or of its capture, which then violates a rule.
+/// A small change of a flight or of its capture that violates a rule.
 #[derive(Debug)]
 pub(crate) struct Mutant {
-    /// The change, in words.
+    /// A description of the change.
     pub name: &'static str,
     /// The change.
     pub change: Change,
-    /// Other rules that it violates too.
+    /// Other rules that the change also violates.
     pub also: &'static [&'static Px4Rule],
 }
 
-/// The change that makes a mutant; none if the definitions have nothing that could be changed so.
+/// The function that makes a mutant. It returns `None` if the change isn't possible with the definitions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Change {
-    /// A change of the flight, which is written in each encoding that shows it.
+    /// Changes the flight. The result is written in each encoding that represents the change.
     Flight(for<'d> fn(&Flight<'d>) -> Option<Flight<'d>>),
-    /// A change of the log of a flight.
+    /// Changes the ULog of a flight.
     Ulog(fn(&Flight<'_>, Log) -> Option<Log>),
-    /// A change of the MCAP of a flight.
+    /// Changes the MCAP file of a flight.
     Mcap(fn(&Flight<'_>, Bag) -> Option<Bag>),
-    /// A change of the text of JSON Lines, of each kind.
+    /// Changes the text of a JSON Lines file, of both kinds.
     Json(fn(Lines) -> Option<Lines>),
 }
 
 impl Change {
-    /// The changed captures of a flight, one for each encoding that shows the change.
+    /// The changed captures of a flight, one for each encoding that represents the change.
     pub(super) fn captures(&self, flight: &Flight<'_>) -> Vec<(Encoding, Vec<u8>)> {
         let written: [Option<(Encoding, Vec<u8>)>; Encoding::ALL.len()] = match self {
             Self::Flight(change) => {
@@ -170,41 +170,41 @@ impl Change {
     }
 }
 
-/// What a rule wants to know of a channel.
+/// The parts of a channel that a rule needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Interest {
-    /// No more than that it was opened.
+    /// Only the opening of the channel.
     #[default]
     Nothing,
-    /// When messages come.
+    /// The times of the messages.
     Times,
-    /// What they say.
+    /// The times and values of the messages.
     Values,
 }
 
-/// Follows the records of one capture.
+/// Checks the records of one capture.
 pub(crate) trait Checker {
-    /// A channel is opened: a topic with its type. Only messages of channels that are of interest come.
+    /// Handles a new channel, and returns the interest in it. Without interest, [`Self::message`] isn't called.
     fn opened(&mut self, _channel: &Channel<'_>, _context: &mut RuleContext<'_>) -> Interest {
         Interest::Nothing
     }
 
-    /// A channel is closed, as it was unsubscribed or its place is given to another. That may be said twice.
+    /// Handles the end of a channel: it was unsubscribed, or another channel took its index. May be called twice.
     fn closed(&mut self, _channel: &Channel<'_>) {}
 
-    /// When the source was begun, in µs since system start.
+    /// Receives the start time of the capture, in µs since boot.
     fn started(&mut self, _time: u64) {}
 
-    /// A message comes.
+    /// Checks a message.
     fn message(&mut self, _channel: &Channel<'_>, _message: &Message<'_>, _context: &mut RuleContext<'_>) {}
 
-    /// Records were lost, for so many milliseconds.
+    /// Handles a dropout: records were lost for this duration.
     fn dropout(&mut self, _milliseconds: u16, _place: Location) {}
 
-    /// Something can't be read, and records may be lost with it; or it is a message of a channel that is of interest.
+    /// Handles unreadable data. Records may be lost with it, for example a message of a channel of interest.
     fn corruption(&mut self, _place: Location) {}
 
-    /// The source ends.
+    /// Handles the end of the capture.
     fn end(&mut self, _context: &mut RuleContext<'_>) {}
 }
 
@@ -213,14 +213,14 @@ pub(crate) trait Checker {
 struct PerChannel<T>(Vec<T>);
 
 impl<T: Default + Clone> PerChannel<T> {
-    /// Starts anew with a channel.
+    /// Sets the initial state of a channel.
     fn open(&mut self, channel: &Channel<'_>, state: T) {
         let count = self.0.len().max(channel.index + 1);
         self.0.resize(count, T::default());
         self.0[channel.index] = state;
     }
 
-    /// The state of a channel that was opened.
+    /// The state of an open channel.
     fn get(&mut self, channel: &Channel<'_>) -> Option<&mut T> {
         self.0.get_mut(channel.index)
     }
@@ -233,7 +233,7 @@ impl<T> Default for PerChannel<T> {
 }
 
 impl RuleContext<'_> {
-    /// A field of the messages of a channel breaks the rule.
+    /// Reports a violation in a field of a channel's messages.
     fn violation_in_field(
         &mut self,
         channel: &Channel<'_>,

@@ -1,9 +1,7 @@
-//! Recordings that conform, made from any definitions: what rules must find nothing in, and what the mutants of
-//! rules are made of.
+//! Conforming captures, generated from any definitions. Rules find nothing in them, and mutants are made from them.
 //!
-//! The same definitions give the same bytes. All values are typical ones of the test vectors, so neighbours differ
-//! and nothing is zero by chance; time, and the session between flight controller and external component, are as they
-//! would be.
+//! The bytes depend only on the definitions. All values are the typical ones of the test vectors, so adjacent values
+//! differ and no value is zero by chance. Times and the messages of external components are realistic.
 
 mod bag;
 mod encoding;
@@ -25,52 +23,52 @@ pub(crate) use self::lines::Lines;
 pub(crate) use self::log::{Entry, Log};
 use crate::definitions::Definitions;
 
-/// How many messages a topic has, if it comes regularly: enough for rules that learn its period.
+/// The number of messages of a regular topic: enough for rules that learn its period.
 pub(crate) const ROUNDS: u64 = 48;
 
-/// From one round to the next, in µs.
+/// The time between two rounds, in µs.
 pub(crate) const PERIOD: u64 = 20_000;
 
-/// When the first round is, in µs since system start.
+/// The time of the first round, in µs since boot.
 pub(crate) const START: u64 = 1_000_000;
 
-/// The external components: the id that each gets for its arming checks, and the last round in which it is there.
+/// The external components: their arming check ids, and the last round of each.
 const COMPONENTS: [(u64, u64); 2] = [(3, ROUNDS - 1), (5, 31)];
 
-/// Components refuse in each round of so many.
+/// Components refuse to arm once in this number of rounds.
 const REFUSED: u64 = 4;
 
-/// A short flight: all messages of PX4 that the definitions have.
+/// A short flight with all PX4 messages in the definitions.
 #[derive(Clone, Debug)]
 pub(crate) struct Flight<'d> {
-    /// What it keeps to.
+    /// The definitions.
     pub definitions: &'d Definitions,
-    /// Its topics.
+    /// The topics.
     pub topics: Vec<Topic>,
-    /// Its messages, in order of time.
+    /// The messages, in order of time.
     pub messages: Vec<Sent>,
 }
 
 /// A topic.
 #[derive(Clone, Debug)]
 pub(crate) struct Topic {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// The type of its messages.
+    /// The type of the messages.
     pub message: MessageId,
 }
 
-/// A message that was published.
+/// A published message.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Sent {
-    /// Index of its topic.
+    /// The index of the topic.
     pub topic: usize,
-    /// What it says, as JSON.
+    /// The message in JSON.
     pub value: Value,
 }
 
 impl<'d> Flight<'d> {
-    /// The flight of some definitions. Messages that don't lie in memory, or have no time, aren't part of it.
+    /// Creates the flight of some definitions. Messages without a fixed size or without a time are left out.
     pub(crate) fn new(definitions: &'d Definitions) -> Self {
         let mut topics = Vec::new();
         let mut first = Vec::new();
@@ -97,7 +95,7 @@ impl<'d> Flight<'d> {
         flight
     }
 
-    /// The topics in the order in which a round publishes them: questions come before their answers.
+    /// The topics in the order in which a round publishes them: requests before replies.
     fn in_order(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.topics.len()).collect();
         order.sort_by_key(|topic| {
@@ -112,12 +110,12 @@ impl<'d> Flight<'d> {
         self.definitions.types().get(self.topics[topic].message)
     }
 
-    /// A message as it lies in memory; none where its values don't fit its type.
+    /// A message in its memory layout. `None` if its values don't fit its type.
     pub(crate) fn message(&self, sent: &Sent) -> Option<DynamicMessage<'d>> {
         self.type_of(sent.topic).from_json(&sent.value).ok()
     }
 
-    /// The topic of a message.
+    /// The topic of a message type.
     pub(crate) fn topic(&self, message: &str) -> Option<usize> {
         let schema = &self.definitions.schema;
         self.topics.iter().position(|topic| schema.message(topic.message).name == message)
@@ -128,15 +126,16 @@ impl<'d> Flight<'d> {
         self.messages.iter().rposition(|sent| sent.topic == topic)
     }
 
-    /// Changes a value in the last message of some topic so that it breaks a rule on numbers; of arrays the first
-    /// element.
+    /// Changes a value in the last message of a topic so that it violates a constraint. In an array, it changes the
+    /// first element.
     pub(crate) fn violating(&self, rule: Rule) -> Option<Self> {
         let schema = &self.definitions.schema;
         for topic in 0..self.topics.len() {
             let message = schema.message(self.topics[topic].message);
             for field in &message.fields {
                 let restriction = schema.restriction(message, field);
-                let Some(value) = restriction.and_then(|requested| violating_value(rule, field, &requested))
+                let Some(value) =
+                    restriction.and_then(|restriction| violating_value(rule, field, &restriction))
                 else {
                     continue;
                 };
@@ -153,18 +152,18 @@ impl<'d> Flight<'d> {
         None
     }
 
-    /// The first topic that has a field like this, and where in a payload the field starts.
-    pub(crate) fn find_field(&self, is_wanted: impl Fn(&Placed<'_>) -> bool) -> Option<(usize, usize)> {
-        let find = |topic| Some((topic, self.type_of(topic).layout().find(&is_wanted)?.offset));
+    /// Finds the first topic with a matching field, and the offset of the field in a payload.
+    pub(crate) fn find_field(&self, matches: impl Fn(&Placed<'_>) -> bool) -> Option<(usize, usize)> {
+        let find = |topic| Some((topic, self.type_of(topic).layout().find(&matches)?.offset));
         (0..self.topics.len()).find_map(find)
     }
 
-    /// The first topic that comes regularly and for which something holds.
-    pub(crate) fn regular(&self, holds: impl Fn(&Message) -> bool) -> Option<usize> {
+    /// Finds the first regular topic with a matching message type.
+    pub(crate) fn regular(&self, matches: impl Fn(&Message) -> bool) -> Option<usize> {
         let counts = self.counts();
         let is_regular = |topic: &Topic| counts.get(topic.name.as_str()) == Some(&ROUNDS);
         let schema = &self.definitions.schema;
-        self.topics.iter().position(|topic| is_regular(topic) && holds(schema.message(topic.message)))
+        self.topics.iter().position(|topic| is_regular(topic) && matches(schema.message(topic.message)))
     }
 
     /// Changes the last message of a topic.
@@ -182,7 +181,7 @@ impl<'d> Flight<'d> {
         self.messages.iter().position(|sent| sent.topic == topic && sent.value["timestamp"] == time)
     }
 
-    /// Adds a reply of an external component like the one before it, with a change.
+    /// Adds a changed copy of a reply of an external component.
     pub(crate) fn with_reply(&self, change: impl FnOnce(&mut Value)) -> Option<Self> {
         let at = self.late_reply()?;
         let mut changed = self.clone();
@@ -192,7 +191,7 @@ impl<'d> Flight<'d> {
         Some(changed)
     }
 
-    /// Changes the last reply in which an external component refuses to arm.
+    /// Changes the last reply with which an external component refuses to arm.
     pub(crate) fn with_refusal(&self, change: impl FnOnce(&mut Value)) -> Option<Self> {
         let topic = self.topic("ArmingCheckReply")?;
         let is_refused = |sent: &Sent| sent.topic == topic && sent.value["can_arm_and_run"] == false;
@@ -202,27 +201,27 @@ impl<'d> Flight<'d> {
         Some(changed)
     }
 
-    /// As a log of PX4.
+    /// The flight as a ULog.
     pub(crate) fn log(&self) -> Log {
         Log::from_flight(self)
     }
 
-    /// As MCAP.
+    /// The flight as an MCAP file.
     pub(crate) fn bag(&self) -> Bag {
         Bag::from_flight(self)
     }
 
-    /// As JSON Lines that name the type of each message.
+    /// The flight as JSON Lines with the type of each message.
     pub(crate) fn lines(&self) -> Lines {
         Lines::typed(self)
     }
 
-    /// As JSON Lines of rosbridge.
+    /// The flight as JSON Lines of rosbridge.
     pub(crate) fn rosbridge(&self) -> Lines {
         Lines::published(self)
     }
 
-    /// How many messages each topic has, by its name.
+    /// The number of messages of each topic, by name.
     pub(crate) fn counts(&self) -> BTreeMap<&str, u64> {
         let mut counts = BTreeMap::new();
         for sent in &self.messages {
@@ -232,14 +231,14 @@ impl<'d> Flight<'d> {
     }
 }
 
-/// A value that breaks this rule in this field, and no other; none where the field has nothing to do with it.
-fn violating_value(rule: Rule, field: &Field, requested: &Restriction) -> Option<Value> {
+/// Finds a value that violates this constraint of a field, and no other. `None` if the field has no such constraint.
+fn violating_value(rule: Rule, field: &Field, restriction: &Restriction) -> Option<Value> {
     let Element::Scalar(scalar) = field.ty.element else { return None };
     let beyond = |bound: Option<Number>, by: i32| match bound? {
         Number::Int(value) => Some(Number::Int(value + i128::from(by))),
         Number::Float(value) => Some(Number::Float(value + f64::from(by))),
     };
-    let Constraint { low, high, count, .. } = requested.constraint();
+    let Constraint { low, high, count, .. } = restriction.constraint();
     let beyond = [beyond(high, 1), beyond(low, -1)].into_iter().flatten();
     let beyond = beyond.chain(count.map(|count| Number::Int(i128::from(count) + 1)));
     let others = [Number::Float(0.1), Number::Float(f64::NAN)];
@@ -248,10 +247,10 @@ fn violating_value(rule: Rule, field: &Field, requested: &Restriction) -> Option
         (Number::Int(value), Some((low, high))) => (low..=high).contains(&value),
         (_, bounds) => bounds.is_none(),
     };
-    let breaks = |number: &Number| requested.constraint().violated_by(*number) == Some(rule);
-    Some(match candidates.filter(fits).find(breaks)? {
+    let violates = |number: &Number| restriction.constraint().violated_by(*number) == Some(rule);
+    Some(match candidates.filter(fits).find(violates)? {
         Number::Int(value) => i64::try_from(value).ok()?.into(),
-        // NaN is null.
+        // NaN becomes null.
         Number::Float(value) => value.into(),
     })
 }
@@ -261,7 +260,7 @@ fn is_published(message: &Message, definitions: &Definitions) -> bool {
     package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
 }
 
-/// Messages of a session, in the order in which a round has them.
+/// The messages of external components, in their order in a round.
 const SESSION_TOPICS: [&str; 5] = [
     "RegisterExtComponentRequest",
     "RegisterExtComponentReply",
@@ -270,31 +269,31 @@ const SESSION_TOPICS: [&str; 5] = [
     "UnregisterExtComponent",
 ];
 
-/// The messages that a round has of a topic, made of a typical one.
+/// The messages of a topic in a round, made from a typical message.
 fn messages_of_round(message: &str, round: u64, typical: &Value) -> Vec<Value> {
     let typical = with(typical, &[("timestamp", (START + round * PERIOD).into())]);
-    let there = || COMPONENTS.iter().filter(|(_, last)| round <= *last);
+    let present = || COMPONENTS.iter().filter(|(_, last)| round <= *last);
     match message {
         "RegisterExtComponentRequest" | "RegisterExtComponentReply" if round > 0 => Vec::new(),
         "RegisterExtComponentRequest" => {
-            there().map(|(id, _)| with(&typical, &[("request_id", (*id).into())])).collect()
+            present().map(|(id, _)| with(&typical, &[("request_id", (*id).into())])).collect()
         }
         "RegisterExtComponentReply" => {
             let fields = |id: u64| {
                 [("request_id", id.into()), ("success", true.into()), ("arming_check_id", id.into())]
             };
-            there().map(|(id, _)| with(&typical, &fields(*id))).collect()
+            present().map(|(id, _)| with(&typical, &fields(*id))).collect()
         }
         "ArmingCheckRequest" => {
-            let mask: u64 = there().map(|(id, _)| 1 << id).sum();
+            let mask: u64 = present().map(|(id, _)| 1 << id).sum();
             let fields = [("request_id", request_id(round)), ("valid_registrations_mask", mask.into())];
             vec![with(&typical, &fields)]
         }
         "ArmingCheckReply" => {
             let reply = answer(&typical, round);
-            there().map(|(id, _)| with(&reply, &[("registration_id", (*id).into())])).collect()
+            present().map(|(id, _)| with(&reply, &[("registration_id", (*id).into())])).collect()
         }
-        "UnregisterExtComponent" => there()
+        "UnregisterExtComponent" => present()
             .filter(|(_, last)| round == *last)
             .map(|(id, _)| with(&typical, &[("arming_check_id", (*id).into())]))
             .collect(),
@@ -302,29 +301,29 @@ fn messages_of_round(message: &str, round: u64, typical: &Value) -> Vec<Value> {
     }
 }
 
-/// The request of a round. The numbers begin anew during the flight.
+/// The request id of a round. The ids wrap around during the flight.
 fn request_id(round: u64) -> Value {
     ((240 + round) % 256).into()
 }
 
-/// What a component says in a round: it refuses now and then.
+/// The reply of a component in a round. Some replies refuse to arm.
 fn answer(typical: &Value, round: u64) -> Value {
-    let is_agreed = !round.is_multiple_of(REFUSED);
-    let events = if is_agreed { 0 } else { 2 };
+    let can_arm = !round.is_multiple_of(REFUSED);
+    let events = if can_arm { 0 } else { 2 };
     let fields = [
         ("request_id", request_id(round)),
-        ("can_arm_and_run", is_agreed.into()),
+        ("can_arm_and_run", can_arm.into()),
         ("num_events", events.into()),
     ];
     let mut answer = with(typical, &fields);
-    // It isn't in use.
+    // This entry is unused.
     if let Some(id) = answer.pointer_mut("/events/2/id") {
         *id = 0.into();
     }
     answer
 }
 
-/// A message with other values in those of these fields that it has: not every release has every field.
+/// Sets fields of a message. Fields that the message lacks are skipped, since releases have different fields.
 fn with(message: &Value, fields: &[(&str, Value)]) -> Value {
     let mut message = message.clone();
     for (field, new) in fields {

@@ -34,7 +34,8 @@ pub(crate) fn dump(
 
 /// The expected responses: `ok` lists the accepted values; without it, any value is accepted if `accepted` is true.
 fn expected(case: &Case, types: &Types) -> Value {
-    let mut expected = json!({ "rejected": case.expected.rejection, "accepted": case.expected.ok != ExpectedResponse::Nothing });
+    let is_accepted = case.expected.ok != ExpectedResponse::Nothing;
+    let mut expected = json!({ "rejected": case.expected.rejection, "accepted": is_accepted });
     let message = || case.type_name.split_once('/').and_then(|(package, name)| types.find(package, name));
     match &case.expected.ok {
         ExpectedResponse::Nothing | ExpectedResponse::Anything => {}

@@ -26,7 +26,7 @@ fn browser() -> String {
         .expect("Chromium, or its path in UAVSPEC_CHROMIUM")
 }
 
-/// What the browser measures in a report, for each screen. Screenshots are stored in `folder`.
+/// The measurements of a report in a browser, for each screen. Screenshots are stored in `folder`.
 fn measure(name: &str, report: &Report, folder: &Path) -> Vec<Value> {
     let page = folder.join(format!("{name}.html"));
     fs::write(&page, report.to_text(Kind::Html)).expect("a file");

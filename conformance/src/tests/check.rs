@@ -249,7 +249,7 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
         ("PX-FMT-03", no_timestamp, "glider: the format has no field `uint64_t timestamp`"),
         ("PX-LEN-01", value(|glider| glider.num_marks = 4), "glider.num_marks: 4 exceeds the array length 3"),
         ("PX-NAN-01", value(|glider| glider.speed = f32::NAN), "glider.speed: NaN is not allowed here"),
-        ("PX-QUEUE-01", burst, "glider: more than 2 messages at 1200000 µs"),
+        ("PX-QUEUE-01", burst, "glider: more than 2 messages with timestamp 1200000 µs"),
         (
             "PX-RANGE-01",
             value(|glider| glider.flaps[1] = 1.5),
@@ -259,14 +259,14 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
         (
             "PX-TIME-01",
             value(|glider| glider.timestamp = 58 * PERIOD),
-            "glider.timestamp: timestamp is 1160000, and was 1180000",
+            "glider.timestamp: timestamp 1160000 is before the previous one, 1180000",
         ),
         (
             "PX-TIME-02",
             value(|glider| glider.timestamp = 80 * PERIOD),
-            "glider: 420 ms without a message, where one comes each 20 ms",
+            "glider: no message for 420 ms, but the period is 20 ms",
         ),
-        ("PX-VER-01", versioned, "glider_v1: the topic is of version 1, the definition of version 2"),
+        ("PX-VER-01", versioned, "glider_v1: the topic name has version 1, but the definition has version 2"),
     ]
 }
 

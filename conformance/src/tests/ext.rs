@@ -90,7 +90,7 @@ impl<'d> Script<'d> {
         }
     }
 
-    /// The findings of the rules on external components, which are the same in ULog, JSON and MCAP.
+    /// The findings of the rules on external components. They must be equal for ULog, JSON and MCAP.
     fn found(&self) -> Vec<String> {
         let log = self.run_check(&self.flight.log().to_bytes());
         for other in [self.flight.rosbridge().to_bytes(), self.flight.bag().to_bytes()] {
@@ -158,7 +158,7 @@ fn a_reply_to_the_previous_request_is_late() {
     script.reply(106 * PERIOD + 20, 105, 3);
     script.reply(106 * PERIOD + 25, 106, 3);
     script.exchange(107, 110, &[3]);
-    let late = "request 105: registration 3 answers it only after the next one";
+    let late = "request 105: registration 3 replies after the next request";
     assert_eq!(script.found(), [format!("PX-EXT-03 arming_check_request 1: {late}")]);
 }
 
@@ -170,7 +170,8 @@ fn reports_replies_to_other_requests() {
         script.reply(105 * PERIOD + 20, answered, 3);
         script.exchange(106, 109, &[3]);
         let message = format!(
-            "PX-EXT-01 arming_check_reply.request_id 1: registration 3 answers request {answered}, where 105 is the latest"
+            "PX-EXT-01 arming_check_reply.request_id 1: registration 3 answers request {answered}, \
+             but the latest request is 105"
         );
         let expected = if is_wrong { vec![message] } else { vec![] };
         assert_eq!(script.found(), expected);
@@ -298,7 +299,7 @@ fn reports_no_missing_reply_that_may_be_lost() {
     before.request(105 * PERIOD, 105, &[3]);
     after.exchange(106, 110, &[3]);
     let missing = before.run_check(&interrupted(&before, vec![], &after));
-    let message = "request 105: registration 3 doesn't answer it";
+    let message = "request 105: registration 3 does not reply";
     assert_eq!(reported(&missing), [format!("PX-EXT-03 arming_check_request 1: {message}")]);
     let lost = before.run_check(&interrupted(&before, vec![Entry::Dropout(9)], &after));
     assert_eq!(reported(&lost), NOTHING);
@@ -338,7 +339,7 @@ fn uses_masks_if_the_recording_starts_late() {
     assert_eq!(script.found(), NOTHING);
     script.reply(106 * PERIOD + 5, 106, 3);
     script.exchange(107, 109, &[]);
-    let message = "3 as the id of who answers, which was given back before this was asked";
+    let message = "registration id 3 was released before the request";
     let expected = [format!("PX-EXT-02 arming_check_reply.registration_id 1: {message}")];
     assert_eq!(script.found(), expected);
 }
@@ -346,7 +347,7 @@ fn uses_masks_if_the_recording_starts_late() {
 #[test]
 fn reports_unassigned_ids_if_the_start_is_recorded() {
     let message = |id: u8| {
-        let message = format!("{id} as the id of who answers, which was never given out");
+        let message = format!("registration id {id} was never assigned");
         vec![format!("PX-EXT-02 arming_check_reply.registration_id 1: {message}")]
     };
     let unknown_component = |begin: fn(&mut Script<'static>), mask: &[u8]| {
@@ -466,7 +467,7 @@ fn without_times_uses_the_order_of_arrival() {
     script.unregister(0, 3);
     script.exchange(103, 104, &[]);
     script.reply(0, 103, 3);
-    let message = "3 as the id of who answers, which was given back before this was asked";
+    let message = "registration id 3 was released before the request";
     assert_eq!(script.found(), [format!("PX-EXT-02 arming_check_reply.registration_id 1: {message}")]);
 }
 
@@ -507,7 +508,7 @@ fn replies_without_a_time_are_late_if_several_follow_the_next_request() {
                 script.reply(0, id(number), 3);
             }
         }
-        let message = "request 107: registration 3 answers it only after the next one";
+        let message = "request 107: registration 3 replies after the next request";
         let expected: Vec<String> = match found {
             0 => vec![],
             _ => vec![format!("PX-EXT-03 arming_check_request {found}: {message}")],
@@ -712,7 +713,7 @@ fn names_the_component_that_does_not_reply() {
     }
     // The flight controller no longer expects a reply of the component.
     script.exchange(107, 112, &[3]);
-    let message = "request 103: registration 5 doesn't answer it";
+    let message = "request 103: registration 5 does not reply";
     assert_eq!(script.found(), [format!("PX-EXT-03 arming_check_request 3: {message}")]);
 }
 
@@ -756,7 +757,7 @@ fn accepts_requests_with_equal_times() {
     script.request(100 * PERIOD, 100, &[3]);
     script.request(100 * PERIOD, 101, &[3]);
     script.reply(100 * PERIOD + 5, 90, 3);
-    let message = "registration 3 answers request 90, where 101 is the latest";
+    let message = "registration 3 answers request 90, but the latest request is 101";
     assert_eq!(script.found(), [format!("PX-EXT-01 arming_check_reply.request_id 1: {message}")]);
 }
 
@@ -845,7 +846,7 @@ fn stores_a_bounded_number_of_replies() {
         script.reply(101 * PERIOD + 9, 50, 9);
     }
     script.exchange(102, 104, &[3]);
-    let message = "registration 9 answers request 50, where 101 is the latest";
+    let message = "registration 9 answers request 50, but the latest request is 101";
     assert_eq!(script.found(), [format!("PX-EXT-01 arming_check_reply.request_id 64: {message}")]);
 }
 
@@ -875,7 +876,7 @@ fn without_masks_uses_registrations() {
     script.exchange(106, 109, &[3]);
     script.unregister(109 * PERIOD - 5, 3);
     script.exchange(109, 114, &[]);
-    let message = "request 105: registration 3 doesn't answer it";
+    let message = "request 105: registration 3 does not reply";
     let expected = [format!("PX-EXT-03 arming_check_request 1: {message}")];
     assert_eq!(script.found(), expected, "it is unknown whether 5 was registered");
     // The requests 100 to 107: the component was unregistered before request 109, so it need not answer 108.
@@ -974,7 +975,7 @@ fn events_in_use_have_an_id() {
     assert_eq!(reported_for(true, 2, [1, 2, 0, 0, 0]), (vec![], 2));
     assert_eq!(reported_for(false, 5, [1; 5]), (vec![], 5));
     let message =
-        "PX-EXT-04 arming_check_reply.events 1: events[1].id: an event without an id, where 2 are in use";
+        "PX-EXT-04 arming_check_reply.events 1: events[1].id: event without an id among the 2 used events";
     assert_eq!(reported_for(true, 2, [1, 0, 0, 0, 0]).0, [message]);
     assert!(
         reported_for(true, 5, [0; 5]).0[0].starts_with("PX-EXT-04 arming_check_reply.events 5: events[0].id")
@@ -983,8 +984,8 @@ fn events_in_use_have_an_id() {
 
 #[test]
 fn refusals_have_a_reason() {
-    let message =
-        "PX-EXT-05 arming_check_reply.num_events 1: can_arm_and_run is false, and no event says why";
+    let message = "PX-EXT-05 arming_check_reply.num_events 1: can_arm_and_run is false, \
+                   but there is no event with the reason";
     assert_eq!(reported_for(false, 0, [1; 5]).0, [message]);
     assert_eq!(reported_for(false, 1, [1; 5]).0, NOTHING);
     assert_eq!(reported_for(true, 0, [1; 5]).0, NOTHING);
@@ -1019,7 +1020,7 @@ fn counts_flags_that_no_mode_requires() {
         assert_eq!(found, expected);
         assert_eq!(result.findings.verdict(shown), Verdict::Shown);
         let group = result.findings.groups_of(shown).next().expect("a group");
-        assert_eq!(group.examples[0].1.to_string(), "set, and mode_req_attitude is 0: no mode requires it");
+        assert_eq!(group.examples[0].1.to_string(), "set, but no mode requires it: mode_req_attitude is 0");
     }
     // Twelve flags of this release have a requirement.
     let script = flags(&json!({ "attitude_invalid": true, "mode_req_attitude": 1 }));

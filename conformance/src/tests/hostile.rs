@@ -42,7 +42,7 @@ fn lines() -> Vec<u8> {
         glider("name", HOSTILE.repeat(3).into()),
         glider("mode_id", 300.into()),
         json!({ "type": HOSTILE, "message": {} }).to_string(),
-        format!("no JSON: {HOSTILE}").replace(['\r', '\n'], " "),
+        format!("not JSON: {HOSTILE}").replace(['\r', '\n'], " "),
     ];
     lines.extend((0..40).map(|number| glider(&format!("mark_{number}"), 0.into())));
     lines.join("\n").into_bytes()

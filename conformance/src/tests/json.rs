@@ -215,7 +215,11 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
         ),
         ("PX-LEN-01", value("/num_marks", json!(4)), "Glider.num_marks: 4 exceeds the array length 3"),
         ("PX-NAN-01", value("/speed", json!(null)), "Glider.speed: NaN is not allowed here"),
-        ("PX-QUEUE-01", format!("{0}\n{0}\n{0}", typed(&good)), "Glider: more than 2 messages at 1200000 µs"),
+        (
+            "PX-QUEUE-01",
+            format!("{0}\n{0}\n{0}", typed(&good)),
+            "Glider: more than 2 messages with timestamp 1200000 µs",
+        ),
         (
             "PX-RANGE-01",
             value("/marks/1/height", json!(9001)),
@@ -234,13 +238,13 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
         (
             "PX-TIME-01",
             value("/timestamp", json!(58 * PERIOD)),
-            "Glider.timestamp: timestamp is 1160000, and was 1180000",
+            "Glider.timestamp: timestamp 1160000 is before the previous one, 1180000",
         ),
-        ("PX-TIME-02", value("/timestamp", json!(80 * PERIOD)), "Glider: 420 ms without a message"),
+        ("PX-TIME-02", value("/timestamp", json!(80 * PERIOD)), "Glider: no message for 420 ms"),
         (
             "PX-VER-01",
             published("/glider_v1", &good),
-            "glider_v1: the topic is of version 1, the definition of version 2",
+            "glider_v1: the topic name has version 1, but the definition has version 2",
         ),
     ]
 }

@@ -1,4 +1,4 @@
-//! Reports of every kind, read back as other programs read them, whatever the input holds.
+//! Tests of all report formats: other programs can read them, regardless of the input.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -15,25 +15,25 @@ use serde_json::{Value, json};
 
 use crate::tests::hostile::{HOSTILE, checked, tested};
 
-fn make() -> [Report; 2] {
+fn create_reports() -> [Report; 2] {
     let definitions = Definitions::built_in();
     [checked(&definitions), tested(&definitions)]
 }
 
-/// A report of each command, which is made once.
-fn both() -> &'static [Report; 2] {
+/// A report of `check` and one of `test`, created once.
+fn reports() -> &'static [Report; 2] {
     static BOTH: OnceLock<[Report; 2]> = OnceLock::new();
-    BOTH.get_or_init(make)
+    BOTH.get_or_init(create_reports)
 }
 
 #[test]
 fn the_report_has_the_outcome() {
-    let [checked, tested] = both();
+    let [checked, tested] = reports();
     assert_eq!(checked.outcome.kind, OutcomeKind::Incomplete, "a file can't be read");
     assert_eq!(checked.outcome.text, "Incomplete: 1 file can't be read");
     assert!(checked.outcome.remarks[0].starts_with("Does not conform: "), "{:?}", checked.outcome);
     assert_eq!((tested.outcome.kind, tested.outcome.status), (OutcomeKind::Incomplete, 3));
-    // Every rule has its worst verdict: that of its mutants.
+    // Every rule has the verdict of its mutants, which is the worst one.
     assert_eq!(checked.rules.len(), RULES.len());
     for rule in &checked.rules {
         assert!(rule.verdict >= Verdict::Shown && rule.verdict != Verdict::Pass, "{}", rule.id);
@@ -51,8 +51,8 @@ fn the_report_has_the_outcome() {
 }
 
 #[test]
-fn the_same_run_gives_the_same_bytes() {
-    for (one, other) in both().iter().zip(make()) {
+fn the_same_run_produces_the_same_bytes() {
+    for (one, other) in reports().iter().zip(create_reports()) {
         for kind in [Kind::Text, Kind::Json, Kind::Junit, Kind::Sarif, Kind::Html, Kind::Markdown] {
             assert!(one.to_text(kind) == other.to_text(kind), "{kind:?}");
         }
@@ -60,12 +60,12 @@ fn the_same_run_gives_the_same_bytes() {
 }
 
 #[test]
-fn json_keeps_to_the_published_schema_and_texts_as_they_are() {
+fn json_follows_the_published_schema_and_preserves_texts() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../generated/schemas/uavspec/report.schema.json");
     let schema = fs::read_to_string(path).expect("a schema");
     let schema: Value = serde_json::from_str(&schema).expect("JSON");
     let validator = jsonschema::validator_for(&schema).expect("a schema");
-    for report in both() {
+    for report in reports() {
         let value: Value = serde_json::from_str(&report.to_text(Kind::Json)).expect("JSON");
         let errors: Vec<String> = validator
             .iter_errors(&value)
@@ -73,7 +73,7 @@ fn json_keeps_to_the_published_schema_and_texts_as_they_are() {
             .collect();
         assert_eq!(errors, Vec::<String>::new());
     }
-    let [checked, tested] = both()
+    let [checked, tested] = reports()
         .each_ref()
         .map(|report| -> Value { serde_json::from_str(&report.to_text(Kind::Json)).expect("JSON") });
     let last = checked["subjects"].as_array().and_then(|all| all.last()).expect("a subject");
@@ -87,18 +87,18 @@ fn json_keeps_to_the_published_schema_and_texts_as_they_are() {
     );
     assert_eq!(finding["examples"][0]["expected"], "at most 25 bytes");
     assert!(finding["examples"][0].get("line").is_some(), "{finding}");
-    // Cases that passed are only counted.
+    // Passed cases are only counted.
     let cases = tested["subjects"][0]["cases"].as_array().expect("cases");
     assert!(cases.iter().all(|case| case["verdict"] != "pass") && cases.len() > 10);
     assert!(tested["subjects"][0]["counts"]["pass"].as_u64() > Some(10));
 }
 
-/// All text of a page, and its tags. What is open at the end, or closed without being open, fails.
+/// The text and the tags of a page. Fails on tags that aren't opened or closed properly.
 fn read_html(page: &str) -> (String, BTreeSet<String>) {
     let (mut text, mut tags, mut open) = (String::new(), BTreeSet::new(), Vec::new());
     let (mut anchors, mut targets) = (BTreeSet::new(), BTreeSet::new());
     for token in Tokenizer::new(page) {
-        match token.expect("no input fails") {
+        match token.expect("a token") {
             Token::StartTag(tag) => {
                 let name = String::from_utf8(tag.name.to_vec()).expect("UTF-8");
                 for (attribute, value) in &tag.attributes {
@@ -108,7 +108,7 @@ fn read_html(page: &str) -> (String, BTreeSet<String>) {
                             Some(target) => _ = targets.insert(target.to_owned()),
                             None => assert!(value.starts_with("https://uavspec.dev/"), "{value}"),
                         },
-                        b"id" => assert!(anchors.insert(value.clone()), "{value} stands twice"),
+                        b"id" => assert!(anchors.insert(value.clone()), "duplicate anchor {value}"),
                         other => assert!(!other.starts_with(b"on") && *other != b"src"[..], "{name}"),
                     }
                 }
@@ -130,20 +130,20 @@ fn read_html(page: &str) -> (String, BTreeSet<String>) {
         }
     }
     assert_eq!(open, Vec::<String>::new());
-    assert!(targets.is_subset(&anchors), "{targets:?} and not {anchors:?}");
+    assert!(targets.is_subset(&anchors), "missing anchors: {targets:?}, found {anchors:?}");
     (text, tags)
 }
 
 #[test]
-fn html_is_well_formed_and_nothing_of_the_input_acts() {
-    for report in both() {
+fn html_is_well_formed_and_escapes_the_input() {
+    for report in reports() {
         let page = report.to_text(Kind::Html);
         let (text, tags) = read_html(&page);
         let unwanted = ["script", "img", "iframe", "link", "object", "form", "b"];
         assert!(unwanted.iter().all(|tag| !tags.contains(*tag)), "{tags:?}");
         assert!(["h1", "table", "th", "details", "dl"].iter().all(|tag| tags.contains(*tag)), "{tags:?}");
-        assert!(text.contains("<script>alert(1)</script>"), "it is shown, as text");
-        assert!(text.contains(r"\u{202e}") && text.contains(r"\u{1b}"), "what can't be seen is shown");
+        assert!(text.contains("<script>alert(1)</script>"), "the input is shown as text");
+        assert!(text.contains(r"\u{202e}") && text.contains(r"\u{1b}"), "invisible characters are escaped");
         let is_invisible = |character: char| {
             character.is_control() && character != '\n' || matches!(character, '\u{202a}'..='\u{202e}')
         };
@@ -152,16 +152,16 @@ fn html_is_well_formed_and_nothing_of_the_input_acts() {
     }
 }
 
-/// A headline as the page writes it.
+/// A headline as escaped in the page.
 fn page_escaped(text: &str) -> String {
     let shown = text.escape_debug().to_string().replace("\\\"", "\"").replace("\\'", "'");
     shown.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[test]
-fn markdown_holds_the_input_as_text() {
+fn markdown_escapes_the_input() {
     use pulldown_cmark::{Event, Options, Parser, Tag};
-    for report in both() {
+    for report in reports() {
         let text = report.to_text(Kind::Markdown);
         let (mut headings, mut columns) = (0, BTreeSet::new());
         for event in Parser::new_ext(&text, Options::ENABLE_TABLES) {
@@ -178,11 +178,11 @@ fn markdown_holds_the_input_as_text() {
         }
         assert!(headings > 5 && !columns.is_empty(), "{headings} {columns:?}");
         assert!(!text.contains(['\u{202e}', '\u{1b}']));
-        assert!(text.len() < 65_536, "GitHub takes no longer comment: {}", text.len());
+        assert!(text.len() < 65_536, "too long for a comment on GitHub: {}", text.len());
     }
 }
 
-/// A report as readers of `JUnit` have it. Whatever they show tells what hides or feigns; only paths are as they are.
+/// A parsed `JUnit` report, with the assertion that misleading characters are escaped everywhere except in paths.
 fn read(report: &Report) -> Junit {
     let text = report.to_text(Kind::Junit);
     let junit = Junit::deserialize_from_str(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -200,8 +200,8 @@ fn read(report: &Report) -> Junit {
 }
 
 #[test]
-fn junit_has_a_case_for_each_rule_or_question() {
-    let [checked, tested] = both();
+fn junit_has_a_case_for_each_rule_or_request() {
+    let [checked, tested] = reports();
     let junit = read(checked);
     let [.., unreadable, whole] = &junit.test_suites[..] else { panic!("{junit:?}") };
     assert_eq!(junit.test_suites.len(), checked.subjects.len() + 2);
@@ -229,19 +229,19 @@ fn junit_has_a_case_for_each_rule_or_question() {
     let junit = read(tested);
     let [suite] = &junit.test_suites[..] else { panic!("{junit:?}") };
     let requested = usize::try_from(tested.subjects[0].records).expect("small");
-    assert_eq!(suite.test_cases.len(), requested + 2, "the cases, their manners, and the run itself");
+    assert_eq!(suite.test_cases.len(), requested + 2, "the cases, the protocol, and the run itself");
     assert!(
         suite.test_cases.iter().filter(|case| is_error(case)).count() > 2,
         "crashes and hangs are errors"
     );
     let names: BTreeSet<_> =
         suite.test_cases.iter().map(|case| (case.classname.clone(), case.name.clone())).collect();
-    assert_eq!(names.len(), suite.test_cases.len(), "readers tell cases apart by class and name");
+    assert_eq!(names.len(), suite.test_cases.len(), "class and name identify a case");
 }
 
 #[test]
-fn sarif_has_rules_with_help_and_places_that_editors_open() {
-    let [checked, tested] = both();
+fn sarif_has_rules_with_help_and_locations() {
+    let [checked, tested] = reports();
     let log: Value = serde_json::from_str(&checked.to_text(Kind::Sarif)).expect("JSON");
     let run = &log["runs"][0];
     let rules = run["tool"]["driver"]["rules"].as_array().expect("rules");
@@ -280,7 +280,7 @@ fn sarif_has_rules_with_help_and_places_that_editors_open() {
     assert!(location["region"]["startLine"].as_u64() > Some(0), "{location}");
 }
 
-/// Where in its record something is wrong, what was found there and how to see it again: each kind tells it.
+/// The location in the record, the value found, and the command to reproduce the finding are in every format.
 #[test]
 fn each_format_reports_the_path_and_the_value_found() {
     let definitions = Definitions::built_in();
@@ -333,7 +333,7 @@ fn each_format_reports_the_path_and_the_value_found() {
 
 #[test]
 fn escapes_terminal_sequences_of_the_input() {
-    for report in both() {
+    for report in reports() {
         let text = report.to_text(Kind::Text);
         let text = anstream::adapter::strip_str(&text).to_string();
         assert!(!text.contains(['\u{1b}', '\u{7}', '\u{202e}', '\r']));

@@ -1,7 +1,6 @@
-//! Rules: a page for each, a table of all, and a page on what the readers report beside them.
+//! Pages of rules: one for each rule, a table of all rules, and a page of parser errors.
 //!
-//! These pages are about uavspec, not about anybody's definitions. Each command that has rules describes them
-//! as a [`Chapter`]; what they have in common is written here.
+//! These pages document uavspec, not the definitions. Each command with rules describes them as a [`Chapter`].
 
 mod breaking;
 mod chapter;
@@ -13,7 +12,7 @@ use self::chapter::{Chapter, RulePage, rule_path};
 use super::markdown::{Page, href, inline, link};
 use crate::emit::file::OutputFile;
 
-/// Heading of everything about rules.
+/// Heading of the overview.
 pub(super) const TITLE: &str = "Rules";
 
 /// The rules of all commands.
@@ -22,7 +21,7 @@ pub(super) struct Rules {
 }
 
 impl Rules {
-    /// All that there are.
+    /// Creates the chapters.
     pub(super) fn new() -> Self {
         Self { chapters: vec![lint::chapter(), breaking::chapter()] }
     }
@@ -31,7 +30,7 @@ impl Rules {
         self.chapters.iter().flat_map(|chapter| &chapter.pages)
     }
 
-    /// The names and paths of all pages below the overview, in their order.
+    /// The names and paths of all pages below the overview, in order.
     pub(super) fn contents(&self) -> Vec<(&'static str, String)> {
         let rules = self.rule_pages().map(|page| (page.id, rule_path(page.id)));
         std::iter::once((reading::TITLE, reading::path())).chain(rules).collect()
@@ -47,9 +46,9 @@ impl Rules {
 
 fn overview(chapters: &[Chapter]) -> OutputFile {
     let mut page = Page::new(OVERVIEW, TITLE);
-    let reading = link("errors of the readers", &href(OVERVIEW, &reading::path(), ""));
+    let errors = link("parser errors", &href(OVERVIEW, &reading::path(), ""));
     page.block(&format!(
-        "What uavspec finds in definitions that can be read. What can't be read gives {reading}."
+        "uavspec reports these findings in valid definitions. In invalid definitions, it reports {errors}."
     ));
     for chapter in chapters {
         page.heading(2, &inline(chapter.title));

@@ -242,31 +242,36 @@ fn creates_the_rule_pages_that_reports_link_to() {
 }
 
 #[test]
-fn a_page_of_a_rule_says_what_the_rule_says() {
+fn rule_pages_have_all_sections() {
     let files = rules();
     let page = text_of(&files, "rules/annotation-near-miss.md");
     for expected in [
         "\n# `annotation-near-miss`\n",
-        "as the standard has them: `[@enum PREFIX]`",
-        "\n- Level: warning in all presets\n",
-        "\n- Mended by: `cargo xtask lint --fix`\n",
-        "(@range 0, 1) How far the flaps are out\n```\n\nWhat is said of it:\n\n```text\nwarning[annotation-near-miss]: ",
-        "\n## Not found\n\n`Glider.msg`\n",
-        "write `# uavspec:ignore annotation-near-miss reason` behind its line. It may stand above the line, too. ",
+        "\nText that resembles an annotation but is written differently from the standard.\n",
+        "\nLevel: warning in all presets · Fixed by `cargo xtask lint --fix` · ",
+        "\n## Why it matters\n\nuavspec reads it as the annotation.",
+        "\n## Example\n\n```text\nwarning[annotation-near-miss]: ",
+        "\n## How to fix\n\nWrite the annotation in its standard form, such as `[@enum PREFIX]`, ",
+        "\n- float32 flaps     # [-] (@range 0, 1) Flap deflection\n",
+        "\n+ float32 flaps     # [-] [@range 0, 1] Flap deflection\n",
+        "\n## Configuration\n\nTo ignore a finding, add `# uavspec:ignore annotation-near-miss REASON` to the line. ",
     ] {
         assert!(page.contains(expected), "{expected}\nis not in\n{page}");
     }
     let all = text_of(&files, "rules/README.md");
-    assert!(all.contains("\n| [`annotation-near-miss`](annotation-near-miss.md) | Annotations are"), "{all}");
+    assert!(all.contains("\n| [`annotation-near-miss`](annotation-near-miss.md) | Text that"), "{all}");
     for rule in RULES {
         let page = text_of(&files, &format!("rules/{}.md", rule.id));
-        assert!(page.contains(&format!("[{}]: ", rule.id)), "nothing is said of the example:\n{page}");
+        assert!(page.contains(&format!("[{}]: ", rule.id)), "the example has no output:\n{page}");
         assert!(!page.contains("{{") && !page.contains("{%"), "{page}");
+        let texts = [rule.statement, rule.why, rule.fix];
+        assert!(texts.iter().all(|text| text.ends_with('.')), "{}: {texts:?}", rule.id);
+        assert!(page.lines().count() <= 60, "{}: {} lines", rule.id, page.lines().count());
     }
 }
 
 #[test]
-fn errors_of_the_readers_are_on_one_page() {
+fn parser_errors_are_on_one_page() {
     let files = rules();
     let page = text_of(&files, "rules/reading.md");
     for expected in [

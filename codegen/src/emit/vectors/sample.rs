@@ -30,7 +30,7 @@ pub(super) fn parts(schema: &Schema) -> Parts {
     parts
 }
 
-/// Groups of messages that depend only on messages of earlier groups, without those that are too long or nested too
+/// Groups of messages that depend only on messages of earlier groups, except messages that are too long or nested too
 /// deeply.
 fn levels(schema: &Schema) -> Vec<Vec<MessageId>> {
     let mut is_done = vec![false; schema.messages.len()];

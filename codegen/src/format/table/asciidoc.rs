@@ -37,8 +37,8 @@ fn is_plain(table: &Table) -> bool {
         && cells.all(|cell| !cell.is_merged)
 }
 
-/// The header line and the range of body lines. Returns `None` unless the header is on one line and every line is blank
-/// or contains whole cells without specifiers.
+/// The header line and the range of body lines. Returns `None` unless the header is on one line and every nonempty line
+/// contains whole cells without specifiers.
 fn body(lines: &[&str], fence: usize, table: &Table) -> Option<(usize, std::ops::Range<usize>)> {
     let is_prelude = |line: &&&str| line.trim().is_empty() || line.starts_with(['[', '.', '/']);
     let mut prelude = lines.get(..fence)?.iter().rev().take_while(is_prelude);

@@ -9,12 +9,16 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-ARR-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "In JSON an array has its defined length, and a sequence, a string or the text of a `char` array keeps its bound.",
-        source: "the type of the definition, `T[N]`, `T[<=N]`, `string<=N`, `char[N]`",
-        applies_to: "messages as JSON",
-        why: "",
-        example: "",
-        fix: "",
+        statement: "In JSON, an array has its defined length, and a sequence, a string or the text of \
+            a `char` array does not exceed its bound.",
+        source: "field type in the definition: `T[N]`, `T[<=N]`, `string<=N`, `char[N]`",
+        applies_to: "JSON messages",
+        why: "A reader with a fixed-size array can't store the message. It rejects the message, or it \
+            drops or invents elements.",
+        example: "definition: float32[14] voltage_cell_v\n\
+            message:    {…, \"voltage_cell_v\": [4.1, 4.1, 4.0], …}",
+        fix: "Write all elements of an array, and fill unused elements with the value for missing \
+            data. Shorten sequences and text to their bound.",
     },
     check: Check::Value,
     mutants: &[
@@ -27,7 +31,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             also: &[],
         },
         Mutant {
-            name: "an array with an element more",
+            name: "an array with one more element",
             change: Change::Flight(|flight| {
                 let (topic, name) = array(flight)?;
                 flight.with_last(topic, |message| {
@@ -41,12 +45,12 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     ],
 };
 
-/// A topic with an array of numbers, and its name.
+/// Finds a topic with an array of numbers: the topic's index and the array's name.
 fn array(flight: &Flight<'_>) -> Option<(usize, String)> {
-    let of_numbers =
+    let is_numeric =
         |value: &Value| value.as_array().and_then(|array| array.first()).is_some_and(Value::is_number);
     flight.messages.iter().find_map(|sent| {
-        let (name, _) = sent.value.as_object()?.iter().find(|(_, value)| of_numbers(value))?;
+        let (name, _) = sent.value.as_object()?.iter().find(|(_, value)| is_numeric(value))?;
         Some((sent.topic, name.clone()))
     })
 }

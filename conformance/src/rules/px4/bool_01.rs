@@ -9,16 +9,19 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-BOOL-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A byte of a bool is 0 or 1.",
-        source: "`bool` of the definition; PX4 copies the byte from memory",
-        applies_to: "payloads in memory",
-        why: "",
-        example: "",
-        fix: "",
+        statement: "A bool is stored as the byte 0 or 1.",
+        source: "type `bool` in the definition; PX4 copies the byte from memory",
+        applies_to: "uORB payloads",
+        why: "Readers disagree about any other byte: some read true, others compare it with 1 and \
+            read false. It often comes from an uninitialized variable in the firmware.",
+        example: "definition: bool connected\n\
+            byte:       0x99 (153)",
+        fix: "Initialize the message before you publish it, for example with `battery_status_s \
+            status{};`. Assign only `true` or `false`.",
     },
     check: Check::Value,
     mutants: &[Mutant {
-        name: "the byte of a bool is 153",
+        name: "a bool whose byte is 153",
         change: Change::Ulog(|flight, log| {
             let is_bool = |field: &Placed<'_>| matches!(field.element, PlacedElement::Scalar(Scalar::Bool));
             let (topic, at) = flight.find_field(is_bool)?;

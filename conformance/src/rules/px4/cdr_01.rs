@@ -7,16 +7,20 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         id: "PX-CDR-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The encapsulation header of a CDR payload names an encoding that exists. Those that aren't plain CDR of version 1 are known, and their messages aren't judged.",
+        statement: "The encapsulation header of a CDR payload names a defined encoding. Messages in \
+            encodings other than plain CDR version 1 are not checked further.",
         source: "DDSI-RTPS 2.5, section 10.5, and DDS-XTypes 1.3, table 60",
-        applies_to: "messages as CDR",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "CDR messages",
+        why: "Readers choose the encoding and the byte order by this header. They can't decode a \
+            payload with an undefined header.",
+        example: "payload:   00 42 00 00 …\n\
+            plain CDR: 00 00 (big endian) or 00 01 (little endian)",
+        fix: "Start each payload with `00 01 00 00` (little endian) or `00 00 00 00` (big endian), \
+            and encode the message in that byte order.",
     },
     check: Check::Source,
     mutants: &[Mutant {
-        name: "a header that names no encoding",
+        name: "a header with an undefined encoding",
         change: Change::Mcap(|_, bag| bag.with_payload(|payload| payload[1] = 0x42)),
         also: &[],
     }],

@@ -7,30 +7,35 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         id: "PX-CDR-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A CDR payload holds its message whole and nothing more but what fills it up to a multiple of four bytes; sequences and strings keep their bounds, and strings end with their NUL.",
-        source: "DDS-XTypes 1.3, section 7.4; the types of the definition",
-        applies_to: "messages as CDR",
-        why: "",
-        example: "",
-        fix: "",
+        statement: "A CDR payload contains one complete message, followed by nothing but padding to a \
+            multiple of four bytes. Sequences and strings do not exceed their bounds, and strings end \
+            with NUL.",
+        source: "DDS-XTypes 1.3, section 7.4; the field types in the definition",
+        applies_to: "CDR messages",
+        why: "A payload that is too short has no values for its last fields. Extra bytes show that \
+            the writer uses another definition, so the values of other fields can be wrong as well.",
+        example: "ArmingCheckRequest: 4 (header) + 8 + 1 + 3 (alignment) + 4 = 20 bytes\n\
+            payload:            16 bytes, without valid_registrations_mask",
+        fix: "Encode all fields in the order of the definition, with the alignment that CDR requires. \
+            Build writer and reader from the same definition.",
     },
     check: Check::Source,
     mutants: &[
         Mutant {
             name: "a payload without its last four bytes",
             change: Change::Mcap(|_, bag| {
-                // The first bytes that are cut off may be padding.
+                // Some of the removed bytes may be padding.
                 bag.with_payload(|payload| (0..4).for_each(|_| _ = payload.pop()))
             }),
             also: &[],
         },
         Mutant {
-            name: "a payload with four bytes more",
+            name: "a payload with four more bytes",
             change: Change::Mcap(|_, bag| bag.with_payload(|payload| payload.extend([0; 4]))),
             also: &[],
         },
         Mutant {
-            name: "a payload without a header",
+            name: "a payload of three bytes",
             change: Change::Mcap(|_, bag| bag.with_payload(|payload| payload.truncate(3))),
             also: &[],
         },

@@ -7,12 +7,16 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         id: "PX-DATA-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A payload has the full size of its format, or the full size less the padding at its end.",
+        statement: "A data message has the size of its format, with or without the padding at the end.",
         source: "the format in the log, and PX4's logger",
         applies_to: "logs",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Readers find fields by their offset in the format. If the size differs, the record was \
+            written with another format, and its values are unreliable.",
+        example: "format:  uint64_t timestamp;uint32_t valid_registrations_mask;\n\
+            \x20        uint8_t request_id;uint8_t[3] _padding0;\n\
+            payload: 12 bytes; expected 16, or 13 without padding",
+        fix: "Generate the format and the struct that is logged from the same definition. Log the \
+            whole struct.",
     },
     check: Check::Source,
     mutants: &[
@@ -22,7 +26,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
             also: &[],
         },
         Mutant {
-            name: "a payload with a byte more",
+            name: "a payload with one more byte",
             change: Change::Ulog(|_, log| log.with_payload(0, |payload| payload.push(0))),
             also: &[],
         },

@@ -8,17 +8,20 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         id: "PX-DATA-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each payload belongs to a subscription that was made before it.",
+        statement: "Each data message has the id of a subscription that precedes it and is still active.",
         source: "ULog file format, section on data messages",
         applies_to: "logs",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The subscription defines the topic and the format of a record. Without it, readers \
+            can't decode the record.",
+        example: "subscription: id 0, battery_status\n\
+            data:         id 7, …                 (id 7 was never subscribed)",
+        fix: "Write the subscription of an id before its first data message. Write no data messages \
+            for an id after it was unsubscribed.",
     },
     check: Check::Source,
     mutants: &[
         Mutant {
-            name: "data of an id that is never subscribed",
+            name: "data with an id that is never subscribed",
             change: Change::Ulog(|_, mut log| {
                 log.entries.push(Entry::Data(u16::MAX, vec![0; 8]));
                 Some(log)
@@ -26,7 +29,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
             also: &[],
         },
         Mutant {
-            name: "a subscription that comes after its data",
+            name: "a subscription after its data",
             change: Change::Ulog(|_, mut log| {
                 let is_first = |entry: &Entry| matches!(entry, Entry::Subscription(0, ..));
                 let at = log.entries.iter().position(is_first)?;

@@ -12,12 +12,15 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-DATA-03",
         level: Level::Must,
         status: Status::Normative,
-        statement: "No two subscriptions of a log have the same topic and the same instance at one time.",
+        statement: "A log has at most one active subscription for each instance of a topic.",
         source: "ULog file format, section on subscription messages",
         applies_to: "logs",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Readers identify a stream by topic and instance. They merge the two streams or drop \
+            one, so samples seem to be duplicated, out of order or missing.",
+        example: "subscription: id 0, battery_status, instance 0\n\
+            subscription: id 9, battery_status, instance 0",
+        fix: "Give each instance of a topic its own number. Unsubscribe an instance before you \
+            subscribe it again.",
     },
     check: Check::State(|| Box::new(Instances::default())),
     mutants: &[Mutant {
@@ -30,7 +33,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     }],
 };
 
-/// The channel of each topic and instance that is subscribed.
+/// The channel of each subscribed topic and instance.
 #[derive(Default)]
 struct Instances {
     known: HashMap<(String, u8), usize>,
@@ -52,7 +55,7 @@ impl Checker for Instances {
         Interest::Nothing
     }
 
-    /// What was unsubscribed may be subscribed again, under any id.
+    /// An unsubscribed instance may be subscribed again, with any id.
     fn closed(&mut self, channel: &Channel<'_>) {
         let Some(multi_id) = channel.multi_id else { return };
         let key = (channel.topic.to_owned(), multi_id);

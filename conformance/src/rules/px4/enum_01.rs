@@ -8,16 +8,20 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-ENUM-01",
         level: Level::Should,
         status: Status::Normative,
-        statement: "A field with an `@enum` holds a documented constant, one with `@flags` a mask of them.",
-        source: "`@enum` and `@flags` of the definition",
-        applies_to: "values of messages",
-        why: "",
-        example: "",
-        fix: "",
+        statement: "A field with `@enum` contains a documented constant, and a field with `@flags` \
+            contains only documented bits.",
+        source: "`@enum` and `@flags` in the definition",
+        applies_to: "message values",
+        why: "Readers don't know what another value means. They show an unknown state, or handle the \
+            message as if the state were a known one.",
+        example: "definition: uint8 source  # [@enum BATTERY_SOURCE], constants: 0, 1, 2\n\
+            message:    {…, \"source\": 7, …}",
+        fix: "Send a documented constant. If the value is intended, add a constant with a comment to \
+            the definition.",
     },
     check: Check::Value,
     mutants: &[Mutant {
-        name: "a value that is not documented",
+        name: "an undocumented value",
         change: Change::Flight(|flight| flight.violating(Violated::Enum)),
         also: &[],
     }],

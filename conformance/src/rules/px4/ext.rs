@@ -1,14 +1,14 @@
-//! What the rules on external components (`PX-EXT-…`) have in common: who says what, and which requests were sent.
+//! The messages of external components, for the rules `PX-EXT-…`: requests, replies and registrations.
 //!
-//! A flight controller asks all registered components again and again whether they agree to arming, and each
-//! answers. A recording shows that talk from outside, and rarely all of it, so the rules keep to what is certain:
+//! A flight controller regularly asks all registered components whether they allow arming, and each component replies.
+//! A capture rarely contains all of these messages, so the rules report only what is certain:
 //!
-//! - After a dropout, damage, or a message that can't be trusted, all is forgotten; so it is where time goes back,
-//!   as when the flight controller starts again.
-//! - Requests count up. Where the number after one isn't the next, a request isn't in the recording.
-//! - Topics needn't be in order among each other. So nothing counts as wrong that is right by the order of arrival
-//!   or by time, and the clocks of both sides may differ a little ([`TOLERANCE`]).
-//! - Where two topics bring requests, as of two vehicles, nobody knows who is asked, and nothing is said.
+//! - After a dropout, corrupt data, or a message that can't be trusted, the state is reset. It is also reset if time
+//!   goes back, for example after a restart of the flight controller.
+//! - Request ids are consecutive. After a gap, a request is missing in the capture.
+//! - The topics need not be in a common order. A message is correct if it is correct by its position in the file or by
+//!   its time, and the clocks of both sides may differ a little ([`TOLERANCE`]).
+//! - If two topics have requests, for example of two vehicles, nothing is reported, since the addressee is unknown.
 
 use std::collections::VecDeque;
 
@@ -19,17 +19,17 @@ use uavspec_runtime::Number;
 
 use super::{Channel, Checker, Interest, Location, Message, RuleContext};
 
-/// How much two times may differ and yet be the same, in µs: messages of a component have the time of its
-/// computer, which follows that of the flight controller within some milliseconds.
+/// The maximum difference between two times that count as equal, in µs. A component uses the clock of its computer,
+/// which is synchronized with the flight controller to a few milliseconds.
 pub(super) const TOLERANCE: u64 = 10_000;
 
-/// How many requests are kept: a reply that stands late in a file is looked up among them.
+/// The number of requests that are stored, to find the request of a late reply.
 const REQUESTS: usize = 8;
 
-/// How many replies wait for the next request; a flight controller registers far fewer components.
+/// The maximum number of replies that wait for the next request. A flight controller registers far fewer components.
 const WAITING: usize = 64;
 
-/// What a message of the talk is.
+/// The role of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
     Request,
@@ -38,7 +38,7 @@ enum Role {
     Unregistration,
 }
 
-/// Names of messages, in the order of the roles.
+/// The message names with their roles, in the order of the roles.
 const ROLES: [(&str, Role); 4] = [
     ("ArmingCheckRequest", Role::Request),
     ("ArmingCheckReply", Role::Reply),
@@ -46,19 +46,19 @@ const ROLES: [(&str, Role); 4] = [
     ("UnregisterExtComponent", Role::Unregistration),
 ];
 
-/// All registered components are asked.
+/// A request to all registered components.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Request {
     pub(super) id: u8,
-    /// When, where that is known, as all times here.
+    /// The time in µs, if known.
     pub(super) time: Option<u64>,
-    /// A bit for each registration that exists and answers; none where the release has no such field.
+    /// The mask of the registrations that exist and respond. `None` if the release has no such field.
     pub(super) mask: Option<u32>,
     pub(super) definition: Option<MessageId>,
     pub(super) location: Location,
 }
 
-/// A component answers.
+/// A reply of a component.
 #[derive(Clone, Debug)]
 pub(super) struct Reply {
     pub(super) topic: String,
@@ -69,38 +69,38 @@ pub(super) struct Reply {
     pub(super) location: Location,
 }
 
-/// A rule that listens to the talk.
+/// A rule about these messages.
 pub(super) trait Listener: Default {
-    /// When the recording was begun.
+    /// Receives the start time of the capture.
     fn started(&mut self, _time: u64) {}
 
-    /// All registered components are asked, on this topic.
+    /// Handles a request on this topic.
     fn request(&mut self, _topic: &str, _request: Request, _context: &mut RuleContext<'_>) {}
 
-    /// A component answers.
+    /// Handles a reply.
     fn reply(&mut self, _reply: Reply, _context: &mut RuleContext<'_>) {}
 
-    /// A component is given an id.
+    /// Handles a successful registration.
     fn registered(&mut self, _id: u8, _time: Option<u64>) {}
 
-    /// A component gives its id back.
+    /// Handles the end of a registration.
     fn unregistered(&mut self, _id: u8, _time: Option<u64>) {}
 
-    /// Something isn't known that may have been said.
+    /// Resets the state, since messages may be lost.
     fn forget(&mut self);
 
-    /// The recording ends.
+    /// Handles the end of the capture.
     fn end(&mut self, _context: &mut RuleContext<'_>) {}
 }
 
-/// Tells a listener who says what.
+/// Passes the messages to a listener.
 #[derive(Default)]
 pub(super) struct Talk<L> {
     listener: L,
     /// The first channel of each role that had a message.
     channels: [Option<usize>; ROLES.len()],
-    /// Whether there are several talks, which can't be told apart.
-    is_unclear: bool,
+    /// True if there are several flight controllers, whose messages can't be distinguished.
+    is_ambiguous: bool,
     latest: Option<(u8, Option<u64>)>,
 }
 
@@ -120,12 +120,12 @@ impl<L: Listener> Checker for Talk<L> {
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let Some(role) = role(channel, context) else { return };
-        // Loggers subscribe to instances that nobody publishes, so it counts who says something.
+        // Loggers subscribe to instances that are never published, so only channels with messages count.
         let first = *self.channels[role as usize].get_or_insert(channel.index);
-        // Components may share a topic by instances, but there is one who asks.
+        // Components may use several instances of a topic, but only one flight controller sends requests.
         let is_instance = channel.multi_id.is_some() && role != Role::Request;
-        self.is_unclear |= first != channel.index && !is_instance;
-        if !self.is_unclear && self.dispatch(role, channel, message, context).is_none() {
+        self.is_ambiguous |= first != channel.index && !is_instance;
+        if !self.is_ambiguous && self.dispatch(role, channel, message, context).is_none() {
             self.forget();
         }
     }
@@ -139,14 +139,14 @@ impl<L: Listener> Checker for Talk<L> {
     }
 
     fn end(&mut self, context: &mut RuleContext<'_>) {
-        if !self.is_unclear {
+        if !self.is_ambiguous {
             self.listener.end(context);
         }
     }
 }
 
 impl<L: Listener> Talk<L> {
-    /// Tells what a message says; none where it can't be read.
+    /// Passes a message to the listener. Returns `None` if the message can't be read.
     fn dispatch(
         &mut self,
         role: Role,
@@ -155,7 +155,7 @@ impl<L: Listener> Talk<L> {
         context: &mut RuleContext<'_>,
     ) -> Option<()> {
         let values = message.values?;
-        // 0 is the time of what didn't know any.
+        // 0 means that the time is unknown.
         let time = message.timestamp.filter(|time| *time > 0);
         let (definition, location) = (channel.definition, message.location);
         match role {
@@ -191,7 +191,7 @@ impl<L: Listener> Talk<L> {
 
     fn request(&mut self, topic: &str, request: Request, context: &mut RuleContext<'_>) {
         let before = self.latest.replace((request.id, request.time));
-        // The same message may be recorded twice.
+        // A message may be recorded twice.
         if before == self.latest {
             return;
         }
@@ -207,25 +207,25 @@ impl<L: Listener> Talk<L> {
     }
 }
 
-/// What the messages of a channel are, where they belong to the talk.
+/// The role of a channel's messages.
 fn role(channel: &Channel<'_>, context: &RuleContext<'_>) -> Option<Role> {
     let name = px4_message(channel, context)?;
     ROLES.iter().find(|(known, _)| *known == name).map(|(_, role)| *role)
 }
 
-/// The name of the messages of a channel, where they are of PX4.
+/// The name of a channel's message type, if it is a PX4 message.
 pub(super) fn px4_message<'j>(channel: &Channel<'_>, context: &RuleContext<'j>) -> Option<&'j str> {
     let schema = &context.definitions.schema;
     let message = schema.message(channel.definition?);
     (schema.package_of(message).form == Form::Msg(Dialect::Px4)).then_some(message.name.as_str())
 }
 
-/// Whether a channel brings answers of components.
+/// True if a channel has ArmingCheckReply messages.
 pub(super) fn is_reply(channel: &Channel<'_>, context: &RuleContext<'_>) -> bool {
     role(channel, context) == Some(Role::Reply)
 }
 
-/// A field as an integer, or a bool as 0 or 1; none where there is no such field, or it doesn't fit.
+/// The value of an integer field, or of a bool as 0 or 1. `None` if the field is missing or the value doesn't fit.
 pub(super) fn number<T: TryFrom<i128>>(values: DynamicView<'_>, path: &str) -> Option<T> {
     match values.get(path)?.number()? {
         Number::Int(value) => T::try_from(value).ok(),
@@ -233,17 +233,17 @@ pub(super) fn number<T: TryFrom<i128>>(values: DynamicView<'_>, path: &str) -> O
     }
 }
 
-/// Whether something came later for certain.
+/// True if a time is certainly later than another.
 pub(super) fn is_later(time: Option<u64>, than: Option<u64>) -> bool {
     time.zip(than).is_some_and(|(time, than)| time > than.saturating_add(TOLERANCE))
 }
 
-/// The latest requests, of which none is missing in between.
+/// The latest consecutive requests.
 #[derive(Default)]
 pub(super) struct Requests(VecDeque<Request>);
 
 impl Requests {
-    /// Adds one, and says whether it is the next one. Otherwise those before are forgotten.
+    /// Adds a request. Returns true if it has the next id; otherwise the earlier requests are removed.
     pub(super) fn push(&mut self, request: Request) -> bool {
         let is_next = self.latest().is_some_and(|latest| latest.id.wrapping_add(1) == request.id);
         if !is_next {
@@ -255,23 +255,23 @@ impl Requests {
         is_next
     }
 
-    /// The latest by order of arrival.
+    /// The latest request in the order of the file.
     pub(super) fn latest(&self) -> Option<&Request> {
         self.0.back()
     }
 
-    /// The latest at this time.
+    /// The latest request at a time.
     pub(super) fn latest_at(&self, time: Option<u64>) -> Option<&Request> {
         self.0.iter().rfind(|request| !is_later(request.time, time))
     }
 
-    /// How many are known.
+    /// The number of requests.
     pub(super) fn len(&self) -> usize {
         self.0.len()
     }
 }
 
-/// Replies about which the next request decides. Of too many the oldest are let go.
+/// Replies that wait for the next request. If there are too many, the oldest are dropped.
 #[derive(Default)]
 pub(super) struct Waiting(VecDeque<Reply>);
 
@@ -283,18 +283,18 @@ impl Waiting {
         self.0.push_back(reply);
     }
 
-    /// All of them, which then wait no more.
+    /// Removes and returns all replies.
     pub(super) fn take(&mut self) -> VecDeque<Reply> {
         std::mem::take(&mut self.0)
     }
 }
 
-/// A set of ids of registrations.
+/// A set of registration ids.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Ids([u64; 4]);
 
 impl Ids {
-    /// Those of which a mask has a bit.
+    /// The ids in a mask.
     pub(super) fn from_mask(mask: u32) -> Self {
         Self([mask.into(), 0, 0, 0])
     }
@@ -311,7 +311,7 @@ impl Ids {
         self.0[usize::from(id / 64)] >> (id % 64) & 1 == 1
     }
 
-    /// All of them, in order.
+    /// The ids in ascending order.
     pub(super) fn iter(self) -> impl Iterator<Item = u8> {
         (0..=u8::MAX).filter(move |id| self.contains(*id))
     }

@@ -1,9 +1,10 @@
 //! `PX-EXT-01`.
 //!
-//! A request may be missing in the recording: a logger may take only some, and a file may end too early. So a
-//! reply that answers no known request waits for the next one. If that has the next number, none was missing, and
-//! the reply is wrong unless it answers that very request and stands before it only in the file. Of a reply that is
-//! older than all known requests nothing is said: a log begins with the latest message of each topic.
+//! A capture may lack requests: a logger may record only some of them, and a file may be truncated. A reply that
+//! matches no known request therefore waits for the next request. If the ids of the requests are consecutive, no
+//! request is missing. Then the reply is wrong, unless it answers the new request and only its position in the file is
+//! earlier. A reply that is older than all known requests is not checked, since a log starts with the latest message of
+//! each topic.
 
 use super::ext::{Listener, Reply, Request, Requests, Talk, Waiting};
 use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
@@ -14,23 +15,27 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-EXT-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "An ArmingCheckReply answers a request that was sent: its `request_id` is that of the latest \
-                ArmingCheckRequest, or of the one before.",
+        statement: "An ArmingCheckReply answers a request that was sent: its `request_id` is that of \
+            the latest ArmingCheckRequest or of the one before it.",
         source: "`request_id` of ArmingCheckReply and ArmingCheckRequest",
-        applies_to: "messages over time",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "message sequences",
+        why: "The flight controller matches replies to requests by this id. It can't use a reply with \
+            another id, so it may consider the component unresponsive.",
+        example: "→ ArmingCheckRequest {\"request_id\": 41, …}\n\
+            → ArmingCheckRequest {\"request_id\": 42, …}\n\
+            ← ArmingCheckReply   {\"request_id\": 35, \"registration_id\": 3, …}",
+        fix: "Copy `request_id` from the request that the reply answers. Send the reply before the \
+            next request arrives.",
     },
     check: Check::State(|| Box::new(Talk::<Answers>::default())),
     mutants: &[
         Mutant {
-            name: "a reply to a request of long ago",
+            name: "a reply to an old request",
             change: Change::Flight(|flight| stray(flight, 7)),
             also: &[],
         },
         Mutant {
-            name: "a reply to a request that wasn't sent yet",
+            name: "a reply to a request that has not been sent",
             change: Change::Flight(|flight| stray(flight, 255)),
             also: &[],
         },
@@ -49,17 +54,17 @@ impl Listener for Answers {
         for reply in self.waiting.take().into_iter().filter(|_| is_next) {
             context.covered();
             if !is_answer(&reply, self.requests.latest_at(reply.time)) {
-                // When it came, this request wasn't there yet.
+                // The reply is older than this request.
                 report_violation(&reply, request.id.wrapping_sub(1), context);
             }
         }
     }
 
     fn reply(&mut self, reply: Reply, context: &mut RuleContext<'_>) {
-        let then = self.requests.latest_at(reply.time);
-        if [self.requests.latest(), then].iter().any(|request| is_answer(&reply, *request)) {
+        let latest_then = self.requests.latest_at(reply.time);
+        if [self.requests.latest(), latest_then].iter().any(|request| is_answer(&reply, *request)) {
             context.covered();
-        } else if then.is_some() {
+        } else if latest_then.is_some() {
             self.waiting.push(reply);
         }
     }
@@ -68,7 +73,7 @@ impl Listener for Answers {
         *self = Self::default();
     }
 
-    /// The next request may be cut off. That of long ago isn't the next.
+    /// Reports the waiting replies to old requests. Others may answer the next request, which the capture may lack.
     fn end(&mut self, context: &mut RuleContext<'_>) {
         let Some(latest) = self.requests.latest().map(|request| request.id) else { return };
         for reply in self.waiting.take() {
@@ -80,7 +85,7 @@ impl Listener for Answers {
     }
 }
 
-/// Whether a reply answers this request, or the one before it.
+/// True if a reply answers this request or the one before it.
 fn is_answer(reply: &Reply, request: Option<&Request>) -> bool {
     request.is_some_and(|request| request.id.wrapping_sub(reply.request_id) < 2)
 }
@@ -91,13 +96,13 @@ fn report_violation(reply: &Reply, latest: u8, context: &mut RuleContext<'_>) {
     context.violation_of(&format!("{}.request_id", reply.topic), reply.location, definition, || {
         let Reply { request_id, registration_id, .. } = reply;
         let text = format!(
-            "registration {registration_id} answers request {request_id}, where {latest} is the latest"
+            "registration {registration_id} answers request {request_id}, but the latest request is {latest}"
         );
         Detail::new(text).expected(format!("{latest} or {before}")).actual(request_id.to_string())
     });
 }
 
-/// A reply more, which answers the request so many before the latest.
+/// Adds a reply to an earlier request: its id is lower by `behind`.
 fn stray<'d>(flight: &Flight<'d>, behind: u8) -> Option<Flight<'d>> {
     flight.with_reply(|reply| {
         let id = reply["request_id"].as_u64().and_then(|id| u8::try_from(id).ok());

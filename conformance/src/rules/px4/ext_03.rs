@@ -1,14 +1,14 @@
 //! `PX-EXT-03`.
 //!
-//! That an answer isn't in a recording doesn't yet say that none was sent: a logger may take only some of them. So
-//! a component is judged once it answered some requests in a row ([`MAX_MISSES`]), which also gives it time to start.
-//! It has to answer a request if its bit is set in the mask of this one and still in that of the next, since it may
-//! leave at any time, and a flight controller doesn't wait for those that were slow too often. Releases without
-//! masks leave what was said of registrations.
+//! A capture may lack replies that were sent, since a logger may record only some of them. A component is therefore
+//! checked only after it has answered several requests in a row ([`STREAK`]), which also gives it time to start. It
+//! must answer a request if its bit is set in the mask of this request and of the next: a component may be unregistered
+//! at any time, and the flight controller doesn't wait for slow components. Without masks, the registrations in the
+//! capture count.
 //!
-//! A request is judged with the second one after it, so that answers may stand late in the file. Where an answer has no
-//! time, as those of ROS 2 nodes often have none, only the order of arrival says whether it came late. One that stands
-//! behind the next request may have been in time all the same, but not several in a row.
+//! A request is checked when the second request after it is received, since replies may be late in the file. For a
+//! reply without a time, as from many ROS 2 nodes, only the order in the file shows whether it was late. A single reply
+//! after the next request may still have been in time, but several in a row were not.
 
 use std::collections::VecDeque;
 
@@ -21,44 +21,48 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-EXT-03",
         level: Level::Should,
         status: Status::Normative,
-        statement: "Each registered component replies to each ArmingCheckRequest before the next one.",
+        statement: "Each registered component replies to each ArmingCheckRequest before the next request.",
         source: "ArmingCheckRequest",
-        applies_to: "messages over time",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "message sequences",
+        why: "The flight controller needs the replies to know which external modes can run. It treats \
+            a component that does not reply as unresponsive.",
+        example: "→ ArmingCheckRequest {\"request_id\": 42, \"valid_registrations_mask\": 8, …}\n\
+            \x20                    (no reply from registration 3)\n\
+            → ArmingCheckRequest {\"request_id\": 43, \"valid_registrations_mask\": 8, …}",
+        fix: "Reply to each request, also while the vehicle is armed. If the component can be busy \
+            for longer than the request interval, handle requests in a separate thread.",
     },
     check: Check::State(|| Box::new(Talk::<Silence>::default())),
-    mutants: &[Mutant { name: "a reply is missing", change: Change::Flight(silent), also: &[] }],
+    mutants: &[Mutant { name: "a missing reply", change: Change::Flight(silent), also: &[] }],
 };
 
-/// How many requests in a row a component answers until its answers are known to be in the recording; and how many
-/// answers without a time stand behind the next request until they are known to be late.
-const MAX_MISSES: u8 = 3;
+/// The number of consecutive replies after which a component is checked, and the number of consecutive replies without
+/// a time after the next request that count as late.
+const STREAK: u8 = 3;
 
-/// A request that was sent, and what came of it.
+/// A request with the components that answered it.
 struct SentRequest {
     request: Request,
-    /// Those of which it asks an answer.
-    who: Ids,
+    /// The components that must answer.
+    required: Ids,
     answered: Ids,
-    /// Those that answered when the next request was there already.
+    /// The components that answered after the next request.
     late: Ids,
-    /// Those whose answer stands behind the next request, and it isn't known when they gave it.
+    /// The components whose reply is after the next request in the file and has no time.
     behind: Ids,
 }
 
 struct Silence {
     requests: Requests,
-    /// The latest requests, none of which is missing; at most two between messages.
+    /// The latest consecutive requests. Between two messages, there are at most two.
     requests_sent: VecDeque<SentRequest>,
-    /// Replies to what isn't known, or not yet.
+    /// Replies to unknown requests.
     waiting: Waiting,
-    /// By what was said of registrations.
+    /// The registered components, from the registrations in the capture.
     registered: Ids,
-    /// How many requests in a row each id answered.
+    /// The number of consecutive requests that each id answered.
     in_a_row: [u8; 256],
-    /// How many requests in a row each id answered only behind the next one.
+    /// The number of consecutive requests that each id answered after the next request in the file.
     behind_in_a_row: [u8; 256],
 }
 
@@ -80,11 +84,11 @@ impl Listener for Silence {
         if !self.requests.push(request) {
             self.requests_sent.clear();
         }
-        let who = request.mask.map_or(self.registered, Ids::from_mask);
+        let required = request.mask.map_or(self.registered, Ids::from_mask);
         let [answered, late, behind] = [Ids::default(); 3];
-        let mut sent = SentRequest { request, who, answered, late, behind };
+        let mut sent = SentRequest { request, required, answered, late, behind };
         for reply in self.waiting.take() {
-            // It stands before the request only in the file.
+            // Only its position in the file is before the request.
             if reply.request_id == request.id && !is_later(request.time, reply.time) {
                 sent.answered.insert(reply.registration_id);
             }
@@ -112,15 +116,15 @@ impl Listener for Silence {
         sent.answered.insert(id);
     }
 
-    /// Who comes isn't the one that had this id before; who goes needn't have answered.
+    /// A new component may have another's former id. A component that is unregistered need not answer.
     fn registered(&mut self, id: u8, _: Option<u64>) {
         self.registered.insert(id);
-        self.begin_anew(id);
+        self.restart(id);
     }
 
     fn unregistered(&mut self, id: u8, _: Option<u64>) {
         self.registered.remove(id);
-        self.begin_anew(id);
+        self.restart(id);
     }
 
     fn forget(&mut self) {
@@ -129,25 +133,25 @@ impl Listener for Silence {
 }
 
 impl Silence {
-    fn begin_anew(&mut self, id: u8) {
+    fn restart(&mut self, id: u8) {
         self.in_a_row[usize::from(id)] = 0;
         self.behind_in_a_row[usize::from(id)] = 0;
     }
 
-    /// Judges the oldest request: two more have come.
+    /// Checks the oldest request, after two more were received.
     fn check_oldest(&mut self, topic: &str, context: &mut RuleContext<'_>) {
         let Some(oldest) = self.requests_sent.pop_front() else { return };
         let Some(next) = self.requests_sent.front() else { return };
-        for id in oldest.who.iter().filter(|id| next.who.contains(*id)) {
+        for id in oldest.required.iter().filter(|id| next.required.contains(*id)) {
             let in_a_row = &mut self.in_a_row[usize::from(id)];
             let behind = &mut self.behind_in_a_row[usize::from(id)];
             *behind = if oldest.behind.contains(id) { behind.saturating_add(1) } else { 0 };
-            if *behind >= MAX_MISSES {
+            if *behind >= STREAK {
                 report_violation(topic, &oldest, id, context);
             }
             if oldest.answered.contains(id) {
                 *in_a_row = in_a_row.saturating_add(1);
-            } else if *in_a_row < MAX_MISSES {
+            } else if *in_a_row < STREAK {
                 *in_a_row = 0;
             } else {
                 report_violation(topic, &oldest, id, context);
@@ -162,17 +166,17 @@ fn report_violation(topic: &str, sent: &SentRequest, id: u8, context: &mut RuleC
     context.violation_of(topic, sent.request.location, definition, || {
         let request = sent.request.id;
         let (when, found) = if sent.late.contains(id) || sent.behind.contains(id) {
-            ("answers it only after the next one", "a reply after the next request")
+            ("replies after the next request", "a reply after the next request")
         } else {
-            ("doesn't answer it", "none")
+            ("does not reply", "none")
         };
         Detail::new(format!("request {request}: registration {id} {when}"))
-            .expected(format!("a reply of registration {id} before the next request"))
+            .expected(format!("a reply from registration {id} before the next request"))
             .actual(found)
     });
 }
 
-/// A reply in the middle of the flight is gone.
+/// Removes a reply in the middle of the flight.
 fn silent<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     let at = flight.late_reply()?;
     let mut flight = flight.clone();

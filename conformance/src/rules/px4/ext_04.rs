@@ -14,16 +14,18 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-EXT-04",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Of the `events` of an ArmingCheckReply, the first `num_events` have an `id` other than 0. Those behind \
-                are ignored.",
+        statement: "The first `num_events` entries of `events` in an ArmingCheckReply have an `id` \
+            other than 0. Later entries are ignored.",
         source: "`num_events` and `events` of ArmingCheckReply, `id` of Event",
-        applies_to: "values of messages",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "message values",
+        why: "Ground stations look up the text of an event by its id, and 0 means no event. The \
+            operator can't see why the vehicle doesn't arm.",
+        example: "{…, \"num_events\": 2, \"events\": [{\"id\": 1011, …}, {\"id\": 0, …}, …], …}",
+        fix: "Set `num_events` to the number of events that you write. Set the `id` of each event to \
+            one from the event metadata.",
     },
     check: Check::State(|| Box::new(Reasons)),
-    mutants: &[Mutant { name: "an event without an id", change: Change::Flight(nameless), also: &[] }],
+    mutants: &[Mutant { name: "an event without an id", change: Change::Flight(without_id), also: &[] }],
 };
 
 struct Reasons;
@@ -37,14 +39,14 @@ impl Checker for Reasons {
         let Some(values) = message.values else { return };
         let in_use: Option<usize> = number(values, "num_events");
         let (Some(in_use), Some(Value::Array(events))) = (in_use, values.get("events")) else { return };
-        // A count beyond the array breaks another rule, and nobody knows what it means.
+        // A count beyond the array violates another rule, and the used events are unknown.
         for (index, event) in events.iter().take(in_use).enumerate().filter(|_| in_use <= events.len()) {
             let Value::Message(event) = event else { return };
             let Some(id) = number::<u32>(event, "id") else { return };
             context.covered();
             if id == 0 {
                 context.violation_in_field(channel, "events", message.location, || {
-                    Detail::new(format!("an event without an id, where {in_use} are in use"))
+                    Detail::new(format!("event without an id among the {in_use} used events"))
                         .at(format!("events[{index}].id"))
                         .expected("an id other than 0")
                         .actual("0")
@@ -54,7 +56,7 @@ impl Checker for Reasons {
     }
 }
 
-/// The last refusal says nothing that anybody could look up.
-fn nameless<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
+/// Clears the event id in the last refusal.
+fn without_id<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     flight.with_refusal(|reply| reply["events"][0]["id"] = 0.into())
 }

@@ -12,12 +12,13 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-EXT-05",
         level: Level::Should,
         status: Status::Normative,
-        statement: "An ArmingCheckReply whose `can_arm_and_run` is false has at least one event that says why.",
+        statement: "An ArmingCheckReply with `can_arm_and_run` false has at least one event with the reason.",
         source: "`can_arm_and_run` and `events` of ArmingCheckReply",
-        applies_to: "values of messages",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "message values",
+        why: "The flight controller forwards the events to ground stations. Without an event, the \
+            operator sees that arming is refused, but not why.",
+        example: "{…, \"can_arm_and_run\": false, \"num_events\": 0, …}",
+        fix: "Add an event for each reason to `events`, and set `num_events`.",
     },
     check: Check::State(|| Box::new(Refusals)),
     mutants: &[Mutant {
@@ -36,12 +37,12 @@ impl Checker for Refusals {
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let Some(values) = message.values else { return };
-        let is_agreed = number::<u8>(values, "can_arm_and_run").map(|agreed| agreed != 0);
-        let (Some(false), Some(events)) = (is_agreed, number::<u64>(values, "num_events")) else { return };
+        let can_arm = number::<u8>(values, "can_arm_and_run").map(|value| value != 0);
+        let (Some(false), Some(events)) = (can_arm, number::<u64>(values, "num_events")) else { return };
         context.covered();
         if events == 0 {
             context.violation_in_field(channel, "num_events", message.location, || {
-                Detail::new("can_arm_and_run is false, and no event says why")
+                Detail::new("can_arm_and_run is false, but there is no event with the reason")
                     .expected("1 or more")
                     .actual("0")
             });
@@ -49,7 +50,7 @@ impl Checker for Refusals {
     }
 }
 
-/// The last refusal gives no reason.
+/// Removes the reasons of the last refusal.
 fn without_reason<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     flight.with_refusal(|reply| reply["num_events"] = 0.into())
 }

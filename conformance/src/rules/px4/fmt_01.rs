@@ -8,17 +8,22 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         id: "PX-FMT-01",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A format that a log brings equals the definition: fields, order, types, lengths of arrays, padding. Logs of other firmware differ without being wrong, so this is shown and judged only with `--strict-formats`.",
+        statement: "A format in a capture matches the definition: fields, order, types, array lengths \
+            and padding. Other firmware versions have other formats, so a difference is only shown, \
+            unless `--strict-formats` is set.",
         source: "the definition",
-        applies_to: "logs",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "logs and MCAP schemas",
+        why: "Software that is built from the definition reads wrong values from such a capture, or \
+            none, unless it uses the format in the capture.",
+        example: "definition: float32 remaining\n\
+            format:     …uint8_t remaining;…",
+        fix: "Use the definitions of the firmware that wrote the capture, or update the firmware. A \
+            capture of another version needs no change.",
     },
     check: Check::Source,
     mutants: &[
         Mutant {
-            name: "a field has another name",
+            name: "a renamed field",
             change: Change::Ulog(|flight, mut log| {
                 let (topic, name) = second_field(flight)?;
                 let fields = log.format_mut(&flight.topics[topic].name)?;
@@ -28,7 +33,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
             also: &[],
         },
         Mutant {
-            name: "a schema with another name of a field",
+            name: "a renamed field in a schema",
             change: Change::Mcap(|flight, mut bag| {
                 let (topic, name) = second_field(flight)?;
                 let text = &mut bag.channels[topic].text;
@@ -40,7 +45,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
     ],
 };
 
-/// A topic, and the name of a field that isn't its time.
+/// Finds a topic and the name of its second field.
 fn second_field<'d>(flight: &Flight<'d>) -> Option<(usize, &'d str)> {
     let topic = flight.regular(|message| message.fields.get(1).is_some())?;
     Some((topic, flight.type_of(topic).field_names().nth(1)?))

@@ -8,16 +8,17 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         id: "PX-FMT-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each type that a format nests has a format in the same log.",
+        statement: "Each nested type in a format has a format in the same log.",
         source: "ULog file format, section on format messages",
         applies_to: "logs",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Readers can't compute the size of the nested type, so they can't read any record of the topic.",
+        example: "format tow: uint64_t timestamp;rope[2] ropes;\n\
+            \x20           (the log has no format `rope`)",
+        fix: "Write the formats of all nested types to the header of the log.",
     },
     check: Check::Source,
     mutants: &[Mutant {
-        name: "a type that the log doesn't have",
+        name: "a nested type without a format",
         change: Change::Ulog(|_, mut log| {
             let fields = "uint64_t timestamp;rope[2] ropes;".to_owned();
             log.entries.insert(1, Entry::Format("tow".to_owned(), fields));

@@ -9,14 +9,16 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         status: Status::Normative,
         statement: "Each message has a field `timestamp` of type uint64.",
         source: "ULog file format, section on format messages",
-        applies_to: "logs",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "logs and MCAP schemas",
+        why: "Readers order records and compare topics by this field. The values of a topic without \
+            it can't be plotted over time.",
+        example: "format battery_status: uint64_t time;float voltage_v;…",
+        fix: "Add `uint64 timestamp  # [us] Time since boot` to the definition, and set it when you \
+            publish the message.",
     },
     check: Check::Source,
     mutants: &[Mutant {
-        name: "`timestamp` has another name",
+        name: "a renamed `timestamp`",
         change: Change::Ulog(|flight, mut log| {
             let topic = flight.regular(|_| true)?;
             let fields = log.format_mut(&flight.topics[topic].name)?;

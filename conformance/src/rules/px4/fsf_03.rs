@@ -1,8 +1,8 @@
 //! `PX-FSF-03`.
 //!
-//! Which flag belongs to which requirement, their names say. A flag is called as its requirement, with words more
-//! that say what is wrong ([`STATES`]): `mode_req_local_position_relaxed` and `local_position_invalid_relaxed`.
-//! Where the names don't say it, a table does ([`RENAMED_REQUIREMENTS`]). Flags that belong to none aren't looked at.
+//! Flags and requirements are matched by name. The name of a flag contains the words of its requirement, and words for
+//! the failure ([`STATES`]): `mode_req_local_position_relaxed` and `local_position_invalid_relaxed`. A table has the
+//! exceptions ([`RENAMED_REQUIREMENTS`]). Flags without a requirement are not checked.
 
 use uavspec_codegen::dynamic::{DynamicView, Value};
 
@@ -18,17 +18,19 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-FSF-03",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A flag of FailsafeFlags that is set while no mode has its requirement, as all bits of the matching \
-                `mode_req` are 0, keeps no mode from running.",
+        statement: "If a flag of FailsafeFlags is set, at least one mode requires it: the matching \
+            `mode_req` mask is not 0.",
         source: "FailsafeFlags",
-        applies_to: "values of messages",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "message values",
+        why: "A flag that no mode requires prevents no mode from running. That can be correct, or a \
+            mode lacks a requirement.",
+        example: "{…, \"mode_req_attitude\": 0, \"attitude_invalid\": true, …}",
+        fix: "Check which modes need the value, and set their bits in the mask. If no mode needs it, \
+            no change is necessary.",
     },
     check: Check::State(|| Box::new(Flags::default())),
     mutants: &[Mutant {
-        name: "a flag is set that no mode requires",
+        name: "a flag that no mode requires is set",
         change: Change::Flight(not_required),
         also: &[],
     }],
@@ -36,10 +38,10 @@ pub(super) static RULE: Px4Rule = Px4Rule {
 
 const REQUIREMENT: &str = "mode_req_";
 
-/// Words that the name of a flag has beside those of its requirement.
+/// Words in the name of a flag that its requirement lacks.
 const STATES: [&str; 6] = ["invalid", "lost", "missing", "auto", "control", "signal"];
 
-/// Flags whose requirement has another name.
+/// Flags and their requirements, if the names differ.
 const RENAMED_REQUIREMENTS: [(&str, &str); 2] = [
     ("wind_limit_exceeded", "wind_and_flight_time_compliance"),
     ("flight_time_limit_exceeded", "wind_and_flight_time_compliance"),
@@ -50,10 +52,10 @@ struct Flags {
     channels: PerChannel<Option<Fields>>,
 }
 
-/// What the messages of a channel have.
+/// The fields of a channel's messages.
 #[derive(Clone)]
 struct Fields {
-    /// Indices of flags and of their requirements.
+    /// The indices of each flag and its requirement.
     pairs: Vec<(usize, usize)>,
     names: Vec<String>,
 }
@@ -61,8 +63,8 @@ struct Fields {
 impl Checker for Flags {
     fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
         self.channels.open(channel, None);
-        let is_wanted = px4_message(channel, context) == Some("FailsafeFlags");
-        if is_wanted { Interest::Values } else { Interest::Nothing }
+        let is_flags = px4_message(channel, context) == Some("FailsafeFlags");
+        if is_flags { Interest::Values } else { Interest::Nothing }
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
@@ -75,7 +77,7 @@ impl Checker for Flags {
             if is_set(flag) == Some(true) && is_set(requirement) == Some(false) {
                 let [flag, requirement] = [&fields.names[*flag], &fields.names[*requirement]];
                 context.violation_in_field(channel, flag, message.location, || {
-                    Detail::new(format!("set, and {requirement} is 0: no mode requires it"))
+                    Detail::new(format!("set, but no mode requires it: {requirement} is 0"))
                         .expected(format!("not set, or {requirement} other than 0"))
                         .actual("set")
                 });
@@ -91,7 +93,7 @@ impl Fields {
             let Some(required) = name.strip_prefix(REQUIREMENT) else { continue };
             let flags = values.fields().enumerate();
             let flags = flags.filter(|(_, (flag, value))| {
-                matches!(value, Value::Bool(_) | Value::UInt(_)) && is_of(flag, required)
+                matches!(value, Value::Bool(_) | Value::UInt(_)) && belongs_to(flag, required)
             });
             pairs.extend(flags.map(|(flag, _)| (flag, requirement)));
         }
@@ -99,24 +101,24 @@ impl Fields {
     }
 }
 
-/// Whether a value of one number isn't 0.
+/// True if a bool is true or an unsigned integer isn't 0.
 fn is_set(value: Value<'_>) -> bool {
     matches!(value, Value::Bool(true) | Value::UInt(1..))
 }
 
-/// Whether a flag is about this requirement: all words of it are in its name, in this order, at least their
-/// beginnings (`alt`, `altitude`), and all other words tell a state.
-fn is_of(flag: &str, required: &str) -> bool {
+/// True if a flag belongs to a requirement: its name has all words of the requirement in their order, or longer forms
+/// (`alt`, `altitude`), and all its other words are in [`STATES`].
+fn belongs_to(flag: &str, required: &str) -> bool {
     let mut rest = required.split('_').peekable();
     let is_known = |word: &str| {
         rest.next_if(|required| !required.is_empty() && word.starts_with(required)).is_some()
             || STATES.contains(&word)
     };
-    let is_same = flag.split('_').all(is_known) && rest.peek().is_none();
-    is_same && !flag.starts_with(REQUIREMENT) || RENAMED_REQUIREMENTS.contains(&(flag, required))
+    let is_match = flag.split('_').all(is_known) && rest.peek().is_none();
+    is_match && !flag.starts_with(REQUIREMENT) || RENAMED_REQUIREMENTS.contains(&(flag, required))
 }
 
-/// The last flags have one that is set without being required.
+/// Sets a flag in the last message, and clears its requirement.
 fn not_required<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     let topic = flight.topic("FailsafeFlags")?;
     flight.with_last(topic, |flags| {
@@ -127,10 +129,10 @@ fn not_required<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
 
 #[cfg(test)]
 mod tests {
-    use super::is_of;
+    use super::belongs_to;
 
     #[test]
-    fn flags_belong_to_requirements_by_their_names() {
+    fn matches_flags_and_requirements_by_name() {
         for (flag, required) in [
             ("angular_velocity_invalid", "angular_velocity"),
             ("attitude_invalid", "attitude"),
@@ -145,12 +147,12 @@ mod tests {
             ("wind_limit_exceeded", "wind_and_flight_time_compliance"),
             ("flight_time_limit_exceeded", "wind_and_flight_time_compliance"),
         ] {
-            assert!(is_of(flag, required), "{flag} and {required}");
+            assert!(belongs_to(flag, required), "{flag} and {required}");
         }
     }
 
     #[test]
-    fn flags_of_something_else_do_not() {
+    fn does_not_match_other_flags() {
         for (flag, required) in [
             ("local_position_invalid_relaxed", "local_position"),
             ("local_position_invalid", "local_position_relaxed"),
@@ -164,7 +166,7 @@ mod tests {
             ("position_home_invalid", "home_position"),
             ("wind_limit_exceeded", "attitude"),
         ] {
-            assert!(!is_of(flag, required), "{flag} and {required}");
+            assert!(!belongs_to(flag, required), "{flag} and {required}");
         }
     }
 }

@@ -7,12 +7,16 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         id: "PX-HASH-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A hash that is stated for the type of messages is that of the definition. Where the source brings a schema of its own that differs, so does the hash, which is no breach of its own.",
+        statement: "The type hash in a capture is that of the definition. If the capture has a schema \
+            that differs, the hash differs as well, and only `PX-FMT-01` is reported.",
         source: "ROS 2's REP 2016 (RIHS01)",
-        applies_to: "what a source says of its types",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "type hashes in MCAP files",
+        why: "ROS 2 tools compare hashes to detect incompatible types. With a wrong hash, they warn \
+            or refuse the data although it is compatible.",
+        example: "schema:          same fields as the definition\n\
+            topic_type_hash: RIHS01_00000000… (64 digits)",
+        fix: "Write the hash of the type that the messages were built from, as the ROS 2 type support \
+            provides it.",
     },
     check: Check::Source,
     mutants: &[Mutant {

@@ -8,17 +8,21 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-JSON-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A message in JSON has exactly the fields of its definition: none is missing, unknown or there twice.",
-        source: "the fields of the definition; the published JSON Schema",
-        applies_to: "messages as JSON",
-        why: "",
-        example: "",
-        fix: "",
+        statement: "A JSON message has exactly the fields of its definition: no field is missing, \
+            unknown or duplicated.",
+        source: "the fields in the definition; the published JSON Schema",
+        applies_to: "JSON messages",
+        why: "Readers reject the message if a field is missing. They may ignore a field with a \
+            misspelt name, so its value is lost.",
+        example: "ArmingCheckRequest:\n\
+            {\"timestamp\": 1000000, \"requestId\": 42, \"valid_registrations_mask\": 8}",
+        fix: "Write each field of the definition once, with its name in the definition. Validate the \
+            messages against the JSON Schema.",
     },
     check: Check::Value,
     mutants: &[
         Mutant {
-            name: "a field is missing",
+            name: "a missing field",
             change: Change::Flight(|flight| {
                 flight.with_last(0, |message| {
                     if let Some(fields) = message.as_object_mut() {
@@ -30,12 +34,12 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             also: &[],
         },
         Mutant {
-            name: "a field that the definition doesn't have",
+            name: "an unknown field",
             change: Change::Flight(|flight| flight.with_last(0, |message| message["tow"] = 1.into())),
             also: &[],
         },
         Mutant {
-            name: "a field stands twice",
+            name: "a duplicate field",
             change: Change::Json(|lines| {
                 let time = format!("\"timestamp\":{}", START + (ROUNDS - 1) * PERIOD);
                 lines.with_text(&time, &format!("{time},{time}"))

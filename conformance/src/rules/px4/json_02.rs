@@ -7,27 +7,31 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-JSON-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each value in JSON has the JSON type of its field and lies in the range of its type; a float that is NaN is null, infinity can't be said.",
-        source: "the type of the definition; RFC 8259 for numbers",
-        applies_to: "messages as JSON",
-        why: "",
-        example: "",
-        fix: "",
+        statement: "Each JSON value has the JSON type of its field and is in the range of the field's \
+            type. NaN is written as `null`; infinity can't be represented.",
+        source: "the field types in the definition; RFC 8259 for numbers",
+        applies_to: "JSON messages",
+        why: "Readers in typed languages reject the whole message. Others convert the value and \
+            continue with a wrong one.",
+        example: "ArmingCheckRequest:\n\
+            {\"timestamp\": 1000000, \"request_id\": 300, \"valid_registrations_mask\": \"8\"}",
+        fix: "Write integers as numbers in the range of their type, bools as `true` or `false`, and \
+            NaN as `null`.",
     },
     check: Check::Value,
     mutants: &[
         Mutant {
-            name: "a bool is a number",
+            name: "a number in place of a bool",
             change: Change::Json(|lines| lines.with_text(":true", ":1")),
             also: &[],
         },
         Mutant {
-            name: "an integer is a string",
+            name: "a string in place of an integer",
             change: Change::Flight(|flight| flight.with_last(0, |message| message["timestamp"] = "1".into())),
             also: &[],
         },
         Mutant {
-            name: "an integer is out of the range of its type",
+            name: "an integer out of the range of its type",
             change: Change::Flight(|flight| {
                 flight.with_last(0, |message| message["timestamp"] = (-1).into())
             }),

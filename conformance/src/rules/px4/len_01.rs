@@ -8,16 +8,19 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-LEN-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A count of entries in use is at most the length of the array that it counts.",
-        source: "`@count` of the definition, or the names `num_x` and `x_count`",
-        applies_to: "values of messages",
-        why: "",
-        example: "",
-        fix: "",
+        statement: "The number of used entries of an array is at most its length.",
+        source: "`@count` in the definition, or the field names `num_x` and `x_count`",
+        applies_to: "message values",
+        why: "A reader that trusts the count reads beyond the end of the array. In C++, this is \
+            undefined behavior.",
+        example: "definition: uint8 num_events  # [@count events]\n\
+            \x20           Event[5] events\n\
+            message:    {…, \"num_events\": 7, …}",
+        fix: "Limit the count to the length of the array before you publish the message.",
     },
     check: Check::Value,
     mutants: &[Mutant {
-        name: "one entry more in use than the array has",
+        name: "a count above the array length",
         change: Change::Flight(|flight| flight.violating(Violated::Count)),
         also: &[],
     }],

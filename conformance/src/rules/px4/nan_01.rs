@@ -8,16 +8,19 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-NAN-01",
         level: Level::Should,
         status: Status::Advisory,
-        statement: "NaN stands only where the definition gives it a meaning; so in fields that it restricts.",
-        source: "`@invalid NaN` of the definition, or its text",
-        applies_to: "values of messages",
-        why: "",
-        example: "",
-        fix: "",
+        statement: "A restricted field may be NaN only if its definition says what NaN means.",
+        source: "`@invalid NaN` in the definition, or its description",
+        applies_to: "message values",
+        why: "Comparisons such as `x < 10` are false for NaN, so limit checks and failsafes may not \
+            trigger.",
+        example: "definition: float32 remaining  # [-] [@range 0, 1] [@invalid -1]\n\
+            message:    {…, \"remaining\": null, …}",
+        fix: "Send the value for missing data, here `-1`. If NaN is intended, add `[@invalid NaN]` to \
+            the definition.",
     },
     check: Check::Value,
     mutants: &[Mutant {
-        name: "NaN without a meaning",
+        name: "NaN in a field without `@invalid NaN`",
         change: Change::Flight(|flight| flight.violating(Violated::Nan)),
         also: &[],
     }],

@@ -13,22 +13,24 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-QUEUE-01",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A topic doesn't publish more messages at one time than its queue holds: subscribers would miss some.",
-        source: "ORB_QUEUE_LENGTH of the definition; 1 where it says nothing",
-        applies_to: "messages over time",
-        why: "",
-        example: "",
-        fix: "",
+        statement: "A topic does not publish more messages with one timestamp than its queue holds.",
+        source: "`ORB_QUEUE_LENGTH` in the definition",
+        applies_to: "message sequences",
+        why: "A full queue overwrites its oldest message. A subscriber that runs after the burst misses it.",
+        example: "definition: uint8 ORB_QUEUE_LENGTH = 4\n\
+            log:        5 messages of the topic with timestamp 1000000",
+        fix: "Raise `ORB_QUEUE_LENGTH` to a power of two that holds the burst, or publish fewer \
+            messages in a row.",
     },
     check: Check::State(|| Box::new(Bursts::default())),
     mutants: &[Mutant {
-        name: "more messages at one time than the queue holds",
+        name: "more messages with one timestamp than the queue holds",
         change: Change::Flight(burst),
         also: &[],
     }],
 };
 
-/// What PX4 keeps of a topic that doesn't say.
+/// PX4's default queue length.
 const DEFAULT: u32 = 1;
 
 #[derive(Default)]
@@ -36,12 +38,12 @@ struct Bursts {
     channels: PerChannel<Burst>,
 }
 
-/// Messages of the same time.
+/// Messages with the same timestamp.
 #[derive(Clone, Copy, Default)]
 struct Burst {
     timestamp: u64,
     count: u32,
-    /// What the queue holds; none where nobody knows.
+    /// The queue length; `None` if there is no definition.
     length: Option<u32>,
 }
 
@@ -56,7 +58,7 @@ impl Checker for Bursts {
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let Some(burst) = self.channels.get(channel) else { return };
         let (Some(timestamp), Some(length)) = (message.timestamp, burst.length) else { return };
-        // 0 is the time of what was never published.
+        // A message that was never published has time 0.
         if timestamp != burst.timestamp || timestamp == 0 {
             (burst.timestamp, burst.count) = (timestamp, 0);
         }
@@ -66,16 +68,16 @@ impl Checker for Bursts {
             let definition = context.defined(channel.definition);
             context.violation_of(channel.topic, message.location, definition, || {
                 Detail::new(format!(
-                    "more than {length} messages at {timestamp} µs, which is all that its queue holds"
+                    "more than {length} messages with timestamp {timestamp} µs, but the queue holds {length}"
                 ))
-                .expected(format!("{length} messages at most"))
+                .expected(format!("at most {length} messages"))
                 .actual(format!("{} or more", length.saturating_add(1)))
             });
         }
     }
 }
 
-/// The last message of a topic, so often that its queue can't hold all.
+/// Repeats the last message of a topic until its queue overflows.
 fn burst<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     let length = |message: &schema::Message| message.queue_length.unwrap_or(DEFAULT);
     let topic = flight.regular(|message| length(message) > DEFAULT)?;

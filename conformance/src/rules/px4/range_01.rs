@@ -8,12 +8,15 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-RANGE-01",
         level: Level::Should,
         status: Status::Normative,
-        statement: "A value lies in its range, unless it is the one that says that there is no data.",
-        source: "`@range` and `@invalid` of the definition",
-        applies_to: "values of messages",
-        why: "",
-        example: "",
-        fix: "",
+        statement: "A value is in its range, unless it is the value for missing data.",
+        source: "`@range` and `@invalid` in the definition",
+        applies_to: "message values",
+        why: "Readers rely on the range for scaling, limits and display. A value outside the range \
+            often has the wrong unit.",
+        example: "definition: float32 remaining  # [-] [@range 0, 1] [@invalid -1]\n\
+            message:    {…, \"remaining\": 87.5, …}",
+        fix: "Check the unit and the scale of the value; here, percent was sent as a fraction. If the \
+            value is valid, extend the range in the definition.",
     },
     check: Check::Value,
     mutants: &[Mutant {

@@ -8,17 +8,19 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-STR-01",
         level: Level::Should,
         status: Status::Normative,
-        statement: "Text in a `char` array is UTF-8 up to its first NUL.",
-        source: "`char[N]` of the definition",
-        applies_to: "values of messages",
-        why: "",
-        example: "",
-        fix: "",
+        statement: "Text in a `char` array is valid UTF-8 and ends at the first NUL.",
+        source: "`char[N]` in the definition",
+        applies_to: "message values",
+        why: "Other bytes are not text. Readers show replacement characters or reject the message.",
+        example: "definition: char[25] name\n\
+            bytes:      4d 6f 64 65 ff 00 …    (ff is not valid in UTF-8)",
+        fix: "Write valid UTF-8, and fill the rest of the array with NUL bytes. Shorten long text \
+            between two characters.",
     },
     check: Check::Value,
     mutants: &[
         Mutant {
-            name: "text that is no UTF-8",
+            name: "text that is not UTF-8",
             change: Change::Ulog(|flight, log| {
                 let (topic, at) = flight.find_field(is_text)?;
                 log.with_payload(topic, |payload| payload[at] = 0xff)

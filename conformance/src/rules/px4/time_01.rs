@@ -11,23 +11,26 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-TIME-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The field `timestamp` doesn't go back from one message of a subscription to the next. It may repeat, and \
-                it may be 0.",
+        statement: "The field `timestamp` does not decrease from one message of a subscription to the \
+            next. It may repeat, and it may be 0.",
         source: "uORB publishes in order; `timestamp` is the time since system start",
-        applies_to: "messages over time",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "message sequences",
+        why: "Tools sort and interpolate samples by time. A step back results in a wrong order, and \
+            in wrong rates and derivatives.",
+        example: "battery_status {\"timestamp\": 2000000, …}\n\
+            battery_status {\"timestamp\": 1000000, …}",
+        fix: "Set `timestamp` from the monotonic system clock when you publish the message. Check \
+            that only one module publishes each instance.",
     },
     check: Check::State(|| Box::new(Times::default())),
     mutants: &[Mutant {
-        name: "the last message is older than those before",
+        name: "a last message that is older than the others",
         change: Change::Flight(back),
         also: &[],
     }],
 };
 
-/// The latest time of each channel.
+/// The time of the latest message of each channel.
 #[derive(Default)]
 struct Times {
     latest: PerChannel<u64>,
@@ -46,21 +49,20 @@ impl Checker for Times {
         if timestamp < *latest && timestamp != 0 {
             let latest = *latest;
             context.violation_in_field(channel, "timestamp", message.location, || {
-                Detail::new(format!("timestamp is {timestamp}, and was {latest} before"))
+                Detail::new(format!("timestamp {timestamp} is before the previous one, {latest}"))
                     .expected(format!("{latest} or later"))
                     .actual(timestamp.to_string())
             });
         }
         context.covered();
-        // What follows is judged by this message: one that is wrong, or a flight controller that starts again, doesn't
-        // make all others wrong.
+        // Compares later messages with this one. Otherwise, one wrong time or a restart would make all of them wrong.
         if timestamp != 0 {
             *latest = timestamp;
         }
     }
 }
 
-/// The last message of a topic has the time of the first.
+/// Sets the time of a topic's last message to that of its first.
 fn back<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     flight.with_last(flight.regular(|_| true)?, |message| message["timestamp"] = START.into())
 }

@@ -11,24 +11,27 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-TIME-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "Where a topic that comes regularly pauses for more than ten of its periods, a dropout stands nearby.",
-        source: "derived: PX4's logger writes a dropout where it lost data",
-        applies_to: "messages over time",
-        why: "",
-        example: "",
-        fix: "",
+        statement: "If a regular topic pauses for more than ten of its periods, the capture has a \
+            dropout nearby.",
+        source: "derived: PX4's logger records a dropout when it loses data",
+        applies_to: "message sequences",
+        why: "Either the publisher stopped, or data was lost without notice. Tools interpolate over the gap.",
+        example: "battery_status, every 20 ms: … 1.00 s, 1.02 s, 1.04 s, 2.51 s, 2.53 s …\n\
+            \x20                            (no dropout near 1.04 s)",
+        fix: "Check the publisher, and the load of the logger during the pause. If the topic is meant \
+            to pause, no change is necessary.",
     },
     check: Check::State(|| Box::new(Gaps::default())),
-    mutants: &[Mutant { name: "a topic pauses", change: Change::Flight(pause), also: &[] }],
+    mutants: &[Mutant { name: "a pause of a regular topic", change: Change::Flight(pause), also: &[] }],
 };
 
-/// How many periods a channel is looked at before anything is said of it.
+/// The number of pauses from which the period of a channel is learned.
 const LEARNING_PERIODS: usize = 32;
 
-/// A pause is one from so many periods on.
+/// The maximum pause, in periods.
 const PAUSE: u64 = 10;
 
-/// How far a dropout reaches beyond its length, in µs: what was lost then was published shortly before.
+/// The time after a dropout in which pauses are excused, in µs. The lost data was published shortly before the dropout.
 const DROPOUT_MARGIN: u64 = 1_000_000;
 
 #[derive(Default)]
@@ -36,16 +39,16 @@ struct Gaps {
     channels: PerChannel<Rhythm>,
     /// The time of the latest message of any channel.
     now: u64,
-    /// Up to when pauses have a reason.
+    /// The end of the time in which a dropout excuses pauses.
     excused_until: u64,
 }
 
-/// The rhythm of a channel. Its period is the median of the first pauses; from then on an estimate of the median that
-/// needs no memory: it goes up and down by a small step, so that rare pauses don't move it.
+/// The rhythm of a channel. Its period starts as the median of the first pauses. Each further pause changes it by a
+/// small step at most, so rare long pauses have little effect.
 #[derive(Clone, Default)]
 struct Rhythm {
     latest: u64,
-    /// None until it is learned.
+    /// `None` until it is learned.
     period: Option<u64>,
     first: Vec<u64>,
 }
@@ -74,8 +77,8 @@ impl Checker for Gaps {
             context.violation_of(channel.topic, message.location, definition, || {
                 let (pause, most) = (time_text(pause), time_text(period.saturating_mul(PAUSE)));
                 let period = time_text(period);
-                Detail::new(format!("{pause} without a message, where one comes each {period}"))
-                    .expected(format!("{most} at most, or a dropout"))
+                Detail::new(format!("no message for {pause}, but the period is {period}"))
+                    .expected(format!("at most {most}, or a dropout"))
                     .actual(pause)
             });
         }
@@ -110,10 +113,10 @@ fn time_text(time: u64) -> String {
     }
 }
 
-/// An hour, in µs: longer than any flight of tests.
+/// An hour, in µs: longer than any test flight.
 const HOUR: u64 = 3_600_000_000;
 
-/// The last message of a topic comes late.
+/// Delays the last message of a topic.
 fn pause<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     flight.with_last(flight.regular(|_| true)?, |message| message["timestamp"] = HOUR.into())
 }

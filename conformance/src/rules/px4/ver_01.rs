@@ -9,16 +9,19 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-VER-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The version behind the name of a topic, `_vN`, is that of the message.",
-        source: "MESSAGE_VERSION of the type that a file brings along, or else of the definition",
-        applies_to: "names of topics",
-        why: "",
-        example: "",
-        fix: "",
+        statement: "The version suffix of a topic name, `_vN`, is the version of its message.",
+        source: "`MESSAGE_VERSION` of the type in the capture, or else of the definition",
+        applies_to: "topic names",
+        why: "Subscribers select a message version by the topic name. With a wrong suffix, they \
+            decode the message with another definition.",
+        example: "topic:      /fmu/out/arming_check_request_v2\n\
+            definition: uint32 MESSAGE_VERSION = 1",
+        fix: "Publish the message under the suffix of its version, or build the publisher with the \
+            definition of the version in the topic name.",
     },
     check: Check::State(|| Box::new(Versions)),
     mutants: &[Mutant {
-        name: "a topic of another version",
+        name: "a topic name with another version",
         change: Change::Flight(|flight| {
             let topic = flight.regular(|message| message.version.is_some())?;
             let mut flight = flight.clone();
@@ -34,30 +37,32 @@ struct Versions;
 impl Checker for Versions {
     fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
         let message = channel.definition.map(|id| context.definitions.schema.message(id));
-        // A topic may well be called so itself.
+        // The definition may list the name with its suffix as a topic.
         let message = message.filter(|message| message.topics.iter().all(|topic| topic != channel.topic));
         let Some((message, version)) = message.zip(version_of(channel.topic)) else {
             return Interest::Nothing;
         };
         context.covered();
-        // A source of another version than the definition may well agree with itself.
-        let (whose, stated) = match channel.version {
-            Some(stated) => ("its schema", stated),
+        // The capture may use another version than the definition. Then its own schema counts.
+        let (source, expected) = match channel.version {
+            Some(version) => ("its schema", version),
             None => ("the definition", message.version.unwrap_or(0)),
         };
-        if version != stated.to_string() {
+        if version != expected.to_string() {
             let definition = context.defined(channel.definition);
             context.violation_of(channel.topic, channel.location, definition, || {
-                Detail::new(format!("the topic is of version {version}, {whose} of version {stated}"))
-                    .expected(stated.to_string())
-                    .actual(version)
+                Detail::new(format!(
+                    "the topic name has version {version}, but {source} has version {expected}"
+                ))
+                .expected(expected.to_string())
+                .actual(version)
             });
         }
         Interest::Nothing
     }
 }
 
-/// The version behind the name of a topic; behind that may stand the number of an instance, `battery_status_v1_0`.
+/// The version suffix of a topic name, which may be followed by an instance: `battery_status_v1_0`.
 fn version_of(topic: &str) -> Option<&str> {
     let (_, behind) = topic.rsplit_once("_v")?;
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
@@ -73,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_version_is_a_number() {
+    fn finds_versions_in_topic_names() {
         for (topic, version) in [
             ("glider_v1", Some("1")),
             ("glider_v12_0", Some("12")),

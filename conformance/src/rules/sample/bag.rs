@@ -1,4 +1,4 @@
-//! Flights as MCAP, as rosbag2 writes it: CDR with schemas as `ros2msg`.
+//! Flights as MCAP files like those of rosbag2: CDR with `ros2msg` schemas.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -10,33 +10,33 @@ use uavspec_runtime::cdr::ByteOrder;
 use super::Flight;
 use crate::capture::MCAP_MAGIC;
 
-/// What stands between the definitions of a schema.
+/// The line between the definitions in a schema.
 const SEPARATOR: &str = "================================================================================";
 
-/// A file of MCAP without chunks.
+/// An MCAP file without chunks.
 #[derive(Clone, Debug)]
 pub(crate) struct Bag {
-    /// Its channels; the id of each is its index.
+    /// The channels. The id of a channel is its index.
     pub channels: Vec<BagChannel>,
-    /// Index of the channel, time in ns, and payload of each message.
+    /// The messages: channel index, time in ns, and payload.
     pub messages: Vec<(u16, u64, Vec<u8>)>,
 }
 
 /// A channel with its schema.
 #[derive(Clone, Debug)]
 pub(crate) struct BagChannel {
-    /// Its topic.
+    /// The topic.
     pub topic: String,
-    /// The name of its type.
+    /// The name of the message type.
     pub schema: String,
-    /// The definition of its type, with those that it nests.
+    /// The definition of the message type, with the nested definitions.
     pub text: String,
-    /// The hash of its type.
+    /// The type hash.
     pub hash: String,
 }
 
 impl Bag {
-    /// The file of a flight.
+    /// Creates the file of a flight.
     pub(super) fn from_flight(flight: &Flight<'_>) -> Self {
         let schema = &flight.definitions.schema;
         let channels = flight.topics.iter().map(|topic| {
@@ -68,7 +68,7 @@ impl Bag {
         let mut bytes = MCAP_MAGIC.to_vec();
         record(&mut bytes, 0x01, &[&text("ros2"), &text("uavspec")]);
         for (id, channel) in (0_u16..).zip(&self.channels) {
-            // 0 is no schema.
+            // Schema id 0 means no schema.
             let schema = (id + 1).to_le_bytes();
             let definition = sized(channel.text.as_bytes());
             record(&mut bytes, 0x03, &[&schema, &text(&channel.schema), &text("ros2msg"), &definition]);
@@ -98,9 +98,9 @@ fn record(bytes: &mut Vec<u8>, kind: u8, parts: &[&[u8]]) {
     bytes.extend(body);
 }
 
-/// Bytes behind their length.
+/// Prefixes bytes with their length.
 fn sized(bytes: &[u8]) -> Vec<u8> {
-    // No definition is longer than that.
+    // No definition is longer.
     [&u32::try_from(bytes.len()).unwrap_or(u32::MAX).to_le_bytes(), bytes].concat()
 }
 
@@ -108,14 +108,14 @@ fn text(text: &str) -> Vec<u8> {
     sized(text.as_bytes())
 }
 
-/// The definition of a message as ROS 2 has it, and those of the messages that it nests.
-fn text_of(schema: &Schema, of: MessageId) -> String {
+/// The ROS 2 definition of a message, followed by the nested definitions.
+fn text_of(schema: &Schema, root: MessageId) -> String {
     let mut text = String::new();
-    let mut reported = BTreeSet::from([of.0]);
-    let mut waiting = vec![of];
+    let mut seen = BTreeSet::from([root.0]);
+    let mut waiting = vec![root];
     while let Some(id) = waiting.pop() {
         let message = schema.message(id);
-        if id != of {
+        if id != root {
             let name = ros_name(schema, message).replace("/msg/", "/");
             // Writing to a string can't fail.
             let _ = write!(text, "{SEPARATOR}\nMSG: {name}\n");
@@ -123,7 +123,7 @@ fn text_of(schema: &Schema, of: MessageId) -> String {
         text += &fields(schema, message);
         for field in &message.fields {
             if let Element::Message(nested) = field.ty.element
-                && reported.insert(nested.0)
+                && seen.insert(nested.0)
             {
                 waiting.push(nested);
             }

@@ -5,21 +5,21 @@ use super::Flight;
 /// An encoding of a flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Encoding {
-    /// A log of PX4.
+    /// ULog.
     Ulog,
-    /// MCAP with messages as CDR.
+    /// MCAP with CDR messages.
     Mcap,
-    /// JSON Lines that name the type of each message.
+    /// JSON Lines with the type of each message.
     Lines,
-    /// JSON Lines of rosbridge, which name the topic of each message.
+    /// JSON Lines of rosbridge, with the topic of each message.
     Rosbridge,
 }
 
 impl Encoding {
-    /// All of them.
+    /// All encodings.
     pub(crate) const ALL: [Self; 4] = [Self::Ulog, Self::Mcap, Self::Lines, Self::Rosbridge];
 
-    /// Its name.
+    /// The name.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Ulog => "ULog",
@@ -29,22 +29,24 @@ impl Encoding {
         }
     }
 
-    /// The capture of a flight; none if the encoding can't hold one of its messages.
+    /// Encodes a flight. `None` if the encoding can't represent one of its messages.
     pub(crate) fn write(self, flight: &Flight<'_>) -> Option<Vec<u8>> {
-        let is_whole = |written: usize| written == flight.messages.len();
+        let is_complete = |written: usize| written == flight.messages.len();
         match self {
-            Self::Ulog => Some(flight.log()).filter(|log| is_whole(log.messages())).map(|log| log.to_bytes()),
+            Self::Ulog => {
+                Some(flight.log()).filter(|log| is_complete(log.messages())).map(|log| log.to_bytes())
+            }
             Self::Mcap => {
-                Some(flight.bag()).filter(|bag| is_whole(bag.messages.len())).map(|bag| bag.to_bytes())
+                Some(flight.bag()).filter(|bag| is_complete(bag.messages.len())).map(|bag| bag.to_bytes())
             }
             Self::Lines => Some(flight.lines().to_bytes()),
             Self::Rosbridge => Some(flight.rosbridge().to_bytes()),
         }
     }
 
-    /// The capture of a changed flight; none if the encoding doesn't show the change.
+    /// Encodes a changed flight. `None` if the encoding doesn't represent the change.
     pub(in crate::rules) fn write_change(self, flight: &Flight<'_>, changed: &Flight<'_>) -> Option<Vec<u8>> {
-        let is_shown = self != Self::Lines || flight.messages != changed.messages;
-        if is_shown { self.write(changed) } else { None }
+        let is_changed = self != Self::Lines || flight.messages != changed.messages;
+        if is_changed { self.write(changed) } else { None }
     }
 }

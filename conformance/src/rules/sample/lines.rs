@@ -7,12 +7,12 @@ use super::Flight;
 /// JSON Lines.
 #[derive(Clone, Debug)]
 pub(crate) struct Lines {
-    /// A message each, with what says what it is.
+    /// The lines, with one message each.
     pub lines: Vec<String>,
 }
 
 impl Lines {
-    /// Each line names the type of its message.
+    /// Creates lines with the type of each message.
     pub(super) fn typed(flight: &Flight<'_>) -> Self {
         let schema = &flight.definitions.schema;
         let line = |topic: usize, value: &Value| {
@@ -23,7 +23,7 @@ impl Lines {
         Self::from_flight(flight, line)
     }
 
-    /// Each line names the topic of its message, as rosbridge does.
+    /// Creates rosbridge lines with the topic of each message.
     pub(super) fn published(flight: &Flight<'_>) -> Self {
         let line = |topic: usize, value: &Value| {
             let topic = format!("/fmu/out/{}", flight.topics[topic].name);
@@ -36,7 +36,7 @@ impl Lines {
         Self { lines: flight.messages.iter().map(|sent| line(sent.topic, &sent.value).to_string()).collect() }
     }
 
-    /// Replaces text in the last line that has it.
+    /// Replaces text in the last line that contains it.
     #[must_use]
     pub(crate) fn with_text(mut self, from: &str, to: &str) -> Option<Self> {
         let line = self.lines.iter_mut().rfind(|line| line.contains(from))?;

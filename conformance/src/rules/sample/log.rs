@@ -1,4 +1,4 @@
-//! Flights as logs of PX4.
+//! Flights as ULog files.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -10,33 +10,33 @@ use uavspec_runtime::Scalar;
 use super::{Flight, START};
 use crate::capture::ULOG_MAGIC;
 
-/// A log of PX4, entry by entry.
+/// The entries of a ULog.
 #[derive(Clone, Debug)]
 pub(crate) struct Log {
-    /// All that follows its header.
+    /// The entries after the header.
     pub entries: Vec<Entry>,
 }
 
 /// An entry of a log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Entry {
-    /// Flag bits: none is set.
+    /// Flag bits, none of which is set.
     FlagBits,
-    /// A key with its type, and its value.
+    /// A key with its type, and a value.
     Information(&'static str, Vec<u8>),
-    /// The name of a format, and its fields.
+    /// A format: its name and its fields.
     Format(String, String),
-    /// An id, an instance and a topic.
+    /// A subscription: id, instance and topic.
     Subscription(u16, u8, String),
-    /// An id and a payload.
+    /// A data message: id and payload.
     Data(u16, Vec<u8>),
-    /// How long records were lost, in ms.
-    #[cfg_attr(not(test), expect(dead_code, reason = "only tests lose records"))]
+    /// A dropout: its duration in ms.
+    #[cfg_attr(not(test), expect(dead_code, reason = "only tests write dropouts"))]
     Dropout(u16),
 }
 
 impl Log {
-    /// The log of a flight: the id of a topic is its index.
+    /// Creates the log of a flight. The id of a topic is its index.
     pub(super) fn from_flight(flight: &Flight<'_>) -> Self {
         let mut log =
             Self { entries: vec![Entry::FlagBits, Entry::Information("char[3] sys_name", b"PX4".to_vec())] };
@@ -55,20 +55,20 @@ impl Log {
         log
     }
 
-    /// The format of a type, and those of the types that it nests.
-    fn format(&mut self, name: &str, of: MessageType<'_>, named: &mut BTreeSet<String>) {
+    /// Adds the format of a type and of its nested types.
+    fn format(&mut self, name: &str, ty: MessageType<'_>, named: &mut BTreeSet<String>) {
         if !named.insert(name.to_owned()) {
             return;
         }
-        self.entries.push(Entry::Format(name.to_owned(), fields(of)));
-        for field in of.layout() {
+        self.entries.push(Entry::Format(name.to_owned(), fields(ty)));
+        for field in ty.layout() {
             if let PlacedElement::Message(nested) = field.element {
                 self.format(&snake_case(nested.name()), nested, named);
             }
         }
     }
 
-    /// The number of its messages.
+    /// The number of data messages.
     pub(super) fn messages(&self) -> usize {
         self.entries.iter().filter(|entry| matches!(entry, Entry::Data(..))).count()
     }
@@ -84,7 +84,7 @@ impl Log {
         Some(self)
     }
 
-    /// The fields of the format of a name.
+    /// The fields of the format with this name.
     pub(crate) fn format_mut(&mut self, name: &str) -> Option<&mut String> {
         self.entries.iter_mut().find_map(|entry| match entry {
             Entry::Format(known, fields) if known == name => Some(fields),
@@ -97,7 +97,7 @@ impl Log {
         let mut bytes = [&ULOG_MAGIC[..], &[1], &START.to_le_bytes()].concat();
         for entry in &self.entries {
             let (kind, payload) = entry.to_bytes();
-            // Longer ones than the format allows don't come of definitions.
+            // No definition results in an entry that is longer than the format allows.
             bytes.extend(u16::try_from(payload.len()).unwrap_or(u16::MAX).to_le_bytes());
             bytes.push(kind);
             bytes.extend(payload);
@@ -124,9 +124,9 @@ impl Entry {
     }
 }
 
-/// The fields of a format, with the padding that memory has.
-fn fields(of: MessageType<'_>) -> String {
-    let mut placed: Vec<Placed<'_>> = of.layout().collect();
+/// The fields of a format, with the padding of the memory layout.
+fn fields(ty: MessageType<'_>) -> String {
+    let mut placed: Vec<Placed<'_>> = ty.layout().collect();
     placed.sort_by_key(|field| field.offset);
     let (mut text, mut end, mut paddings) = (String::new(), 0, 0);
     // Writing to a string can't fail.
@@ -147,11 +147,11 @@ fn fields(of: MessageType<'_>) -> String {
         let _ = write!(text, "{}{array} {};", type_of(field.element), field.name);
         end = field.offset + field.stride * elements;
     }
-    pad(&mut text, end, of.size().map_or(end, |size| size.padded));
+    pad(&mut text, end, ty.size().map_or(end, |size| size.padded));
     text
 }
 
-/// A type as formats name it.
+/// The name of a type in a format.
 fn type_of(element: PlacedElement<'_>) -> String {
     match element {
         PlacedElement::Scalar(scalar) => match scalar {
@@ -162,13 +162,13 @@ fn type_of(element: PlacedElement<'_>) -> String {
             _ => format!("{}_t", scalar.name()),
         },
         PlacedElement::Text(_) => "char".to_owned(),
-        // No message of fixed size has one.
+        // Messages of a fixed size have no strings.
         PlacedElement::String => String::new(),
         PlacedElement::Message(nested) => snake_case(nested.name()),
     }
 }
 
-/// The name of a message as topics write it.
+/// Converts a message name to `snake_case`, as in topic names.
 fn snake_case(name: &str) -> String {
     let mut text = String::new();
     for (at, letter) in name.char_indices() {

@@ -19,8 +19,8 @@ pub(super) const INTRODUCTION: Check = Check {
 pub(super) const HELLO_MEMBERS: Check = Check {
     id: "hello-members",
     statement: "the hello has a name, a version, known ops and formats, and types such as px4/Event",
-    help: "send for example {\"op\":\"hello\",\"protocol\":1,\"name\":\"my-codec\",\"version\":\"1.2\",\"ops\":[\"decode\"],\
-           \"formats\":[\"uorb\"],\"types\":[\"px4/Event\"]}",
+    help: "send for example {\"op\":\"hello\",\"protocol\":1,\"name\":\"my-codec\",\"version\":\"1.2\",\
+           \"ops\":[\"decode\"],\"formats\":[\"uorb\"],\"types\":[\"px4/Event\"]}",
     attempt: hello_members,
 };
 

@@ -48,8 +48,8 @@ fn reports_gaps_of_more_than_ten_periods() {
     let result = run_check(&log);
     let group = result.findings.groups().next().expect("a finding");
     let detail = &group.examples[0].1;
-    assert_eq!(detail.message, "220 ms without a message, where one comes each 20 ms");
-    assert_eq!((&*detail.expected, &*detail.actual), ("200 ms at most, or a dropout", "220 ms"));
+    assert_eq!(detail.message, "no message for 220 ms, but the period is 20 ms");
+    assert_eq!((&*detail.expected, &*detail.actual), ("at most 200 ms, or a dropout", "220 ms"));
 }
 
 #[test]
@@ -77,7 +77,7 @@ fn reports_no_gap_after_an_old_first_message() {
     at(&mut log, [FIRST + 39 * 20 + 300]);
     let result = run_check(&log);
     let detail = &result.findings.groups().next().expect("a finding").examples[0].1;
-    assert_eq!(detail.message, "300 µs without a message, where one comes each 20 µs");
+    assert_eq!(detail.message, "no message for 300 µs, but the period is 20 µs");
 }
 
 /// One irregular interval changes the learned period only slightly.
@@ -223,6 +223,6 @@ fn reads_a_version_suffix_unless_a_topic_has_that_name() {
     let result = check_sonde(&["sonde_v3"], &[FIRST]);
     assert_eq!((violated(&result), covered(&result, "PX-VER-01")), (vec![], 1));
     let result = check_sonde(&["sonde_v3", "sonde_v4"], &[FIRST]);
-    let message = "sonde_v4: the topic is of version 4, the definition of version 3";
+    let message = "sonde_v4: the topic name has version 4, but the definition has version 3";
     assert_eq!(violated(&result), [("PX-VER-01", message.to_owned())]);
 }

@@ -42,7 +42,7 @@ pub(crate) fn message(channel: u16, payload: &[u8]) -> Vec<u8> {
     record(5, &[&channel.to_le_bytes(), &[0; 4], &7_u64.to_le_bytes(), &7_u64.to_le_bytes(), payload])
 }
 
-/// How records are stored in a file.
+/// The storage of records in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Form {
     Unchunked,

@@ -99,14 +99,22 @@ fn compares_the_topic_version_with_the_schema_in_the_file() {
     for (topic, text, problem) in [
         ("/glider_v2", of_version(2), ""),
         ("/glider_v3", of_version(3), ""),
-        ("/glider_v2", of_version(3), "glider_v2: the topic is of version 2, its schema of version 3"),
-        ("/glider_v3", of_version(2), "glider_v3: the topic is of version 3, its schema of version 2"),
+        (
+            "/glider_v2",
+            of_version(3),
+            "glider_v2: the topic name has version 2, but its schema has version 3",
+        ),
+        (
+            "/glider_v3",
+            of_version(2),
+            "glider_v3: the topic name has version 3, but its schema has version 2",
+        ),
         ("/glider_v2", without.clone(), ""),
-        ("/glider_v3", without, "glider_v3: the topic is of version 3, the definition of version 2"),
+        ("/glider_v3", without, "glider_v3: the topic name has version 3, but the definition has version 2"),
         (
             "/glider_v3",
             "int8 a[".to_owned(),
-            "glider_v3: the topic is of version 3, the definition of version 2",
+            "glider_v3: the topic name has version 3, but the definition has version 2",
         ),
         ("/glider_v3_1", of_version(3), ""),
         ("/glider_velocity", of_version(2), ""),

@@ -1,21 +1,21 @@
-//! The rules of `breaking`. What is said of the examples is what the rules themselves say, when the pages are
-//! made.
+//! The rules of `breaking`. The output in the examples comes from the rules themselves.
 
-use super::chapter::{Chapter, OVERVIEW, RulePage, Shown, rule_link};
+use super::chapter::{Chapter, Listing, OVERVIEW, RulePage, rule_link};
 use crate::breaking::{Between, Category, RULES, Rule, breaking};
 use crate::diagnostic::Level;
-use crate::emit::docs::markdown::{Table, gist, text_column, with_code};
+use crate::emit::docs::markdown::{Table, code, gist, link, text_column, with_code};
 use crate::example::{Example, packages};
 use crate::read::read;
 use crate::render;
+use crate::report::GUIDE_URL;
 use crate::source::SourceMap;
 
-/// What stands above the table.
+/// The text above the table.
 const ABOUT: &str = "\
-`cargo xtask breaking --against REV` compares the definitions with an earlier state. A rule is one kind of \
-change; the columns say whom it breaks: `source` programs that are built from the definitions, `json`, `cdr` \
-(DDS and ROS 2) and `uorb` (memory, and with it logs) those that exchange messages so, `version` whoever \
-relies on MESSAGE_VERSION, `semantic` whoever gives a value its meaning.";
+`cargo xtask breaking --against REV` compares the definitions with an earlier version. Each rule is one kind of \
+change. The columns show who is affected: `source` means programs built from the definitions; `json`, `cdr` (DDS and \
+ROS 2) and `uorb` (memory and logs) mean peers that exchange messages in these formats; `version` means users of MESSAGE_VERSION; \
+`semantic` means users of a value's meaning.";
 
 pub(super) fn chapter() -> Chapter {
     Chapter {
@@ -27,18 +27,18 @@ pub(super) fn chapter() -> Chapter {
 }
 
 fn table() -> Table {
-    let mut columns = vec![text_column("Rule"), text_column("What changed")];
+    let mut columns = vec![text_column("Rule"), text_column("Change")];
     columns.extend(Category::ALL.map(|category| text_column(category.name())));
     let mut table = Table::new(&columns);
     for rule in RULES {
-        let mut row = vec![rule_link(OVERVIEW, rule.id), with_code(&gist(rule.purpose, usize::MAX))];
+        let mut row = vec![rule_link(OVERVIEW, rule.id), with_code(&gist(rule.statement, usize::MAX))];
         row.extend(Category::ALL.map(|category| level(rule, category).map_or("", Level::name).to_owned()));
         table.row(row);
     }
     table
 }
 
-/// How badly a change breaks a category; none where it doesn't.
+/// The level at which a change breaks a category, if it does.
 fn level(rule: &Rule, category: Category) -> Option<Level> {
     rule.breaks.iter().find(|(broken, _)| *broken == category).map(|(_, level)| *level)
 }
@@ -46,24 +46,26 @@ fn level(rule: &Rule, category: Category) -> Option<Level> {
 fn page(rule: &Rule) -> RulePage {
     let facts = Category::ALL
         .into_iter()
-        .filter_map(|category| Some((category.name(), level(rule, category)?.name().to_owned())));
+        .filter_map(|category| Some(format!("{}: {}", category.name(), level(rule, category)?.name())));
+    let changes = rule.old.iter().zip(rule.new);
+    let changes = changes.filter_map(|(old, new)| Listing::difference(old.file(), new.file()));
+    let guide = link("the guide", &format!("{GUIDE_URL}breaking.html#options"));
     RulePage {
         id: rule.id,
-        purpose: rule.purpose,
+        statement: rule.statement,
         facts: facts.collect(),
-        examples: vec![
-            Shown { heading: "Before", files: files(rule.old), output: String::new() },
-            Shown { heading: "After", files: files(rule.new), output: output(rule) },
-        ],
-        after: Vec::new(),
+        why: rule.why,
+        example: changes.chain([Listing::output(output(rule))]).collect(),
+        fix: rule.fix,
+        corrected: Vec::new(),
+        configuration: format!(
+            "{} sets the level from which the command fails: see {guide}. Single changes can't be ignored.",
+            code("--deny LEVEL")
+        ),
     }
 }
 
-fn files(examples: &[Example]) -> Vec<(String, String)> {
-    examples.iter().map(|example| (example.path.to_owned(), example.text.to_owned())).collect()
-}
-
-/// What the rule says of its examples.
+/// The output of the rule for its examples.
 fn output(rule: &Rule) -> String {
     let mut sources = SourceMap::default();
     let mut schema = |folder, examples: &[Example]| {

@@ -1,18 +1,18 @@
-//! The rules of `lint`. What is said of the examples is what the rules themselves say, when the pages are
-//! made.
+//! The rules of `lint`. The output in the examples comes from the rules themselves.
 
-use super::chapter::{Chapter, OVERVIEW, RulePage, Shown, rule_link};
+use super::chapter::{Chapter, Listing, OVERVIEW, RulePage, rule_link};
 use crate::diagnostic::Level;
-use crate::emit::docs::markdown::{Table, code, gist, number_column, text_column, with_code};
-use crate::example::{Example, catalogues, is_catalogue, packages};
+use crate::emit::docs::markdown::{Table, code, gist, link, text_column, with_code};
+use crate::example::{catalogues, is_catalogue, packages};
 use crate::finding::Finding;
 use crate::lint::{Check, Levels, Measured, Preset, RULES, Rule, Settings, lint};
 use crate::msg::{Dialect, Kind};
 use crate::render;
+use crate::report::GUIDE_URL;
 use crate::schema::Form;
 use crate::source::SourceMap;
 
-/// How a level is shown that a preset doesn't give.
+/// The level of a rule that a preset leaves out.
 const OFF: &str = "off";
 
 pub(super) fn chapter() -> Chapter {
@@ -25,15 +25,15 @@ pub(super) fn chapter() -> Chapter {
     }
 }
 
-/// What stands above the table.
+/// The text above the table.
 const ABOUT: &str = "\
-`cargo xtask lint` looks at definitions for what should be written otherwise. The preset `px4` holds what \
-PX4's documentation standard asks and whatever makes readers go wrong, `strict` holds all rules but that on PX4's own list of units; \
-`lint.preset` and `lint.levels` in `uavspec.toml` choose. Findings were counted in all messages of PX4 \
-(`px4_msgs` main at a4a9864), and a sample of them was judged by hand: right is what somebody who knows the \
-definition would change.";
+`cargo xtask lint` finds definitions that are valid but misleading, incomplete or inconsistent. The preset `px4` \
+contains the rules of PX4's documentation standard, and mistakes that mislead readers or parsers. The preset `strict` \
+contains all rules except `unit-unlisted`. Set `lint.preset` and `lint.levels` in `uavspec.toml`. The pages state the number of \
+findings in PX4's own messages (`px4_msgs` main at a4a9864). A finding is correct if an expert would change the \
+definition.";
 
-/// A rule, and what it finds in its bad example.
+/// A rule with its output for the bad example.
 struct Described {
     rule: &'static Rule,
     output: String,
@@ -42,47 +42,47 @@ struct Described {
 
 impl Described {
     fn of(rule: &'static Rule) -> Self {
-        let (sources, findings) = judge(rule);
+        let (sources, findings) = lint_bad_example(rule);
         let is_fixable = findings.iter().any(|finding| !finding.fix.is_empty());
         Self { rule, output: render::findings(&findings, &sources, false), is_fixable }
     }
 
     fn page(&self) -> RulePage {
-        let Rule { id, purpose, levels, bad, good, measured, .. } = *self.rule;
-        let mut facts = vec![("Level", shown_levels(levels))];
-        if let Some(measured) = measured {
-            facts.push(("In the messages of PX4", sentence(measured)));
-        }
+        let Rule { id, statement, why, fix, levels, bad, good, measured, .. } = *self.rule;
+        let mut facts = vec![format!("Level: {}", levels_text(levels))];
         if self.is_fixable {
-            facts.push(("Mended by", "`cargo xtask lint --fix`".to_owned()));
+            facts.push("Fixed by `cargo xtask lint --fix`".to_owned());
         }
-        let bad = Shown { heading: "Found", files: files(bad), output: self.output.clone() };
-        let good = Shown { heading: "Not found", files: files(good), output: String::new() };
-        RulePage { id, purpose, facts, examples: vec![bad, good], after: letting_stand(self.rule) }
+        facts.extend(measured.map(measured_text));
+        RulePage {
+            id,
+            statement,
+            facts,
+            why,
+            example: vec![Listing::output(self.output.clone())],
+            fix,
+            corrected: Listing::difference(bad.file(), good.file()).into_iter().collect(),
+            configuration: configuration(self.rule),
+        }
     }
 }
 
 fn table(rules: &[Described]) -> Table {
     let columns = [
         text_column("Rule"),
-        text_column("What it asks"),
+        text_column("What it reports"),
         text_column("`px4`"),
         text_column("`strict`"),
-        number_column("Findings in PX4"),
-        text_column("Right"),
-        text_column("Mended"),
+        text_column("`--fix`"),
     ];
     let mut table = Table::new(&columns);
     for described in rules {
-        let Rule { id, purpose, levels, measured, .. } = *described.rule;
-        let right = |measured: Measured| format!("{} of {}", measured.right, measured.sample);
+        let Rule { id, statement, levels, .. } = *described.rule;
         table.row([
             rule_link(OVERVIEW, id),
-            with_code(&gist(purpose, usize::MAX)),
+            with_code(&gist(statement, usize::MAX)),
             name(levels.px4).to_owned(),
             name(levels.strict).to_owned(),
-            measured.map(|measured| measured.findings.to_string()).unwrap_or_default(),
-            measured.filter(|measured| measured.sample > 0).map(right).unwrap_or_default(),
             if described.is_fixable { "yes".to_owned() } else { String::new() },
         ]);
     }
@@ -93,7 +93,7 @@ fn name(level: Option<Level>) -> &'static str {
     level.map_or(OFF, Level::name)
 }
 
-fn shown_levels(levels: Levels) -> String {
+fn levels_text(levels: Levels) -> String {
     let of = |preset| name(levels.of(preset));
     let (px4, strict) = (of(Preset::Px4), of(Preset::Strict));
     if px4 == strict {
@@ -103,64 +103,47 @@ fn shown_levels(levels: Levels) -> String {
     }
 }
 
-/// What was measured, in words.
-fn sentence(measured: Measured) -> String {
-    let Measured { findings, sample, right, remark } = measured;
-    let findings = match findings {
-        0 => return "no finding".to_owned(),
-        1 => "1 finding".to_owned(),
-        count => format!("{count} findings"),
-    };
-    let judged = match sample {
-        0 => String::new(),
-        _ if right == sample => format!("; of {sample} that were judged, all are right"),
-        _ => format!("; of {sample} that were judged, {right} are right"),
-    };
-    let remark = if remark.is_empty() { String::new() } else { format!(" ({})", with_code(remark)) };
-    format!("{findings}{judged}{remark}")
+/// The number of findings in PX4's messages, and how many are correct.
+fn measured_text(measured: Measured) -> String {
+    let Measured { findings, sample, right } = measured;
+    match findings {
+        0 => "PX4's messages: no findings".to_owned(),
+        1 => format!("PX4's messages: 1 finding, {right} of {sample} correct"),
+        _ if findings == sample => {
+            format!("PX4's messages: {findings} findings, {right} of {sample} correct")
+        }
+        _ => format!("PX4's messages: {findings} findings, {right} of {sample} in a sample correct"),
+    }
 }
 
-/// How to let a finding stand.
-fn letting_stand(rule: &Rule) -> Vec<String> {
+/// A line about ignoring findings and switching the rule off.
+fn configuration(rule: &Rule) -> String {
     let id = rule.id;
-    let off =
-        format!("To turn the rule off, write `{id} = \"off\"` below `[lint.levels]` in `uavspec.toml`.");
+    let off = format!("set {} in `lint.levels` of `uavspec.toml`", code(&format!("{id} = \"off\"")));
+    let guide = link("the guide", &format!("{GUIDE_URL}lint.html#ignore-a-finding"));
     if matches!(rule.check, Check::Ignores) {
-        return vec![off];
+        return format!("To switch the rule off, {off}: see {guide}.");
     }
-    if is_catalogue(rule.bad.path) {
-        let stand = format!(
-            "To let findings in a catalogue stand, name the rule, the file and the reason in a table `lint.ignore` of \
-             `uavspec.toml`: {}.",
-            code(&format!("{{ rule = \"{id}\", path = \"i18n/uk.po\", reason = \"…\" }}"))
-        );
-        return vec![stand, off];
-    }
-    let (request, whole) = match form(rule.bad.path) {
-        Form::Table => (format!("<!-- uavspec:ignore {id} reason -->"), "On a line of its own"),
-        Form::Msg(_) => (
-            format!("# uavspec:ignore {id} reason"),
-            "It may stand above the line, too. In the comment at the head",
-        ),
+    let ignore = match form(rule.bad.path) {
+        _ if is_catalogue(rule.bad.path) => {
+            format!(
+                "add an entry with the rule {}, the path of the catalogue and a reason to `lint.ignore`",
+                code(id)
+            )
+        }
+        Form::Table => format!("add {} to the line", code(&format!("<!-- uavspec:ignore {id} REASON -->"))),
+        Form::Msg(_) => format!("add {} to the line", code(&format!("# uavspec:ignore {id} REASON"))),
     };
-    let stand = format!(
-        "To let a finding stand, write {} behind its line. {whole} it is for the whole file.",
-        code(&request)
-    );
-    vec![stand, off]
+    format!("To ignore a finding, {ignore}. To switch the rule off, {off}: see {guide}.")
 }
 
-fn files(example: Example) -> Vec<(String, String)> {
-    example.files().into_iter().map(|(path, text)| (path.to_owned(), text.to_owned())).collect()
-}
-
-/// How an example is written, by its extension.
+/// The form of an example, by its extension.
 fn form(path: &str) -> Form {
     if Kind::of(path).is_some() { Form::Msg(Dialect::Px4) } else { Form::Table }
 }
 
-/// What a rule finds in its bad example, at the level that it has where it is on.
-fn judge(rule: &Rule) -> (SourceMap, Vec<Finding>) {
+/// The findings of a rule in its bad example.
+fn lint_bad_example(rule: &Rule) -> (SourceMap, Vec<Finding>) {
     let mut sources = SourceMap::default();
     let packages = packages(rule.bad.files(), "", &mut sources);
     let catalogues = catalogues(rule.bad.files(), "", &mut sources);
@@ -177,14 +160,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_measured_is_said_in_words() {
-        let measured =
-            |findings, sample, right, remark| sentence(Measured { findings, sample, right, remark });
-        assert_eq!(measured(0, 0, 0, ""), "no finding");
-        assert_eq!(measured(1, 1, 1, ""), "1 finding; of 1 that were judged, all are right");
-        assert_eq!(
-            measured(90, 30, 28, "two are `|` tables"),
-            "90 findings; of 30 that were judged, 28 are right (two are <code>&#124;</code> tables)"
-        );
+    fn describes_what_was_measured() {
+        let text = |findings, sample, right| measured_text(Measured { findings, sample, right });
+        assert_eq!(text(0, 0, 0), "PX4's messages: no findings");
+        assert_eq!(text(1, 1, 1), "PX4's messages: 1 finding, 1 of 1 correct");
+        assert_eq!(text(90, 30, 28), "PX4's messages: 90 findings, 28 of 30 in a sample correct");
     }
 }

@@ -1,4 +1,4 @@
-//! What the readers report and that is no rule: nothing is generated where there is any.
+//! The parser errors. They are no rules: if a definition has errors, nothing is generated.
 
 use std::fmt::Write as _;
 
@@ -9,8 +9,8 @@ use crate::emit::file::OutputFile;
 use crate::lint;
 use crate::report::READING_PAGE;
 
-/// Its heading.
-pub(super) const TITLE: &str = "Errors of the readers";
+/// Heading of the page.
+pub(super) const TITLE: &str = "Parser errors";
 
 pub(super) fn path() -> String {
     format!("rules/{READING_PAGE}.md")
@@ -21,14 +21,14 @@ pub(super) fn page() -> OutputFile {
     let mut page = Page::new(&path, TITLE);
     let rules = link("rules", &href(&path, OVERVIEW, ""));
     page.block(&format!(
-        "What keeps a definition from being read as it is meant. Nothing is generated from it, and none of \
-         this can be ignored. Words in braces stand for what is found. What the readers only warn of are {rules}."
+        "uavspec generates nothing from a definition with one of these errors, and they can't be ignored. Words in \
+         braces are placeholders. Parser warnings are {rules}."
     ));
-    // What a rule says of the same code stands on its page.
+    // Codes that are also rules have a page.
     let (rules, others): (Vec<&ProblemKind>, Vec<&ProblemKind>) =
         Problem::KINDS.iter().partition(|kind| lint::rule(kind.code).is_some());
     for kind in others {
-        // The heading is the place that addresses lead to: GitHub and mdBook make it of the text.
+        // URLs point to the anchor of this heading, which GitHub and mdBook derive from the text.
         page.heading(2, &code(kind.code));
         page.gap();
         page.item(0, &format!("{}: {}", kind.level.name(), with_code(&template(kind.message))));
@@ -42,7 +42,7 @@ pub(super) fn page() -> OutputFile {
     page.finish()
 }
 
-/// A template as people read it: `{byte:02x}` is `{byte}`.
+/// Removes the format specifications from a template: `{byte:02x}` becomes `{byte}`.
 fn template(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     let mut rest = text;
@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn templates_are_shown_without_their_formats() {
+    fn templates_have_no_format_specifications() {
         assert_eq!(template("0x{byte:02x} of `{type_name}`"), "0x{byte} of `{type name}`");
         assert_eq!(template("none"), "none");
     }
