@@ -1,17 +1,17 @@
-//! Characters that have no place in a definition or a page: they end lines for other tools, or hide text.
+//! Characters that are not allowed in definitions and pages: they end lines in other tools, or hide text.
 
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::span::Span;
 
-/// Bidirectional controls and characters without width (Unicode 15, UAX #9 and general category Cf).
-/// U+200C and U+200D are left out: scripts need them to join letters.
+/// True for bidirectional controls and zero-width characters (Unicode 15, UAX #9 and general category Cf). U+200C and
+/// U+200D are allowed: some scripts need them to join letters.
 fn is_invisible(character: char) -> bool {
     matches!(character,
         '\u{061c}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}'
         | '\u{2060}'..='\u{2069}' | '\u{feff}' | '\u{e0000}'..='\u{e007f}')
 }
 
-/// Names what other tools take for the end of a line.
+/// The name of a character that other tools treat as the end of a line.
 fn line_separator(character: char) -> Option<&'static str> {
     match character {
         '\r' => Some("a carriage return"),
@@ -25,10 +25,10 @@ fn line_separator(character: char) -> Option<&'static str> {
     }
 }
 
-/// How many of them are reported of one line: a line may hold millions.
+/// The maximum number of diagnostics per line. A line may contain millions of these characters.
 const MAX_PER_LINE: usize = 100;
 
-/// Diagnoses what hides text in a line of a page. Pages are prose: what ends a line there is no matter.
+/// Reports invisible characters in a line of a page. Pages may contain line separators.
 pub(crate) fn check_invisible(line: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
     if line.is_ascii() {
         return;
@@ -40,8 +40,7 @@ pub(crate) fn check_invisible(line: &str, span: Span, diagnostics: &mut Vec<Diag
     }
 }
 
-/// Diagnoses each such character of a line. The common line, plain text and tabs, costs one pass
-/// over its bytes.
+/// Reports all disallowed characters in a line. A line of plain ASCII and tabs costs one pass over its bytes.
 pub(crate) fn check(line: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
     if line.bytes().all(|byte| matches!(byte, b'\t' | b' '..=b'~')) {
         return;

@@ -1,4 +1,4 @@
-//! The command line that an `xtask` embeds, here and in other workspaces.
+//! The command line that an `xtask` embeds, in this workspace and in others.
 //!
 //! ```no_run
 //! fn main() -> std::process::ExitCode {
@@ -8,8 +8,8 @@
 //!
 //! A build script calls [`generate`](crate::generate()) instead, which prints nothing.
 //!
-//! Exit status: 0 all is well; 1 mistakes in the definitions, or stale output or layout with `--check`;
-//! 2 the command can't be carried out: wrong usage, missing input, unwritable output.
+//! Exit status: 0 success; 1 errors in the definitions, or stale output or layout with `--check`; 2 the command failed
+//! because of wrong usage, missing input or unwritable output.
 
 mod arguments;
 mod breaking;
@@ -26,39 +26,45 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Makes drone interface specifications executable: reads `.msg` definitions and specification
-/// tables, and generates Rust types, JSON Schemas, documentation, test vectors, TypeScript and Python from them.
+/// Generates code, schemas and documentation from drone interface definitions.
+///
+/// Reads `.msg` definitions and specification tables.
 #[derive(Debug, Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask", version)]
+#[command(
+    name = "cargo xtask",
+    bin_name = "cargo xtask",
+    version,
+    after_help = "Run `cargo xtask COMMAND --help` for examples."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
 }
 
-/// The commands, to be embedded among those of another command line.
+/// The commands, to embed in another command line.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Generate Rust types, JSON Schemas, documentation, test vectors, TypeScript and Python from the definitions.
+    /// Generate code, schemas, documentation and test vectors
     Codegen(codegen::CodegenArgs),
-    /// Lay out definitions and error-code tables: spacing, comments, annotations, columns.
+    /// Format definitions and specification pages
     Fmt(format::FmtArgs),
-    /// Print the model of the definitions as JSON.
+    /// Print the model of the definitions as JSON
     Inspect(inspect::InspectArgs),
-    /// Find what should be written otherwise in the definitions, and mend what can be.
+    /// Check the style of definitions, and fix it with --fix
     Lint(lint::LintArgs),
-    /// Bring catalogues of translations up to date with the definitions, or begin one.
+    /// Create translation catalogues, or update them
     Translate(translate::TranslateArgs),
-    /// Compare the definitions with an earlier state, and say what breaks whom.
+    /// Compare the definitions with an earlier version
     Breaking(breaking::BreakingArgs),
 }
 
-/// The whole command line of an `xtask` that does nothing else.
+/// The command line of an `xtask` without other commands.
 pub fn main() -> ExitCode {
     Cli::parse().command.run()
 }
 
 impl Command {
-    /// Carries out the command and reports on standard error.
+    /// Runs the command, and reports on standard error.
     pub fn run(self) -> ExitCode {
         let result = match self {
             Self::Codegen(args) => codegen::run(&args),

@@ -1,5 +1,5 @@
-//! What is wrong with a definition, as data. The texts stand in one table, [`Problem`]; how they are
-//! shown is the business of [`render`](crate::render).
+//! Errors and warnings in definitions. [`Problem`] lists all kinds with their messages; [`render`](crate::render)
+//! prints them.
 //!
 //! ```
 //! use uavspec_codegen::{PackageInput, SourceMap, diagnostic::has_errors, msg::Dialect, read, schema::Form};
@@ -15,22 +15,22 @@ use std::fmt;
 
 use crate::span::Span;
 
-/// How grave a finding is. Diagnostics are errors and warnings.
+/// The severity of a finding. Diagnostics are errors or warnings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Level {
-    /// Worth a look.
+    /// Informational.
     Note,
-    /// The definition can still be read as meant.
+    /// The definition can still be read as intended.
     Warning,
-    /// Nothing is generated from a definition that has one.
+    /// No output is generated from the definitions.
     Error,
 }
 
 impl Level {
-    /// All levels, from the least.
+    /// All levels, from least to most severe.
     pub const ALL: [Self; 3] = [Self::Note, Self::Warning, Self::Error];
 
-    /// Its name in reports and in `uavspec.toml`.
+    /// The name in reports and in `uavspec.toml`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Note => "note",
@@ -40,73 +40,73 @@ impl Level {
     }
 }
 
-/// Something wrong at a place.
+/// A problem and its location.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagnostic {
-    /// What is wrong.
+    /// The problem.
     pub problem: Problem,
-    /// Where.
+    /// The location.
     pub span: Span,
-    /// What to do about it, where that depends on the case; else [`Problem::hint`] says it.
+    /// The advice for this case; if absent, [`Problem::hint`] applies.
     pub hint: Option<String>,
-    /// Other places that have to do with it, each with a word on how.
+    /// Other relevant locations, each with a label.
     pub related: Vec<(Span, String)>,
 }
 
 impl Diagnostic {
-    /// A diagnostic with the hint of its problem.
+    /// Creates a diagnostic with the problem's default hint.
     pub fn new(problem: Problem, span: Span) -> Self {
         Self { problem, span, hint: None, related: Vec::new() }
     }
 
-    /// Puts another hint in place of the problem's own.
+    /// Replaces the problem's default hint.
     #[must_use]
     pub fn with_hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
     }
 
-    /// Adds another place that has to do with the problem.
+    /// Adds another location with a label.
     #[must_use]
     pub fn with_related(mut self, span: Span, label: impl Into<String>) -> Self {
         self.related.push((span, label.into()));
         self
     }
 
-    /// How grave it is.
+    /// The severity.
     pub fn level(&self) -> Level {
         self.problem.level()
     }
 
-    /// What to do about it.
+    /// The advice on how to fix the problem.
     pub fn hint(&self) -> String {
         self.hint.clone().unwrap_or_else(|| self.problem.hint())
     }
 }
 
-/// Whether any of `diagnostics` keeps output from being written.
+/// True if `diagnostics` contain an error, so no output is written.
 pub fn has_errors(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.iter().any(|diagnostic| diagnostic.level() == Level::Error)
 }
 
-/// What every problem of a kind has in common. In its templates `{name}` stands for a fact of the case.
+/// Facts about all problems of one kind. In the templates, `{name}` is a placeholder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProblemKind {
-    /// Its code, a permanent name.
+    /// The permanent identifier.
     pub code: &'static str,
-    /// How grave it is.
+    /// The severity.
     pub level: Level,
-    /// The template of its message, as `format!` takes it.
+    /// The message template, in `format!` syntax.
     pub message: &'static str,
-    /// The template of its hint.
+    /// The hint template.
     pub hint: &'static str,
 }
 
-/// Declares [`Problem`]: for each kind its level, its code, its message and the hint beside its caret.
+/// Declares [`Problem`]: the level, code, message and hint of each kind.
 macro_rules! problems {
     ($($(#[$doc:meta])* $kind:ident $({ $($field:ident: $type:ty),* })? = $level:ident $code:literal
         $message:literal, $hint:literal;)*) => {
-        /// Each kind of problem, with the facts that its message needs.
+        /// A problem, with the values for its message.
         #[derive(Clone, Debug, PartialEq)]
         #[allow(missing_docs)] // of the fields: each is named in the message
         pub enum Problem {
@@ -114,7 +114,7 @@ macro_rules! problems {
         }
 
         impl Problem {
-            /// Every kind of problem, in the order in which a text is read.
+            /// Every kind of problem, in reading order.
             pub const KINDS: &[ProblemKind] = &[$(ProblemKind {
                 code: $code,
                 level: Level::$level,
@@ -122,23 +122,23 @@ macro_rules! problems {
                 hint: $hint,
             }),*];
 
-            /// The code of every problem, each a permanent name.
+            /// The permanent identifiers of all problems.
             pub const CODES: &[&str] = &[$($code),*];
 
-            /// How grave each is, in the order of [`Problem::CODES`].
+            /// The severity of each problem, in the order of [`Problem::CODES`].
             pub const LEVELS: &[Level] = &[$(Level::$level),*];
 
-            /// Its code, a permanent name.
+            /// The permanent identifier.
             pub fn code(&self) -> &'static str {
                 match self { $(Self::$kind $({ $($field: _),* })? => $code,)* }
             }
 
-            /// How grave it is.
+            /// The severity.
             pub fn level(&self) -> Level {
                 match self { $(Self::$kind $({ $($field: _),* })? => Level::$level,)* }
             }
 
-            /// What to do about it.
+            /// The advice on how to fix the problem.
             #[allow(unused_variables, clippy::useless_format)]
             pub fn hint(&self) -> String {
                 match self { $(Self::$kind $({ $($field),* })? => format!($hint),)* }
@@ -155,222 +155,248 @@ macro_rules! problems {
 }
 
 problems! {
-    // Texts
+    // Text encoding
     InvalidUtf8 { byte: u8 } = Error "invalid-utf8"
-        "the byte 0x{byte:02x} is not UTF-8", "save the file as UTF-8";
+        "byte 0x{byte:02x} is not valid UTF-8", "save the file as UTF-8";
     ByteOrderMark = Error "byte-order-mark"
-        "the file starts with a byte order mark", "save it as UTF-8 without one: other tools read it as part of the first word";
+        "the file starts with a byte order mark", "save it as UTF-8 without a byte order mark";
     SourceTooLong { len: usize, max: usize } = Error "source-too-long"
-        "the file has {len} bytes; definitions end at {max}", "is this a definition?";
+        "the file is {len} bytes long; the limit is {max} bytes", "check that this file is a definition";
     LineSeparator { name: &'static str } = Error "line-separator"
-        "{name} in a line", "some tools end the line here and read the rest as a definition: remove it, or end the line with LF";
+        "{name} within a line", "remove it, or end the line with LF; some tools read the rest as a definition";
     ControlCharacter { code: u32 } = Error "control-character"
-        "the control character U+{code:04X}", "remove it";
+        "control character U+{code:04X}", "remove it";
     InvisibleCharacter { code: u32 } = Warning "invisible-character"
-        "the invisible character U+{code:04X}", "it can make the text look other than it is: remove it";
+        "invisible character U+{code:04X}", "remove it; the text may look different from its content";
 
     // Lines of a `.msg` file
     MissingName { type_name: String } = Error "missing-name"
-        "`{type_name}` stands alone", "a field is a type, white space and a name";
+        "expected a name after `{type_name}`", "write a field as `type name`";
     InvalidType { text: String } = Error "invalid-type"
-        "`{text}` is no type", "write a built-in type such as `uint8`, or the name of a message";
+        "`{text}` is not a valid type", "write a built-in type such as `uint8`, or the name of a message";
     InvalidArray { text: String } = Error "invalid-array"
-        "`{text}` is no array length", "write a decimal number without blanks: `[8]`, in ROS 2 also `[<=8]` or `[]`";
+        "`{text}` is not a valid array length",
+        "write a decimal number without spaces: `[8]`; ROS 2 also allows `[<=8]` and `[]`";
     MultiDimensional = Error "multi-dimensional"
-        "arrays have one dimension", "put the inner array into a message of its own";
+        "multi-dimensional arrays are not supported", "move the inner array to a separate message";
     ArrayAfterName { name: String } = Error "array-after-name"
-        "the array length stands after the name `{name}`", "it belongs to the type: `type[N] name`";
+        "the array length follows the name `{name}`", "move it to the type: `type[N] name`";
     ZeroLength = Error "zero-length"
-        "an array or string of no elements", "give it a length of 1 or more, or remove the field";
+        "an array or string of length 0", "use a length of 1 or more, or remove the field";
     TooLarge { what: String, max: u64 } = Error "too-large"
-        "{what} takes more than {max} bytes", "no transport carries a message of this size";
+        "{what} exceeds {max} bytes", "make it smaller; no transport carries a message of this size";
     TooManyFields { name: String, max: u64 } = Error "too-many-fields"
-        "`{name}` has more than {max} fields with all that it nests", "hold fewer messages";
+        "`{name}` has more than {max} fields, including nested fields", "nest fewer messages";
     TooMuchNesting { name: String, max: u64 } = Error "too-much-nesting"
-        "with `{name}` all messages have more than {max} fields, nested ones counted in each that holds them",
-        "let messages hold fewer others";
+        "with `{name}`, the messages have more than {max} fields in total, including nested fields",
+        "nest fewer messages";
     NotInDialect { what: String, dialect: &'static str } = Error "not-in-dialect"
-        "the {dialect} dialect has no {what}", "if this is a ROS 2 definition, give its package the dialect `ros2`";
+        "the {dialect} dialect does not support {what}",
+        "if this is a ROS 2 definition, set the dialect of its package to `ros2`";
     InvalidName { name: String } = Error "invalid-name"
-        "`{name}` is no name", "names are letters, digits and `_`, and start with a letter";
+        "`{name}` is not a valid name", "use letters, digits and `_`, and start with a letter";
     NameStyle { name: String, style: &'static str } = Warning "name-style"
-        "`{name}` is not in {style}", "rename it: other tools refuse or change it";
+        "`{name}` is not in {style}", "rename it; other tools reject or change it";
     NameStyleRos { name: String, style: &'static str } = Error "name-refused"
-        "`{name}` is not in {style}, which ROS 2 demands", "rename it; a `_` stands single, and not at the end";
+        "`{name}` is not in {style}, which ROS 2 requires", "rename it, without `__` and without `_` at the end";
     UnexpectedText { text: String } = Error "unexpected-text"
-        "`{text}` after the end of the declaration", "start a comment with `#`, or remove it";
+        "unexpected `{text}` after the declaration", "start a comment with `#`, or remove the text";
     MissingValue { name: String } = Error "missing-value"
-        "the constant `{name}` has no value", "write one after the `=`";
+        "the constant `{name}` has no value", "write a value after `=`";
     ConstantType { type_name: String } = Error "constant-type"
-        "a constant can't be of type `{type_name}`", "constants are scalars, and in ROS 2 also strings without a bound";
+        "a constant cannot have the type `{type_name}`", "use a scalar type; ROS 2 also allows unbounded strings";
     InvalidLiteral { text: String, type_name: String } = Error "invalid-literal"
-        "`{text}` is no value of type `{type_name}`", "write the value itself: no expression and no name";
+        "`{text}` is not a value of type `{type_name}`", "write a literal value, not an expression or a name";
     ConstantOutOfRange { text: String, type_name: String, least: String, greatest: String } = Error "constant-out-of-range"
-        "{text} doesn't fit `{type_name}` ({least} to {greatest})", "pick a value in the range, or a wider type";
+        "{text} does not fit `{type_name}` ({least} to {greatest})", "use a value in this range, or a wider type";
     UnterminatedString = Error "unterminated-string"
-        "the string has no closing quote", "close it in the same line";
+        "the string has no closing quote", "close it on the same line";
     UnknownEscape { escape: String } = Warning "unknown-escape"
-        "`{escape}` is no escape sequence", "it is kept as it stands; write `\\\\` for a backslash";
+        "unknown escape sequence `{escape}`", "it stays unchanged; write `\\\\` for a backslash";
     ArrayDefault { found: usize, length: usize } = Error "array-default"
-        "{found} default values for an array of {length}", "give {length}";
+        "{found} default values for an array of length {length}", "give exactly {length}";
     MisplacedSeparator = Error "misplaced-separator"
-        "`---` where no further part can start", "a .srv file has one of them, an .action file two, a .msg file none";
+        "unexpected `---`", "a .srv file contains one separator, an .action file two, a .msg file none";
     MissingSeparator { found: usize, expected: usize } = Error "missing-separator"
-        "the file has {found} of {expected} parts", "divide the parts by a line `---`, also where one is empty";
+        "expected {expected} parts, found {found}", "separate the parts with a line `---`, even if a part is empty";
     NotPortable { text: String, instead: Option<String> } = Warning "not-portable"
-        "PX4's own generator doesn't read `{text}` as it stands", "write it as PX4 does";
+        "PX4's generator does not accept `{text}`", "use the form that PX4 accepts";
 
     // Annotations in comments
     UnknownAnnotation { name: String, known: String } = Warning "unknown-annotation"
-        "no annotation is called `@{name}`", "it stays part of the text; known are {known}";
+        "unknown annotation `@{name}`", "it stays part of the text; known annotations: {known}";
     MalformedAnnotation { text: String, form: &'static str } = Warning "malformed-annotation"
-        "`{text}` can't be read", "write `{form}`; as it is, it stays part of the text";
-    AnnotationNearMiss { found: String, meant: String } = Warning "annotation-near-miss"
-        "`{found}` is read as `{meant}`", "write `{meant}`";
-    AnnotationAfterText { found: String, meant: String, head: Option<Span> } = Warning "annotation-after-text"
-        "`{found}` stands after the text", "annotations come first: `# [unit] [@…] text`";
+        "malformed annotation `{text}`", "write `{form}`; until then it stays part of the text";
+    AnnotationNearMiss { found: String, expected: String } = Warning "annotation-near-miss"
+        "`{found}` is read as `{expected}`", "write `{expected}`";
+    AnnotationAfterText { found: String, expected: String, head: Option<Span> } = Warning "annotation-after-text"
+        "`{found}` appears after the text", "put annotations first: `# [unit] [@…] text`";
     UnknownUnit { unit: String } = Warning "unknown-unit"
-        "`{unit}` is no known unit", "units are written as in `m/s`, `deg` or `us`; `-` says that the number has none";
+        "unknown unit `{unit}`", "write a unit such as `m/s`, `deg` or `us`, or `-` for a number without a unit";
 
     // Resolving
     UnknownType { name: String, package: String } = Error "unknown-type"
-        "no message `{name}` in package {package}", "add its definition to the inputs";
+        "package {package} has no message `{name}`", "add its definition to the inputs";
     UnknownPackage { package: String } = Error "unknown-package"
-        "no package `{package}` among the inputs", "add its definitions to the inputs";
+        "the inputs contain no package `{package}`", "add its definitions to the inputs";
     Cycle { path: String } = Error "cycle"
-        "a message can't hold itself: {path}", "break the cycle: neither PX4 nor ROS 2 takes one";
+        "a message cannot contain itself: {path}", "break the cycle; PX4 and ROS 2 reject it";
     DuplicateField { name: String } = Error "duplicate-field"
-        "a second field `{name}`", "rename or remove one of them";
+        "duplicate field `{name}`", "rename or remove one of them";
     DuplicateConstant { name: String } = Error "duplicate-constant"
-        "a second constant `{name}`", "rename or remove one of them";
+        "duplicate constant `{name}`", "rename or remove one of them";
     DuplicateMessage { name: String, package: String } = Error "duplicate-message"
-        "a second definition of `{name}` in package {package}", "leave one of the two files out";
+        "duplicate definition of `{name}` in package {package}", "remove one of the two files from the inputs";
     MessageName { stem: String } = Error "message-name"
-        "the file name `{stem}` gives no message name", "name the file after its message: letters and digits, in PascalCase";
+        "the file name `{stem}` is not a valid message name",
+        "name the file after its message: letters and digits, in PascalCase";
     MessageNameStyle { stem: String } = Warning "message-name-style"
         "the message name `{stem}` is not in PascalCase", "rename the file";
     InvalidVersion { what: &'static str, least: u32 } = Error "invalid-version"
-        "`{what}` is an integer of at most 32 bits, and from {least} on", "PX4 knows it by this name: correct it, or call the constant otherwise";
+        "`{what}` must be an integer of at most 32 bits, {least} or greater",
+        "correct the constant, or rename it; PX4 gives this name a special meaning";
     InvalidTopic { topic: String } = Error "invalid-topic"
-        "`{topic}` is no topic name", "topics are in lower_snake_case, separated by spaces";
+        "`{topic}` is not a valid topic name", "write topics in lower_snake_case, separated by spaces";
     DuplicateTopic { topic: String } = Warning "duplicate-topic"
-        "the topic `{topic}` is listed twice", "remove one";
+        "the topic `{topic}` is listed twice", "remove one of them";
     UnknownEnum { prefix: String, place: String } = Warning "unknown-enum"
-        "no constant of {place} starts with `{prefix}_`", "correct the prefix; as it is, the field stays a plain number";
+        "no constant of {place} starts with `{prefix}_`", "correct the prefix; until then the field is a plain number";
     TooManyMembers { max: usize } = Error "too-many-members"
-        "all enums have more than {max} members", "let fewer fields hold each constant";
+        "the enums have more than {max} members in total", "refer to each group of constants from fewer fields";
     UnknownConstant { name: String } = Warning "unknown-constant"
-        "no constant of this message is called `{name}`", "write a number, or the name of a constant; as it is, the annotation says nothing";
+        "this message has no constant `{name}`",
+        "write a number or the name of a constant; until then the annotation is ignored";
     EnumOnNonInteger { type_name: String } = Warning "enum-on-non-integer"
-        "values of an enum are integers, not `{type_name}`", "remove the annotation, or give the field an integer type";
+        "an enum requires an integer type, found `{type_name}`",
+        "remove the annotation, or give the field an integer type";
     EnumValueOutOfRange { constant: String, value: String, type_name: String } = Warning "enum-value-out-of-range"
-        "`{constant}` = {value} doesn't fit the field's {type_name}", "the field can never hold it: widen the field, or correct the constant";
+        "`{constant}` = {value} does not fit the field's type {type_name}", "widen the field, or correct the constant";
     UnknownCountTarget { name: String } = Error "unknown-count-target"
-        "`@count` names no array `{name}` of this message", "name an array field of the same message";
+        "`@count` refers to `{name}`, which is not an array of this message", "name an array field of the same message";
     CountOnNonInteger { type_name: String } = Error "count-on-non-integer"
-        "a field of type `{type_name}` can't count", "counts are integers";
+        "a field of type `{type_name}` cannot be a count", "use an integer type";
     RangeReversed { low: String, high: String } = Warning "range-reversed"
-        "the range ends ({high}) before it starts ({low})", "it is read as `{high}, {low}`: write it so";
+        "the range is reversed: {low} is greater than {high}", "write `{high}, {low}`; it is read in this order";
     AnnotationValueType { text: String, type_name: String } = Warning "annotation-value-type"
-        "a field of type `{type_name}` is never {text}", "correct the value, or the type of the field";
+        "{text} is not a value of type `{type_name}`", "correct the value, or the type of the field";
 
     // Specification tables
     NoTable = Error "no-table"
-        "the page defines nothing", "a table of error codes has the columns Code, Abbr and Description, one of a type Field, Required, Type and Description";
+        "the page contains no definitions",
+        "add a table with the columns Code, Abbr and Description, or Field, Required, Type and Description";
     TableShape { expected: usize, found: usize } = Error "table-shape"
-        "a row of {found} cells in a table of {expected} columns", "give each row a cell for each column";
+        "the row has {found} cells, the table {expected} columns", "give each row one cell per column";
     UnterminatedTable = Error "unterminated-table"
         "the table is not closed", "close it with `|===`";
     MergedCell = Error "merged-cell"
-        "the cell is written for several columns, rows or cells at once", "write each cell out";
+        "merged and repeated cells are not supported", "write out each cell";
     UnknownColumns { header: String } = Error "unknown-columns"
-        "`{header}` is no header of an error-code table", "call its columns Code, Abbr and Description";
+        "`{header}` is not the header of an error-code table", "name the columns Code, Abbr and Description";
     MissingHeading = Error "missing-heading"
-        "the table stands under no heading", "the heading names its class, for example `Warnings (codes 64-127)`";
+        "the table has no heading", "add a heading with the class of its codes, such as `Warnings (codes 64-127)`";
     InvalidCode { text: String } = Error "invalid-code"
-        "`{text}` is no error code", "codes are decimal integers from 0, without sign or leading zeros";
+        "`{text}` is not a valid error code", "write a decimal integer without a sign or leading zeros";
     UnknownClass { heading: String } = Error "unknown-class"
-        "the heading `{heading}` names no class or range of error codes", "write for example `Warnings (codes 64-127)`";
+        "the heading `{heading}` contains no class or range of error codes",
+        "write a heading such as `Warnings (codes 64-127)`";
     ClassRange { class: String, found: String, expected: String } = Error "class-range"
-        "{class} codes are {expected}, the heading says {found}", "correct the range or the name in the heading";
+        "{class} codes are {expected}, but the heading gives {found}", "correct the range or the class in the heading";
     CodeOutsideClass { code: u32, range: String } = Error "code-outside-class"
-        "code {code} stands under a heading for {range}", "move it to the table of its class";
+        "code {code} is under a heading for {range}", "move it to the table of its class";
     DuplicateCode { code: u32 } = Error "duplicate-code"
-        "code {code} is defined twice", "codes are unique in all tables of a package";
+        "code {code} is defined twice", "use each code once in all tables of a package";
     DuplicateAbbreviation { abbreviation: String, code: u32 } = Error "duplicate-abbreviation"
-        "`{abbreviation}` is also the abbreviation of code {code} in this class", "within a class each abbreviation names one code";
+        "`{abbreviation}` is already the abbreviation of code {code} in this class",
+        "use each abbreviation once per class";
     MissingAbbreviation { code: u32 } = Warning "missing-abbreviation"
-        "code {code} has no abbreviation", "user interfaces will show the number; write `-` where that is meant";
+        "code {code} has no abbreviation", "write `-` if user interfaces should show the number";
     DanglingCode { code: String } = Error "dangling-code"
-        "no table has a code {code}", "correct the reference, or define the code";
+        "code {code} is not defined", "correct the reference, or define the code";
     OneSidedAlternative { code: u32, other: u32 } = Warning "one-sided-alternative"
-        "code {code} names {other} as its alternative, but not the reverse", "they are read as alternatives of each other";
+        "code {code} lists {other} as its alternative, but not the reverse",
+        "both are treated as alternatives of each other";
     TooManyAlternatives { code: u32, max: usize } = Error "too-many-alternatives"
-        "code {code} names more than {max} alternatives", "name only the codes that stand for the same event";
+        "code {code} lists more than {max} alternatives", "list only codes for the same event";
     OverlappingBlock { block: String } = Error "overlapping-block"
-        "two tables claim codes {block}", "blocks of two vendors must not overlap";
+        "two tables claim the codes {block}", "give each vendor a separate block";
 
     // Types and messages in tables
-    NearTypeTable { header: String, meant: String } = Warning "near-type-table"
-        "`{header}` is nearly the header of a type table", "call its columns `{meant}`; as it is, the table defines nothing";
+    NearTypeTable { header: String, expected: String } = Warning "near-type-table"
+        "`{header}` is almost the header of a type table",
+        "name the columns `{expected}`; until then the table is ignored";
     TypeName { heading: String } = Error "type-name"
-        "`{heading}` is no name of a type", "call a type by one word in PascalCase; tables that define none have other columns";
+        "`{heading}` is not a valid type name",
+        "use one word in PascalCase; if the table defines no type, rename its columns";
     DuplicateType { name: String } = Error "duplicate-type"
-        "a second definition of `{name}`", "rename or remove one of them";
+        "duplicate definition of `{name}`", "rename or remove one of them";
     InvalidRequired { text: String } = Error "invalid-required"
-        "`{text}` is neither yes nor no", "write `yes` where the field may not be left out, and else `no`";
+        "expected yes or no, found `{text}`", "write `yes` if the field is required, otherwise `no`";
     TupleIndex { found: String, expected: usize } = Error "tuple-index"
-        "index `{found}` where {expected} is due", "indices count from 0, in order";
+        "expected index {expected}, found `{found}`", "number the elements from 0, in order";
     RequiredAfterOptional { name: String } = Error "required-after-optional"
-        "`{name}` is required, but elements before it may be left out", "only the last elements of a tuple can be left out: require those before it, or let them be null";
+        "`{name}` is required, but follows an optional element",
+        "make the earlier elements required, or allow null for them";
     InvalidTypeExpression { text: String } = Error "invalid-type-expression"
-        "`{text}` is no type", "write for example `string`, `list of Name`, `map of integer`, `Name or null` or `one of A, B`";
+        "`{text}` is not a valid type",
+        "write for example `string`, `list of Name`, `map of integer`, `Name or null` or `one of A, B`";
     UndefinedType { name: String, package: String } = Error "undefined-type"
-        "no type `{name}` in package {package}", "define it under a heading of that name, in any page of the package";
+        "package {package} has no type `{name}`",
+        "define it under a heading with this name, on any page of the package";
     EndlessType { path: String } = Error "endless-type"
-        "a value of this type would never end: {path}", "let a type hold itself only in a list, in a map, in a field that may be left out, or where null may stand";
+        "infinitely nested type: {path}", "put the inner value in a list, a map or an optional field, or allow null";
     TooManyParts { name: String, what: &'static str, max: usize } = Error "too-many-parts"
-        "`{name}` has more than {max} {what}", "define types of their own for some of them, or an object in the place of a tuple";
+        "`{name}` has more than {max} {what}",
+        "move some of them to separate types, or use an object in place of a tuple";
     EmptyType { name: String } = Error "empty-type"
-        "the table of `{name}` has no rows", "give it one at least: nothing else could be a value";
+        "the table of `{name}` has no rows", "add at least one row; without rows, no value is valid";
     Openness { name: String, found: &'static str } = Error "openness"
-        "`{name}` is {found}", "the paragraph above the table says one of both: `open set` or `closed set`, `closed object` or `further fields are allowed`";
+        "`{name}` is {found}",
+        "write `open set` or `closed set`, or `closed object` or `further fields are allowed`, above the table";
     MixedSet { name: String } = Error "mixed-set"
-        "the set `{name}` holds integers and strings", "put integers that are strings between quotes, or define two sets";
+        "the set `{name}` mixes integers and strings",
+        "put strings that look like integers in quotes, or define two sets";
     DuplicateValue { value: String } = Error "duplicate-value"
-        "{value} is listed twice", "remove one";
+        "{value} is listed twice", "remove one of them";
     MissingFields { name: String, direction: &'static str } = Error "missing-fields"
-        "nothing says which fields a {direction} of `{name}` has", "give it a table with the columns Field, Required, Type and Description, or a paragraph `No fields beside type.`";
+        "the {direction} of `{name}` has no table of fields",
+        "add a table with the columns Field, Required, Type and Description, or a paragraph `No fields besides type.`";
     MisplacedAnswer { what: &'static str } = Error "misplaced-answer"
-        "a {what} has no answer", "put the line below `Request`, or below the heading of a message that has one";
+        "`Answer:` is not allowed in a {what}",
+        "move the line below `Request`, or below the heading of a message with a request";
     UnknownAnswer { name: String } = Error "unknown-answer"
-        "no message `{name}` has a response", "name messages with a heading `Response`, separated by commas: `Answer: ACK-ACK, ACK-NAK`";
+        "no message `{name}` has a response", "list messages with a heading `Response`: `Answer: ACK-ACK, ACK-NAK`";
     MissingAnswer { name: String } = Warning "missing-answer"
-        "`{name}` has a request, but nothing says what answers it", "define a response, or name the types that answer it: `Answer: ACK-ACK`";
+        "the request of `{name}` has no answer",
+        "define a response, or name the messages that answer it: `Answer: ACK-ACK`";
     MisplacedAnnotation { annotation: &'static str, type_name: String } = Warning "misplaced-annotation"
-        "`{annotation}` says nothing about `{type_name}`", "correct the type, or remove it";
+        "`{annotation}` does not apply to `{type_name}`", "correct the type, or remove the annotation";
 
     // Catalogues of translations
     MalformedCatalogue { what: &'static str } = Error "malformed-catalogue"
-        "{what}", "an entry is `msgctxt`, `msgid` and `msgstr`, each with strings between quotes";
+        "{what}", "write each entry as `msgctxt`, `msgid` and `msgstr`, each followed by strings in quotes";
     CatalogueHeader = Error "catalogue-header"
-        "the catalogue has no header", "begin it with an entry whose `msgid` is empty; `cargo xtask translate LANGUAGE` makes one";
+        "the catalogue has no header",
+        "add a first entry with an empty `msgid`; `cargo xtask translate LANGUAGE` writes one";
     CatalogueEncoding { charset: String } = Error "catalogue-encoding"
-        "the header says that the file is written in `{charset}`", "save it as UTF-8, and write `Content-Type: text/plain; charset=UTF-8`";
+        "the header declares the charset `{charset}`",
+        "save the file as UTF-8, and write `Content-Type: text/plain; charset=UTF-8`";
     CatalogueName { stem: String } = Error "catalogue-name"
-        "`{stem}` is no tag of another language", "call the file after its language, as BCP 47 writes it: `uk.po`, `pt-BR.po`; definitions are in English";
+        "`{stem}` is not the tag of a language other than English",
+        "name the file after its language in BCP 47 form, such as `uk.po` or `pt-BR.po`; definitions are in English";
     CatalogueLanguage { found: String, tag: String } = Error "catalogue-language"
-        "the header says that the language is `{found}`, the name of the file `{tag}`", "correct the one that is wrong";
+        "the language is `{found}` in the header, but `{tag}` in the file name", "correct one of them";
     DuplicateCatalogue { tag: String } = Error "duplicate-catalogue"
-        "a second catalogue for `{tag}`", "put its entries into the first: a language has one file";
+        "duplicate catalogue for `{tag}`", "move its entries to the first; each language has one file";
     DuplicateTranslation { key: String } = Error "duplicate-translation"
-        "a second entry for `{key}`", "remove one of them";
+        "duplicate entry for `{key}`", "remove one of them";
     UnknownTranslation { what: String } = Warning "unknown-translation"
-        "{what} names nothing in the definitions", "correct it, or let `cargo xtask translate` set the entry aside";
+        "{what} does not match any definition", "correct it, or run `cargo xtask translate` to set the entry aside";
     TranslationStale { key: String } = Warning "translation-stale"
-        "the definition of `{key}` has another text now", "it isn't used: `cargo xtask translate` takes over the new text, then translate anew and take the flag `fuzzy` away";
+        "`{key}` has changed since it was translated",
+        "run `cargo xtask translate`, translate the new text, and remove the flag `fuzzy`; until then it is not used";
     TranslationFuzzy { key: String } = Warning "translation-fuzzy"
-        "the translation of `{key}` is marked as fuzzy", "it isn't used: look at it, then take the flag away";
+        "the translation of `{key}` is marked as fuzzy", "review it, then remove the flag; until then it is not used";
     TranslationMissing { tag: String, unit: String, missing: usize, all: usize, some: String } = Warning "translation-missing"
-        "{missing} of {all} texts of `{unit}` have no translation into `{tag}`: {some}", "translate them, after `cargo xtask translate` where they have no entry yet; until then they are shown in English";
+        "{missing} of {all} texts of `{unit}` are not translated into `{tag}`: {some}",
+        "run `cargo xtask translate` to add missing entries, and translate them; until then they are shown in English";
 }

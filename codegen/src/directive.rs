@@ -1,26 +1,26 @@
-//! Directives in comments: `uavspec:ignore RULE reason` asks [`lint`](crate::lint) to let a finding stand.
+//! Directives in comments: `uavspec:ignore RULE reason` tells [`lint`](crate::lint) to ignore a finding.
 
 use crate::span::Span;
 
-/// What a directive starts with.
+/// The start of a directive.
 pub(crate) const MARK: &str = "uavspec:ignore";
 
-/// What may open the comment that holds a directive, before it.
+/// The start of a comment that contains a directive.
 const OPENINGS: [&str; 3] = ["<!--", "//", "#"];
 
-/// A request to let what a rule finds here stand.
+/// An exception from a rule at one location.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Directive<'s> {
-    /// The id of the rule; empty where none is given.
+    /// The id of the rule; empty if absent.
     pub rule: &'s str,
-    /// Why; empty where nothing is said.
+    /// The reason; empty if absent.
     pub reason: &'s str,
-    /// From the mark to the end.
+    /// The location, from the mark to the end.
     pub span: Span,
 }
 
-/// The directive in `text`, which stands at `span`, and where in the text the comment starts that is nothing
-/// but the directive. What follows the mark up to the end of the line belongs to it.
+/// Finds the directive in `text`, which is located at `span`. Also returns the start of the directive's own comment
+/// within the text. The directive extends to the end of the line.
 pub(crate) fn find(text: &str, span: Span) -> Option<(Directive<'_>, usize)> {
     let at = text.find(MARK)?;
     let words = &text[at + MARK.len()..];
@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_directive_is_found_at_the_end_of_any_comment() {
+    fn finds_a_directive_at_the_end_of_any_comment() {
         let found = |text| find(text, Span::default()).map(|(found, at)| (found.rule, found.reason, at));
         assert_eq!(
             found(" [m] Height # uavspec:ignore unit-missing as upstream"),

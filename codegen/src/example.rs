@@ -1,4 +1,4 @@
-//! Small definitions that show what a rule means, in its documentation and in its tests.
+//! Small example definitions for the documentation and tests of rules.
 
 use std::path::Path;
 
@@ -7,27 +7,28 @@ use crate::read::PackageInput;
 use crate::schema::Form;
 use crate::source::{SourceId, SourceMap};
 
-/// A definition that shows what a rule means.
+/// An example definition.
 #[derive(Clone, Copy, Debug)]
 pub struct Example {
-    /// Its file name: the extension says what it is. A `.msg` file is of PX4, in a folder of ROS 2; a `.po` file
-    /// translates `TRANSLATED`.
+    /// The file name. A `.msg` file in a folder belongs to a ROS 2 package, otherwise to PX4. A `.po` file translates
+    /// `TRANSLATED`.
     pub path: &'static str,
-    /// What it says.
+    /// The content.
     pub text: &'static str,
 }
 
-/// The definition that catalogues in examples translate.
+/// The definition that example catalogues translate.
 pub(crate) const TRANSLATED: Example = Example {
     path: "Glider.msg",
     text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
            float32 sink      # [m/s] Sink rate\n",
 };
 
-/// Name of the package that examples without a folder belong to.
+/// The package of PX4 examples.
 const PACKAGE: &str = "demo";
 
-/// The packages that `files` make up, paths and texts, which are shown as if they were in `folder`.
+/// Adds the definitions among `files` (path and text) to `sources`, and returns their packages. Displayed paths start
+/// with `folder`.
 pub fn packages<'f>(
     files: impl IntoIterator<Item = (&'f str, &'f str)>,
     folder: &str,
@@ -49,7 +50,7 @@ pub fn packages<'f>(
     packages
 }
 
-/// The catalogues among `files`, in the same way.
+/// Adds the catalogues among `files` to `sources`, like [`packages`].
 pub fn catalogues<'f>(
     files: impl IntoIterator<Item = (&'f str, &'f str)>,
     folder: &str,
@@ -61,22 +62,22 @@ pub fn catalogues<'f>(
 
 fn add(path: &str, text: &str, folder: &str, sources: &mut SourceMap) -> Option<SourceId> {
     let shown = if folder.is_empty() { path.to_owned() } else { format!("{folder}/{path}") };
-    // Examples are short, and text.
+    // Examples are short and valid UTF-8, so this can't fail.
     sources.add(shown, text.as_bytes().to_vec()).ok()
 }
 
-/// Whether a file holds translations.
+/// True if a file contains translations.
 pub fn is_catalogue(path: &str) -> bool {
     Path::new(path).extension().is_some_and(|extension| extension == "po")
 }
 
 impl Example {
-    /// Path and text.
+    /// The path and text.
     pub fn file(&self) -> (&'static str, &'static str) {
         (self.path, self.text)
     }
 
-    /// Path and text, of what it translates too.
+    /// The path and text, preceded by the definition that it translates.
     pub fn files(&self) -> Vec<(&'static str, &'static str)> {
         if is_catalogue(self.path) { vec![TRANSLATED.file(), self.file()] } else { vec![self.file()] }
     }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Why a command can't be carried out, with what to do about it.
+/// The reason why a command failed, with a hint.
 #[derive(Debug)]
 pub struct Failure {
     message: String,

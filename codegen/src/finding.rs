@@ -1,8 +1,7 @@
-//! What rules find in definitions: the form that `lint` and `breaking` share.
+//! Findings of rules in definitions, shared by `lint` and `breaking`.
 //!
-//! A [`Diagnostic`] says what keeps a text from being read as the specification says; a finding may also be
-//! a matter of care. [`render`](crate::render) shows them to people,
-//! [`report`](crate::report) hands them to programs.
+//! A [`Diagnostic`] is a problem in reading a definition; a finding may also concern style. [`render`](crate::render)
+//! formats findings for people, [`report`](crate::report) for programs.
 //!
 //! ```
 //! use uavspec_codegen::{diagnostic::Level, finding::Finding, source::Span};
@@ -15,50 +14,49 @@
 use crate::diagnostic::{Diagnostic, Level};
 use crate::span::Span;
 
-/// Something that a rule found at a place.
+/// A finding of a rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The id of the rule.
     pub rule: &'static str,
-    /// Whom it breaks, where two sets of definitions were compared.
+    /// The affected category, if two versions were compared.
     pub category: Option<&'static str>,
-    /// How grave it is.
+    /// The severity.
     pub level: Level,
-    /// What is the matter.
+    /// The problem.
     pub message: String,
-    /// What to do about it, or what comes of it.
+    /// The advice or the consequence.
     pub help: String,
-    /// Where. Where two sets of definitions were compared: the place in the new one, or of that which
-    /// held it.
+    /// The location. In a comparison: the location in the new version, or of the enclosing item if it was removed.
     pub span: Span,
-    /// The two places that were compared.
+    /// The compared locations.
     pub sides: Option<Sides>,
-    /// Other places that have to do with it, each with a word on how.
+    /// Other relevant locations, each with a label.
     pub related: Vec<(Span, String)>,
-    /// How to mend it without a doubt; empty where that takes a person.
+    /// The automatic fix; empty if there is none.
     pub fix: Vec<Edit>,
 }
 
-/// The places of something in two sets of definitions, in each where it is there.
+/// The locations of an item in the two versions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sides {
-    /// In the old set.
+    /// The location in the old version.
     pub old: Option<Span>,
-    /// In the new set.
+    /// The location in the new version.
     pub new: Option<Span>,
 }
 
-/// A change of a source.
+/// A change to a source.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Edit {
-    /// What is replaced; an empty span is a place to insert at.
+    /// The replaced text; an empty span is an insertion.
     pub span: Span,
-    /// What comes in its place.
+    /// The new text.
     pub text: String,
 }
 
 impl Finding {
-    /// A finding without anything that only some have.
+    /// Creates a finding with only the required fields.
     pub fn new(rule: &'static str, level: Level, span: Span, message: impl Into<String>) -> Self {
         Self {
             rule,
@@ -73,19 +71,19 @@ impl Finding {
         }
     }
 
-    /// Says what to do about it.
+    /// Sets the advice.
     pub fn help(&mut self, help: impl Into<String>) -> &mut Self {
         self.help = help.into();
         self
     }
 
-    /// Adds another place that has to do with it.
+    /// Adds another location with a label.
     pub fn relate(&mut self, span: Span, label: impl Into<String>) -> &mut Self {
         self.related.push((span, label.into()));
         self
     }
 
-    /// Adds a change that mends it.
+    /// Adds an edit to the automatic fix.
     pub fn edit(&mut self, span: Span, text: impl Into<String>) -> &mut Self {
         self.fix.push(Edit { span, text: text.into() });
         self

@@ -1,4 +1,4 @@
-//! Output from a configuration file, for build scripts and the command line.
+//! Generation of output from a configuration file, for build scripts and the command line.
 
 mod output;
 mod parallel;
@@ -6,7 +6,7 @@ mod parallel;
 use std::path::{Path, PathBuf};
 
 pub(crate) use self::output::{Difference, Folder, compare, write};
-use self::parallel::side_by_side;
+use self::parallel::in_parallel;
 use crate::diagnostic::has_errors;
 use crate::emit::Input;
 use crate::failure::Failure;
@@ -16,14 +16,14 @@ use crate::schema::Schema;
 use crate::source::SourceMap;
 use crate::translation::Translations;
 
-/// What [`generate`] read and wrote.
+/// The result of [`generate`].
 #[derive(Debug)]
 pub struct Generated {
     /// The configuration file and all files that were read.
     pub inputs: Vec<PathBuf>,
-    /// Files that were written or removed, as they were not what they should be.
+    /// Files that were written or removed because they were outdated.
     pub changed: Vec<PathBuf>,
-    /// Warnings, rendered; empty where there are none.
+    /// Rendered warnings; empty if there are none.
     pub warnings: String,
 }
 
@@ -36,7 +36,7 @@ impl Generated {
     }
 }
 
-/// Generates what the configuration file at `config` says: for build scripts.
+/// Generates the outputs of the configuration file at `config`. Intended for build scripts.
 ///
 /// ```no_run
 /// let generated = uavspec_codegen::generate("uavspec.toml").unwrap_or_else(|failure| panic!("{failure}"));
@@ -48,7 +48,7 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     let (loaded, schema, translations, diagnostics) = read_translated(&plan)?;
     let rendered = render::render(&diagnostics, &loaded.sources, false);
     if has_errors(&diagnostics) {
-        return Err(Failure::new(format!("the definitions have mistakes\n{rendered}")));
+        return Err(Failure::new(format!("the definitions contain errors\n{rendered}")));
     }
     let changed = write(&emit_all(&plan, &schema, &translations, &loaded.sources)?)?;
     let mut inputs = loaded.files;
@@ -60,7 +60,7 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     })
 }
 
-/// Runs the emitters that the plan names.
+/// Runs the emitters of the plan.
 pub(crate) fn emit_all(
     plan: &Plan,
     schema: &Schema,
@@ -68,7 +68,7 @@ pub(crate) fn emit_all(
     sources: &SourceMap,
 ) -> Result<Vec<Folder>, Failure> {
     let input = Input { schema, translations, sources };
-    side_by_side(&plan.outputs, |output| {
+    in_parallel(&plan.outputs, |output| {
         Ok(Folder { path: output.path.clone(), files: output.output.emit(input)? })
     })
 }

@@ -1,4 +1,4 @@
-//! Definitions from files: those that a configuration file names, or those at a path.
+//! Reads definitions from the files that a configuration file lists, or from a path.
 //!
 //! ```
 //! let folder = tempfile::tempdir()?;
@@ -11,13 +11,13 @@
 mod config;
 mod files;
 mod lint;
-mod mistake;
+mod located;
 
 use std::path::Path;
 
 pub(crate) use self::config::{Config, Inputs, Plan};
 pub(crate) use self::files::{
-    Loaded, is_definition, literal_base, load, load_beside, load_named, load_with_catalogues,
+    Loaded, is_definition, literal_base, load, load_into, load_named, load_with_catalogues,
 };
 pub(crate) use self::lint::PresetName;
 use crate::diagnostic::{Diagnostic, has_errors};
@@ -28,24 +28,25 @@ use crate::schema::{Form, Schema};
 use crate::source::SourceMap;
 use crate::translation::{self, Translations};
 
-/// Reads definitions for whoever judges by them: a configuration file, a folder with one, or files and folders
-/// of PX4's messages. Mistakes in them are a failure, warnings are not.
+/// Reads definitions from a configuration file, a folder with one, or files and folders with PX4 messages.
+///
+/// Fails if the definitions contain errors; ignores warnings.
 pub fn read_definitions(path: impl AsRef<Path>) -> Result<(SourceMap, Schema), Failure> {
     let (loaded, schema, diagnostics) = read(&plan_at(path.as_ref())?)?;
-    refuse_mistakes(&diagnostics, &loaded.sources)?;
+    fail_on_errors(&diagnostics, &loaded.sources)?;
     Ok((loaded.sources, schema))
 }
 
-/// Reads definitions as [`read_definitions`] does, and their translations, in which mistakes are a failure, too.
+/// Like [`read_definitions`], but also reads the translations. Fails if they contain errors.
 pub fn read_definitions_translated(
     path: impl AsRef<Path>,
 ) -> Result<(SourceMap, Schema, Translations), Failure> {
     let (loaded, schema, translations, diagnostics) = read_translated(&plan_at(path.as_ref())?)?;
-    refuse_mistakes(&diagnostics, &loaded.sources)?;
+    fail_on_errors(&diagnostics, &loaded.sources)?;
     Ok((loaded.sources, schema, translations))
 }
 
-/// What to read at a path, as [`read_definitions`] takes it.
+/// The plan for a path given to [`read_definitions`].
 fn plan_at(path: &Path) -> Result<Plan, Failure> {
     let file = if path.is_file() { Some(path.to_path_buf()) } else { Config::in_folder(path) };
     match file {
@@ -62,12 +63,12 @@ fn plan_at(path: &Path) -> Result<Plan, Failure> {
     }
 }
 
-fn refuse_mistakes(diagnostics: &[Diagnostic], sources: &SourceMap) -> Result<(), Failure> {
+fn fail_on_errors(diagnostics: &[Diagnostic], sources: &SourceMap) -> Result<(), Failure> {
     if !has_errors(diagnostics) {
         return Ok(());
     }
     let rendered = render::render(diagnostics, sources, false);
-    Err(Failure::new(format!("the definitions have mistakes\n{rendered}")))
+    Err(Failure::new(format!("the definitions contain errors\n{rendered}")))
 }
 
 pub(crate) fn read(plan: &Plan) -> Result<(Loaded, Schema, Vec<Diagnostic>), Failure> {
@@ -77,7 +78,7 @@ pub(crate) fn read(plan: &Plan) -> Result<(Loaded, Schema, Vec<Diagnostic>), Fai
     Ok((loaded, schema, diagnostics))
 }
 
-/// Definitions, their translations, and all that is to be said of both.
+/// Definitions, their translations, and the diagnostics of both.
 pub(crate) type Translated = (Loaded, Schema, Translations, Vec<Diagnostic>);
 
 pub(crate) fn read_translated(plan: &Plan) -> Result<Translated, Failure> {
@@ -85,7 +86,7 @@ pub(crate) fn read_translated(plan: &Plan) -> Result<Translated, Failure> {
     let (schema, mut diagnostics) = crate::read::read(&loaded.sources, &loaded.packages);
     diagnostics.append(&mut loaded.diagnostics);
     let mut translations = Translations::default();
-    // Translations of what can't be read would seem to name nothing.
+    // If definitions can't be read, their translations would appear to be unknown.
     if !has_errors(&diagnostics) {
         let (resolved, mut found) = translation::resolve(&loaded.sources, &schema, &loaded.catalogues);
         translations = resolved;

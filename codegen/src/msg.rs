@@ -1,7 +1,7 @@
-//! The `.msg` language and its relatives `.srv` and `.action`: text to syntax tree.
+//! The `.msg` language and the related `.srv` and `.action`: text to syntax tree.
 //!
-//! Parsing goes line by line and never stops: a line that makes no sense gives a diagnostic and the
-//! next one is read. The tree keeps everything that is written, comments and blank lines included.
+//! The parser reads line by line and doesn't stop at errors: it reports an invalid line and continues with the next.
+//! The tree preserves everything, including comments and empty lines.
 //!
 //! ```
 //! use uavspec_codegen::msg::{Dialect, Kind};
@@ -28,7 +28,7 @@ pub(crate) use self::parser::is_separator;
 use crate::diagnostic::Diagnostic;
 use crate::source::{SourceId, SourceMap};
 
-/// Parses the source `id`. The tree holds all that could be read.
+/// Parses the source `id`. The tree contains everything that could be read.
 pub fn parse(
     sources: &SourceMap,
     id: SourceId,

@@ -1,8 +1,8 @@
-//! Paths by their texts.
+//! Lexical operations on paths.
 
 use std::path::{Component, Path, PathBuf};
 
-/// Takes `.` and `a/..` out of a path, by its text alone.
+/// Removes `.` and `a/..` from a path, without access to the file system.
 pub(crate) fn normalise(path: &Path) -> PathBuf {
     let mut normal = PathBuf::new();
     for component in path.components() {
@@ -17,7 +17,7 @@ pub(crate) fn normalise(path: &Path) -> PathBuf {
     normal
 }
 
-/// The path of the folder `to` as an address in a page of the folder `from`, by their texts alone.
+/// The relative URL from a page in the folder `from` to the folder `to`.
 pub(crate) fn seen_from(from: &Path, to: &Path) -> String {
     let (from, to) = (normalise(from), normalise(to));
     let shared = from.components().zip(to.components()).take_while(|(left, right)| left == right).count();
@@ -31,7 +31,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn folders_are_seen_from_each_other() {
+    fn finds_the_relative_path_between_folders() {
         for (from, to, expected) in [
             ("../generated/docs", "../generated/schemas", "../schemas"),
             ("docs/messages", "./schemas", "../../schemas"),

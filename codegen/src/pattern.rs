@@ -1,34 +1,34 @@
-//! Regular expressions of strings: which ones all readers of JSON Schema take in one sense, and texts that
-//! satisfy them.
+//! Checks that all JSON Schema validators interpret a regular expression in the same way, and finds examples that
+//! match them.
 
 use regex_syntax::ParserBuilder;
 use regex_syntax::hir::{Class, Hir, HirKind};
 
-/// What means something to one of the dialects alone: to Rust's, or to that of ECMA-262 which JSON Schema names.
+/// Syntax that only one dialect supports: Rust's, or that of ECMA-262, which JSON Schema uses.
 const FOREIGN: [&str; 11] = ["(?", "\\A", "\\z", "\\Z", "\\x{", "\\p", "\\P", "[:", "&&", "--", "~~"];
 
-/// A text grows no longer than this.
+/// The maximum length of an example.
 const MAX_EXAMPLE_LEN: usize = 1_000;
 
-/// Whether the dialects agree on what a regular expression means.
+/// True if all dialects interpret the regular expression in the same way.
 pub(crate) fn is_known(pattern: &str) -> bool {
     let plain = pattern.replace("(?:", "(");
     FOREIGN.iter().all(|foreign| !plain.contains(foreign)) && parse(pattern).is_some()
 }
 
-/// Whether a text satisfies a regular expression, which need not hold all of it.
+/// True if a part of the text matches the regular expression.
 pub(crate) fn is_match(pattern: &str, text: &str) -> bool {
     regex_lite::Regex::new(pattern).is_ok_and(|regex| regex.is_match(text))
 }
 
-/// A short text that satisfies a regular expression; none where none is found.
+/// A short text that matches a regular expression, or `None` if none is found.
 pub(crate) fn example(pattern: &str) -> Option<String> {
     let mut text = String::new();
     append(&parse(pattern)?, &mut text)?;
     is_match(pattern, &text).then_some(text)
 }
 
-/// Characters are those of ASCII: classes such as `\d` mean them alone in ECMA-262.
+/// Characters are ASCII, because classes such as `\d` contain only ASCII in ECMA-262.
 fn parse(pattern: &str) -> Option<Hir> {
     ParserBuilder::new().unicode(false).utf8(false).build().parse(pattern).ok()
 }
@@ -50,13 +50,15 @@ fn append(hir: &Hir, text: &mut String) -> Option<()> {
     (text.len() <= MAX_EXAMPLE_LEN).then_some(())
 }
 
-/// A letter or digit of the class, if it has one, or else another character that can be seen.
+/// A letter or digit of the class, otherwise another visible character or a space.
 fn character(class: &Class) -> Option<char> {
     let Class::Bytes(class) = class else { return None };
-    let holds = |byte: u8| class.ranges().iter().any(|range| (range.start()..=range.end()).contains(&byte));
+    let contains =
+        |byte: u8| class.ranges().iter().any(|range| (range.start()..=range.end()).contains(&byte));
     let mut letters = (b'a'..=b'z').chain(b'A'..=b'Z').chain(b'0'..=b'9');
-    let found =
-        letters.find(|byte| holds(*byte)).or_else(|| (b'!'..=b'~').chain([b' ']).find(|byte| holds(*byte)));
+    let found = letters
+        .find(|byte| contains(*byte))
+        .or_else(|| (b'!'..=b'~').chain([b' ']).find(|byte| contains(*byte)));
     found.map(char::from)
 }
 
@@ -80,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn what_dialects_read_differently_is_refused() {
+    fn rejects_syntax_that_dialects_interpret_differently() {
         for pattern in ["(?i)a", r"\Aa", r"\p{L}", "[[:alpha:]]", "(", "[a&&b]", "a{2", r"(?<n>a)"] {
             assert!(!is_known(pattern), "{pattern}");
         }

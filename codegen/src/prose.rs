@@ -1,8 +1,8 @@
-//! Texts of definitions in Markdown, be it rustdoc or a page: whatever they hold comes out as text.
+//! Texts of definitions, escaped for Markdown and HTML.
 
 use std::fmt::Write as _;
 
-/// A text of several lines, as paragraphs and simple lists.
+/// Escapes a text of several lines, but keeps paragraphs and simple lists.
 pub(crate) fn block(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len() + 16);
     for (index, line) in text.lines().enumerate() {
@@ -22,7 +22,7 @@ pub(crate) fn block(text: &str) -> String {
     escaped
 }
 
-/// A text on one line, fit for the cell of a table.
+/// Escapes a text and puts it on one line, for cells of a table.
 pub(crate) fn inline(text: &str) -> String {
     let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     let mut escaped = String::with_capacity(text.len() + 16);
@@ -30,13 +30,13 @@ pub(crate) fn inline(text: &str) -> String {
     escaped
 }
 
-/// A name or value as code.
+/// Formats a name or value as code.
 #[cfg(feature = "rust")]
 pub(crate) fn code(text: &str) -> String {
     format!("`{}`", text.replace(['`', '\n'], "'"))
 }
 
-/// Text and attribute values of XML and HTML.
+/// Escapes text and attribute values for XML and HTML.
 pub(crate) fn xml(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
@@ -51,7 +51,7 @@ pub(crate) fn xml(text: &str) -> String {
     escaped
 }
 
-/// A path or anchor of an address, in which only plain characters stand for themselves.
+/// Encodes a path or fragment for a URL.
 pub(crate) fn percent_encoded(text: &str) -> String {
     let mut encoded = String::with_capacity(text.len());
     for byte in text.bytes() {
@@ -65,7 +65,7 @@ pub(crate) fn percent_encoded(text: &str) -> String {
     encoded
 }
 
-/// What a text says in short: its first sentence, cut where it is longer than `limit` characters.
+/// The first sentence of a text, truncated to `limit` characters.
 pub(crate) fn gist(text: &str, limit: usize) -> String {
     let sentence = &text[..sentence_end(text)];
     let Some((cut, _)) = sentence.char_indices().nth(limit) else { return sentence.to_owned() };
@@ -73,7 +73,7 @@ pub(crate) fn gist(text: &str, limit: usize) -> String {
     format!("{} …", sentence[..end].trim_end())
 }
 
-/// Where the first sentence ends: before white space that a capital follows, or at a blank line.
+/// The end of the first sentence: before white space followed by a capital letter, or at an empty line.
 fn sentence_end(text: &str) -> usize {
     let paragraph = text.find("\n\n").unwrap_or(text.len());
     let mut ends = text[..paragraph].match_indices(['.', '!', '?']).map(|(at, _)| at);
@@ -85,7 +85,7 @@ fn sentence_end(text: &str) -> usize {
     ends.find(is_end).map_or(paragraph, |at| at + 1)
 }
 
-/// Whether a text ends with `e.g`, whose full stop ends no sentence.
+/// True if a text ends with an abbreviation such as `e.g`, whose full stop doesn't end a sentence.
 fn is_abbreviated(text: &str) -> bool {
     let word = text.rsplit(char::is_whitespace).next().unwrap_or_default().trim_start_matches(['(', '[']);
     word.contains('.') || matches!(word, "cf" | "etc" | "vs")
@@ -96,7 +96,7 @@ fn escape(line: &str, out: &mut String) {
     let mut previous = ' ';
     while let Some(character) = rest.chars().next() {
         if let Some(address) = address(rest).filter(|_| !previous.is_alphanumeric()) {
-            // A bare address would be a warning in rustdoc.
+            // A bare URL causes a warning in rustdoc.
             out.push('<');
             out.push_str(address);
             out.push('>');
@@ -118,7 +118,7 @@ fn escape(line: &str, out: &mut String) {
 fn needs_escape(character: char, previous: char, next: char, is_at_start: bool) -> bool {
     match character {
         '\\' | '`' | '*' | '[' | ']' | '<' | '>' | '|' | '~' | '$' => true,
-        // Within a word it means nothing, and most names have one.
+        // An underscore within a word has no meaning in Markdown, and most names contain one.
         '_' => !(previous.is_alphanumeric() && next.is_alphanumeric()),
         '&' => next == '#' || next.is_alphabetic(),
         '#' | '+' | '-' | '=' => is_at_start,
@@ -126,13 +126,13 @@ fn needs_escape(character: char, previous: char, next: char, is_at_start: bool) 
     }
 }
 
-/// The `.` or `)` of a number at the start of a line, which would start a list.
+/// True for the `.` or `)` after a number at the start of a line, which would start a list.
 fn is_ordinal_mark(line: &str, rest: &str, character: char) -> bool {
     let before = &line[..line.len() - rest.len()];
     matches!(character, '.' | ')') && !before.is_empty() && before.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// The web address that `text` starts with.
+/// The URL at the start of `text`.
 fn address(text: &str) -> Option<&str> {
     if !text.starts_with("http://") && !text.starts_with("https://") {
         return None;
@@ -145,7 +145,7 @@ fn address(text: &str) -> Option<&str> {
     is_plain.then_some(address)
 }
 
-/// Controls and direction marks, which could make a text look other than it is, become U+FFFD.
+/// Replaces control characters and direction marks, which could disguise a text, with U+FFFD.
 pub(crate) fn visible(character: char) -> char {
     let is_harmless = !character.is_control()
         && !matches!(character, '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{61c}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}');
@@ -157,7 +157,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_gist_is_the_first_sentence() {
+    fn gist_is_the_first_sentence() {
         assert_eq!(gist("One (e.g. This). Two.", 99), "One (e.g. This).");
         assert_eq!(gist("Version 2.10 of it", 99), "Version 2.10 of it");
         assert_eq!(gist("One\n\nTwo", 99), "One");
@@ -167,7 +167,7 @@ mod tests {
 
     #[cfg(feature = "rust")]
     #[test]
-    fn markup_comes_out_as_text() {
+    fn markup_is_escaped() {
         assert_eq!(inline("[x] a|b <b> *c* `d` e_f _g_"), r"\[x\] a\|b \<b\> \*c\* \`d\` e_f \_g\_");
         assert_eq!(inline("# no heading\n1. no list"), r"\# no heading 1. no list");
         assert_eq!(block("1. no list\n+ nor this\n- but this"), "1\\. no list\n\\+ nor this\n- but this");
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn addresses_become_links() {
+    fn urls_become_links() {
         assert_eq!(inline("see http://x.org/a_b."), "see <http://x.org/a_b>.");
         assert_eq!(inline("(https://x.org)"), "(<https://x.org>)");
     }

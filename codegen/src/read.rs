@@ -1,4 +1,4 @@
-//! Packages of definitions: from texts to the schema.
+//! Parsing of packages: from source texts to the schema.
 
 use crate::diagnostic::Diagnostic;
 use crate::msg::{self, Kind};
@@ -7,27 +7,27 @@ use crate::schema::{Form, Schema};
 use crate::source::{SourceId, SourceMap, Span, stem};
 use crate::table;
 
-/// The sources of a package, and what is known of it beforehand.
+/// A package to read.
 #[derive(Clone, Debug)]
 pub struct PackageInput {
-    /// Its name: a module, a folder and a part of schema addresses.
+    /// The name, used for a module, a folder and schema URLs.
     pub name: String,
-    /// The form of its sources.
+    /// The form of the sources.
     pub form: Form,
-    /// The name that ROS knows it by; that of the package, where absent, and `px4_msgs` for px4.
+    /// The name of the ROS package; by default the name of the package, and `px4_msgs` for PX4.
     pub ros_package: Option<String>,
-    /// Where its definitions come from.
+    /// The origin of the definitions.
     pub origin: Option<String>,
-    /// Which state of the origin they follow.
+    /// The revision of the origin.
     pub revision: Option<String>,
-    /// Which messages are wanted, with what they refer to; all, where absent.
+    /// The selected messages, which include referenced messages; `None` for all.
     pub select: Option<Vec<(String, Span)>>,
-    /// Its sources.
+    /// The sources.
     pub sources: Vec<SourceId>,
 }
 
 impl PackageInput {
-    /// A package of which nothing more is known: all its messages are wanted.
+    /// Creates a package in which all messages are selected.
     pub fn new(name: impl Into<String>, form: Form, sources: Vec<SourceId>) -> Self {
         Self {
             name: name.into(),
@@ -41,10 +41,10 @@ impl PackageInput {
     }
 }
 
-/// The package in which PX4's messages reach ROS 2.
+/// The ROS 2 package of PX4's messages.
 const PX4_ROS_PACKAGE: &str = "px4_msgs";
 
-/// Reads packages: the whole way from text to model.
+/// Reads packages into a schema.
 ///
 /// ```
 /// use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
@@ -65,7 +65,7 @@ pub fn read(sources: &SourceMap, packages: &[PackageInput]) -> (Schema, Vec<Diag
     (schema, diagnostics)
 }
 
-/// Parses all sources; the packages are sorted by name, as those of the schema will be.
+/// Parses all sources. The packages are sorted by name, as in the schema.
 pub(crate) fn parse_all<'s>(
     sources: &'s SourceMap,
     packages: &[PackageInput],

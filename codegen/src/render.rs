@@ -7,7 +7,7 @@
 //! let id = sources.add("Wind.msg", "float32 speed  # [parsec] Speed\n".into()).unwrap();
 //! let (_, diagnostics) = read(&sources, &[PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])]);
 //! let text = render::render(&diagnostics, &sources, false);
-//! assert!(text.starts_with("warning[unknown-unit]: `parsec` is no known unit\n --> Wind.msg:1:18"));
+//! assert!(text.starts_with("warning[unknown-unit]: unknown unit `parsec`\n --> Wind.msg:1:18"));
 //! ```
 
 use std::fmt::Write as _;

@@ -1,7 +1,7 @@
-//! Findings as other programs take them: one value, several formats.
+//! Machine-readable reports of findings, in several formats.
 //!
-//! Whatever judges, definitions here or outputs of an implementation in the conformance suite, makes a
-//! [`Report`]; the formats know nothing of spans or rules.
+//! Checks of definitions, and the checks of the conformance suite, produce a [`Report`]. The formats are independent of
+//! spans and rules.
 //!
 //! ```
 //! use uavspec_codegen::diagnostic::Level;
@@ -28,7 +28,7 @@ mod tests;
 pub use self::model::{Entry, Format, Place, READING_PAGE, RULES_URL, Region, Report, RuleInfo, rule_url};
 
 impl Report {
-    /// The report as text of a format, with a newline at the end where it isn't empty.
+    /// The report as text. Ends with a newline unless it is empty.
     pub fn to_text(&self, format: Format) -> String {
         match format {
             Format::Json => json::write(self),

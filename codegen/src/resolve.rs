@@ -1,5 +1,5 @@
-//! Syntax trees to model: names become references, and all that is wrong across lines and files is
-//! found. The only place that knows both sides.
+//! Converts syntax trees to the model. Resolves names, and reports errors that concern several lines or files. Only
+//! this module uses both the syntax tree and the model.
 
 mod declare;
 mod enums;
@@ -21,8 +21,8 @@ use self::resolver::Resolver;
 use crate::diagnostic::{Diagnostic, has_errors};
 use crate::schema::Schema;
 
-/// Resolves all packages together, which are sorted by name. Where an error is among the diagnostics, the
-/// schema is not complete, and nothing should be generated from it.
+/// Resolves all packages together. They must be sorted by name. If the diagnostics contain an error, the schema is
+/// incomplete, and no output should be generated from it.
 pub(crate) fn resolve(packages: &[PackageSource<'_>]) -> (Schema, Vec<Diagnostic>) {
     let mut resolver = Resolver::default();
     resolver.declare(packages);

@@ -1,4 +1,4 @@
-//! Files of the user that a command changes: all of them or none.
+//! Atomic changes to user files: either all files are written or none.
 //!
 //! ```
 //! use uavspec_codegen::rewrite::{Change, write};
@@ -20,20 +20,20 @@ use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
 
-/// A file and what it should hold.
+/// A change to a file.
 #[derive(Debug)]
 pub struct Change {
-    /// The file itself: no link leads on from here.
+    /// The file, with symbolic links resolved.
     pub path: PathBuf,
-    /// Its path as it is shown.
+    /// The displayed path.
     pub shown: String,
-    /// What it holds.
+    /// The current content.
     pub old: String,
-    /// What it should hold.
+    /// The new content.
     pub new: String,
 }
 
-/// Replaces the files. All is staged before any is put in place, so that a full disk leaves all as it was.
+/// Replaces the files. All changes are staged first, so nothing changes if the disk is full.
 pub fn write(changes: &[Change]) -> Result<(), Failure> {
     let mut staged = Vec::with_capacity(changes.len());
     for change in changes {
@@ -45,7 +45,7 @@ pub fn write(changes: &[Change]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The new text in a file beside the old one, with the same permissions.
+/// Writes the new content to a temporary file in the same folder, with the same permissions.
 fn stage(change: &Change) -> io::Result<NamedTempFile> {
     let permissions: Permissions = fs::metadata(&change.path)?.permissions();
     if permissions.readonly() {
@@ -60,5 +60,5 @@ fn stage(change: &Change) -> io::Result<NamedTempFile> {
 
 fn unwritable(change: &Change, error: &io::Error) -> Failure {
     Failure::new(format!("{}: {error}", change.shown))
-        .with_hint("check that the file and its folder can be written")
+        .with_hint("check that the file and its folder are writable")
 }

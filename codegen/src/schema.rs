@@ -1,8 +1,7 @@
-//! The resolved model: what the definitions say, checked and complete.
+//! The resolved model of all definitions, checked and complete.
 //!
-//! Nothing here can fail for a reason that a user could mend, and nothing is looked up by name:
-//! messages refer to each other by [`MessageId`]. Everything is ordered, so what is emitted from a
-//! schema doesn't depend on the order in which files were read.
+//! Using the model can't fail because of user input, and requires no look-up by name: messages refer to each other by
+//! [`MessageId`]. Everything is sorted, so output doesn't depend on the order of the files.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};

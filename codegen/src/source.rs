@@ -1,4 +1,4 @@
-//! Texts with names, and places in them. Strings come in; files don't.
+//! Source texts with their paths, and locations in them. Independent of the file system.
 //!
 //! ```
 //! use uavspec_codegen::source::{Position, SourceMap};
@@ -18,19 +18,19 @@ use crate::diagnostic::{Diagnostic, Problem};
 pub use crate::span::Span;
 use crate::span::offset;
 
-/// The longest text that is read, in bytes. The longest definition known has under 60 kB.
+/// The maximum length of a source, in bytes. The longest known definition is shorter than 60 kB.
 const MAX_SOURCE_LEN: usize = 4 << 20;
 
-/// Names one source of a [`SourceMap`].
+/// The index of a source in a [`SourceMap`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SourceId(u32);
 
-/// A line and a column, both from 1; columns count characters.
+/// A line and a column, both starting at 1. Columns count characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Position {
-    /// Line, from 1.
+    /// The line, from 1.
     pub line: usize,
-    /// Column in characters, from 1.
+    /// The column in characters, from 1.
     pub column: usize,
 }
 
@@ -39,12 +39,12 @@ struct Source {
     path: String,
     text: String,
     start: u32,
-    /// Where each line but the first starts; found when first asked for.
+    /// The starts of all lines except the first, created lazily.
     lines: OnceLock<Vec<u32>>,
 }
 
 impl Source {
-    /// Number of the line, from 0, that holds a position, and where it starts.
+    /// The number of the line (from 0) that contains a position, and the start of this line.
     fn line(&self, at: usize) -> (usize, usize) {
         let starts = self
             .lines
@@ -54,19 +54,18 @@ impl Source {
     }
 }
 
-/// All texts of a run, in the order in which they were added.
+/// All sources of a run, in the order added.
 #[derive(Debug, Default)]
 pub struct SourceMap {
     sources: Vec<Source>,
 }
 
 impl SourceMap {
-    /// Adds a text under the path that diagnostics show for it.
+    /// Adds a text with the path that diagnostics display.
     ///
-    /// A text that can't be read (invalid UTF-8, a byte order mark, too long) is added as far as it
-    /// can be shown, and the diagnostic says why. A span over more than 4 GiB of sources together
-    /// doesn't exist, so a text past that is refused in the same way.
-    #[allow(clippy::result_large_err)] // made once a file
+    /// Fails if the text can't be read (invalid UTF-8, a byte order mark, too long), or if all sources together exceed
+    /// 4 GiB. The readable part of the text is still added, for display.
+    #[allow(clippy::result_large_err)] // called once per file
     pub fn add(&mut self, path: impl Into<String>, bytes: Vec<u8>) -> Result<SourceId, Diagnostic> {
         let start = self.sources.last().map_or(0, |last| last.start + offset(last.text.len()) + 1);
         let id = SourceId(offset(self.sources.len()));
@@ -100,13 +99,13 @@ impl SourceMap {
         Ok(id)
     }
 
-    /// The same sources under the same ids, some with another text; what can't be read stays unread.
+    /// A copy with the same ids, and new texts for some of the sources.
     #[must_use]
     pub fn with_texts(&self, texts: &BTreeMap<SourceId, String>) -> Self {
         let mut sources = Self::default();
         for (at, source) in self.sources.iter().enumerate() {
             let text = texts.get(&SourceId(offset(at))).unwrap_or(&source.text);
-            // It is added in any case, so that the ids stay.
+            // Add invalid texts as well, to preserve the ids.
             let _ = sources.add(source.path.clone(), text.clone().into_bytes());
         }
         sources
@@ -117,7 +116,7 @@ impl SourceMap {
         &self.sources[id.0 as usize].text
     }
 
-    /// The path of a source, as it was given.
+    /// The path of a source, as given.
     pub fn path(&self, id: SourceId) -> &str {
         &self.sources[id.0 as usize].path
     }
@@ -128,19 +127,19 @@ impl SourceMap {
         Span { start: source.start, end: source.start + offset(source.text.len()) }
     }
 
-    /// The source that holds `span`.
+    /// The source that contains `span`.
     pub fn source_of(&self, span: Span) -> SourceId {
         let after = self.sources.partition_point(|source| source.start <= span.start);
         SourceId(offset(after.saturating_sub(1)))
     }
 
-    /// The text that `span` covers.
+    /// The text within `span`.
     pub fn slice(&self, span: Span) -> &str {
         let (text, range) = self.locate(span);
         text.get(range).unwrap_or("")
     }
 
-    /// Line and column of the start of `span`.
+    /// The line and the column of the start of `span`.
     pub fn position(&self, span: Span) -> Position {
         let (text, range) = self.locate(span);
         let source = self.sources.get(self.source_of(span).0 as usize);
@@ -149,7 +148,7 @@ impl SourceMap {
         Position { line: line + 1, column }
     }
 
-    /// The text of the source that holds `span`, and the range of `span` in it.
+    /// The text of the source that contains `span`, and the range of `span` in it.
     pub(crate) fn locate(&self, span: Span) -> (&str, Range<usize>) {
         let Some(source) = self.sources.get(self.source_of(span).0 as usize) else { return ("", 0..0) };
         let start = (span.start.saturating_sub(source.start) as usize).min(source.text.len());
@@ -178,11 +177,11 @@ mod tests {
         assert_eq!(sources.position(at(first, 6..7)), Position { line: 2, column: 1 });
         assert_eq!(sources.position(at(second, 3..4)), Position { line: 2, column: 3 });
         assert_eq!(sources.slice(at(second, 1..4)), "xyz");
-        assert_eq!(sources.source_of(at(first, 7..7)), first, "the end of a source is still that source");
+        assert_eq!(sources.source_of(at(first, 7..7)), first, "the end of a source belongs to the source");
     }
 
     #[test]
-    fn a_text_that_cannot_be_read_is_refused_with_its_place() {
+    fn rejects_unreadable_texts_with_their_location() {
         let mut sources = SourceMap::default();
         let error = sources.add("a", b"ok\n\xff\xfe".to_vec()).expect_err("invalid");
         assert_eq!(error.problem, Problem::InvalidUtf8 { byte: 0xff });

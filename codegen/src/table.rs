@@ -1,7 +1,7 @@
-//! Pages of a specification: text to headings and tables of cells, whatever form the page has.
+//! Parses specification pages of all formats into headings and tables.
 //!
-//! What a table defines is not decided here: [`error_code`] and [`type_table`] know their tables by the
-//! header. A table keeps the rows that were written, also those with too few or too many cells.
+//! The modules [`error_code`] and [`type_table`] recognize tables by their headers. Tables preserve rows with too few
+//! or too many cells.
 
 pub(crate) mod asciidoc;
 pub(crate) mod error_code;
@@ -20,18 +20,19 @@ use crate::characters;
 use crate::diagnostic::Diagnostic;
 use crate::source::{SourceId, SourceMap};
 
-/// The forms that a page can have.
+/// The format of a page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Form {
     Markdown,
     AsciiDoc,
-    /// What is left of an HTML page in a text dump: each cell ends with a pipe and its line.
+    /// A text dump of an HTML page, in which each cell ends with a pipe and a line break.
     Flattened,
 }
 
 impl Form {
-    /// By extension where there is one, else by content. A Markdown page is looked at in any case:
-    /// the flattened form is often saved as one, and reads there as tables of one filled column.
+    /// Detects the format, by extension if it has one, otherwise by content. The content of Markdown files is always
+    /// checked, because the flattened form is often saved as Markdown. Parsed as Markdown, its tables would have one
+    /// column.
     pub(crate) fn of(path: &str, text: &str) -> Self {
         let extension = path.rsplit_once('.').map_or("", |(_, extension)| extension);
         let is = |names: &[&str]| names.iter().any(|name| extension.eq_ignore_ascii_case(name));
@@ -46,7 +47,7 @@ impl Form {
     }
 }
 
-/// Parses the source `id`. The page holds all that could be read.
+/// Parses the source `id`. The page contains everything that could be read.
 pub fn parse(sources: &SourceMap, id: SourceId) -> (Page, Vec<Diagnostic>) {
     let (text, span) = (sources.text(id), sources.span(id));
     let (page, mut diagnostics) = match Form::of(sources.path(id), text) {
@@ -66,7 +67,7 @@ mod tests {
 
     use super::*;
 
-    /// The same table in each form; `Form::of` has to tell them apart.
+    /// One table in each format, which `Form::of` must distinguish.
     const FORMS: [(&str, &str); 5] = [
         (
             "page.md",
@@ -101,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn all_forms_of_a_table_give_the_same_cells() {
+    fn all_forms_of_a_table_have_the_same_cells() {
         for (path, text) in FORMS {
             for text in [text.to_owned(), text.replace('\n', "\r\n"), text.replace('\n', "  \n")] {
                 let page = parse_text(path, &text);
@@ -133,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_of_a_cell_is_found_in_the_source() {
+    fn locates_a_part_of_a_cell_in_the_source() {
         for (path, text) in FORMS {
             let mut sources = SourceMap::default();
             sources.add("before", b"something else".to_vec()).expect("valid");
@@ -148,15 +149,11 @@ mod tests {
     }
 
     #[test]
-    fn the_flattened_form_is_known_under_any_name() {
+    fn detects_the_flattened_form_by_content() {
         for path in ["page.md", "page", "page.text"] {
             assert_eq!(Form::of(path, FORMS[4].1), Form::Flattened);
         }
-        assert_eq!(
-            Form::of("page.adoc", FORMS[4].1),
-            Form::AsciiDoc,
-            "an extension that says so is believed"
-        );
+        assert_eq!(Form::of("page.adoc", FORMS[4].1), Form::AsciiDoc, "the extension has precedence");
         assert_eq!(Form::of("PAGE.MD", FORMS[2].1), Form::Markdown);
     }
 
@@ -172,7 +169,7 @@ mod tests {
         }
     }
 
-    /// A table of 100 kB takes some 20 ms; where the time grew with the square, it would be minutes.
+    /// A table of 100 kB takes about 20 ms; in quadratic time it would take minutes.
     #[test]
     fn hostile_pages_are_read_in_linear_time() {
         let tables = ["", "|===\n|C |D\n\n|", "Code|Abbr|Description\n-|-|-\n", "a|b\n-|-\nx |\n"];

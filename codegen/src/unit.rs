@@ -1,27 +1,27 @@
-//! The units of measurement that definitions use: one spelling each, and what else is taken for it.
+//! The known units of measurement, with their canonical spelling and aliases.
 
 /// A unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Unit {
-    /// The one spelling.
+    /// The canonical spelling.
     pub symbol: &'static str,
-    /// In words, in the plural.
+    /// The full name, in the plural.
     pub name: &'static str,
-    /// Other spellings that real definitions use.
+    /// Other spellings in existing definitions.
     aliases: &'static [&'static str],
 }
 
-/// The symbol that says of a number that it has no unit.
+/// The symbol for a number without a unit.
 pub(crate) const NONE: &str = "-";
 
-/// The unit that `spelling` means.
+/// The unit with this spelling.
 pub(crate) fn lookup(spelling: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.symbol == spelling || unit.aliases.contains(&spelling))
 }
 
 macro_rules! units {
     ($($symbol:literal $name:literal $([$($alias:literal)*])?;)*) => {
-        /// All units, dimension by dimension.
+        /// All units, by dimension.
         pub(crate) const UNITS: &[Unit] = &[$(Unit { symbol: $symbol, name: $name, aliases: &[$($($alias),*)?] },)*];
     };
 }
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_spelling_means_two_units() {
+    fn spellings_are_unique() {
         let mut spellings: Vec<&str> =
             UNITS.iter().flat_map(|unit| unit.aliases.iter().copied().chain([unit.symbol])).collect();
         let count = spellings.len();

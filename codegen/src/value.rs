@@ -11,28 +11,28 @@ use std::fmt::{self, Write as _};
 
 use uavspec_runtime::Number;
 
-/// A value that a definition states.
+/// A value in a definition.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// Of a `bool`.
+    /// A `bool`.
     Bool(bool),
-    /// Of any integer type, `byte` and `char` included.
+    /// Any integer type, including `byte` and `char`.
     Int(i128),
-    /// Of a float; may be NaN or infinite.
+    /// A float; may be NaN or infinite.
     Float(f64),
-    /// Of a string.
+    /// A string.
     Text(String),
-    /// Of an array.
+    /// An array.
     List(Vec<Value>),
 }
 
 impl Value {
-    /// The value as a float, where it is a number.
+    /// The value as a float, if it is a number.
     pub fn as_f64(&self) -> Option<f64> {
         self.number().map(Number::as_f64)
     }
 
-    /// The value as a number that keeps whether it is an integer, where it is one.
+    /// The value as a number that is either an integer or a float, if it is a number.
     pub fn number(&self) -> Option<Number> {
         match self {
             Self::Int(value) => Some(Number::Int(*value)),
@@ -41,7 +41,7 @@ impl Value {
         }
     }
 
-    /// The value as an integer, where it is one.
+    /// The value as an integer, if it is one.
     pub fn as_int(&self) -> Option<i128> {
         match self {
             Self::Int(value) => Some(*value),
@@ -50,7 +50,7 @@ impl Value {
     }
 }
 
-/// As a `.msg` file writes it.
+/// Formats the value as in a `.msg` file.
 impl fmt::Display for Value {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -71,7 +71,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// Writes `text` as a string literal, with the escapes that [`crate::msg::literal`] reads and no others.
+/// Writes `text` as a string literal, with the escapes that [`crate::msg::literal`] supports.
 fn write_quoted(text: &str, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
     formatter.write_char('"')?;
     for character in text.chars() {

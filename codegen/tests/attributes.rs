@@ -1,4 +1,4 @@
-//! Each attribute reaches all that is made from definitions: its row is all that it needs.
+//! Tests that each attribute reaches all outputs. A row in the list of attributes must be sufficient.
 
 use uavspec_codegen::emit::{docs, inspect, json_schema, python, rust, typescript};
 use uavspec_codegen::msg::Dialect;
@@ -18,7 +18,7 @@ fn definition(attribute: &Attribute) -> String {
     )
 }
 
-/// The schema of a message with the attribute, and its translation into Ukrainian.
+/// The schema of a message with the attribute, and its Ukrainian translation.
 fn schema(attribute: &Attribute) -> (SourceMap, Schema, Translations) {
     let mut sources = SourceMap::default();
     let id = sources.add("Wind.msg", definition(attribute).into()).expect("a text");
@@ -43,26 +43,29 @@ fn schema(attribute: &Attribute) -> (SourceMap, Schema, Translations) {
 fn every_attribute_reaches_every_output() {
     for attribute in ATTRIBUTES {
         let (sources, schema, translations) = schema(attribute);
-        let said = format!("{}: {WORD}", attribute.words.split(':').next().expect("a label"));
-        let capital = said[..1].to_uppercase() + &said[1..];
+        let fact = format!("{}: {WORD}", attribute.words.split(':').next().expect("a label"));
+        let capital = fact[..1].to_uppercase() + &fact[1..];
         let page = docs::emit(&schema, &translations, &sources, &docs::Options::default());
         let rust = rust::emit(&schema, &sources, &rust::Options::default());
         let typescript = typescript::emit(&schema, &translations, &typescript::Options::default());
         for (path, files, expected) in [
-            ("Wind.md", &page, said.as_str()),
+            ("Wind.md", &page, fact.as_str()),
             ("Wind.uk.md", &page, "зеніт"),
             (
                 "Wind.schema.json",
                 &json_schema::emit(&schema, &json_schema::Options::default()),
                 attribute.keyword,
             ),
-            ("wind.rs", &rust, &said),
-            ("demo.ts", &typescript, &said),
-            ("demo.py", &python::emit(&schema, &translations), &said),
+            ("wind.rs", &rust, &fact),
+            ("demo.ts", &typescript, &fact),
+            ("demo.py", &python::emit(&schema, &translations), &fact),
         ] {
             let file = files.iter().find(|file| file.path.ends_with(path));
             let text = &file.unwrap_or_else(|| panic!("{path}")).text;
-            assert!(text.contains(expected) || text.contains(&capital), "{path}: no `{expected}` in\n{text}");
+            assert!(
+                text.contains(expected) || text.contains(&capital),
+                "{path}: expected `{expected}` in\n{text}"
+            );
         }
         let model = inspect::schema(&schema).to_string();
         assert!(model.contains(&format!("\"{}\":\"{WORD}\"", attribute.name)), "{model}");
@@ -70,7 +73,7 @@ fn every_attribute_reaches_every_output() {
 }
 
 #[test]
-fn every_attribute_has_its_place_in_the_layout() {
+fn fmt_orders_every_attribute() {
     for attribute in ATTRIBUTES {
         let text = format!(
             "uint64 timestamp # [us] Time\nfloat32 speed # [@{} {WORD}] [m/s] Speed\n",

@@ -1,4 +1,4 @@
-//! Each constraint reaches all outputs: its row is all that it needs.
+//! Tests that each constraint reaches all outputs. A row in the list of constraints must be sufficient.
 
 use uavspec_codegen::breaking::{Between, breaking};
 use uavspec_codegen::emit::{docs, inspect, json_schema, python, rust, typescript, vectors};
@@ -10,13 +10,13 @@ use uavspec_codegen::{PackageInput, SourceMap, read};
 
 use crate::support::layout::laid_out;
 
-/// Two arguments of a constraint, and the words that the first leads to.
+/// Two arguments of a constraint, and the text in outputs for the first.
 fn arguments(kind: &ConstraintKind) -> (&'static str, &'static str, &'static str) {
     match kind.name {
         "range" => ("0, 60", "0, 50", "0 to 60"),
         "invalid" => ("-1", "-2", "no data: -1"),
         "uncontrolled" => ("-1", "-2", "not controlled: -1"),
-        name => panic!("give arguments of `@{name}`"),
+        name => panic!("add arguments of `@{name}`"),
     }
 }
 
@@ -58,7 +58,7 @@ fn every_constraint_reaches_every_output() {
         ] {
             let file = files.iter().find(|file| file.path.ends_with(path));
             let text = plain(&file.unwrap_or_else(|| panic!("{path}")).text);
-            assert!(text.contains(expected), "{path}: no `{expected}` in\n{text}");
+            assert!(text.contains(expected), "{path}: expected `{expected}` in\n{text}");
         }
         let field = &inspect::schema(&schema)["packages"]["demo"]["messages"]["Wind"]["fields"][1];
         assert!(!field[kind.name].is_null(), "{field}");
@@ -68,7 +68,7 @@ fn every_constraint_reaches_every_output() {
         };
         let without = "# Wind\n\nuint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] Speed\n".to_owned();
         let fewer = count(&self::schema(&mut SourceMap::default(), without));
-        assert!(count(&schema) > fewer, "{} adds test vectors", kind.name);
+        assert!(count(&schema) > fewer, "{} must add test vectors", kind.name);
     }
 }
 
@@ -85,7 +85,7 @@ fn a_changed_constraint_is_reported() {
 }
 
 #[test]
-fn every_constraint_has_its_place_in_the_layout() {
+fn fmt_orders_every_constraint() {
     for kind in CONSTRAINTS {
         let (argument, ..) = arguments(kind);
         let (name, spaced) = (kind.name, argument.replace(", ", " ,  "));

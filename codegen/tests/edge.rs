@@ -1,5 +1,5 @@
-//! Small definitions at the edge of the language, against what the reference tools say of them:
-//! rosidl for ROS 2, PX4's own generator for PX4.
+//! Small definitions at the limits of the language, compared with the reference tools: rosidl for ROS 2, and PX4's
+//! generator for PX4.
 
 use crate::support;
 
@@ -13,45 +13,42 @@ use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{PackageInput, SourceMap, read, render};
 
-/// Where we say something else than PX4's generator, and why. A deviation that is none fails the test.
+/// Deviations from PX4's generator, with reasons. The test fails if a listed deviation doesn't exist.
 const PX4_DEVIATIONS: &[(&str, &str)] = &[
-    ("lone_cr", "a carriage return alone ends no line in editors: it hides a field"),
-    ("tab_sep", "a tab parts words as a blank does; read, with a warning"),
-    ("const_hex", "read as meant, with a warning"),
-    ("const_HEX", "read as meant, with a warning"),
-    ("const_neghex", "read as meant, with a warning"),
-    ("const_bin", "read as meant, with a warning"),
-    ("const_oct", "read as meant, with a warning"),
-    ("const_nan", "read as meant, with a warning: the generator fails where it makes an integer of it"),
-    ("const_inf", "read as meant, with a warning: the generator fails where it makes an integer of it"),
-    ("const_bool_true", "read as meant, with a warning"),
-    ("const_bool_2", "a bool is never 2; the generator makes it true without a word"),
-    ("const_dup", "the generator's C++ doesn't compile"),
-    ("field_upper", "names are a matter of style as long as they are identifiers: a warning"),
-    ("arr_zero", "C++ has no such arrays"),
-    ("arr_huge", "no message of 4 GiB fits any memory"),
-    ("str", "the generator gives it no memory"),
-    ("byte", "the generator gives it no memory"),
-    ("time", "the generator gives it no memory"),
-    ("duration", "the generator gives it no memory"),
+    ("lone_cr", "a single carriage return doesn't end a line in editors, so it would hide a field"),
+    ("tab_sep", "a tab is a separator; read with a warning"),
+    ("const_hex", "read as intended, with a warning"),
+    ("const_HEX", "read as intended, with a warning"),
+    ("const_neghex", "read as intended, with a warning"),
+    ("const_bin", "read as intended, with a warning"),
+    ("const_oct", "read as intended, with a warning"),
+    ("const_nan", "read as intended, with a warning; the generator fails to convert it to an integer"),
+    ("const_inf", "read as intended, with a warning; the generator fails to convert it to an integer"),
+    ("const_bool_true", "read as intended, with a warning"),
+    ("const_bool_2", "a bool can't be 2; the generator silently makes it true"),
+    ("const_dup", "the generated C++ doesn't compile"),
+    ("field_upper", "the style of a valid identifier is only a warning"),
+    ("arr_zero", "C++ has no arrays of length 0"),
+    ("arr_huge", "a message of 4 GiB is too large"),
+    ("str", "the generator allocates no memory for it"),
+    ("byte", "the generator allocates no memory for it"),
+    ("time", "the generator allocates no memory for it"),
+    ("duration", "the generator allocates no memory for it"),
 ];
 
-/// Where we say something else than rosidl, and why.
+/// Deviations from rosidl, with reasons.
 const ROS2_DEVIATIONS: &[(&str, &str)] = &[
-    ("lead_ws", "rosidl crashes at blanks at the start of a line"),
-    ("lone_cr", "a carriage return alone ends no line in editors: it hides a field"),
-    ("const_string_hash", "a # in quotes starts no comment; rosidl cuts the string there"),
-    ("default_str_hash", "a # in quotes starts no comment; rosidl cuts the string there"),
-    ("default_str_eq", "an = in quotes makes no constant"),
-    ("arr_huge", "no message of 4 GiB fits any memory"),
-    ("time", "short for builtin_interfaces/Time, as rosidl's reader has it; only its IDL writer fails"),
-    (
-        "duration",
-        "short for builtin_interfaces/Duration, as rosidl's reader has it; only its IDL writer fails",
-    ),
+    ("lead_ws", "rosidl crashes at white space at the start of a line"),
+    ("lone_cr", "a single carriage return doesn't end a line in editors, so it would hide a field"),
+    ("const_string_hash", "a # in quotes doesn't start a comment; rosidl truncates the string"),
+    ("default_str_hash", "a # in quotes doesn't start a comment; rosidl truncates the string"),
+    ("default_str_eq", "an = in quotes doesn't declare a constant"),
+    ("arr_huge", "a message of 4 GiB is too large"),
+    ("time", "short for builtin_interfaces/Time, as in rosidl's parser; only its IDL writer fails"),
+    ("duration", "short for builtin_interfaces/Duration, as in rosidl's parser; only its IDL writer fails"),
 ];
 
-/// Messages that the cases refer to. PX4's generator had none of them.
+/// Messages that the cases refer to. PX4's generator ran without them.
 const COMPANIONS: [(&str, &str, &str); 5] = [
     ("pkg", "Foo.msg", "uint8 a\n"),
     ("pkg", "Header.msg", "uint8 a\n"),
@@ -60,7 +57,7 @@ const COMPANIONS: [(&str, &str, &str); 5] = [
     ("builtin_interfaces", "Duration.msg", "int32 sec\nuint32 nanosec\n"),
 ];
 
-/// The case as a message: the model of it and whether there are warnings, or what is wrong with it.
+/// Reads a case. Returns the model of the message and true if there are warnings, or the rendered errors.
 fn read_case(text: &str, dialect: Dialect) -> Result<(Json, bool), String> {
     let mut sources = SourceMap::default();
     let mut packages: BTreeMap<&str, PackageInput> = BTreeMap::new();
@@ -80,7 +77,7 @@ fn read_case(text: &str, dialect: Dialect) -> Result<(Json, bool), String> {
     Ok((case, !diagnostics.is_empty()))
 }
 
-/// Fields and constants in the form of the reference tools.
+/// The fields and constants in the form of the reference tools.
 fn declarations(message: &Json, keys: &[&str]) -> Json {
     let pick = |list: &str, keys: &[&str]| -> Json {
         let entries = message[list].as_array().expect("a list").iter();
@@ -91,7 +88,7 @@ fn declarations(message: &Json, keys: &[&str]) -> Json {
     json!({ "fields": pick("fields", keys), "constants": pick("constants", &["type", "name", "value"]) })
 }
 
-/// Types with the names of their packages taken off where the tool puts its own, and NaN as we write it.
+/// Types without the package names that the tool adds, and NaN in our notation.
 fn normalised(text: &str) -> Json {
     let text = text.replace("\"pkg/", "\"").replace("\"nan\"", "\"NaN\"");
     serde_json::from_str(&text).expect("JSON")
@@ -104,11 +101,11 @@ fn ros2_deviation(case: &Json) -> Option<String> {
         (true, Ok((message, _))) => {
             let found = declarations(&message, &["type", "name", "default"]);
             let expected = normalised(&case["rosidl_out"].to_string());
-            (found != expected).then(|| format!("read as {found}, by rosidl as {expected}"))
+            (found != expected).then(|| format!("read as {found}; rosidl reads {expected}"))
         }
         (false, Err(_)) => None,
-        (true, Err(diagnostics)) => Some(format!("refused, not by rosidl:\n{diagnostics}")),
-        (false, Ok((message, _))) => Some(format!("read as {message}, refused by rosidl")),
+        (true, Err(diagnostics)) => Some(format!("rejected, but accepted by rosidl:\n{diagnostics}")),
+        (false, Ok((message, _))) => Some(format!("read as {message}, but rejected by rosidl")),
     }
 }
 
@@ -120,27 +117,27 @@ fn px4_deviation(case: &Json) -> Option<String> {
             let found = declarations(&message, &["type", "name"]);
             let expected = normalised(&case["px4_out"].to_string());
             (found != expected)
-                .then(|| format!("read as {found}, by genmsg as {expected}"))
+                .then(|| format!("read as {found}; genmsg reads {expected}"))
                 .or_else(|| layout_deviation(case, text))
         }
         (false, Err(_)) => None,
-        (true, Err(diagnostics)) => Some(format!("refused, not by PX4:\n{diagnostics}")),
+        (true, Err(diagnostics)) => Some(format!("rejected, but accepted by PX4:\n{diagnostics}")),
         (false, Ok((message, has_warnings))) => {
-            assert!(has_warnings, "{text:?} is refused by PX4, and read here without a word");
-            Some(format!("read as {message}, refused by PX4"))
+            assert!(has_warnings, "{text:?} is rejected by PX4, and must cause a warning");
+            Some(format!("read as {message}, but rejected by PX4"))
         }
     }
 }
 
-/// PX4's generator takes no message without a time stamp: the cases without one had one put below.
+/// PX4's generator rejects messages without a timestamp, so the oracle added one to the cases without.
 fn layout_deviation(case: &Json, text: &str) -> Option<String> {
     let stamped =
         if text.contains("timestamp") { text.to_owned() } else { format!("{text}\nuint64 timestamp\n") };
-    let (message, _) = read_case(&stamped, Dialect::Px4).expect("no error without the stamp");
+    let (message, _) = read_case(&stamped, Dialect::Px4).expect("no error without the timestamp");
     let found = json!([message["uorb"]["size"], message["uorb"]["size_no_padding"], message["hash"]]);
     let tool = &case["px4_tool_out"];
     let expected = json!([tool["struct_size"], tool["size_no_padding"], tool["hash"]]);
-    (found != expected).then(|| format!("laid out as {found}, by PX4 as {expected}"))
+    (found != expected).then(|| format!("layout {found}; PX4's is {expected}"))
 }
 
 fn check(deviation: fn(&Json) -> Option<String>, known: &[(&str, &str)]) {
@@ -153,21 +150,21 @@ fn check(deviation: fn(&Json) -> Option<String>, known: &[(&str, &str)]) {
         let reason = known.iter().find(|(known, _)| *known == name).map(|(_, reason)| reason);
         match (deviation(case), reason) {
             (Some(found), None) => panic!("{name} {}: {found}", case["text"]),
-            (None, Some(reason)) => panic!("{name} is no deviation any more: {reason}"),
+            (None, Some(reason)) => panic!("{name} is not a deviation anymore: {reason}"),
             _ => {}
         }
     }
     for (name, _) in known {
-        assert!(cases.iter().any(|case| case["name"] == *name), "no case {name}");
+        assert!(cases.iter().any(|case| case["name"] == *name), "missing case {name}");
     }
 }
 
 #[test]
-fn px4_definitions_are_read_as_by_its_generator() {
+fn px4_definitions_match_the_generator_of_px4() {
     check(px4_deviation, PX4_DEVIATIONS);
 }
 
 #[test]
-fn ros2_definitions_are_read_as_by_rosidl() {
+fn ros2_definitions_match_rosidl() {
     check(ros2_deviation, ROS2_DEVIATIONS);
 }

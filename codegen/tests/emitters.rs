@@ -1,4 +1,4 @@
-//! The table of emitters, and what follows from it.
+//! Tests of the list of emitters.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -7,8 +7,8 @@ use std::path::Path;
 use uavspec_codegen::emit::{EMITTERS, Emitter};
 use uavspec_codegen::generate;
 
-/// The mistake in a configuration with this table `output`.
-fn mistake(output: &str) -> String {
+/// The error message for a configuration with this `output` table.
+fn error_of(output: &str) -> String {
     let folder = tempfile::tempdir().expect("a folder");
     let config = folder.path().join("uavspec.toml");
     let package = "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"*.msg\"]\n";
@@ -38,9 +38,9 @@ fn the_guide_documents_each_output() {
 }
 
 #[test]
-fn a_table_takes_the_options_of_its_row_and_no_others() {
+fn an_output_accepts_only_the_options_of_its_emitter() {
     for emitter in EMITTERS {
-        let message = mistake(&format!("{} = {{ path = \"out\", bogus = 1 }}", emitter.name));
+        let message = error_of(&format!("{} = {{ path = \"out\", bogus = 1 }}", emitter.name));
         let expected = match emitter.options {
             [] => "unknown field `bogus`, there are no fields".to_owned(),
             [(key, _)] => format!("unknown field `bogus`, expected `{key}`"),
@@ -55,7 +55,7 @@ fn a_table_takes_the_options_of_its_row_and_no_others() {
 }
 
 #[test]
-fn mistakes_in_outputs_are_shown_with_their_place() {
+fn errors_in_outputs_are_shown_with_their_location() {
     for (output, expected) in [
         (
             "ruts = \"out\"",
@@ -69,7 +69,7 @@ fn mistakes_in_outputs_are_shown_with_their_place() {
         ("python = { path = 1 }", ["uavspec.toml:6:10", "expected a path, or a table of `path`\n"]),
         ("typescript = { path = \"o\", form = \"c\" }", ["uavspec.toml:6:14", "unknown variant `c`"]),
     ] {
-        let message = mistake(output);
+        let message = error_of(output);
         assert!(expected.iter().all(|expected| message.contains(expected)), "{output}: {message}");
     }
 }

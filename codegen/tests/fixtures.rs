@@ -1,9 +1,12 @@
-//! One folder a case: definitions, and in `expected.txt` all that is said of them.
+//! Fixtures of diagnostics. Each folder contains definitions, and all diagnostics in `expected.txt`.
 //!
-//! `err/<code>` gives at least that code as an error, `warn/<code>` at least that code as a warning and
-//! no error, `ok/<name>` nothing at all. `<code>-<case>` is one more case of the same code. Pages are
-//! tables, `.po` files catalogues of translations; other files are of PX4, unless a file `dialect` in the folder says `ros2`, where each folder
-//! below is a package. After a change that is meant: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen fixtures::`.
+//! `err/<code>` causes at least the error `<code>`, `warn/<code>` at least this warning and no error, and `ok/<name>`
+//! no diagnostics. `<code>-<case>` is a further case of a code.
+//!
+//! Markdown, AsciiDoc and text files are pages, and `.po` files are catalogues of translations. Other files are PX4
+//! definitions. If a file `dialect` contains `ros2`, they are ROS 2 definitions, and each subfolder is a package.
+//!
+//! To update: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen fixtures::`.
 
 use crate::support;
 
@@ -26,7 +29,7 @@ fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures")
 }
 
-/// Names of the folders of `kind`, sorted.
+/// The sorted names of the folders of `kind`.
 fn cases(kind: &str) -> Vec<String> {
     let entries = fs::read_dir(fixtures().join(kind)).expect("fixtures");
     let mut names: Vec<String> =
@@ -35,7 +38,7 @@ fn cases(kind: &str) -> Vec<String> {
     names
 }
 
-/// The code that a folder is named after. Codes may start with other codes: the longest counts.
+/// The code in the name of a folder: the longest matching one, because codes may be prefixes of others.
 fn code_of(case: &str) -> Option<&'static str> {
     let starts =
         |code: &&&str| case.strip_prefix(**code).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'));
@@ -45,7 +48,7 @@ fn code_of(case: &str) -> Option<&'static str> {
 fn read_case(folder: &Path) -> (SourceMap, Vec<Diagnostic>) {
     let is_ros2 = match fs::read_to_string(folder.join("dialect")).as_deref().map(str::trim) {
         Ok("ros2") => true,
-        Ok(other) => panic!("{}: no dialect {other:?}", folder.display()),
+        Ok(other) => panic!("{}: unknown dialect {other:?}", folder.display()),
         Err(_) => false,
     };
     let mut sources = SourceMap::default();
@@ -77,62 +80,62 @@ fn read_case(folder: &Path) -> (SourceMap, Vec<Diagnostic>) {
     (sources, diagnostics)
 }
 
-/// What is wrong with a case; nothing, if all is as it should be.
+/// Checks a case, and returns the failure.
 fn check(kind: &str, case: &str) -> Option<String> {
     let folder = fixtures().join(kind).join(case);
     let (sources, diagnostics) = read_case(&folder);
     let found = render::render(&diagnostics, &sources, false);
     let errors = diagnostics.iter().filter(|diagnostic| diagnostic.level() == Level::Error).count();
-    let says = |level| {
+    let has = |level| {
         let mut of_level = diagnostics.iter().filter(|diagnostic| diagnostic.level() == level);
         of_level.any(|diagnostic| code_of(case) == Some(diagnostic.problem.code()))
     };
-    let is_as_named = match kind {
-        "err" => says(Level::Error),
-        "warn" => says(Level::Warning) && errors == 0,
+    let matches_name = match kind {
+        "err" => has(Level::Error),
+        "warn" => has(Level::Warning) && errors == 0,
         _ => found.is_empty(),
     };
-    if !is_as_named {
-        return Some(format!("{kind}/{case} says not what its name tells:\n{found}"));
+    if !matches_name {
+        return Some(format!("{kind}/{case} does not match its name:\n{found}"));
     }
     differs(&folder.join("expected.txt"), &found)
 }
 
 #[test]
-fn each_fixture_says_what_is_expected() {
+fn each_fixture_has_the_expected_diagnostics() {
     let mut failures = String::new();
     for kind in ["ok", "err", "warn"] {
         for failure in cases(kind).iter().filter_map(|case| check(kind, case)) {
             writeln!(failures, "{failure}").expect("a string");
         }
     }
-    assert!(failures.is_empty(), "{failures}UAVSPEC_UPDATE_FIXTURES=1 takes what is said for expected");
+    assert!(failures.is_empty(), "{failures}update with UAVSPEC_UPDATE_FIXTURES=1");
 }
 
-/// A code, and files that give it: paths and bytes.
+/// A code, and the files that cause it: paths and bytes.
 type Generated = (&'static str, Vec<(String, Vec<u8>)>);
 
-/// Codes whose definitions are too large for a folder, and definitions that give them.
+/// Definitions that are too large for fixtures, with the codes that they cause.
 fn generated() -> [Generated; 4] {
-    let blank = ("Glider.msg".to_owned(), vec![b' '; (4 << 20) + 1]);
-    // Each level holds the one below so often that the last has more than 2^20 fields.
+    let spaces = ("Glider.msg".to_owned(), vec![b' '; (4 << 20) + 1]);
+    // Each level contains 32 fields of the level below, so the last level has more than 2^20 fields.
     let levels = (0..5).map(|level: u32| {
         let ty = level.checked_sub(1).map_or("bool".to_owned(), |below| format!("Level{below}"));
         let fields: String = (0..32).map(|field| format!("{ty} part{field}\n")).collect();
         (format!("Level{level}.msg"), fields.into_bytes())
     });
-    // Each link holds all below it: 3000 * 3001 / 2 fields in all.
+    // Each link contains all links below it: 3000 * 3001 / 2 fields in total.
     let chain = (0..3000).map(|link: u32| {
         let ty = link.checked_sub(1).map_or("bool".to_owned(), |below| format!("Link{below}"));
         (format!("Link{link}.msg"), format!("{ty} part\n").into_bytes())
     });
-    // Each field has an enum of its own, and all constants are members of each.
+    // Each field has a separate enum with all constants.
     let constants: String = (0..1100).map(|number| format!("uint16 MODE_{number}={number}\n")).collect();
     let fields: String =
         (0..1000).map(|number| format!("uint16 mode{number}  # [@enum MODE M{number}]\n")).collect();
     let enums = ("Glider.msg".to_owned(), (constants + &fields).into_bytes());
     [
-        ("source-too-long", vec![blank]),
+        ("source-too-long", vec![spaces]),
         ("too-many-fields", levels.collect()),
         ("too-much-nesting", chain.collect()),
         ("too-many-members", vec![enums]),
@@ -140,7 +143,7 @@ fn generated() -> [Generated; 4] {
 }
 
 #[test]
-fn definitions_too_large_for_a_fixture_are_refused() {
+fn rejects_definitions_too_large_for_fixtures() {
     for (code, files) in generated() {
         let mut sources = SourceMap::default();
         let mut package = package("demo", Form::Msg(Dialect::Px4));
@@ -164,7 +167,7 @@ fn every_code_has_a_fixture() {
     for code in Problem::CODES {
         assert!(
             named.contains(code) != generated.contains(code),
-            "{code} needs a fixture, or a generated definition"
+            "{code} has neither a fixture nor a generated definition"
         );
     }
 }

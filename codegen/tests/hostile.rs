@@ -1,6 +1,5 @@
-//! Input that nobody would write in good faith: it gives diagnostics or a model, and in bounded time
-//! and room. How long that takes is not measured here: what grows with the square of these sizes
-//! doesn't end within the patience of whoever runs the tests.
+//! Malicious input produces diagnostics or a model, in bounded time and memory. The tests don't measure time, but
+//! quadratic algorithms would not finish with these sizes.
 
 use crate::support;
 
@@ -16,7 +15,7 @@ use uavspec_codegen::{Diagnostic, PackageInput, Schema, SourceMap, read, render}
 const PX4: Form = Form::Msg(Dialect::Px4);
 const ROS2: Form = Form::Msg(Dialect::Ros2);
 
-/// Reads a package, renders what is said of it, and emits the model where it has no errors.
+/// Reads a package, renders the diagnostics, and emits the model unless there are errors.
 fn read_all(form: Form, files: &[(String, Vec<u8>)]) -> (Schema, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();
     let mut package = support::package("demo", form);
@@ -36,7 +35,7 @@ fn read_all(form: Form, files: &[(String, Vec<u8>)]) -> (Schema, Vec<Diagnostic>
     (schema, diagnostics)
 }
 
-/// The codes that the text of a single message gives.
+/// The codes for a single message.
 fn codes(form: Form, text: impl Into<Vec<u8>>) -> Vec<&'static str> {
     codes_of(form, &[("Glider.msg".to_owned(), text.into())])
 }
@@ -50,7 +49,7 @@ fn file(name: &str, text: impl Into<Vec<u8>>) -> (String, Vec<u8>) {
 }
 
 #[test]
-fn characters_that_deceive_are_refused() {
+fn rejects_deceptive_characters() {
     for (text, expected) in [
         (&b"uint8 a\r\nuint8 b\r\n"[..], &[][..]),
         (b"\xef\xbb\xbfuint8 a\n", &["byte-order-mark"]),
@@ -70,25 +69,25 @@ fn characters_that_deceive_are_refused() {
 }
 
 #[test]
-fn sizes_beyond_all_bounds_are_refused() {
+fn rejects_excessive_sizes() {
     assert_eq!(codes(PX4, "uint8[4294967296] a\n"), ["too-large"]);
     assert_eq!(codes(PX4, "uint8[99999999999999999999999] a\n"), ["too-large"]);
     assert_eq!(codes(ROS2, "string<=4294967295[<=4294967295] a\n"), ["too-large"]);
     assert_eq!(codes(PX4, format!("uint64 A={}\n", "9".repeat(100_000))), ["constant-out-of-range"]);
     assert_eq!(codes(PX4, format!("float64 A=1{}\n", "0".repeat(100_000))), ["constant-out-of-range"]);
-    // No multiplication may overflow on the way to the sum.
+    // No multiplication may overflow.
     let arrays = ["A", "B", "C", "D"].map(|name| {
         let below = char::from(name.as_bytes()[0] - 1);
         let ty = if name == "A" { "uint64".to_owned() } else { below.to_string() };
         file(name, format!("uint8 start\n{ty}[16777216] part\n"))
     });
     for form in [PX4, ROS2] {
-        assert_eq!(codes_of(form, &arrays), ["too-large"], "and not once more for each that holds it");
+        assert_eq!(codes_of(form, &arrays), ["too-large"], "reported once, not for each containing message");
     }
 }
 
 #[test]
-fn names_that_are_keywords_elsewhere_are_names() {
+fn keywords_of_other_languages_are_valid_names() {
     let names =
         ["self", "type", "crate", "super", "match", "gen", "async", "r#type", "box", "union", "static"];
     let fields: String =
@@ -114,19 +113,19 @@ fn names_that_are_keywords_elsewhere_are_names() {
 }
 
 #[test]
-fn a_file_of_100_000_lines_is_read() {
+fn reads_a_file_of_100_000_lines() {
     let mut text = String::new();
     for line in 0..20_000 {
-        // Each line is one that must be looked up among all others.
+        // Each line requires a look-up among all others.
         writeln!(text, "uint8 num_list{line}\nuint8[2] list{line}  # [@count num_list{line}]")
             .expect("a string");
         writeln!(text, "uint32 MODE_{line}={line}\nuint32 mode{line}  # [@enum MODE] x\n  # and more")
             .expect("a string");
     }
     let (schema, diagnostics) = read_all(PX4, &[file("Glider", text)]);
-    assert_eq!(diagnostics.len(), 20_000, "no list counts");
+    assert_eq!(diagnostics.len(), 20_000, "no list is a count");
     assert_eq!(schema.messages[0].fields.len(), 60_000);
-    assert_eq!(schema.messages[0].enums.len(), 1, "all fields share it");
+    assert_eq!(schema.messages[0].enums.len(), 1, "all fields share one enum");
     let comments = "uint8 a  # x\n".to_owned() + &"  # y\n".repeat(100_000);
     let (schema, _) = read_all(PX4, &[file("Glider", comments)]);
     assert_eq!(schema.messages[0].fields[0].description.len(), 200_001);
@@ -134,16 +133,16 @@ fn a_file_of_100_000_lines_is_read() {
     assert_eq!(read_all(PX4, &[file("Glider", topics)]).0.messages[0].topics.len(), 100_000);
     let bad = codes(PX4, "uint8\n".repeat(100_000));
     assert!(bad.iter().all(|code| *code == "missing-name"));
-    assert!(bad.len() < 2_000, "what is no definition is not read to its end");
+    assert!(bad.len() < 2_000, "reading stops after too many invalid lines");
 }
 
-/// Copies of `text` that make up a megabyte, or an eighth of it in a quick run.
+/// Repeats `text` to one megabyte, or to an eighth of it in a quick run.
 fn megabyte(text: &str) -> String {
     text.repeat(support::extent(1_000_000, 125_000) / text.len())
 }
 
 #[test]
-fn a_line_of_a_megabyte_is_read() {
+fn reads_a_line_of_a_megabyte() {
     let starts = [
         (PX4, ""),
         (PX4, "uint8 a  # "),
@@ -172,7 +171,7 @@ fn a_line_of_a_megabyte_is_read() {
 }
 
 #[test]
-fn nesting_of_any_depth_needs_no_stack() {
+fn deep_nesting_does_not_overflow_the_stack() {
     let chain = |count: usize| -> Vec<(String, Vec<u8>)> {
         (0..count)
             .map(|link| {
@@ -190,12 +189,12 @@ fn nesting_of_any_depth_needs_no_stack() {
     assert_eq!(diagnostics.iter().map(|diagnostic| diagnostic.problem.code()).collect::<Vec<_>>(), ["cycle"]);
     assert!(
         diagnostics[0].problem.to_string().len() < 1_000,
-        "a path of 20,000 messages is shown by its ends"
+        "the middle of a path of 20,000 messages is omitted"
     );
 }
 
 #[test]
-fn nesting_that_doubles_is_refused() {
+fn rejects_exponential_nesting() {
     for first in ["", "bool a\n"] {
         let levels: Vec<(String, Vec<u8>)> = (0..64)
             .map(|level: u32| {
@@ -211,7 +210,7 @@ fn nesting_that_doubles_is_refused() {
     }
 }
 
-/// A page of objects, one a name, each with rows of fields.
+/// A page of objects, with a name and rows of fields for each.
 fn objects(types: impl Iterator<Item = (String, String)>) -> Vec<(String, Vec<u8>)> {
     let mut page = String::from("# Gliders\n");
     for (name, rows) in types {
@@ -221,7 +220,7 @@ fn objects(types: impl Iterator<Item = (String, String)>) -> Vec<(String, Vec<u8
     vec![("gliders.md".to_owned(), page.into_bytes())]
 }
 
-/// Reads a page and emits all that can be emitted, in bounded time and room.
+/// Reads a page and emits all outputs, in bounded time and memory.
 fn emit_page(files: &[(String, Vec<u8>)]) -> Vec<&'static str> {
     let (schema, diagnostics) = read_all(Form::Table, files);
     if !has_errors(&diagnostics) {
@@ -244,7 +243,7 @@ fn emit_page(files: &[(String, Vec<u8>)]) -> Vec<&'static str> {
 }
 
 #[test]
-fn types_of_pages_that_hold_others_need_no_stack_and_no_room() {
+fn deeply_nested_types_of_pages_need_bounded_stack_and_memory() {
     let chain = |count: usize, first: &str| {
         let row = |link: usize| match link.checked_sub(1) {
             Some(below) => format!("|part|yes|Link{below}|x|\n"),
@@ -253,7 +252,7 @@ fn types_of_pages_that_hold_others_need_no_stack_and_no_room() {
         objects((0..count).map(move |link| (format!("Link{link}"), row(link))))
     };
     assert_eq!(emit_page(&chain(1_000, "|part|yes|string|x|\n")), [""; 0]);
-    assert_eq!(emit_page(&chain(1_000, "|part|no|Link999|x|\n")), [""; 0], "a ring that may end");
+    assert_eq!(emit_page(&chain(1_000, "|part|no|Link999|x|\n")), [""; 0], "a cycle of optional fields");
     assert_eq!(emit_page(&chain(10_000, "|part|yes|Link9999|x|\n")), ["endless-type"]);
     let doubled = objects((0..64).map(|level: u32| {
         let ty = level.checked_sub(1).map_or("string".to_owned(), |below| format!("Level{below}"));
@@ -272,7 +271,7 @@ fn types_of_pages_that_hold_others_need_no_stack_and_no_room() {
 }
 
 #[test]
-fn tables_of_types_are_read_in_linear_time() {
+fn reads_tables_of_types_in_linear_time() {
     let header = "|Field|Required|Type|Description|\n|-|-|-|-|\n";
     for body in ["(", "list of ", "a or ", "a, ", "\"", "one of a, ", "[", "[@pattern ", "[@pattern [", "\\"]
     {
@@ -291,28 +290,28 @@ fn tables_of_types_are_read_in_linear_time() {
         }
     }
     let messages: String = (0..20_000)
-        .map(|number| format!("## M-{number}\n\n### Request\n\nNo fields beside type.\n\nAnswer: M-{}\n\n### Response\n\nNo fields beside type.\n\n", number + 1))
+        .map(|number| format!("## M-{number}\n\n### Request\n\nNo fields besides type.\n\nAnswer: M-{}\n\n### Response\n\nNo fields besides type.\n\n", number + 1))
         .collect();
     let files = [("messages.md".to_owned(), format!("# Messages\n\n{messages}").into_bytes())];
-    assert_eq!(codes_of(Form::Table, &files), ["unknown-answer"], "of the last");
+    assert_eq!(codes_of(Form::Table, &files), ["unknown-answer"], "only the last one has no answer");
 }
 
 #[test]
-fn thousands_of_unknown_types_are_all_reported() {
+fn reports_thousands_of_unknown_types() {
     let text: String = (0..5_000).map(|number| format!("Unknown{number} field{number}\n")).collect();
     let known = (0..1_000).map(|number| file(&format!("Known{number}"), ""));
     let files: Vec<_> = known.chain([file("Glider", text)]).collect();
     assert_eq!(codes_of(PX4, &files), vec!["unknown-type"; 5_000]);
-    // To find a similar name takes time and room with the product of the lengths.
+    // Finding similar names takes time and memory proportional to the product of the lengths.
     let long = "A".repeat(1_000_000);
     let files = [file("Glider", format!("{long} a\n")), file(&format!("{long}A"), "")];
     assert_eq!(codes_of(PX4, &files), ["unknown-type"]);
 }
 
-/// A package: its name, its form, and paths and texts of its sources.
+/// A package: the name, the form, and the paths and texts of the sources.
 type NamedPackage = (&'static str, Form, Vec<(String, String)>);
 
-/// All that is emitted from `packages`, with the sources in another order.
+/// All outputs for `packages`, with the sources rotated by `turn`.
 fn emitted(packages: &[NamedPackage], turn: usize) -> Vec<String> {
     let mut all: Vec<(usize, &String, &String)> = Vec::new();
     for (index, (_, _, files)) in packages.iter().enumerate() {
@@ -348,7 +347,7 @@ fn emitted(packages: &[NamedPackage], turn: usize) -> Vec<String> {
 }
 
 #[test]
-fn the_order_of_the_sources_changes_nothing() {
+fn the_order_of_sources_does_not_affect_outputs() {
     let definitions = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions");
     let text_of = |path: &std::path::PathBuf| {
         let text = std::fs::read_to_string(path).expect("a definition");
@@ -373,6 +372,6 @@ fn the_order_of_the_sources_changes_nothing() {
     ];
     let first = emitted(&packages, 0);
     for turn in 1..8 {
-        assert!(emitted(&packages, turn) == first, "turn {turn} gives another output");
+        assert!(emitted(&packages, turn) == first, "the output differs for turn {turn}");
     }
 }

@@ -1,4 +1,4 @@
-//! The modules of the crate import each other in one direction.
+//! Tests that the modules of the crate import each other in one direction only.
 
 mod graph;
 
@@ -6,8 +6,8 @@ use std::path::Path;
 
 use graph::Imports;
 
-/// The modules from the top down: each imports modules of lower floors only.
-const FLOORS: &[&[&str]] = &[
+/// The modules in layers, from top to bottom. Each module may import modules of lower layers only.
+const LAYERS: &[&[&str]] = &[
     &["cli"],
     &["generate"],
     &["load", "rewrite"],
@@ -26,19 +26,19 @@ const FLOORS: &[&[&str]] = &[
 ];
 
 #[test]
-fn modules_import_lower_floors_only() {
-    let found = Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))).upward(FLOORS);
+fn modules_import_lower_layers_only() {
+    let found = Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))).upward(LAYERS);
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
 #[test]
-fn no_files_import_each_other_in_a_ring() {
+fn imports_between_files_have_no_cycles() {
     let found = Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))).cycles();
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
 #[test]
-fn no_modules_of_a_folder_import_each_other_in_a_ring() {
+fn imports_between_modules_of_a_folder_have_no_cycles() {
     let levels = Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))).between_siblings();
     let found: Vec<String> = levels.iter().flat_map(Imports::cycles).collect();
     assert!(found.is_empty(), "{}", found.join("\n"));

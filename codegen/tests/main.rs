@@ -1,4 +1,4 @@
-//! The tests of the generator, in one program; each file is a module.
+//! The tests of the generator in one program; each file is a module.
 
 mod attributes;
 mod bindings;

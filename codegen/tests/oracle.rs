@@ -1,4 +1,4 @@
-//! The model against what the reference tools say of the same files.
+//! Comparison of the model with the results of the reference tools for the same files.
 
 use crate::support;
 
@@ -17,7 +17,7 @@ fn oracle(path: &Path) -> Json {
 }
 
 #[test]
-fn px4_layouts_hashes_and_topics_are_those_of_px4s_generator() {
+fn px4_layouts_hashes_and_topics_match_the_generator_of_px4() {
     for release in ["main", "1.16", "1.15"] {
         let Some(folder) = support::shared(&format!("corpus/px4/{release}")) else { return };
         let Some(expected) = support::shared(&format!("oracle/uorb/{release}.json")) else { return };
@@ -28,7 +28,7 @@ fn px4_layouts_hashes_and_topics_are_those_of_px4s_generator() {
         let expected = oracle(&expected);
         let expected = expected.as_object().expect("messages");
         assert_eq!(messages.as_object().expect("messages").len(), expected.len());
-        for (name, wanted) in expected {
+        for (name, message) in expected {
             let found = &messages[name];
             let slots: Vec<Json> = found["uorb"]["fields"]
                 .as_array()
@@ -45,7 +45,7 @@ fn px4_layouts_hashes_and_topics_are_those_of_px4s_generator() {
                 "queue_length": found["queue_length"],
                 "version": found["version"],
             });
-            assert_eq!(&found, wanted, "{release} {name}");
+            assert_eq!(&found, message, "{release} {name}");
         }
     }
 }
@@ -73,7 +73,7 @@ fn type_hashes(schema: &Schema, with_package: bool) -> Vec<(String, String)> {
 }
 
 #[test]
-fn ros_type_hashes_are_those_of_rosidl() {
+fn ros_type_hashes_match_rosidl() {
     for release in ["main", "1.16", "1.15"] {
         let Some(folder) = support::shared(&format!("corpus/px4/{release}/msg")) else { return };
         let Some(expected) = support::shared(&format!("oracle/rihs01/{release}.json")) else { return };
@@ -92,15 +92,15 @@ fn ros_type_hashes_are_those_of_rosidl() {
     let expected = oracle(&expected);
     let hashes = type_hashes(&schema, true);
     let is_event = |name: &String| name.ends_with("_Event");
-    let wanted = expected.as_object().expect("hashes").keys().filter(|name| !is_event(name)).count();
-    assert_eq!(hashes.len(), wanted, "events are no files and have no hash of their own here");
+    let count = expected.as_object().expect("hashes").keys().filter(|name| !is_event(name)).count();
+    assert_eq!(hashes.len(), count, "events are not files, and have no separate hash");
     for (name, hash) in hashes {
         assert_eq!(expected[&name], hash, "{name}");
     }
 }
 
 #[test]
-fn cdr_sizes_are_those_of_encoded_messages() {
+fn cdr_sizes_match_encoded_messages() {
     for (folder, cases, is_px4) in [
         ("corpus/px4/main", "oracle/cdr/px4-main.json", true),
         ("corpus/ros2", "oracle/cdr/ros2.json", false),
@@ -125,7 +125,7 @@ fn cdr_sizes_are_those_of_encoded_messages() {
     }
 }
 
-/// Code, abbreviation and what each refers to.
+/// The code, its abbreviation, and the codes that it refers to.
 type Codes = Vec<(u32, Option<String>, Vec<u32>)>;
 
 fn error_codes(path: &str, text: &str) -> Codes {
@@ -136,7 +136,7 @@ fn error_codes(path: &str, text: &str) -> Codes {
 }
 
 #[test]
-fn the_error_codes_are_those_of_the_specification_in_each_form() {
+fn error_codes_match_the_specification_in_all_forms() {
     let Some(page) = support::shared("spec/flockwave-error-codes.txt") else { return };
     let page = fs::read_to_string(page).expect("the page");
     let given = error_codes("page.txt", &page);
@@ -159,7 +159,7 @@ fn the_error_codes_are_those_of_the_specification_in_each_form() {
     assert_eq!(error_codes("page.md", &markdown), given);
     assert_eq!(error_codes("page.md", &bare), given);
     assert_eq!(error_codes("page.adoc", &asciidoc), given);
-    // Ours has one code more, and refers to others where the specification does, but for its slips.
+    // Our page has one additional code, and the same references except for errors of the specification.
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions/flockwave/error-codes.md");
     let own = error_codes("page.md", &fs::read_to_string(own).expect("the definitions"));
     let of = |codes: &Codes| -> Codes {

@@ -1,4 +1,4 @@
-//! Outputs don't depend on where the definitions lie.
+//! Tests that outputs don't depend on the location of the definitions.
 
 use crate::support;
 
@@ -44,7 +44,7 @@ fn emitted(folder: &str) -> Vec<OutputFile> {
 }
 
 #[test]
-fn outputs_are_the_same_wherever_the_definitions_lie() {
+fn outputs_do_not_depend_on_the_folder_of_definitions() {
     let relative = emitted("");
     for folder in ["definitions/", "../../here/", "/home/pilot/px4/", "/srv/build-17/", "C:\\px4\\"] {
         let found = emitted(folder);
@@ -54,5 +54,8 @@ fn outputs_are_the_same_wherever_the_definitions_lie() {
         }
     }
     let names = |path: &str| relative.iter().any(|file| file.text.contains(path));
-    assert!(names("`msg/versioned/Gust.msg`") && names("`error-codes.md:"), "pages name the definitions");
+    assert!(
+        names("`msg/versioned/Gust.msg`") && names("`error-codes.md:"),
+        "pages contain the paths of definitions"
+    );
 }

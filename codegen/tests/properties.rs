@@ -1,5 +1,4 @@
-//! What holds for any input: nothing panics, places lie within their sources, and what is printed is
-//! read as it was.
+//! Properties of any input: no panics, locations within their sources, and printed definitions are read back unchanged.
 
 use crate::support;
 
@@ -17,7 +16,7 @@ use uavspec_codegen::source::Span;
 use uavspec_codegen::translation::Translations;
 use uavspec_codegen::{SourceMap, read, render};
 
-/// Pieces of the language, whole and broken, and what is near to them.
+/// Valid and invalid pieces of the language.
 const PIECES: &[&str] = &[
     "uint8",
     "int64",
@@ -101,7 +100,7 @@ const PIECES: &[&str] = &[
     "😀",
 ];
 
-/// The same for pages.
+/// Valid and invalid pieces of pages.
 const PAGE_PIECES: &[&str] = &[
     "\n\n## Mark\n\n",
     "\n\n## Wind\n\n",
@@ -177,7 +176,7 @@ const PAGE_PIECES: &[&str] = &[
     "4294967296",
 ];
 
-/// Any text, or a text made from pieces.
+/// Any text, or a text composed of pieces.
 fn text(pieces: &'static [&'static str]) -> impl Strategy<Value = String> {
     prop_oneof![
         1 => "(?s).{0,120}",
@@ -186,7 +185,7 @@ fn text(pieces: &'static [&'static str]) -> impl Strategy<Value = String> {
     ]
 }
 
-/// The places lie within one source, and between characters of it.
+/// Checks that a span is within one source, and at character boundaries.
 fn check_place(sources: &SourceMap, span: Span) -> Result<(), TestCaseError> {
     let whole = sources.span(sources.source_of(span));
     prop_assert!(
@@ -215,7 +214,7 @@ fn check(form: Form, files: &[(&str, &str)]) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Whatever a definition says, each emitter makes something of it, and that is Rust and JSON.
+/// Checks that each emitter accepts any definition, and that the outputs are valid Rust and JSON.
 fn check_output(schema: &Schema, sources: &SourceMap) -> Result<(), TestCaseError> {
     inspect::schema(schema);
     for file in emit::vectors::emit(schema, &emit::vectors::Options::default()) {
@@ -240,7 +239,7 @@ proptest! {
     #![proptest_config(support::usual(4))]
 
     #[test]
-    fn any_definition_is_read_or_refused(text in text(PIECES), other in text(PIECES)) {
+    fn any_definition_is_accepted_or_rejected(text in text(PIECES), other in text(PIECES)) {
         for dialect in [Dialect::Px4, Dialect::Ros2] {
             for path in ["Glider.msg", "Glider.srv", "Glider.action"] {
                 check(Form::Msg(dialect), &[(path, &text), ("Other.msg", &other)])?;
@@ -249,27 +248,27 @@ proptest! {
     }
 
     #[test]
-    fn any_page_is_read_or_refused(text in text(PAGE_PIECES)) {
+    fn any_page_is_accepted_or_rejected(text in text(PAGE_PIECES)) {
         for path in ["page.md", "page.adoc", "page.txt"] {
             check(Form::Table, &[(path, &text)])?;
         }
     }
 }
 
-/// A declaration, in the words of a definition and in those of the model.
+/// A declaration, as in a definition and as in the model.
 #[derive(Clone, Debug)]
 struct Declaration {
     is_constant: bool,
     ty: String,
     name: String,
-    /// How the value is written.
+    /// The written value.
     written: Option<String>,
-    /// What is read.
+    /// The parsed value.
     value: Json,
     comment: String,
 }
 
-/// Integers of at most the type's range, written in any base.
+/// Integers within the range of the type, in any base.
 fn integer(bits: u32, is_signed: bool) -> impl Strategy<Value = (String, Json)> {
     let (least, greatest) = if is_signed {
         (-(1_i128 << (bits - 1)), (1_i128 << (bits - 1)) - 1)
@@ -327,14 +326,15 @@ fn scalar(dialect: Dialect) -> BoxedStrategy<(String, String, Json)> {
     proptest::strategy::Union::new(all).boxed()
 }
 
-/// Strings in either quotes, and in one line.
+/// Strings in single or double quotes, on one line.
 fn string() -> impl Strategy<Value = (String, Json)> {
     let character = prop_oneof![
-        any::<char>().prop_filter("stands in a line", |c| !c.is_control()),
+        any::<char>().prop_filter("fits one line", |c| !c.is_control()),
         select(vec!['"', '\'', '\\', '#', '=', '\n', '\t', '\u{200c}'])
     ];
-    let text = vec(character, 0..12)
-        .prop_filter("hides nothing", |text| !text.iter().any(|c| matches!(c, '\u{2028}' | '\u{2029}')));
+    let text = vec(character, 0..12).prop_filter("no hidden characters", |text| {
+        !text.iter().any(|c| matches!(c, '\u{2028}' | '\u{2029}'))
+    });
     (text, any::<bool>()).prop_map(|(text, is_double)| {
         let quote = if is_double { '"' } else { '\'' };
         let mut written = String::from(quote);
@@ -352,7 +352,7 @@ fn string() -> impl Strategy<Value = (String, Json)> {
     })
 }
 
-/// A field of any type, in ROS 2 perhaps with a default.
+/// A field of any type, in ROS 2 optionally with a default.
 fn field(dialect: Dialect) -> impl Strategy<Value = (String, Option<String>, Json)> {
     let lists = (scalar(dialect), 1..5_usize, 0..4_u8, any::<bool>());
     let field = lists.prop_map(move |((ty, written, value), count, shape, has_default)| {
@@ -375,7 +375,7 @@ fn field(dialect: Dialect) -> impl Strategy<Value = (String, Option<String>, Jso
 }
 
 fn declaration(dialect: Dialect) -> impl Strategy<Value = Declaration> {
-    // Without what could start an annotation.
+    // Excludes characters that could start an annotation.
     let comment = "[a-zA-Z0-9.,;:!é°]{0,5}( [a-zA-Z0-9.,;:!#]{1,6}){0,3}";
     let field = (field(dialect), "[a-z][a-z0-9]{0,5}(_[a-z0-9]{1,3}){0,2}", comment).prop_map(
         |((ty, written, value), name, comment)| Declaration {
@@ -400,7 +400,7 @@ fn declaration(dialect: Dialect) -> impl Strategy<Value = Declaration> {
     prop_oneof![field, constant]
 }
 
-/// A message of declarations with different names, and white space wherever it may stand.
+/// A message of declarations with different names, with any allowed white space.
 fn message(dialect: Dialect) -> impl Strategy<Value = (Vec<Declaration>, String)> {
     let blanks = || select(vec![" ", "  ", " \t", " "]);
     let line = (
@@ -448,7 +448,7 @@ fn declared(schema: &Schema, message: &Message) -> [Vec<(String, String, Json, S
     [list("fields", "default"), list("constants", "value")]
 }
 
-/// The model as a definition.
+/// Prints the model as a definition.
 fn print(schema: &Schema, message: &Message) -> String {
     let mut text = String::new();
     for field in &message.fields {
@@ -497,17 +497,17 @@ proptest! {
     #![proptest_config(support::usual(1))]
 
     #[test]
-    fn px4_messages_are_read_as_they_were_printed((declarations, text) in message(Dialect::Px4)) {
+    fn printed_px4_messages_are_read_back((declarations, text) in message(Dialect::Px4)) {
         check_message(Dialect::Px4, &declarations, &text)?;
     }
 
     #[test]
-    fn ros2_messages_are_read_as_they_were_printed((declarations, text) in message(Dialect::Ros2)) {
+    fn printed_ros2_messages_are_read_back((declarations, text) in message(Dialect::Ros2)) {
         check_message(Dialect::Ros2, &declarations, &text)?;
     }
 }
 
-/// Headings, the first code of each, and how many it may have.
+/// Headings, with the first code and the number of codes.
 const HEADINGS: [(&str, u32, u32); 5] = [
     ("Informational messages (codes 1-63)", 1, 63),
     ("Warnings (codes 64-127)", 64, 64),
@@ -516,7 +516,7 @@ const HEADINGS: [(&str, u32, u32); 5] = [
     ("User-defined error codes (codes 32768 and above)", 32_768, 1000),
 ];
 
-/// A row: how far its code is above the one before, its abbreviation, and its description.
+/// A row: the difference from the previous code, the abbreviation, and the description.
 type PageRow = (u32, String, String);
 
 fn page() -> impl Strategy<Value = Vec<(usize, Vec<PageRow>)>> {
@@ -532,7 +532,7 @@ fn page() -> impl Strategy<Value = Vec<(usize, Vec<PageRow>)>> {
         .prop_map(|(tables, rows)| tables.into_iter().zip(rows).collect())
 }
 
-/// The page in Markdown, in `AsciiDoc` and flattened, each ending in a table of codes 998 and 999.
+/// The page in Markdown, in `AsciiDoc` and flattened. Each ends with a table of the codes 998 and 999.
 fn printed(page: &[(usize, Vec<PageRow>)]) -> [(&'static str, String); 3] {
     let mut forms = ["md", "adoc", "txt"].map(|extension| (extension, String::new()));
     let [(_, markdown), (_, asciidoc), (_, flattened)] = &mut forms;
@@ -573,7 +573,7 @@ proptest! {
     #![proptest_config(support::usual(1))]
 
     #[test]
-    fn pages_say_the_same_in_each_form(page in page()) {
+    fn all_forms_of_a_page_have_the_same_model(page in page()) {
         let mut models: Vec<(Vec<ErrorTable>, Vec<&str>)> = Vec::new();
         for (extension, text) in printed(&page) {
             let mut sources = SourceMap::default();

@@ -1,5 +1,4 @@
-//! Pages of types and messages, made by chance: what is read is what was meant, and schemas, vectors and the layout of
-//! `fmt` say the same of it.
+//! Random pages of types and messages. The model, the schemas, the vectors and `fmt` must agree on them.
 
 use crate::support;
 
@@ -14,7 +13,7 @@ use uavspec_codegen::emit::{inspect, json_schema, vectors};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{Schema, SourceMap, render};
 
-/// A field or element.
+/// A field or an element.
 #[derive(Clone, Debug)]
 struct Member {
     is_required: bool,
@@ -22,7 +21,7 @@ struct Member {
     annotations: &'static str,
 }
 
-/// A type, in the words of a page.
+/// A type, as written on a page.
 #[derive(Clone, Debug)]
 enum Type {
     Object(Vec<Member>, bool),
@@ -33,13 +32,13 @@ enum Type {
 
 const BUILT_IN: [&str; 7] = ["string", "integer", "number", "boolean", "null", "any", "one of a, b, \"c d\""];
 
-/// Annotations, and what they belong to: numbers, strings, lists of anything.
+/// Annotations for numbers, strings and lists.
 const OF_NUMBERS: [&str; 4] = ["[m/s]", "[@range -5, 9]", "[@range 1,]", "[@range , 0.5]"];
 const OF_STRINGS: [&str; 4] =
     ["[@length 1, 4]", "[@pattern `^[a-z]{2}$`]", "[@length 2,]", "[@format base64]"];
 const OF_LISTS: [&str; 3] = ["[@length 1, 3]", "[@unique]", "[@length , 2] [@unique]"];
 
-/// An expression that names no type, with annotations that belong to it.
+/// An expression without type names, with suitable annotations.
 fn plain() -> impl Strategy<Value = (String, &'static str)> {
     prop_oneof![
         select(&BUILT_IN[..]).prop_map(|ty| (ty.to_owned(), "")),
@@ -58,7 +57,7 @@ fn plain() -> impl Strategy<Value = (String, &'static str)> {
     ]
 }
 
-/// An expression of the type with the number `own`; it may name those before it.
+/// An expression of the type with the number `own`; it may refer to earlier types.
 fn member(own: usize) -> impl Strategy<Value = Member> {
     let named = (0..own.max(1), select(&["", "list of ", "map of ", "list of list of "][..]), any::<bool>());
     let named = named.prop_map(move |(index, around, is_nullable)| {
@@ -74,12 +73,12 @@ fn type_strategy(own: usize) -> impl Strategy<Value = Type> {
     prop_oneof![
         3 => (vec(member(own), 0..5), any::<bool>()).prop_map(|(fields, is_closed)| Type::Object(fields, is_closed)),
         2 => vec(member(own), 1..5).prop_map(|mut elements| {
-            // Those that are required come first.
+            // Required elements come first.
             elements.sort_by_key(|element| !element.is_required);
             Type::Tuple(elements)
         }),
         1 => (values, any::<bool>()).prop_map(|(values, is_open)| Type::Set(values, is_open)),
-        1 => plain().prop_filter("a type by itself begins with a built-in name", |(ty, _)| !ty.starts_with("one of"))
+        1 => plain().prop_filter("a named type starts with a built-in type", |(ty, _)| !ty.starts_with("one of"))
             .prop_map(|(ty, annotations)| Type::Named(ty, annotations)),
     ]
 }
@@ -89,7 +88,7 @@ fn types() -> impl Strategy<Value = Vec<Type>> {
         .prop_map(|(first, second, third, fourth)| vec![first, second, third, fourth])
 }
 
-/// The types as a page, and a message that has the last in each direction.
+/// A page with the types, and a message with the last type in each direction.
 fn page(types: &[Type]) -> String {
     let yes = |is_required: bool| if is_required { "yes" } else { "no" };
     let mut page = String::from("# Winds\n");
@@ -141,7 +140,7 @@ proptest! {
     #![proptest_config(support::config(64))]
 
     #[test]
-    fn what_is_read_is_what_was_meant(types in types()) {
+    fn types_are_read_as_written(types in types()) {
         let (_, schema) = read_page(&page(&types));
         let model = inspect::schema(&schema)["packages"]["demo"].clone();
         for (index, ty) in types.iter().enumerate() {
@@ -165,7 +164,7 @@ proptest! {
         prop_assert_eq!(&model["json_messages"]["WIND-INF"]["request"]["answers"], &json!(["WIND-INF"]));
     }
 
-    /// The vectors' verdicts come from the model; the validator of JSON Schema knows nothing of it.
+    /// The verdicts of vectors come from the model; the JSON Schema validator is independent of it.
     #[test]
     fn schemas_and_vectors_agree(types in types()) {
         let (_, schema) = read_page(&page(&types));
@@ -191,12 +190,12 @@ proptest! {
         prop_assert!(count > 20);
     }
 
-    /// `fmt` lays out error codes alone; what types say survives it, and a second time changes nothing.
+    /// `fmt` formats only error codes. It must preserve types, and a second run must change nothing.
     #[test]
-    fn the_layout_of_pages_keeps_what_they_say(types in types()) {
+    fn fmt_preserves_types_of_pages(types in types()) {
         let (sources, schema) = read_page(&page(&types));
         let id = sources.source_of(uavspec_codegen::source::Span::default());
-        let laid_out = uavspec_codegen::format::format(&sources, id, Form::Table).expect("no mistakes");
+        let laid_out = uavspec_codegen::format::format(&sources, id, Form::Table).expect("no errors");
         let (_, again) = read_page(&laid_out.text);
         prop_assert_eq!(inspect::schema(&schema), inspect::schema(&again));
     }

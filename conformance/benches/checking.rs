@@ -1,20 +1,18 @@
-//! How fast sources are judged with all rules on, beside what others do with the same bytes:
+//! Measures how fast captures are checked with all rules, in comparison with other libraries:
 //! `cargo bench -p uavspec-conformance --bench checking`.
 //!
-//! Words behind `--` select comparisons by their titles, and the number `ROUNDS` in the environment sets how often each
-//! contestant runs.
+//! Words after `--` select comparisons by title. The environment variable `ROUNDS` sets the number of runs.
 //!
-//! All that is compared takes turns, and what is shown is the median of the throughputs and of the ratios, so that
-//! a machine that is busy now and then changes little. Each runs on one core.
+//! The contestants take turns. The output shows the medians of throughputs and ratios, so that other load on the
+//! machine has little effect. Each contestant runs on one core.
 //!
-//! - Each shortcut against the way that it shortens: messages without templates, and reports without those that are cached.
-//!   One that doesn't buy 1.3 times the throughput has no place here.
-//! - JSON Lines of `FailsafeFlags` against `serde_json` passing over the values (`IgnoredAny`), the practical limit
-//!   of whoever reads with it, and against `serde_json` to a tree plus the crate `jsonschema` with the published
-//!   schema.
-//! - Reports of Flockwave on a fleet, with one UAV each and with fifty, against the same two, where the schema is that of
-//!   their bodies.
-//! - Logs of PX4, where the corpus is, against pyulog, where Python has it; and two at a time on two cores.
+//! - Each fast path against the general one: messages without templates, and status reports without the cache. A fast
+//!   path must be at least 1.3 times as fast to be worth it.
+//! - JSON Lines of `FailsafeFlags` against `serde_json` skipping the values (`IgnoredAny`), which is the practical
+//!   limit for its users, and against `serde_json` to a tree with the crate `jsonschema` and the published schema.
+//! - Status reports of a fleet, with one UAV each and with fifty, against the same two. The schema is that of their
+//!   bodies.
+//! - PX4 logs, if the corpus is available, against pyulog, if Python has it; and two at a time on two cores.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -29,27 +27,27 @@ use serde_json::{Value, json};
 use uavspec_conformance::check::{FlockwaveChecker, check_capture, check_json_thoroughly, parallel};
 use uavspec_conformance::definitions::Definitions;
 
-/// How many lines of JSON there are.
+/// The number of JSON lines.
 const LINES: usize = 10_000;
 
-/// How often each is measured, by default.
+/// The default number of runs.
 const ROUNDS: usize = 31;
 
-/// The schema that is published.
+/// The published schema.
 const SCHEMA: &str = include_str!("../../generated/schemas/px4/FailsafeFlags.schema.json");
 
-/// The schemas of Flockwave, all in one.
+/// The schemas of all Flockwave messages.
 const SCHEMAS: &str = include_str!("../../generated/schemas/flockwave.bundle.schema.json");
 
-/// How many UAVs a fleet has.
+/// The number of UAVs in a fleet.
 const FLEET: usize = 1_000;
 
-/// How many states the reports on a fleet have together.
+/// The total number of states in the reports of a fleet.
 const STATES: usize = 30_000;
 
 const LOGS: [&str; 3] = ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"];
 
-/// Reads a log with pyulog as often as it is asked, and prints the median of the seconds.
+/// Reads a log with pyulog several times, and prints the median time in seconds.
 const PYULOG: &str = "
 import sys, time
 from pyulog import ULog
@@ -69,11 +67,11 @@ fn main() {
     if corpus.join("ulog").is_dir() {
         logs(&corpus);
     } else {
-        println!("left out: corpus/ulog is absent; set UAVSPEC_CORPUS to the corpus");
+        println!("skipped the logs: corpus/ulog is missing; set UAVSPEC_CORPUS to the corpus");
     }
 }
 
-/// Something that is measured.
+/// A measured function.
 struct Contestant<'c> {
     name: &'c str,
     work: Box<dyn FnMut() + 'c>,
@@ -86,9 +84,9 @@ impl<'c> Contestant<'c> {
     }
 }
 
-/// Lets all take turns, and prints the throughput of each beside that of the first.
-fn compare(what: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
-    if !is_selected(what) {
+/// Runs the contestants in turn, and prints the throughput of each and its ratio to the first.
+fn compare(title: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
+    if !is_selected(title) {
         return;
     }
     let rounds = std::env::var("ROUNDS").ok().and_then(|rounds| rounds.parse().ok()).unwrap_or(ROUNDS);
@@ -102,7 +100,7 @@ fn compare(what: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
             }
         }
     }
-    println!("{what}, {bytes} bytes");
+    println!("{title}, {bytes} bytes");
     let first = contestants[0].times.clone();
     for (location, contestant) in contestants.iter().enumerate() {
         let throughput = throughput(bytes, median(&contestant.times));
@@ -116,14 +114,14 @@ fn compare(what: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
     }
 }
 
-/// True if the command line names no comparison, or a word of this one's title.
-fn is_selected(what: &str) -> bool {
+/// True if the command line selects no comparison, or contains a word of this title.
+fn is_selected(title: &str) -> bool {
     let mut words = std::env::args().skip(1).filter(|word| !word.starts_with('-')).peekable();
-    words.peek().is_none() || words.any(|word| what.contains(&word))
+    words.peek().is_none() || words.any(|word| title.contains(&word))
 }
 
-/// In MB/s.
-#[allow(clippy::cast_precision_loss)] // nobody measures so many bytes
+/// The throughput in MB/s.
+#[allow(clippy::cast_precision_loss)] // the values fit well
 fn throughput(bytes: usize, time: Duration) -> f64 {
     bytes as f64 / time.as_secs_f64() / 1e6
 }
@@ -140,10 +138,10 @@ fn ratio(ratios: &[f64]) -> String {
     format!("uavspec has {:.2} times its throughput", ratios[ratios.len() / 2])
 }
 
-/// Messages that conform, each a line.
+/// Messages without findings, one on each line.
 fn lines(definitions: &Definitions) -> String {
-    let of = definitions.types().find("px4", "FailsafeFlags").expect("a built-in message");
-    let zero = of.default().to_json().expect("finite values");
+    let message_type = definitions.types().find("px4", "FailsafeFlags").expect("a built-in message");
+    let zero = message_type.default().to_json().expect("finite values");
     let mut text = String::new();
     for number in 0..LINES {
         let mut message = zero.clone();
@@ -157,15 +155,15 @@ fn lines(definitions: &Definitions) -> String {
 fn json() {
     let definitions = Definitions::built_in();
     let text = lines(&definitions);
-    let of = definitions.message_of_type("px4/FailsafeFlags");
+    let message_id = definitions.message_of_type("px4/FailsafeFlags");
     let schema: Value = serde_json::from_str(SCHEMA).expect("JSON");
     let validator = jsonschema::validator_for(&schema).expect("a schema");
     let uavspec = || {
-        let result = check_capture(text.as_bytes(), of, &definitions).expect("memory");
+        let result = check_capture(text.as_bytes(), message_id, &definitions).expect("memory");
         assert_eq!((result.checked, result.corruption.len()), (LINES as u64, 0));
     };
     let thorough = || {
-        let result = check_json_thoroughly(text.as_bytes(), of, &definitions);
+        let result = check_json_thoroughly(text.as_bytes(), message_id, &definitions);
         assert_eq!((result.checked, result.corruption.len()), (LINES as u64, 0));
     };
     let skip = || {
@@ -188,7 +186,7 @@ fn json() {
     compare("JSON Lines of FailsafeFlags", text.len(), contestants);
 }
 
-/// A recording of reports on a fleet, each on so many UAVs, that conforms.
+/// A capture of status reports of a fleet without findings, each with `each` UAVs.
 fn reports(each: usize) -> String {
     let mut text = String::new();
     for (number, first) in (0..STATES).step_by(each).enumerate() {
@@ -251,8 +249,8 @@ fn flockwave() {
             Contestant::new("serde_json, skipping", skip),
             Contestant::new("serde_json to a tree, jsonschema", tree),
         ];
-        let of = if each == 1 { "one UAV".to_owned() } else { format!("{each} UAVs") };
-        compare(&format!("Reports of Flockwave on {of} each"), text.len(), contestants);
+        let uavs = if each == 1 { "one UAV".to_owned() } else { format!("{each} UAVs") };
+        compare(&format!("Reports of Flockwave on {uavs} each"), text.len(), contestants);
     }
 }
 
@@ -266,10 +264,10 @@ fn logs(corpus: &Path) {
         compare(&format!("{name}.ulg by the definitions of PX4 main"), bytes.len(), vec![uavspec]);
         match pyulog(&path) {
             Some(time) => println!("  {:<34} {:>8.0} MB/s", "pyulog", throughput(bytes.len(), time)),
-            None => println!("  left out: python3 has no pyulog"),
+            None => println!("  skipped: python3 has no pyulog"),
         }
     }
-    // As two files of the same length: one after the other, and at the same time.
+    // Files of equal length, checked one after the other and two at a time.
     let bytes = fs::read(corpus.join("ulog/sample.ulg")).expect("a log");
     let both = |jobs| {
         let jobs = NonZeroUsize::new(jobs);

@@ -1,4 +1,4 @@
-//! How fast logs are read: the three of the corpus, each with its messages repeated, and bytes that are none.
+//! Measures how fast logs are read: three logs of the corpus, with repeated messages, and invalid bytes.
 //!
 //! `cargo bench -p uavspec-conformance --bench ulog`
 
@@ -16,10 +16,10 @@ fn main() {
 
 const LOGS: [&str; 3] = ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"];
 
-/// Bytes of a log, so that neither its start nor what caches keep of it counts.
+/// The minimum size of a log in bytes, so that its start and caches have little effect.
 const SIZE: usize = 64 << 20;
 
-/// The log with all that is behind its file header repeated; none where there is no corpus.
+/// A log with everything after its file header repeated. `None` without the corpus.
 fn log(name: &str) -> Option<Vec<u8>> {
     let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
     let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or(default, Into::into);
@@ -32,7 +32,7 @@ fn log(name: &str) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// Copies the bytes through a buffer as large as the reader's: what can be reached at most.
+/// Copies the bytes through a buffer of the same size as the reader's, which is the upper limit.
 #[divan::bench(args = LOGS)]
 fn copy(bencher: Bencher<'_, '_>, name: &str) {
     let Some(bytes) = log(name) else { return };
@@ -45,14 +45,14 @@ fn copy(bencher: Bencher<'_, '_>, name: &str) {
     });
 }
 
-/// Messages alone.
+/// Splits a log into messages.
 #[divan::bench(args = LOGS)]
 fn messages(bencher: Bencher<'_, '_>, name: &str) {
     let Some(bytes) = log(name) else { return };
     bencher.counter(BytesCount::of_slice(&bytes)).bench_local(|| count_messages(&bytes));
 }
 
-/// Messages, and the type of each that is data.
+/// Splits a log into messages, and determines the type of data.
 #[divan::bench(args = LOGS)]
 fn records(bencher: Bencher<'_, '_>, name: &str) {
     let Some(bytes) = log(name) else { return };
@@ -68,7 +68,7 @@ fn records(bencher: Bencher<'_, '_>, name: &str) {
     });
 }
 
-/// Bytes among which messages are searched in vain.
+/// Searches bytes that contain no messages.
 #[divan::bench(args = ["zeros", "noise", "letters"])]
 fn search(bencher: Bencher<'_, '_>, name: &str) {
     let mut bytes = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
@@ -78,7 +78,7 @@ fn search(bencher: Bencher<'_, '_>, name: &str) {
         match name {
             "zeros" => 0,
             "noise" => state.to_be_bytes()[0],
-            // Each looks like the header of a line, and so do those that follow it.
+            // Each byte looks like the header of a log line, and so do the following ones.
             _ => b"L0"[usize::from(state & 2 != 0)],
         }
     }));

@@ -1,15 +1,15 @@
-//! What is judged: logs and captures, read as they come, in bounded memory.
+//! Reads captures as streams, in bounded memory: logs, MCAP and JSON.
 
 pub(crate) mod input;
 pub(crate) mod json;
 pub(crate) mod mcap;
 pub mod ulog;
 
-/// What MCAP begins with.
+/// The first bytes of MCAP files.
 pub(crate) use self::mcap::MAGIC as MCAP_MAGIC;
 
-/// What a log of PX4 begins with that is encrypted.
+/// The first bytes of encrypted PX4 logs.
 pub(crate) const ENCRYPTED_MAGIC: [u8; 7] = *b"ULogEnc";
 
-/// What a log of PX4 begins with; what begins neither so nor as MCAP is taken for JSON.
+/// The first bytes of PX4 logs.
 pub(crate) const ULOG_MAGIC: [u8; 7] = *b"ULog\x01\x12\x35";

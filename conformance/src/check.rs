@@ -1,13 +1,13 @@
-//! Checks a capture: its records go to the plans of their formats and to the rules.
+//! Checks a capture: passes its records to the check plans of their formats and to the rules.
 //!
 //! ```
 //! use uavspec_conformance::check::check_capture;
 //! use uavspec_conformance::definitions::Definitions;
 //!
 //! let definitions = Definitions::built_in();
-//! let of = definitions.message_of_type("px4/ArmingCheckRequest");
+//! let message_id = definitions.message_of_type("px4/ArmingCheckRequest");
 //! let record = r#"{"timestamp": 7, "request_id": 300, "valid_registrations_mask": 1}"#;
-//! let result = check_capture(record.as_bytes(), of, &definitions)?;
+//! let result = check_capture(record.as_bytes(), message_id, &definitions)?;
 //! assert_eq!((result.records, result.checked), (1, 1));
 //! let group = result.findings.groups().next().unwrap();
 //! assert_eq!((group.rule.id, group.subject.as_str()), ("PX-JSON-02", "ArmingCheckRequest.request_id"));
@@ -57,46 +57,46 @@ use crate::rules::px4::Interest;
 use crate::rules::{RuleContext, px4};
 use crate::text::Grouped;
 
-/// The number of first bytes by which the kind of a capture is detected.
+/// The number of bytes from which the kind of a capture is detected.
 const START: usize = MCAP_MAGIC.len();
 
-/// The number of bytes of a magic that are enough if the capture ends there.
+/// The minimum number of bytes that identify a magic if the capture ends within it.
 const MIN_MAGIC: usize = 4;
 
-/// How many kinds of damage are kept.
+/// The maximum number of distinct corrupt parts to report.
 const MAX_CORRUPT_PARTS: usize = 100;
 
-/// A kind of capture: a row of [`KINDS`].
+/// A kind of capture.
 struct Kind {
     /// The name of the format.
     name: &'static str,
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
-    /// Checks a capture of this kind, as far as it can be read.
+    /// Checks a capture of this kind, as far as it is readable.
     check: fn(&mut dyn Read, Option<MessageId>, &Definitions) -> io::Result<CaptureResult>,
 }
 
-/// All kinds of captures, in the order in which they are detected.
+/// All kinds of captures, in the order of detection.
 static KINDS: [Kind; 4] = [log::ENCRYPTED, log::KIND, mcap::KIND, json::KIND];
 
-/// The summary of a capture: a variant for each kind. Sessions are detected by their first object.
+/// The summary of a capture, with a variant for each kind.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum Summary {
-    /// A log of PX4.
+    /// A PX4 log.
     #[serde(rename = "ulog")]
     Log(LogSummary),
-    /// Messages as JSON.
+    /// JSON messages.
     Json(JsonSummary),
-    /// MCAP.
+    /// An MCAP file.
     Mcap(McapSummary),
-    /// A recorded session of Flockwave; its messages are those of the server.
+    /// A recorded Flockwave session. Its messages are those of the server.
     Flockwave(FlockwaveSummary),
 }
 
 impl Summary {
-    /// The parts that reports for people print.
+    /// The parts that human-readable reports print.
     pub(crate) fn describe(&self) -> &dyn Describe {
         match self {
             Self::Log(summary) => summary,
@@ -112,15 +112,15 @@ impl Summary {
 pub struct CaptureResult {
     /// The summary of the capture.
     pub summary: Summary,
-    /// The number of bytes that were read.
+    /// The number of bytes read.
     pub bytes: u64,
-    /// The time from its first to its last timestamp, in µs.
+    /// The time from the first to the last timestamp, in µs.
     pub duration: u64,
     /// The number of messages.
     pub records: u64,
-    /// The number of messages that were checked: they have a type and can be read as it.
+    /// The number of messages that were checked: those of a known type that could be decoded.
     pub checked: u64,
-    /// The corrupt parts, each with its first location, in that order.
+    /// The distinct corrupt parts in order of appearance, each with its first location.
     pub corruption: Vec<(Location, String)>,
     /// The number of further corrupt parts.
     pub more_corruption: u64,
@@ -130,12 +130,12 @@ pub struct CaptureResult {
     pub findings: Findings,
 }
 
-/// Checks a capture of any kind. The kind is detected from the first bytes. If `message_id` names a message, JSON is messages
-/// of that type and nothing around them.
+/// Checks a capture of any kind. The kind is detected from the first bytes. If `message_id` is set, JSON input
+/// consists of bare messages of that type.
 ///
 /// # Errors
-/// Reading the first bytes fails, the capture is encrypted, or it is of no known kind. Whatever is wrong later on, and
-/// that a capture can't be read any further, is part of the result.
+/// Fails if the first bytes can't be read, or if the capture is encrypted or of an unknown kind. Later problems,
+/// including an early end, are part of the result.
 pub fn check_capture(
     mut input: impl Read,
     message_id: Option<MessageId>,
@@ -145,62 +145,65 @@ pub fn check_capture(
     input.by_ref().take(START as u64).read_to_end(&mut start)?;
     let Some(kind) = KINDS.iter().find(|kind| (kind.detect)(&start)) else {
         let bytes: Vec<String> = start.iter().map(|byte| format!("{byte:02x}")).collect();
-        let mut names: Vec<String> = KINDS.iter().map(|kind| format!("no {}", kind.name)).collect();
+        let mut names: Vec<String> = KINDS.iter().map(|kind| kind.name.to_owned()).collect();
         names.dedup();
         let last = names.pop().unwrap_or_default();
         let names = names.join(", ");
-        let text = format!("byte 0: {names} and {last}: it begins with {}", bytes.join(" "));
+        let text = format!(
+            "byte 0: unknown file type: expected {names} or {last}, found the bytes {}",
+            bytes.join(" ")
+        );
         return Err(io::Error::new(io::ErrorKind::InvalidData, text));
     };
     (kind.check)(&mut io::Cursor::new(start).chain(input), message_id, definitions)
 }
 
-/// True if a capture starts with a magic, or ends within it so late that it can hardly be anything else.
-fn is_begun(start: &[u8], magic: &[u8]) -> bool {
+/// True if a capture starts with the magic, or ends within it after at least [`MIN_MAGIC`] bytes.
+fn has_magic(start: &[u8], magic: &[u8]) -> bool {
     start.starts_with(magic) || start.len() >= MIN_MAGIC && magic.starts_with(start)
 }
 
-/// What all kinds of sources have in common: messages that come on channels, and the rules that follow them.
+/// The part of a check that all kinds of captures share: channels, sessions, and the rules that see several messages.
 struct CheckRun<'d> {
     definitions: &'d Definitions,
     findings: Findings,
-    /// The rules on messages.
+    /// The rules on sequences of messages.
     followers: Vec<Follower>,
     /// The checks of the rules on sessions.
     listeners: Listeners<'d>,
-    /// By the index of a channel.
-    channels: Vec<Followed>,
+    /// By channel index.
+    channels: Vec<Subscribers>,
     sessions: Sessions,
     records: u64,
     checked: u64,
     first: Option<u64>,
     last: u64,
-    /// By what is told, which is told once.
+    /// By description.
     corruption: HashMap<String, CorruptPart>,
     more_corruption: u64,
     extent: Extent,
 }
 
-/// Damage: where it was first, and how often it was.
+/// A corrupt part: its first location and the number of occurrences.
 struct CorruptPart {
     number: usize,
     location: Location,
     times: u64,
 }
 
-/// A rule that follows the records.
+/// A rule that checks a sequence of messages, with its state.
 struct Follower {
     rule: &'static Rule,
     checker: Box<dyn px4::Checker>,
     coverage: u64,
 }
 
-/// Who follows a channel.
+/// The rules that check the messages of a channel.
 #[derive(Default)]
-struct Followed {
-    /// Indices of the followers that want its messages.
-    by: Vec<usize>,
-    /// What most of them want to know.
+struct Subscribers {
+    /// The indices of the followers that get its messages.
+    followers: Vec<usize>,
+    /// The highest interest of these followers.
     interest: Interest,
 }
 
@@ -239,46 +242,46 @@ impl<'d> CheckRun<'d> {
         }
     }
 
-    /// A number for the next channel.
+    /// Reserves the index of a new channel.
     fn number_channel(&mut self) -> usize {
-        self.channels.push(Followed::default());
+        self.channels.push(Subscribers::default());
         self.channels.len() - 1
     }
 
     fn opened(&mut self, channel: &Channel<'_>) {
-        let mut followed = Followed::default();
+        let mut subscribers = Subscribers::default();
         for (at, follower) in self.followers.iter_mut().enumerate() {
             let opened = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
                 checker.opened(channel, context)
             };
             let interest = follower.check(self.definitions, &mut self.findings, opened);
             if interest > Interest::Nothing {
-                followed.by.push(at);
-                followed.interest = followed.interest.max(interest);
+                subscribers.followers.push(at);
+                subscribers.interest = subscribers.interest.max(interest);
             }
         }
-        self.channels[channel.index] = followed;
+        self.channels[channel.index] = subscribers;
     }
 
     fn closed(&mut self, channel: &Channel<'_>) {
         self.followers.iter_mut().for_each(|follower| follower.checker.closed(channel));
     }
 
-    /// When the source was begun, in µs since system start.
+    /// Passes the start time of the capture to the rules, in µs since boot.
     fn started(&mut self, time: u64) {
         self.followers.iter_mut().for_each(|follower| follower.checker.started(time));
     }
 
-    /// Whether a rule wants to know what the messages of a channel say.
+    /// True if a rule needs the field values of a channel's messages.
     fn wants_values(&self, channel: usize) -> bool {
         self.channels[channel].interest == Interest::Values
     }
 
-    /// A message that was judged by itself.
+    /// Passes a message to the rules of its channel. Its values have been checked already.
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>) {
         self.checked += 1;
-        self.pass(message.timestamp);
-        for at in &self.channels[channel.index].by {
+        self.include_timestamp(message.timestamp);
+        for at in &self.channels[channel.index].followers {
             let message = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
                 checker.message(channel, message, context);
             };
@@ -286,33 +289,33 @@ impl<'d> CheckRun<'d> {
         }
     }
 
-    /// A time in µs, which is between the first and the last.
-    fn pass(&mut self, timestamp: Option<u64>) {
+    /// Extends the time span to include a timestamp in µs.
+    fn include_timestamp(&mut self, timestamp: Option<u64>) {
         if let Some(timestamp) = timestamp.filter(|timestamp| *timestamp > 0) {
             self.first = Some(self.first.map_or(timestamp, |first| first.min(timestamp)));
             self.last = self.last.max(timestamp);
         }
     }
 
-    /// A time in seconds.
-    fn pass_time(&mut self, time: Option<f64>) {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
-        self.pass(time.map(|time| (time * 1e6) as u64));
+    /// Extends the time span to include a time in seconds.
+    fn include_time(&mut self, time: Option<f64>) {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // the cast saturates
+        self.include_timestamp(time.map(|time| (time * 1e6) as u64));
     }
 
-    /// Something goes over a connection, or happens to it.
-    fn exchanged(&mut self, record: &SessionRecord<'_>) {
+    /// Passes a record of a session to the rules.
+    fn session_record(&mut self, record: &SessionRecord<'_>) {
         let exchange = self.sessions.follow(record, self.definitions.body_schemas());
         self.record(&exchange);
     }
 
-    /// The same, of a report on UAVs that rules have judged already which go by what it says alone.
-    fn reported(&mut self, record: &SessionRecord<'_>) {
+    /// Like `exchanged`, for a status report whose content has been checked already.
+    fn checked_report(&mut self, record: &SessionRecord<'_>) {
         let exchange = self.sessions.follow_checked(record);
         self.listeners.checked_report(&exchange, &mut self.findings);
     }
 
-    /// A connection, or all that is known of it, comes to its end, and perhaps it is known why.
+    /// Handles the end of a connection, for this reason if it is known.
     fn disconnected(&mut self, connection: Connection<'_>, why: Option<&str>) {
         let (serial, unanswered) = self.sessions.ended(connection.index);
         for request in unanswered {
@@ -338,31 +341,31 @@ impl<'d> CheckRun<'d> {
         self.followers.iter_mut().for_each(|follower| follower.checker.dropout(milliseconds, location));
     }
 
-    /// A message of a channel can't be read: who follows that doesn't know all that was said.
+    /// Handles an unreadable message of a channel, which rules with a state may have needed.
     fn lost(&mut self, channel: usize, location: Location) {
-        for at in &self.channels[channel].by {
+        for at in &self.channels[channel].followers {
             self.followers[*at].checker.corruption(location);
         }
     }
 
-    /// The same, where nobody knows of which channel it is.
+    /// Like `lost`, for a message of an unknown channel.
     fn lost_any(&mut self, location: Location) {
         self.followers.iter_mut().for_each(|follower| follower.checker.corruption(location));
         self.listeners.corruption(location);
     }
 
-    /// Where the definition of a topic is, if it has one.
+    /// The location of a topic's definition, if it has one.
     fn definition_of(&self, topic: &str) -> Option<Span> {
         let id = self.definitions.message_of_topic(topic)?;
         Some(self.definitions.schema.message(id).span)
     }
 
-    /// Something that can't be read, and is passed over.
+    /// Records an unreadable part that was skipped.
     fn gap(&mut self, location: Location, text: String) {
         self.corruption(location, text, Extent::WithGaps);
     }
 
-    /// Something is wrong with the source, of which so much can be read.
+    /// Records a corrupt part, and the extent to which the capture is readable.
     fn corruption(&mut self, location: Location, text: String, extent: Extent) {
         self.extent = self.extent.max(extent);
         self.lost_any(location);
@@ -370,7 +373,7 @@ impl<'d> CheckRun<'d> {
         let number = self.corruption.len();
         match self.corruption.entry(text) {
             Entry::Occupied(mut known) => known.get_mut().times += 1,
-            // Why nothing follows is told, however much goes before.
+            // The reason why reading stopped is always reported.
             Entry::Vacant(new) if number < MAX_CORRUPT_PARTS || extent == Extent::Unreadable => {
                 _ = new.insert(CorruptPart { number, location, times: 1 });
             }
@@ -378,9 +381,9 @@ impl<'d> CheckRun<'d> {
         }
     }
 
-    /// The source can't be read any further.
+    /// Records a read error, after which nothing is readable.
     fn unreadable(&mut self, location: Location, error: &io::Error) {
-        self.corruption(location, format!("what follows can't be read: {error}"), Extent::Unreadable);
+        self.corruption(location, format!("the rest is unreadable: {error}"), Extent::Unreadable);
     }
 
     fn finish(mut self, bytes: u64, summary: Summary) -> CaptureResult {
@@ -409,7 +412,7 @@ impl<'d> CheckRun<'d> {
     }
 }
 
-/// Where in memory messages of a type have their `timestamp`.
+/// The offset of the `timestamp` field in messages of a type, in bytes.
 fn timestamp_offset(message_id: MessageType<'_>) -> Option<usize> {
     let is_timestamp = |field: &Placed<'_>| {
         field.name == "timestamp"

@@ -1,4 +1,4 @@
-//! What implementations are judged by.
+//! The definitions that captures and sessions are checked against.
 //!
 //! ```
 //! use uavspec_conformance::definitions::Definitions;
@@ -24,13 +24,13 @@ use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
 
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 
-/// Definitions, with what is looked up in them for each record.
+/// Definitions, with lookup tables for checks.
 #[derive(Debug)]
 pub struct Definitions {
-    /// What they are called: a path, or that the program carries them along.
+    /// The path of the definitions, or a name for the built-in ones.
     pub name: String,
     sources: SourceMap,
-    /// What they say.
+    /// The schema.
     pub schema: Schema,
     by_topic: HashMap<String, MessageId>,
     types: OnceLock<Types>,
@@ -38,14 +38,14 @@ pub struct Definitions {
     schemas: Schemas,
 }
 
-/// A line of a definition; shown as `file:number`.
+/// A line of a definition, displayed as `file:number`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Line<'d> {
     /// The file.
     pub file: &'d str,
-    /// Which line, from 1.
+    /// The line number, from 1.
     pub number: usize,
-    /// What it says.
+    /// The text.
     pub text: &'d str,
 }
 
@@ -56,7 +56,7 @@ impl fmt::Display for Line<'_> {
 }
 
 impl Definitions {
-    /// Those that the program carries along.
+    /// The built-in definitions.
     pub fn built_in() -> Self {
         let mut sources = SourceMap::default();
         let mut package = |name: &str, form, folder: &Dir<'_>| {
@@ -70,12 +70,13 @@ impl Definitions {
         };
         let packages =
             [package("px4", Form::Msg(Dialect::Px4), &PX4), package("flockwave", Form::Table, &FLOCKWAVE)];
-        // They are read without a mistake whenever this repository is tested.
+        // Tests ensure that the built-in definitions have no errors.
         let (schema, _) = read(&sources, &packages);
         Self::new(format!("the definitions of uavspec {}", env!("CARGO_PKG_VERSION")), sources, schema)
     }
 
-    /// Those at a path: a `uavspec.toml`, a folder with one, or files and folders of PX4's messages.
+    /// Loads definitions from a path: a `uavspec.toml`, a folder that contains one, or PX4 message files and their
+    /// folders.
     pub fn load(path: &Path) -> Result<Self, Failure> {
         let (sources, schema) = read_definitions(path)?;
         Ok(Self::new(path.display().to_string(), sources, schema))
@@ -92,13 +93,13 @@ impl Definitions {
         Self { name, sources, schema, by_topic, types, defined_schemas, schemas: Schemas::default() }
     }
 
-    /// The same, with schemas of messages of Flockwave whose types they don't have.
+    /// Adds body schemas for Flockwave messages of types without a definition.
     #[must_use]
     pub fn with_schemas(self, schemas: Schemas) -> Self {
         Self { schemas, ..self }
     }
 
-    /// The message that a topic of PX4 carries. A versioned one may have its version behind its name.
+    /// The message of a PX4 topic. The name of a versioned topic may end with its version.
     pub(crate) fn message_of_topic(&self, topic: &str) -> Option<MessageId> {
         let unversioned = || {
             let (name, version) = topic.rsplit_once("_v")?;
@@ -108,7 +109,7 @@ impl Definitions {
         self.by_topic.get(topic).or_else(unversioned).copied()
     }
 
-    /// The message that a type names: `px4/FailsafeFlags`, or as ROS 2 writes it, `px4_msgs/msg/FailsafeFlags`.
+    /// The message of a type: `px4/FailsafeFlags`, or in ROS 2 notation `px4_msgs/msg/FailsafeFlags`.
     pub fn message_of_type(&self, ty: &str) -> Option<MessageId> {
         let (package, name) = ty.split_once('/')?;
         let name = name.strip_prefix("msg/").unwrap_or(name);
@@ -120,13 +121,13 @@ impl Definitions {
             .copied()
     }
 
-    /// The types of all messages, with their codecs; made when they are first asked for.
+    /// The types of all messages, with their codecs; created lazily.
     pub fn types(&self) -> &Types {
         self.types.get_or_init(|| Types::new(&self.schema))
     }
 
-    /// The shapes of all messages of pages, made when they are first asked for. Definitions without any, such as those
-    /// of PX4, are about other things, so Flockwave is then what the program carries along.
+    /// The body schemas of all Flockwave messages, created lazily. Definitions without any, e.g. those of PX4, use
+    /// the built-in ones.
     pub fn defined_schemas(&self) -> &DefinedSchemas {
         self.defined_schemas.get_or_init(|| {
             if self.schema.json_messages.is_empty() {
@@ -137,12 +138,12 @@ impl Definitions {
         })
     }
 
-    /// The body schemas of the messages of Flockwave.
+    /// The body schemas of Flockwave messages.
     pub(crate) fn body_schemas(&self) -> BodySchemas<'_> {
         BodySchemas { defined_schemas: self.defined_schemas(), schemas: &self.schemas }
     }
 
-    /// Where something is defined.
+    /// The line of a definition.
     pub(crate) fn line(&self, span: Span) -> Line<'_> {
         let id = self.sources.source_of(span);
         let number = self.sources.position(span).line;
@@ -168,13 +169,13 @@ mod tests {
     }
 
     #[test]
-    fn parts_of_replies_are_those_of_the_definitions() {
+    fn reply_parts_match_the_definitions() {
         let definitions = Definitions::built_in();
         let messages = &definitions.schema.json_messages;
         for message in messages {
             let reply = fields(message, Direction::Response);
             let is_operation = OPERATION.reply_fields.iter().all(|part| reply.contains(part));
-            // A log is of one UAV, and its receipt stands alone.
+            // A log concerns one UAV, so its receipt isn't in a map.
             let is_operation = is_operation && message.name != "LOG-DATA";
             assert_eq!(OPERATIONS.contains(&message.name.as_str()), is_operation, "{}", message.name);
             if let Some(parts) = parts(&message.name) {
@@ -192,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_program_carries_along_is_whole() {
+    fn built_in_definitions_are_complete() {
         let definitions = Definitions::built_in();
         let battery = definitions.message_of_topic("battery_status").expect("a topic");
         assert_eq!(definitions.schema.message(battery).name, "BatteryStatus");

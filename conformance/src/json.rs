@@ -1,4 +1,4 @@
-//! JSON: one tokenizer, and the tree that is made with it.
+//! JSON: a tokenizer, and a tree that preserves the text.
 //!
 //! ```
 //! use uavspec_conformance::json::Tree;

@@ -1,4 +1,4 @@
-//! Connections over TCP, with time limits.
+//! TCP connections with time limits.
 
 mod address;
 mod connection;

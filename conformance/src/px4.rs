@@ -1,4 +1,4 @@
-//! Messages of PX4: the values that they may have, in memory, as CDR and as JSON, and how definitions of them differ.
+//! PX4 messages: rules on values in memory, CDR and JSON, and comparison with definitions.
 
 pub(crate) mod comparison;
 pub(crate) mod json;

@@ -112,7 +112,7 @@ fn a_list_that_no_longer_holds_true_fails_the_run() {
     assert_eq!(
         output,
         "\
-error[known-passes]: nothing that this rule names fails any more
+error[known-passes]: everything that matches this rule passes
  --> known.toml:4:8
   |
 4 | rule = \"PX-JSON-02\" # MUST
@@ -241,14 +241,14 @@ fn what_is_no_list_is_wrong_usage() {
     let folder = folder();
     let (status, printed, output) = check(&folder, "[[known]]\nrule = \"PX-NONE-01\"\n", &["logs"]);
     assert_eq!((status, printed.as_str()), (Some(2), ""));
-    assert!(output.contains("no rule `PX-NONE-01`") && output.contains("no `reason`"), "{output}");
+    assert!(output.contains("unknown rule `PX-NONE-01`") && output.contains("no `reason`"), "{output}");
     let check = |arguments: &[&str]| uavspec(folder.path(), &[&["check", "logs"], arguments].concat());
     let (status, _, output) = check(&["--known", "absent.toml"]);
     assert_eq!(status, Some(2));
     assert!(output.contains("error: absent.toml: "), "{output}");
     fs::write(folder.path().join("long.toml"), "#".repeat((1 << 20) + 1)).expect("a file");
     let (status, _, output) = check(&["--known", "long.toml"]);
-    assert!(status == Some(2) && output.contains("is this a list?"), "{output}");
+    assert!(status == Some(2) && output.contains("the limit for a list"), "{output}");
     assert_eq!(check(&["--fix-known"]).0, Some(2), "there is nothing to mend");
     let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
     command.args(["check", "logs"]).current_dir(folder.path()).env("SOURCE_DATE_EPOCH", "soon");
@@ -320,7 +320,7 @@ fn known_cases_are_counted_apart() {
     let (status, _, output) = test(&folder, &all, &zeros);
     assert_eq!(status, Some(4));
     assert!(
-        output.contains("1 of the 2 cases that this names pass: the first is decode-uorb/px4/Glider/zero"),
+        output.contains("1 of 2 matching cases pass; the first is decode-uorb/px4/Glider/zero"),
         "{output}"
     );
     assert_eq!(test(&folder, &all, &[&zeros[..], &["--fix-known"]].concat()).0, Some(0));
@@ -360,9 +360,9 @@ reason = \"of no matter here\"
     let codes: Vec<&str> =
         output.lines().filter(|line| line.starts_with("error[") || line.contains("-->")).collect();
     let expected = [
-        "error[known-passes]: nothing that this case names fails any more",
+        "error[known-passes]: everything that matches this case passes",
         " --> known.toml:7:8",
-        "error[known-matches-nothing]: this case names nothing in this run",
+        "error[known-matches-nothing]: nothing in this run matches this case",
         "  --> known.toml:11:8",
     ];
     assert_eq!(codes, expected, "{output}");

@@ -257,8 +257,8 @@ fn each_weakness_of_a_server_over_tcp_is_named_once() {
     let of = |rule: &str| -> Vec<(&str, u64)> {
         found.iter().filter(|found| found.0 == rule).map(|found| (found.1.as_str(), found.2)).collect()
     };
-    assert_eq!(of("FW-TCP-03"), [("after a line that is no JSON", 4)]);
-    assert_eq!(of("FW-TCP-02"), [("a message in one segment with a line that is no JSON", 1)]);
+    assert_eq!(of("FW-TCP-03"), [("after a line that is not JSON", 4)]);
+    assert_eq!(of("FW-TCP-02"), [("a message and a line that is not JSON in one segment", 1)]);
     assert_eq!(of("FW-ENV-25").len(), 1);
     assert_eq!(of("FW-TCP-04"), []);
 }
@@ -270,7 +270,7 @@ fn a_server_that_a_trial_kills_is_accused_of_that_alone() {
         let mut number = 0;
         segments(&stream, |segment| {
             let mut is_dead = is_dead.lock().unwrap_or_else(PoisonError::into_inner);
-            *is_dead |= segment.starts_with(b"the wind turns");
+            *is_dead |= segment.starts_with(b"not a message");
             let answers = segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut number));
             let answers: String = answers.collect();
             *is_dead || (&stream).write_all(answers.as_bytes()).is_ok()

@@ -110,10 +110,7 @@ fn checks_bodies_by_the_schema_of_their_type() {
     assert_eq!(findings(folder.path(), &["--schema", "schemas"]), expected);
 
     let (_, text, _) = check(folder.path(), &["--schema", "schemas", "hill.jsonl"]);
-    assert!(
-        text.contains("unsupported  1 message of types that the definitions don't have: SOAR-HIGH"),
-        "{text}"
-    );
+    assert!(text.contains("unsupported  1 message of types without a definition: SOAR-HIGH"), "{text}");
     assert!(findings(folder.path(), &[]).is_empty(), "without schemas nothing says what they have to be");
 }
 
@@ -176,10 +173,14 @@ fn reports_an_invalid_schema_with_its_location() {
         (
             &[("s/a.json", missing)],
             "a.json",
-            "no file of the folder is called `none.json`, and nothing is fetched",
+            "no file in the folder is named `none.json`, and remote schemas aren't fetched",
         ),
         (&[("s/a.json", json!({ "type": "object" }))], "s: no file `*.json` in it", "SYS-VER.json"),
-        (&[("s/a.json", good()), ("s/b.json", good())], "b.json: ", "says already what the body of SOAR-INF"),
+        (
+            &[("s/a.json", good()), ("s/b.json", good())],
+            "b.json: ",
+            "is a schema for the body of SOAR-INF as well",
+        ),
         (&[("t/a.json", good())], "s: can't be read", ""),
     ];
     for (files, location, what) in cases {
@@ -196,7 +197,7 @@ fn reports_an_invalid_schema_with_its_location() {
     write(folder.path(), "s/a.json", "{\n  \"type\": }");
     let (status, _, output) = check(folder.path(), &["--schema", "s", "hill.jsonl"]);
     assert_eq!(status, Some(2));
-    assert!(output.contains("a.json:2:11: no JSON: "), "{output}");
+    assert!(output.contains("a.json:2:11: invalid JSON: "), "{output}");
 }
 
 /// What is no JSON, and numbers that no float holds, are matters of other rules.

@@ -643,7 +643,7 @@ fn reports_wrong_usage() {
     let (status, printed, _) = run(&["--list-bugs"]);
     assert_eq!(status, Some(0));
     assert!(
-        printed.lines().count() > 100 && printed.contains("FW-UST-HEADING     A heading is a full turn."),
+        printed.lines().count() > 100 && printed.contains("FW-UST-HEADING     The heading of a UAV is 3600."),
         "{printed}"
     );
 }

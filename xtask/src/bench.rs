@@ -1,4 +1,4 @@
-//! Measurements. They report; nothing is judged by them.
+//! Benchmarks. They print results, and have no pass criteria.
 
 mod compile;
 mod derive;
@@ -8,30 +8,30 @@ use std::process::Command;
 
 use clap::ValueEnum;
 
-/// What is measured.
+/// A group of benchmarks.
 #[derive(Clone, Copy, ValueEnum)]
-pub(crate) enum What {
-    /// The generator.
+pub(crate) enum Benchmark {
+    /// Code generation
     Codegen,
-    /// Compiling what it generates.
+    /// Compilation of the generated code
     Compile,
-    /// Reading and writing messages.
+    /// Codecs of messages
     Codec,
-    /// Judging logs and JSON.
+    /// Checks of logs and JSON
     Conformance,
 }
 
-pub(crate) fn run(what: What) -> Result<bool, String> {
-    match what {
-        What::Codegen => benches(&[("uavspec-codegen", "codegen")]),
-        What::Compile => compile::run(),
-        What::Codec => benches(&[("uavspec", "codec"), ("uavspec-codegen", "dynamic")]),
-        What::Conformance => benches(&["ulog", "checking"].map(|bench| ("uavspec-conformance", bench))),
+pub(crate) fn run(benchmark: Benchmark) -> Result<bool, String> {
+    match benchmark {
+        Benchmark::Codegen => benches(&[("uavspec-codegen", "codegen")]),
+        Benchmark::Compile => compile::run(),
+        Benchmark::Codec => benches(&[("uavspec", "codec"), ("uavspec-codegen", "dynamic")]),
+        Benchmark::Conformance => benches(&["ulog", "checking"].map(|bench| ("uavspec-conformance", bench))),
     }
     .map(|()| true)
 }
 
-/// Runs benchmarks one after the other: packages and names.
+/// Runs benchmarks in sequence, each given by package and name.
 fn benches(benches: &[(&str, &str)]) -> Result<(), String> {
     let run = |(package, bench): &(&str, &str)| {
         cargo(Path::new("."), &["bench", "--package", package, "--bench", bench])
@@ -42,6 +42,6 @@ fn benches(benches: &[(&str, &str)]) -> Result<(), String> {
 fn cargo(folder: &Path, arguments: &[&str]) -> Result<(), String> {
     let mut command = Command::new("cargo");
     command.args(arguments).current_dir(folder).env("CARGO_INCREMENTAL", "0");
-    let status = command.status().map_err(|error| format!("cargo: {error}"))?;
+    let status = command.status().map_err(|error| format!("cannot run cargo: {error}"))?;
     if status.success() { Ok(()) } else { Err(format!("cargo {} failed", arguments.join(" "))) }
 }

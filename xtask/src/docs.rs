@@ -1,4 +1,4 @@
-//! The documentation site: what is generated, and what is written by hand, as a book.
+//! Builds the documentation site from generated and hand-written pages.
 
 use std::env;
 use std::path::PathBuf;
@@ -6,25 +6,26 @@ use std::process::Command;
 
 use clap::Args;
 
-use crate::place::{repository, shown};
-use crate::told;
+use crate::message_of;
+use crate::paths::{repository, shown};
 
 /// Arguments of `docs`.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Show the site when it is built.
+    /// Open the site in a browser
     #[arg(long)]
     open: bool,
-    /// Folder for the site; target/site, where absent.
+    /// Folder for the site [default: target/site]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
-/// Generates, and has a program of its own build the site: mdBook takes a minute to compile, which nobody should wait
-/// for who only generates.
+/// Generates all output and runs a separate program that builds the site. It is not part of this program because mdBook
+/// takes a minute to compile.
 pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
     let root = repository();
-    uavspec_codegen::generate(root.join("definitions/uavspec.toml")).map_err(|failure| told(&failure))?;
+    uavspec_codegen::generate(root.join("definitions/uavspec.toml"))
+        .map_err(|failure| message_of(&failure))?;
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
     command.args(["run", "--quiet", "--locked", "--manifest-path"]).arg(root.join("xtask/site/Cargo.toml"));
@@ -32,7 +33,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
     let out = arguments.out.unwrap_or_else(|| shown(&root.join("target/site")));
     command.arg("--repository").arg(root).arg("--out").arg(out);
     command.args(arguments.open.then_some("--open"));
-    let status = command.status().map_err(|error| format!("cargo: {error}"))?;
-    // The program has said why.
-    if status.success() { Ok(true) } else { Err("no site was built".to_owned()) }
+    let status = command.status().map_err(|error| format!("cannot run cargo: {error}"))?;
+    // The program has printed the reason.
+    if status.success() { Ok(true) } else { Err("the site could not be built".to_owned()) }
 }

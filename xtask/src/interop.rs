@@ -1,9 +1,9 @@
-//! What validators and generators of other makers make of the published schemas.
+//! Runs third-party validators and generators with the published schemas.
 //!
-//! Each tool has an adapter, a small program of its own language below `xtask/interop/`. It reads all schemas and all
-//! cases from one file and writes a verdict on each case ([`adapter`]); here they are compared with what is true
-//! ([`tally`]), and every disagreement has to be explained ([`known`]). The results are kept ([`record`]) and told on a
-//! page of the documentation ([`page`]).
+//! Each tool has an adapter, a small program in `xtask/interop/`. It reads all schemas and cases from one file and
+//! prints a verdict for each case ([`adapter`]). The verdicts are compared with the expected results ([`tally`]). Every
+//! disagreement must be explained ([`known`]). The results are recorded ([`record`]) and published on a page of the
+//! documentation ([`page`]).
 
 mod adapter;
 mod environment;
@@ -27,45 +27,45 @@ use clap::Args;
 use self::adapter::End;
 use self::environment::Installation;
 use self::job::Jobs;
-use self::known::{Judgement, Known};
+use self::known::{Classification, Known};
 use self::record::Record;
 use self::tally::Tally;
 use self::tool::Tool;
-use crate::place::repository;
+use crate::paths::repository;
 
-/// How many unexplained disagreements of a tool are shown.
+/// The maximum number of unexplained disagreements printed per tool.
 const SHOWN: usize = 10;
 
 /// Arguments of `interop`.
 #[derive(Args)]
 #[allow(clippy::struct_excessive_bools)] // options of a command line
 pub(crate) struct Arguments {
-    /// List the tools.
+    /// List the tools
     #[arg(long)]
     list: bool,
-    /// Run these tools; one that can't be run is a failure.
+    /// Run these tools; fail if one cannot run
     #[arg(long, value_name = "TOOL", value_delimiter = ',')]
     only: Vec<String>,
-    /// Run the tools that take little time to install and run; one that can't be run is a failure.
+    /// Run the tools that install and run quickly; fail if one cannot run
     #[arg(long, conflicts_with = "only")]
     quick: bool,
-    /// Write nothing, and fail where the results or the page would change.
+    /// Write nothing; fail if the results or the page are outdated
     #[arg(long)]
     check: bool,
-    /// Install and compile nothing: what isn't there is not run.
+    /// Install and compile nothing; skip tools that are not installed
     #[arg(long)]
     no_install: bool,
-    /// Seconds that a tool may take.
+    /// Time limit for each tool, in seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 300)]
     limit: u64,
 }
 
-/// Where everything is.
-struct Places {
+/// The paths of all files.
+struct Paths {
     root: PathBuf,
 }
 
-impl Places {
+impl Paths {
     fn new() -> Self {
         Self { root: repository().to_path_buf() }
     }
@@ -95,12 +95,12 @@ impl Places {
     }
 }
 
-/// Whether everything is as it has to be.
+/// Runs the command. Returns true if all disagreements are explained and the page is up to date.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
-    let places = Places::new();
-    let tools = tool::read(&places.source().join("tools.toml"))?;
+    let paths = Paths::new();
+    let tools = tool::read(&paths.source().join("tools.toml"))?;
     let names: BTreeSet<&str> = tools.iter().map(|tool| tool.name.as_str()).collect();
-    let known = Known::read(&places.source().join("disagreements.toml"), &names)?;
+    let known = Known::read(&paths.source().join("disagreements.toml"), &names)?;
     if arguments.list {
         list(&tools);
         return Ok(true);
@@ -112,31 +112,32 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
         .map(|name| format!("`{name}`"))
         .collect();
     if !unknown.is_empty() {
-        return Err(format!("there is no tool {}; --list shows all", unknown.join(", ")));
+        return Err(format!("unknown tool {}; list all tools with --list", unknown.join(", ")));
     }
-    let is_wanted = |tool: &&Tool| {
+    let is_selected = |tool: &&Tool| {
         (arguments.only.is_empty() || arguments.only.contains(&tool.name))
             && (!arguments.quick || tool.is_quick)
     };
-    let wanted: Vec<&Tool> = tools.iter().filter(is_wanted).collect();
-    let jobs = Jobs::read(&canonical(&places.generated())?)?;
-    let outcome = run_all(arguments, &places, &wanted, &jobs)?;
-    let judgement = known.judge(&outcome.tallies);
-    let mistakes = known.check_beyond(&jobs.beyond_schemas());
-    report(&places, &outcome, &judgement, &mistakes)?;
+    let selected: Vec<&Tool> = tools.iter().filter(is_selected).collect();
+    let jobs = Jobs::read(&canonical(&paths.generated())?)?;
+    let outcome = run_all(arguments, &paths, &selected, &jobs)?;
+    let classification = known.classify(&outcome.tallies);
+    let errors = known.check_beyond(&jobs.beyond_schemas());
+    report(&paths, &outcome, &classification, &errors)?;
 
-    let mut is_good = judgement.unexplained.is_empty() && judgement.stale.is_empty() && mistakes.is_empty();
+    let mut is_ok =
+        classification.unexplained.is_empty() && classification.stale.is_empty() && errors.is_empty();
     if !outcome.not_run.is_empty() && (arguments.quick || !arguments.only.is_empty()) {
         eprintln!("error: not run: {}", outcome.not_run.join(", "));
-        is_good = false;
+        is_ok = false;
     }
-    let mut record = Record::read(&places.record())?;
+    let mut record = Record::read(&paths.record())?;
     record.beyond = jobs.beyond_schemas();
     record.tools.retain(|name, _| names.contains(name.as_str()));
     for (name, tally) in &outcome.tallies {
-        record.set(name, tally, judgement.explained.get(name).cloned().unwrap_or_default());
+        record.set(name, tally, classification.explained.get(name).cloned().unwrap_or_default());
     }
-    Ok(publish(arguments.check, &places, &tools, &known, &record)? && is_good)
+    Ok(publish(arguments.check, &paths, &tools, &known, &record)? && is_ok)
 }
 
 fn list(tools: &[Tool]) {
@@ -146,21 +147,21 @@ fn list(tools: &[Tool]) {
     }
 }
 
-/// What came of all tools.
+/// The results of all tools.
 struct Outcome {
     tallies: BTreeMap<String, Tally>,
     not_run: Vec<String>,
 }
 
-fn run_all(arguments: &Arguments, places: &Places, tools: &[&Tool], jobs: &Jobs) -> Result<Outcome, String> {
-    let at = |error: std::io::Error| format!("{}: {error}", places.target().display());
-    let logs = places.target().join("log");
+fn run_all(arguments: &Arguments, paths: &Paths, tools: &[&Tool], jobs: &Jobs) -> Result<Outcome, String> {
+    let at = |error: std::io::Error| format!("{}: {error}", paths.target().display());
+    let logs = paths.target().join("log");
     fs::create_dir_all(&logs).map_err(at)?;
-    let target = canonical(&places.target())?;
+    let target = canonical(&paths.target())?;
     let file = target.join("jobs.jsonl");
     fs::write(&file, jobs.text()).map_err(at)?;
     let mut installation =
-        Installation::new(canonical(&places.source())?, target.clone(), !arguments.no_install);
+        Installation::new(canonical(&paths.source())?, target.clone(), !arguments.no_install);
     let mut outcome = Outcome { tallies: BTreeMap::new(), not_run: Vec::new() };
     for tool in tools {
         let mut command = match installation.command(tool) {
@@ -187,9 +188,9 @@ fn run_all(arguments: &Arguments, places: &Places, tools: &[&Tool], jobs: &Jobs)
     Ok(outcome)
 }
 
-/// A line for a tool, and one for each package and form.
+/// Prints one line for the tool, and one for each package and form.
 fn show(tool: &Tool, tally: &Tally, seconds: f64) {
-    let version = tally.version.as_deref().unwrap_or("of unknown version");
+    let version = tally.version.as_deref().unwrap_or("unknown version");
     println!("{:28} {version}, {seconds:.1} s", tool.name);
     for ((form, package), count) in &tally.counts {
         println!(
@@ -206,14 +207,14 @@ fn show(tool: &Tool, tally: &Tally, seconds: f64) {
 }
 
 fn report(
-    places: &Places,
+    paths: &Paths,
     outcome: &Outcome,
-    judgement: &Judgement,
-    mistakes: &[String],
+    classification: &Classification,
+    errors: &[String],
 ) -> Result<(), String> {
     let mut all = String::new();
-    for (tool, disagreements) in &judgement.unexplained {
-        println!("\n{tool}: {} disagreements that nothing explains", disagreements.len());
+    for (tool, disagreements) in &classification.unexplained {
+        println!("\n{tool}: {} unexplained disagreements", disagreements.len());
         for (index, found) in disagreements.iter().enumerate() {
             let line = format!("{} ({}): {} {}", found.place, found.form.name(), found.does, found.message);
             if index < SHOWN {
@@ -222,21 +223,21 @@ fn report(
             let _ = writeln!(all, "{tool}: {line}");
         }
     }
-    let file = places.target().join("unexplained.txt");
+    let file = paths.target().join("unexplained.txt");
     fs::write(&file, all).map_err(|error| format!("{}: {error}", file.display()))?;
-    if !judgement.unexplained.is_empty() {
+    if !classification.unexplained.is_empty() {
         println!(
-            "\nAll of them are in target/interop/unexplained.txt; xtask/interop/README.md tells how they are explained."
+            "\nFull list: target/interop/unexplained.txt. See xtask/interop/README.md on how to explain them."
         );
     }
-    for message in judgement.stale.iter().chain(mistakes) {
+    for message in classification.stale.iter().chain(errors) {
         eprintln!("error: xtask/interop/disagreements.toml: {message}");
     }
-    let explained: usize = judgement.explained.values().flat_map(BTreeMap::values).sum();
-    let unexplained: usize = judgement.unexplained.values().map(Vec::len).sum();
+    let explained: usize = classification.explained.values().flat_map(BTreeMap::values).sum();
+    let unexplained: usize = classification.unexplained.values().map(Vec::len).sum();
     let agreed: usize = outcome.tallies.values().map(|tally| tally.total().agreed).sum();
     eprintln!(
-        "interop: {} tools, {agreed} verdicts agreed, {explained} disagreements explained, {unexplained} not; {} \
+        "interop: {} tools, {agreed} verdicts agreed, {explained} disagreements explained, {unexplained} unexplained; {} \
          tools not run",
         outcome.tallies.len(),
         outcome.not_run.len()
@@ -244,27 +245,27 @@ fn report(
     Ok(())
 }
 
-/// Writes the results and the page, or says what would change. Returns whether all is fresh.
+/// Writes the results and the page, or prints what would change. Returns true if all files were up to date.
 fn publish(
     is_check: bool,
-    places: &Places,
+    paths: &Paths,
     tools: &[Tool],
     known: &Known,
     record: &Record,
 ) -> Result<bool, String> {
     let files = [
-        (places.record(), record.text()),
-        (places.page(), page::text(tools, known, record)),
-        (places.contents(), page::CONTENTS.to_owned()),
+        (paths.record(), record.text()),
+        (paths.page(), page::text(tools, known, record)),
+        (paths.contents(), page::CONTENTS.to_owned()),
     ];
     let mut is_fresh = true;
     for (path, text) in files {
         if fs::read_to_string(&path).is_ok_and(|found| found == text) {
             continue;
         }
-        let shown = path.strip_prefix(&places.root).unwrap_or(&path).display();
+        let shown = path.strip_prefix(&paths.root).unwrap_or(&path).display();
         if is_check {
-            eprintln!("error: {shown} isn't up to date: run `cargo xtask interop`");
+            eprintln!("error: {shown} is outdated; run `cargo xtask interop`");
             is_fresh = false;
         } else {
             let at = |error: std::io::Error| format!("{shown}: {error}");

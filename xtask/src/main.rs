@@ -1,12 +1,12 @@
-//! The chores of this repository: the commands of uavspec-codegen, and its own.
+//! The tasks of this repository: the commands of uavspec-codegen, and further ones.
 //!
-//! Exit status, as that of uavspec-codegen: 0 all is well; 1 something is to be mended; 2 the command can't be carried out.
+//! Exit status, as for uavspec-codegen: 0 success; 1 findings or outdated files; 2 the command failed.
 
 mod bench;
 mod docs;
 mod interop;
 mod package;
-mod place;
+mod paths;
 
 use std::env;
 use std::ffi::OsString;
@@ -15,9 +15,13 @@ use std::process::{self, ExitCode};
 use clap::{Parser, Subcommand};
 use uavspec_codegen::Failure;
 
-/// The chores of this repository.
+/// Run tasks of this repository
 #[derive(Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+#[command(
+    name = "cargo xtask",
+    bin_name = "cargo xtask",
+    after_help = "Run `cargo xtask COMMAND --help` for examples."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -27,42 +31,45 @@ struct Cli {
 enum Command {
     #[command(flatten)]
     Specification(uavspec_codegen::cli::Command),
-    /// Judge by the specification: run `uavspec`, which without arguments tests itself.
+    /// Run `uavspec`, or its self-test without arguments
     #[command(
         disable_help_flag = true,
         after_help = "Examples:
-  cargo xtask conformance                   recordings made of the definitions, conforming and broken, and the reference codec
+  cargo xtask conformance
   cargo xtask conformance check flight.ulg
   cargo xtask conformance --help"
     )]
     Conformance {
-        /// Arguments of `uavspec`.
+        /// Arguments of `uavspec`
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENT")]
         arguments: Vec<OsString>,
     },
-    /// Build the documentation site, which needs no server and no network.
+    /// Build the documentation site
     #[command(after_help = "Examples:
-  cargo xtask docs --open        generate, build, and show the site
-  cargo xtask docs --out public  build it into another folder")]
+  cargo xtask docs --open        generate, build and open the site
+  cargo xtask docs --out public")]
     Docs(docs::Arguments),
-    /// Make the packages for npm and pip; needs neither of them.
+    /// Build the packages for npm and PyPI
     Package(package::Arguments),
-    /// Give the published schemas and all test vectors to validators and generators of other makers.
+    /// Test third-party tools with the published schemas
     #[command(after_help = "Examples:
-  cargo xtask interop                  all tools that can be run; installs below target/interop what needs no root
-  cargo xtask interop --quick --check  what CI does
+  cargo xtask interop                    run all available tools
+  cargo xtask interop --quick --check    run the quick tools, as CI does
   cargo xtask interop --only ajv,boon
-  cargo xtask interop --list")]
+  cargo xtask interop --list
+
+Tools are installed in target/interop, without root. Tools that require system packages are skipped if these are \
+missing.")]
     Interop(interop::Arguments),
-    /// Measure and print; needs the corpus.
+    /// Run benchmarks; requires the corpus
     #[command(after_help = "Examples:
-  cargo xtask bench codegen      time to read, to emit and to write PX4's 261 messages, at 1, 4 and 16 times
-  cargo xtask bench compile      time to compile the crate that is generated from them
-  cargo xtask bench codec        time to read and write messages, beside a plain copy and other crates
-  cargo xtask bench conformance  time to judge logs and JSON, beside serde_json and jsonschema")]
+  cargo xtask bench codegen        read, generate and write PX4's 261 messages
+  cargo xtask bench compile        compile the generated crate
+  cargo xtask bench codec          read and write messages; compare with others
+  cargo xtask bench conformance    check logs and JSON; compare with others")]
     Bench {
-        /// What to measure.
-        what: bench::What,
+        /// Benchmarks to run
+        benchmark: bench::Benchmark,
     },
 }
 
@@ -73,7 +80,7 @@ fn main() -> ExitCode {
         Command::Docs(arguments) => docs::run(arguments),
         Command::Package(arguments) => package::run(arguments),
         Command::Interop(arguments) => interop::run(&arguments),
-        Command::Bench { what } => bench::run(what),
+        Command::Bench { benchmark } => bench::run(benchmark),
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,
@@ -85,26 +92,26 @@ fn main() -> ExitCode {
     }
 }
 
-/// Why the generator can't do something, to be told by [`main`], which says that it is an error.
-fn told(failure: &Failure) -> String {
+/// The message of a failure without the prefix `error: `, which [`main`] adds.
+fn message_of(failure: &Failure) -> String {
     failure.to_string().trim_start_matches("error: ").to_owned()
 }
 
-/// Runs `uavspec`. It is a process of its own: this program has to work where generated code doesn't compile.
+/// Runs `uavspec` in a separate process, because this program must work even if generated code doesn't compile.
 fn conformance(arguments: Vec<OsString>) -> ExitCode {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let run = |package: &str| ["run", "--quiet", "--package", package, "--"].map(OsString::from);
-    let itself = || {
+    let self_test = || {
         let testee = [cargo.clone()].into_iter().chain(run("uavspec-testee"));
         ["self-test".into(), "--".into()].into_iter().chain(testee).collect()
     };
-    let arguments: Vec<OsString> = if arguments.is_empty() { itself() } else { arguments };
+    let arguments: Vec<OsString> = if arguments.is_empty() { self_test() } else { arguments };
     let mut command = process::Command::new(&cargo);
     command.args(run("uavspec-conformance")).args(arguments);
     match command.status().map(|status| status.code().and_then(|code| u8::try_from(code).ok())) {
         Ok(code) => code.map_or(ExitCode::FAILURE, ExitCode::from),
         Err(error) => {
-            eprintln!("error: cargo: {error}");
+            eprintln!("error: cannot run cargo: {error}");
             ExitCode::from(2)
         }
     }

@@ -1,7 +1,7 @@
-//! The packages for npm and `PyPI`.
+//! Builds the packages for npm and `PyPI`.
 //!
-//! All that they hold is made from the definitions anew, in memory: a stale `generated/` can't get into a package. The
-//! archives are the same bytes on every run and machine, as times, owners, modes and order are fixed.
+//! The content is generated from the definitions in memory, so that a stale `generated/` doesn't affect packages.
+//! Times, owners, modes and the order of files are fixed, so that archives are reproducible on all machines.
 
 mod archive;
 mod content;
@@ -15,20 +15,20 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use self::content::Content;
-use crate::place::{repository, shown};
+use crate::paths::{repository, shown};
 
 /// Arguments of `package`.
 #[derive(Args)]
 #[command(after_help = concat!(
     "Examples:
-  cargo xtask package                 target/package/uavspec-….tgz, .whl and .tar.gz
+  cargo xtask package
   npm install ./target/package/uavspec-", env!("CARGO_PKG_VERSION"), ".tgz
   pip install target/package/uavspec-", env!("CARGO_PKG_VERSION"), "-py3-none-any.whl
 
-The version is that of the workspace. The packages are made from definitions/, not from generated/."
+The packages have the version of the workspace, and are built from definitions/."
 ))]
 pub(crate) struct Arguments {
-    /// Folder for the packages; target/package, where absent.
+    /// Folder for the packages [default: target/package]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -36,12 +36,12 @@ pub(crate) struct Arguments {
 /// An archive.
 struct Package {
     file_name: String,
-    /// How many files are in it.
+    /// The number of files.
     count: usize,
     bytes: Vec<u8>,
 }
 
-/// Makes the packages and prints what they are.
+/// Builds the packages and prints a summary.
 pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
     let out = arguments.out.unwrap_or_else(|| repository().join("target/package"));
     let summary = write(&make(repository())?, &out)?;
@@ -56,16 +56,17 @@ fn make(root: &Path) -> Result<Vec<Package>, String> {
     Ok(packages)
 }
 
-/// Writes the packages, and says what was written.
+/// Writes the packages, and returns a summary.
 fn write(packages: &[Package], out: &Path) -> Result<String, String> {
     fs::create_dir_all(out)
-        .map_err(|error| format!("{}: {error}\n  help: --out names another folder", out.display()))?;
+        .map_err(|error| format!("{}: {error}\n  help: choose another folder with --out", out.display()))?;
     let shown = shown(out);
     let mut lines = Vec::new();
     for package in packages {
         let path = out.join(&package.file_name);
-        fs::write(&path, &package.bytes)
-            .map_err(|error| format!("{}: {error}\n  help: --out names another folder", path.display()))?;
+        fs::write(&path, &package.bytes).map_err(|error| {
+            format!("{}: {error}\n  help: choose another folder with --out", path.display())
+        })?;
         lines.push(format!(
             "package: {} ({} files, {} KiB)",
             shown.join(&package.file_name).display(),
@@ -80,13 +81,13 @@ fn write(packages: &[Package], out: &Path) -> Result<String, String> {
 mod tests {
     use super::*;
 
-    fn made() -> Vec<Package> {
+    fn packages() -> Vec<Package> {
         make(repository()).expect("packages")
     }
 
     #[test]
-    fn packages_are_the_same_bytes_each_time_and_called_as_registries_want_it() {
-        let (first, second) = (made(), made());
+    fn packages_are_reproducible_and_have_valid_file_names() {
+        let (first, second) = (packages(), packages());
         for (first, second) in first.iter().zip(second) {
             assert!(first.bytes == second.bytes, "{}", first.file_name);
         }

@@ -1,4 +1,4 @@
-//! `breaking` as a user meets it: against folders, and against revisions of a Git repository.
+//! Tests of `breaking` against folders and Git revisions.
 
 use crate::support;
 
@@ -16,7 +16,7 @@ const WIND: &str =
     "# Wind over ground\n\nuint64 timestamp  # [us] Since start\nfloat32 speed     # [m/s] Speed\n";
 const CALM: &str = "# Wind over ground\n\nuint64 timestamp  # [us] Since start\n";
 
-/// Status, what was printed, and what was said.
+/// Runs the command, and returns the status, the standard output and the standard error.
 fn breaking(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     let arguments = [&["breaking"], arguments].concat();
     let Output { status, stdout, stderr } = xtask(folder, &arguments);
@@ -28,12 +28,11 @@ fn git(folder: &Path, arguments: &[&str]) {
     let identity =
         ["-c", "user.name=Tester", "-c", "user.email=tester@example.org", "-c", "commit.gpgsign=false"];
     let output = Command::new("git").arg("-C").arg(folder).args(identity).args(arguments).output();
-    let output = output.expect("git runs: a clone of this repository needs it, and so does this test");
+    let output = output.expect("this test requires git");
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// A repository in a folder whose first commit, tagged `before`, has a message with one field more than the
-/// working tree.
+/// A repository whose first commit, tagged `before`, has a message with one more field than the working tree.
 fn repository() -> TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write(folder.path(), "definitions/uavspec.toml", CONFIG);
@@ -47,7 +46,7 @@ fn repository() -> TempDir {
 }
 
 #[test]
-fn a_revision_is_compared_with_the_working_tree() {
+fn compares_a_revision_with_the_working_tree() {
     let folder = repository();
     for (place, arguments) in [
         ("", &["--against", "before"][..]),
@@ -58,31 +57,31 @@ fn a_revision_is_compared_with_the_working_tree() {
             &["--against", "main", "--package", "demo", "--dialect", "px4", "--input", "msg/Wind.msg"],
         ),
     ] {
-        let (status, _, said) = breaking(&folder.path().join(place), arguments);
-        assert_eq!(status, Some(1), "{said}");
-        assert!(said.contains("error[field-removed]: `Wind.speed` (float32) is gone"), "{said}");
-        assert!(said.contains(&format!("--> {}:definitions/msg/Wind.msg:4:1", arguments[1])), "{said}");
-        assert!(said.contains("1 change; they break source 1, json 1, cdr 1, uorb 1"), "{said}");
+        let (status, _, errors) = breaking(&folder.path().join(place), arguments);
+        assert_eq!(status, Some(1), "{errors}");
+        assert!(errors.contains("error[field-removed]: `Wind.speed` (float32) is gone"), "{errors}");
+        assert!(errors.contains(&format!("--> {}:definitions/msg/Wind.msg:4:1", arguments[1])), "{errors}");
+        assert!(errors.contains("1 change; incompatible: source 1, json 1, cdr 1, uorb 1"), "{errors}");
     }
     write(folder.path(), "definitions/msg/Wind.msg", &WIND.replace("Speed", "How fast it blows"));
-    let (status, _, said) = breaking(folder.path(), &["--against", "before"]);
-    assert_eq!(status, Some(0), "{said}");
-    assert!(said.contains("nothing changed"), "{said}");
+    let (status, _, errors) = breaking(folder.path(), &["--against", "before"]);
+    assert_eq!(status, Some(0), "{errors}");
+    assert!(errors.contains("no relevant changes"), "{errors}");
 }
 
 #[test]
-fn definitions_that_moved_are_found_by_the_configuration_of_their_time() {
+fn uses_the_configuration_of_the_revision() {
     let folder = repository();
     fs::rename(folder.path().join("definitions/msg"), folder.path().join("definitions/messages"))
         .expect("a folder");
     write(folder.path(), "definitions/uavspec.toml", &CONFIG.replace("msg/*", "messages/*"));
-    let (status, _, said) = breaking(folder.path(), &["--against", "before"]);
-    assert_eq!(status, Some(1), "{said}");
-    assert!(said.contains("`Wind.speed`"), "{said}");
+    let (status, _, errors) = breaking(folder.path(), &["--against", "before"]);
+    assert_eq!(status, Some(1), "{errors}");
+    assert!(errors.contains("`Wind.speed`"), "{errors}");
 }
 
 #[test]
-fn findings_are_a_list_of_json_with_both_places() {
+fn json_findings_have_both_locations() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write(folder.path(), "old/Wind.msg", WIND);
     write(folder.path(), "new/Wind.msg", &WIND.replace("float32", "float64"));
@@ -95,7 +94,7 @@ fn findings_are_a_list_of_json_with_both_places() {
     let findings = findings.as_array().expect("a list");
     let categories: Vec<&str> =
         findings.iter().map(|finding| finding["category"].as_str().expect("a category")).collect();
-    assert_eq!(categories, ["source", "cdr", "uorb"], "floats of both widths are the same in JSON");
+    assert_eq!(categories, ["source", "cdr", "uorb"], "JSON does not distinguish float widths");
     for finding in findings {
         assert_eq!(finding["rule"], "field-type-changed");
         assert_eq!(finding["level"], "error");
@@ -109,59 +108,63 @@ fn findings_are_a_list_of_json_with_both_places() {
     }
 }
 
-/// What can't be carried out ends with 2 and says what to do.
+/// Checks that a command fails with status 2 and a hint.
 #[track_caller]
-fn refuses(folder: &Path, arguments: &[&str], parts: &[&str]) {
-    let (status, _, said) = breaking(folder, arguments);
-    assert_eq!(status, Some(2), "{arguments:?}: {said}");
+fn fails(folder: &Path, arguments: &[&str], parts: &[&str]) {
+    let (status, _, errors) = breaking(folder, arguments);
+    assert_eq!(status, Some(2), "{arguments:?}: {errors}");
     for part in parts {
-        assert!(said.contains(part), "{arguments:?}: {said}");
+        assert!(errors.contains(part), "{arguments:?}: {errors}");
     }
 }
 
 #[test]
-fn what_cannot_be_carried_out_is_status_2_with_a_hint() {
+fn failures_have_status_2_and_a_hint() {
     let folder = repository();
     let path = folder.path();
-    refuses(
+    fails(
         path,
         &["--against", "nowhere"],
-        &["`nowhere` is neither a folder nor a revision", "help: name a branch"],
+        &["`nowhere` is not a folder or a revision", "help: give a folder or an existing branch"],
     );
-    refuses(path, &["--against=--upload-pack=x"], &["neither a folder nor a revision"]);
+    fails(path, &["--against=--upload-pack=x"], &["is not a folder or a revision"]);
     fs::create_dir(path.join("empty")).expect("a folder");
-    refuses(path, &["--against", "empty"], &["no definitions below empty", "help: the dialect px4"]);
+    fails(
+        path,
+        &["--against", "empty"],
+        &["no definitions in empty", "help: definitions of the dialect px4"],
+    );
     write(path, "definitions/uavspec.toml", &format!("{CONFIG}dialekt = \"px4\"\n"));
-    refuses(
+    fails(
         path,
         &["--against", "before"],
-        &["definitions/uavspec.toml:5:1", "unknown field `dialekt`", "help: the guide"],
+        &["definitions/uavspec.toml:5:1", "unknown field `dialekt`", "help: see the chapter"],
     );
     write(path, "definitions/uavspec.toml", CONFIG);
     write(path, "broken/uavspec.toml", CONFIG);
     write(path, "broken/msg/Wind.msg", "uint64\n");
-    refuses(path, &["--against", "broken"], &["the earlier definitions have mistakes", "missing-name"]);
+    fails(path, &["--against", "broken"], &["the earlier definitions contain errors", "missing-name"]);
 
     let outside = tempfile::tempdir().expect("a temporary folder");
     write(outside.path(), "uavspec.toml", CONFIG);
     write(outside.path(), "msg/Wind.msg", WIND);
-    refuses(outside.path(), &["--against", "main"], &["is in no Git repository", "help: name a folder"]);
+    fails(outside.path(), &["--against", "main"], &["is not in a Git repository", "help: give a folder"]);
 }
 
 #[test]
-fn a_shallow_clone_is_told_how_to_get_the_rest() {
+fn a_shallow_clone_causes_a_hint() {
     let folder = repository();
     git(folder.path(), &["commit", "--quiet", "--all", "--message", "Calm"]);
     let clone = tempfile::tempdir().expect("a temporary folder");
     let origin = format!("file://{}", folder.path().display());
     git(clone.path(), &["clone", "--quiet", "--depth", "1", "--no-tags", &origin, "copy"]);
     let hints = ["this clone is shallow", "git fetch --unshallow"];
-    refuses(&clone.path().join("copy"), &["--against", "before"], &hints);
-    refuses(&clone.path().join("copy"), &["--against", "HEAD~1"], &hints);
+    fails(&clone.path().join("copy"), &["--against", "before"], &hints);
+    fails(&clone.path().join("copy"), &["--against", "HEAD~1"], &hints);
 }
 
 #[test]
-fn mistakes_in_the_new_definitions_are_findings() {
+fn errors_in_the_new_definitions_are_findings() {
     let folder = repository();
     write(folder.path(), "definitions/msg/Wind.msg", "uint64\nfoo bar\n");
     let (status, printed, _) = breaking(folder.path(), &["--against", "before", "--format", "json"]);

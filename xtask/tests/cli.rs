@@ -1,9 +1,10 @@
-//! The command line as a user meets it: exit status, messages, and what happens to files.
+//! Tests of the command line: exit status, messages and file changes.
 
 use crate::support;
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use quick_junit::{Report as Junit, TestCase, TestCaseStatus};
 use serde_json::Value as Json;
@@ -43,7 +44,7 @@ fn run(folder: &TempDir, arguments: &[&str], status: i32) -> String {
     errors
 }
 
-/// Every file below a folder with its text.
+/// All files in a folder, with their content.
 fn tree(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut files = Vec::new();
     let mut open = vec![folder.to_path_buf()];
@@ -87,7 +88,7 @@ fn generates_checks_and_writes_only_what_changed() {
 }
 
 #[test]
-fn works_from_any_folder_below_and_gives_the_same_bytes() {
+fn works_from_any_subfolder_with_the_same_output() {
     let folder = workspace();
     run(&folder, &["codegen"], 0);
     let first = tree(&folder.path().join("out"));
@@ -98,7 +99,7 @@ fn works_from_any_folder_below_and_gives_the_same_bytes() {
 }
 
 #[test]
-fn typescript_and_python_are_outputs_like_the_others() {
+fn generates_typescript_and_python() {
     let folder = workspace();
     let outputs =
         "[output]\ntypescript = { path = \"out/node\", form = \"compiled\" }\npython = \"out/python\"\n";
@@ -110,7 +111,7 @@ fn typescript_and_python_are_outputs_like_the_others() {
     run(&folder, &["codegen", "--check"], 0);
     write(&folder, "uavspec.toml", &CONFIG.replace("[output]\n", "[output]\ntypescript = \"out/node\"\n"));
     run(&folder, &["codegen"], 0);
-    assert_eq!(tree(&folder.path().join("out/node")).len(), 3, "two modules and the list of them");
+    assert_eq!(tree(&folder.path().join("out/node")).len(), 3, "two modules and the manifest");
     let arguments = ["--package", "demo", "--dialect", "px4", "--input", "msg", "--out", "other"];
     run(&folder, &[&["codegen", "--emit", "typescript,python"], &arguments[..]].concat(), 0);
     assert!(folder.path().join("other/typescript/demo.ts").exists());
@@ -118,7 +119,7 @@ fn typescript_and_python_are_outputs_like_the_others() {
 }
 
 #[test]
-fn removes_orphans_but_never_a_file_of_the_user() {
+fn removes_orphans_but_never_user_files() {
     let folder = workspace();
     run(&folder, &["codegen"], 0);
     write(&folder, "out/rust/demo/mine.rs", "// mine\n");
@@ -129,12 +130,12 @@ fn removes_orphans_but_never_a_file_of_the_user() {
     run(&folder, &["codegen"], 0);
     assert!(!folder.path().join("out/rust/demo/gust.rs").exists());
     assert!(folder.path().join("out/rust/demo/wind.rs").exists());
-    assert_eq!(fs::read_to_string(folder.path().join("out/rust/demo/mine.rs")).expect("kept"), "// mine\n");
-    assert_eq!(fs::read_to_string(folder.path().join("out/docs/notes.md")).expect("kept"), "mine\n");
+    assert_eq!(fs::read_to_string(folder.path().join("out/rust/demo/mine.rs")).expect("a file"), "// mine\n");
+    assert_eq!(fs::read_to_string(folder.path().join("out/docs/notes.md")).expect("a file"), "mine\n");
 }
 
 #[test]
-fn a_file_of_the_user_in_the_way_is_an_error_and_nothing_is_written() {
+fn a_conflicting_user_file_is_an_error_and_nothing_is_written() {
     let folder = workspace();
     write(&folder, "out/rust/demo/wind.rs", "// mine\n");
     let errors = run(&folder, &["codegen"], 2);
@@ -143,7 +144,7 @@ fn a_file_of_the_user_in_the_way_is_an_error_and_nothing_is_written() {
 }
 
 #[test]
-fn a_manifest_that_leads_out_of_its_folder_is_not_followed() {
+fn ignores_paths_outside_the_folder_in_a_manifest() {
     let folder = workspace();
     run(&folder, &["codegen"], 0);
     write(&folder, "precious.txt", "keep\n");
@@ -157,19 +158,19 @@ fn a_manifest_that_leads_out_of_its_folder_is_not_followed() {
 
 #[cfg(unix)]
 #[test]
-fn a_link_inside_the_output_is_not_followed() {
+fn rejects_links_in_the_output_folder() {
     let folder = workspace();
     fs::create_dir_all(folder.path().join("elsewhere")).expect("a folder");
     fs::create_dir_all(folder.path().join("out/rust")).expect("a folder");
     std::os::unix::fs::symlink(folder.path().join("elsewhere"), folder.path().join("out/rust/demo"))
         .expect("a link");
     let errors = run(&folder, &["codegen"], 2);
-    assert!(errors.contains("is a link"), "{errors}");
+    assert!(errors.contains("is a symbolic link"), "{errors}");
     assert!(tree(&folder.path().join("elsewhere")).is_empty());
 }
 
 #[test]
-fn mistakes_are_shown_all_at_once_and_nothing_is_written() {
+fn all_errors_are_reported_and_nothing_is_written() {
     let folder = workspace();
     write(&folder, "msg/Wind.msg", "uint64 timestamp\nuint8 MODE = 300\nWnd peak\n");
     write(&folder, "msg/Gust.msg", "uint8[0] a\n");
@@ -189,7 +190,7 @@ fn mistakes_are_shown_all_at_once_and_nothing_is_written() {
 }
 
 #[test]
-fn what_cannot_be_carried_out_is_status_2_with_a_hint() {
+fn failures_have_status_2_and_a_hint() {
     let folder = workspace();
     fs::create_dir(folder.path().join("empty")).expect("a folder");
     write(&folder, "invalid.toml", "[[package]]\nname = \"demo\"\ndialekt = \"px4\"\n");
@@ -201,26 +202,26 @@ fn what_cannot_be_carried_out_is_status_2_with_a_hint() {
     );
     let direct = ["codegen", "--package", "p", "--dialect", "px4", "--input"];
     for (arguments, expected) in [
-        (&[&direct[..], &["empty", "--out", "o"]].concat()[..], "no definitions below empty"),
+        (&[&direct[..], &["empty", "--out", "o"]].concat()[..], "no definitions in empty"),
         (&[&direct[..], &["absent", "--out", "o"]].concat(), "absent: No such file"),
-        (&[&direct[..], &["uavspec.toml", "--out", "o"]].concat(), "no definition of this dialect"),
+        (&[&direct[..], &["uavspec.toml", "--out", "o"]].concat(), "is not a definition of this dialect"),
         (&[&direct[..], &["msg", "--out", "uavspec.toml/o"]].concat(), "uavspec.toml/o"),
         (&[&direct[..], &["msg"]].concat(), "--out"),
         (&["codegen", "--package", "p"], "--dialect"),
         (&["codegen", "--config", "invalid.toml"], "unknown field `dialekt`"),
-        (&["codegen", "--config", "nothing.toml"], "names no package"),
+        (&["codegen", "--config", "nothing.toml"], "has no packages"),
         (&["codegen", "--config", "unmatched.toml"], "matches no file"),
         (&["codegen", "--config", "absent.toml"], "absent.toml"),
         (&["codegen", "--bogus"], "--bogus"),
     ] {
         let errors = run(&folder, arguments, 2);
-        assert!(errors.contains(expected), "{arguments:?}: no `{expected}` in\n{errors}");
+        assert!(errors.contains(expected), "{arguments:?}: expected `{expected}` in\n{errors}");
     }
     assert!(!folder.path().join("o").exists());
 }
 
 #[test]
-fn a_folder_or_bytes_in_place_of_a_definition_are_named() {
+fn reports_invalid_files_and_ignores_folders() {
     let folder = workspace();
     fs::create_dir(folder.path().join("msg/Folder.msg")).expect("a folder");
     fs::write(folder.path().join("msg/Wind.msg"), b"uint8 a # \xff\n").expect("a file");
@@ -265,7 +266,7 @@ fn inspect_prints_the_model() {
     assert_eq!(wind["topics"], serde_json::json!(["wind"]));
 }
 
-/// A workspace with findings of each level: no unit, a blank at the end of a line, and a type that is none.
+/// A workspace with findings of each level: trailing white space, a missing unit, and an unknown type.
 fn careless() -> TempDir {
     let folder = workspace();
     write(
@@ -277,8 +278,8 @@ fn careless() -> TempDir {
     folder
 }
 
-/// Rule, level, file and line of what [`careless`] has, with the level of notes in the word of a format. Other
-/// rules may find more.
+/// The rule, level, file and line of the findings in [`careless`]. `note` is the name of the level of notes in the
+/// format. Other rules may report more.
 const fn expected(note: &'static str) -> [(&'static str, &'static str, &'static str, u64); 4] {
     [
         ("trailing-white-space", note, "msg/Gust.msg", 1),
@@ -288,7 +289,7 @@ const fn expected(note: &'static str) -> [(&'static str, &'static str, &'static 
     ]
 }
 
-/// What `lint` reports in a format. That goes to standard output alone, and the summary to standard error.
+/// Runs `lint` and returns the report. Standard error must contain only the summary.
 #[track_caller]
 fn lint(folder: &TempDir, format: &str, status: i32) -> String {
     let output = xtask(folder.path(), &["lint", "--format", format]);
@@ -346,7 +347,7 @@ fn lint_reports_junit() {
     let cases = &report.test_suites[0].test_cases;
     let passed = cases.iter().find(|case| case.classname.as_deref() == Some("lint.unit-missing"));
     let is_success = |case: &TestCase| matches!(case.status, TestCaseStatus::Success { .. });
-    assert!(passed.is_some_and(is_success), "a rule that found nothing is a test that passed: {cases:?}");
+    assert!(passed.is_some_and(is_success), "a rule without findings is a passed test: {cases:?}");
 }
 
 #[test]
@@ -358,11 +359,11 @@ fn lint_reports_workflow_commands() {
         let command = command.unwrap_or_else(|| panic!("{rule}: {text}"));
         assert!(command.starts_with(&format!("::{level} file={file},line={line},")), "{command}");
     }
-    assert!(text.lines().all(|line| line.starts_with("::")), "a command a line: {text}");
+    assert!(text.lines().all(|line| line.starts_with("::")), "one command per line: {text}");
 }
 
 #[test]
-fn pages_of_the_rules_are_written_where_they_are_asked_for() {
+fn rule_pages_are_optional() {
     let folder = workspace();
     run(&folder, &["codegen"], 0);
     assert!(!folder.path().join("out/docs/rules").exists());
@@ -376,13 +377,13 @@ fn pages_of_the_rules_are_written_where_they_are_asked_for() {
 }
 
 #[test]
-fn pages_that_others_write_stand_in_the_table_of_contents() {
+fn the_table_of_contents_includes_additional_pages() {
     let folder = workspace();
     let docs = "docs = { path = \"out/docs\", contents = \"more.md\" }";
     write(&folder, "uavspec.toml", &CONFIG.replace("docs = \"out/docs\"", docs));
-    let said = run(&folder, &["codegen"], 2);
-    assert!(said.contains("more.md") && said.contains("`output.docs.contents` names it"), "{said}");
-    // Commands that write no documentation don't need it.
+    let errors = run(&folder, &["codegen"], 2);
+    assert!(errors.contains("more.md") && errors.contains("`output.docs.contents` names it"), "{errors}");
+    // Commands without documentation output don't need the file.
     run(&folder, &["lint"], 0);
     write(&folder, "more.md", "- [Flights](flights.md)\n");
     write(&folder, "out/docs/flights.md", "# Flights\n");
@@ -390,14 +391,14 @@ fn pages_that_others_write_stand_in_the_table_of_contents() {
     let summary = fs::read_to_string(folder.path().join("out/docs/SUMMARY.md")).expect("a table of contents");
     assert!(summary.ends_with("- [Flights](flights.md)\n"), "{summary}");
     run(&folder, &["codegen", "--check"], 0);
-    assert!(folder.path().join("out/docs/flights.md").exists(), "what others write stays");
+    assert!(folder.path().join("out/docs/flights.md").exists(), "additional pages are preserved");
     write(&folder, "more.md", "- [Winds](winds.md)\n");
-    let said = run(&folder, &["codegen", "--check"], 1);
-    assert!(said.contains("SUMMARY.md"), "{said}");
+    let errors = run(&folder, &["codegen", "--check"], 1);
+    assert!(errors.contains("SUMMARY.md"), "{errors}");
 }
 
 #[test]
-fn ros2_packages_beside_the_input_are_found() {
+fn finds_ros2_packages_next_to_the_input() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write(&folder, "std_msgs/msg/Header.msg", "builtin_interfaces/Time stamp\nstring frame_id\n");
     write(&folder, "builtin_interfaces/msg/Time.msg", "int32 sec\nuint32 nanosec\n");
@@ -408,14 +409,14 @@ fn ros2_packages_beside_the_input_are_found() {
     let model: Json = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(model["packages"]["demo_msgs"]["messages"]["Ping"]["fields"][0]["type"], "std_msgs/Header");
     let messages = model["packages"]["builtin_interfaces"]["messages"].as_object().expect("messages");
-    assert_eq!(messages.keys().collect::<Vec<_>>(), ["Time"], "only what is referred to");
+    assert_eq!(messages.keys().collect::<Vec<_>>(), ["Time"], "only referenced messages");
 }
 
 const UNTIDY: &str = "uint64   timestamp #[microseconds]Since start\r\nuint8 mode# Which one [@range 0,1]";
 const TIDY: &str = "uint64 timestamp  # [us] Since start\nuint8 mode        # [@range 0, 1] Which one\n";
 
 #[test]
-fn fmt_lays_out_only_what_differs() {
+fn fmt_writes_only_changed_files() {
     let folder = workspace();
     write(&folder, "msg/Mode.msg", UNTIDY);
     write(&folder, "msg/Gust.msg", TIDY);
@@ -425,13 +426,13 @@ fn fmt_lays_out_only_what_differs() {
     };
     let written = time();
     let errors = run(&folder, &["fmt"], 0);
-    assert!(errors.contains("fmt: 3 files read, 2 laid out anew ("), "{errors}");
+    assert!(errors.contains("fmt: 3 files read, 2 formatted ("), "{errors}");
     assert_eq!(fs::read_to_string(folder.path().join("msg/Mode.msg")).expect("a file"), TIDY);
     let errors = run(&folder, &["fmt"], 0);
-    assert!(errors.contains("fmt: 3 files read, 0 laid out anew ("), "{errors}");
-    assert_eq!(time(), written, "what is laid out is not written");
+    assert!(errors.contains("fmt: 3 files read, 0 formatted ("), "{errors}");
+    assert_eq!(time(), written, "a formatted file is not written");
     run(&folder, &["fmt", "--check"], 0);
-    assert_eq!(tree(&folder.path().join("msg")).len(), 3, "nothing is left behind");
+    assert_eq!(tree(&folder.path().join("msg")).len(), 3, "no temporary files remain");
 }
 
 #[test]
@@ -450,30 +451,33 @@ fn fmt_check_prints_a_patch_and_writes_nothing() {
          -uint64  timestamp  # [us] Since start\n+uint64 timestamp  # [us] Since start\n \
          uint8 mode        # [@range 0, 1] Which one\n"
     );
-    assert!(errors.contains("fmt: 3 files read, 1 to be laid out anew; run `cargo xtask fmt`"), "{errors}");
+    assert!(errors.contains("fmt: 3 files read, 1 unformatted; run `cargo xtask fmt`"), "{errors}");
     assert_eq!(tree(folder.path()), before);
 }
 
 #[test]
-fn fmt_leaves_files_with_mistakes_and_lays_out_the_others() {
+fn fmt_skips_files_with_errors_and_formats_the_others() {
     let folder = workspace();
-    let mistaken = "uint8   MODE = 300\nuint8[0]  a\n";
-    write(&folder, "msg/Wind.msg", mistaken);
+    let invalid = "uint8   MODE = 300\nuint8[0]  a\n";
+    write(&folder, "msg/Wind.msg", invalid);
     write(&folder, "msg/Gust.msg", "uint8   a\nNowhere  b\n");
     fs::write(folder.path().join("msg/Bytes.msg"), b"uint8  a # \xff\n").expect("a file");
     let errors = run(&folder, &["fmt"], 1);
-    for expected in
-        ["constant-out-of-range", "zero-length", "invalid-utf8", "3 errors in 2 of 3 files; left as they are"]
-    {
+    for expected in [
+        "constant-out-of-range",
+        "zero-length",
+        "invalid-utf8",
+        "3 errors in 2 of 3 files; these files stay unchanged",
+    ] {
         assert!(errors.contains(expected), "{expected} is missing in\n{errors}");
     }
-    assert_eq!(fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file"), mistaken);
+    assert_eq!(fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file"), invalid);
     let laid_out = fs::read_to_string(folder.path().join("msg/Gust.msg")).expect("a file");
-    assert_eq!(laid_out, "uint8 a\nNowhere b\n", "what a type is doesn't matter");
+    assert_eq!(laid_out, "uint8 a\nNowhere b\n", "unknown types don't matter");
 }
 
 #[test]
-fn fmt_works_without_a_configuration_file_and_leaves_dependencies_alone() {
+fn fmt_works_without_a_configuration_file_and_skips_dependencies() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write(&folder, "std_msgs/msg/Header.msg", "string   frame_id\n");
     write(&folder, "demo_msgs/msg/Ping.msg", "std_msgs/Header   header\nuint8   count   3\n");
@@ -490,7 +494,7 @@ fn fmt_works_without_a_configuration_file_and_leaves_dependencies_alone() {
 
 #[cfg(unix)]
 #[test]
-fn fmt_keeps_permissions_and_links() {
+fn fmt_preserves_permissions_and_links() {
     use std::os::unix::fs::{PermissionsExt as _, symlink};
 
     let folder = workspace();
@@ -513,11 +517,19 @@ fn fmt_keeps_permissions_and_links() {
 }
 
 #[test]
-fn every_command_has_help_with_an_example() {
-    let folder = workspace();
-    for command in ["codegen", "fmt", "inspect", "lint", "translate", "bench"] {
-        let output = xtask(folder.path(), &[command, "--help"]);
-        let help = String::from_utf8(output.stdout).expect("UTF-8");
-        assert!(output.status.success() && help.contains("cargo xtask "), "{help}");
+fn every_command_has_help_with_an_example_in_80_columns() {
+    for command in
+        ["codegen", "fmt", "inspect", "lint", "translate", "breaking", "docs", "package", "interop", "bench"]
+    {
+        for option in ["-h", "--help"] {
+            let output = Command::new(env!("CARGO_BIN_EXE_xtask"))
+                .args([command, option])
+                .env("COLUMNS", "80")
+                .output()
+                .expect("xtask runs");
+            let help = String::from_utf8(output.stdout).expect("UTF-8");
+            assert!(output.status.success() && help.contains("\n  cargo xtask "), "{help}");
+            assert!(help.lines().all(|line| line.chars().count() <= 80), "{help}");
+        }
     }
 }

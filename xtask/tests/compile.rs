@@ -1,5 +1,5 @@
-//! What is generated compiles without a warning, under the lints of this workspace, and its JSON and CDR
-//! are those of other tools: names that fight the language, and everything in the corpus.
+//! Tests that generated code compiles without warnings under the lints of this workspace, and that its JSON and CDR
+//! match other tools. The definitions include conflicting names and the whole corpus.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -8,7 +8,7 @@ use std::process::Command;
 
 use serde_json::Value as Json;
 
-/// A crate that holds generated code, in a folder that is kept between runs.
+/// A crate with generated code, in a folder that persists between runs.
 struct Crate {
     folder: PathBuf,
 }
@@ -19,7 +19,7 @@ impl Crate {
         let _ = fs::remove_dir_all(&folder);
         let repository = repository();
         let workspace = fs::read_to_string(repository.join("Cargo.toml")).expect("the workspace");
-        // The lints of this workspace, word for word.
+        // Copy the lints of this workspace.
         let lints = workspace
             .split("[workspace.lints")
             .skip(1)
@@ -67,7 +67,7 @@ impl Crate {
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
-    /// Without features and with all; the features are those of the runtime.
+    /// Checks the crate without features and with all features of the runtime.
     fn compiles(&self) {
         self.cargo(&["clippy"]);
         self.cargo(&["clippy", "--features", FEATURES]);
@@ -91,12 +91,12 @@ fn shared(path: &str) -> Option<PathBuf> {
     }
     let is_required = std::env::var_os("UAVSPEC_REQUIRE_CORPUS").is_some_and(|value| value != "0");
     assert!(!is_required, "{} is required but absent", found.display());
-    eprintln!("left out: {path} is absent; set UAVSPEC_CORPUS to the corpus to run this test");
+    eprintln!("skipped: {path} is absent; set UAVSPEC_CORPUS to the path of the corpus");
     None
 }
 
 #[test]
-fn messages_of_fixed_size_need_no_allocator() {
+fn messages_of_fixed_size_require_no_allocator() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bare-metal");
     let package = Crate { folder };
     let generated = repository().join("generated");
@@ -114,8 +114,8 @@ fn messages_of_fixed_size_need_no_allocator() {
 
 const PX4: &str = "\n[[package]]\nname = \"px4\"\ndialect = \"px4\"\n";
 
-/// A crate generated from definitions whose names are keywords, or items that generated code uses.
-fn fighting_names(name: &str) -> Crate {
+/// A crate generated from definitions whose names are keywords or items of generated code.
+fn conflicting_names(name: &str) -> Crate {
     let package = Crate::new(name);
     package.write(
         "a/Words.msg",
@@ -145,7 +145,7 @@ fn fighting_names(name: &str) -> Crate {
     ] {
         package.write(&format!("a/{name}.msg"), "uint64 timestamp\n");
     }
-    // Enums with the names of imports and of types that the macros of the runtime use.
+    // Enums with the names of imports and of types in the runtime's macros.
     package.write(
         "a/Enums.msg",
         "uint8 a # [@enum OPTION]\nuint8 OPTION_A = 0\nuint8 b # [@enum SOME]\nuint8 SOME_A = 0\n\
@@ -184,19 +184,19 @@ fn fighting_names(name: &str) -> Crate {
 }
 
 #[test]
-fn names_that_fight_the_language() {
-    fighting_names("fighting-names").cargo(&["check"]);
+fn conflicting_names_compile() {
+    conflicting_names("fighting-names").cargo(&["check"]);
 }
 
 #[test]
 #[ignore = "takes long"]
-fn names_that_fight_the_language_have_no_warning_with_any_features() {
-    fighting_names("fighting-names-linted").compiles();
+fn conflicting_names_compile_with_any_features() {
+    conflicting_names("fighting-names-linted").compiles();
 }
 
 #[test]
 #[ignore = "takes long"]
-fn all_of_the_corpus() {
+fn the_whole_corpus_compiles() {
     let Some(corpus) = shared("corpus") else { return };
     let package = Crate::new("whole-corpus");
     let mut packages = String::new();
@@ -226,7 +226,7 @@ fn all_of_the_corpus() {
     program.run("strategies", "");
 }
 
-/// The instances that the oracle of CDR gives as JSON.
+/// The JSON instances of the CDR oracle.
 fn oracle_cases() -> Option<Vec<Json>> {
     let mut cases = Vec::new();
     for file in ["px4-main", "ros2"] {
@@ -240,7 +240,7 @@ fn text<'j>(value: &'j Json, member: &str) -> &'j str {
     value[member].as_str().expect("a text")
 }
 
-/// `compile/corpus.rs` with all types.
+/// The program `compile/corpus.rs` with all types.
 struct Program<'c> {
     package: &'c Crate,
     path: PathBuf,
@@ -257,7 +257,7 @@ impl<'c> Program<'c> {
         let program = include_str!("compile/corpus.rs");
         let program = format!("{program}\nfn rows() -> Vec<Row> {{\n    vec![\n{rows}    ]\n}}\n");
         package.write("examples/corpus.rs", &program);
-        // A program with defmt in it would need its linker script.
+        // Exclude defmt, which would require its linker script.
         let features = FEATURES.trim_start_matches("uavspec-runtime/defmt,");
         package.cargo(&["build", "--features", features, "--example", "corpus"]);
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../debug/examples/corpus");
@@ -276,8 +276,8 @@ impl<'c> Program<'c> {
     }
 }
 
-/// Reads and writes each instance that the oracle of CDR gives, as JSON and as CDR in both byte orders;
-/// PX4's also in their memory form, which has no such oracle, and through views.
+/// Reads and writes each instance of the CDR oracle, as JSON and as CDR in both byte orders. PX4 messages are also
+/// tested in memory form, which has no oracle, and as views.
 fn instances_are_those_of_other_tools(program: &Program<'_>, cases: &[Json]) {
     let input: String = cases.iter().fold(String::new(), |mut input, case| {
         let [name, little, big] = ["type", "cdr_le_hex", "cdr_be_hex"].map(|member| text(case, member));
@@ -292,7 +292,7 @@ fn instances_are_those_of_other_tools(program: &Program<'_>, cases: &[Json]) {
     }
 }
 
-/// The schemas of the crate schemars assert the same, keyword by keyword.
+/// Compares the schemas of the crate schemars with the published ones, keyword by keyword.
 fn schemas_are_the_published_ones(program: &Program<'_>, types: &[&str]) {
     let written = program.run("schemas", "");
     assert_eq!(written.lines().count(), types.len());
@@ -307,8 +307,8 @@ fn schemas_are_the_published_ones(program: &Program<'_>, types: &[&str]) {
     }
 }
 
-/// A schema without what describes; references by the name of the message alone, numbers as floats
-/// where they have a fraction or are that large.
+/// Removes descriptive keywords. Reduces references to message names, and converts large and fractional numbers to
+/// floats.
 fn assertions(schema: &Json) -> Json {
     match schema {
         Json::Object(members) => members
@@ -318,7 +318,7 @@ fn assertions(schema: &Json) -> Json {
                     keyword.as_str(),
                     "$schema" | "$id" | "$comment" | "$defs" | "title" | "description" | "default"
                 );
-                // A field may be called like a keyword, but its value is a schema.
+                // A field may have the name of a keyword, but its value is a schema.
                 !describes || keyword.as_str() != "$defs" && value.is_object()
             })
             .map(|(keyword, value)| match value {
@@ -331,7 +331,7 @@ fn assertions(schema: &Json) -> Json {
             .collect(),
         Json::Array(parts) => parts.iter().map(assertions).collect(),
         Json::Number(number) => match number.as_f64() {
-            #[allow(clippy::cast_possible_truncation)] // it is whole and less than 2^53
+            #[allow(clippy::cast_possible_truncation)] // an integer below 2^53
             Some(value) if number.is_f64() && value % 1.0 == 0.0 && value.abs() < 9e15 => {
                 (value as i64).into()
             }
@@ -341,7 +341,7 @@ fn assertions(schema: &Json) -> Json {
     }
 }
 
-/// Equal, where a float may be written with the digits of a 32-bit or of a 64-bit one, or as an integer.
+/// True if the values are equal. Floats may have 32-bit or 64-bit digits, or be integers.
 fn same(left: &Json, right: &Json) -> bool {
     match (left, right) {
         (Json::Array(left), Json::Array(right)) => {

@@ -1,10 +1,10 @@
-//! The workspace in the guide's page "Use it in your build" compiles.
+//! Tests that the workspace in the chapter "Use it in your build" of the guide compiles.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The files that the page shows: a line with a path in backticks, then a fenced block.
+/// The files on the page: each is a line with a path in backticks, followed by a fenced block.
 fn files_of_page() -> Vec<(String, String)> {
     let page = repository().join("xtask/site/guide/your-build.md");
     let page = fs::read_to_string(page).expect("the page");
@@ -27,7 +27,7 @@ fn cargo(folder: &Path, arguments: &[&str]) {
     let output = Command::new(env!("CARGO"))
         .args(arguments)
         .current_dir(folder)
-        // What this build has compiled already need not be compiled again.
+        // Reuse the compiled dependencies of this build.
         .env("CARGO_TARGET_DIR", Path::new(env!("CARGO_TARGET_TMPDIR")).join(".."))
         .env("CARGO_NET_OFFLINE", "true")
         .output()
@@ -51,12 +51,12 @@ fn the_workspace_in_the_guide_compiles() {
         let own = |part: &str| format!("\"{}\"", repository.join(part).display());
         let text = text.replace("\"../../uavspec/codegen\"", &own("codegen"));
         let text = text.replace("\"../../uavspec/generated/runtime\"", &own("generated/runtime"));
-        // Its program would take the place of ours, which other tests run, in the folder that both are built into.
+        // The program must not replace this workspace's `xtask`, which other tests run, in the shared target folder.
         let text = text.replace("name = \"xtask\"", "name = \"downstream-xtask\"");
         let text = text.replace("--package xtask", "--package downstream-xtask");
         fs::write(path, text).expect("a file");
     }
-    // The versions that are on this machine already.
+    // Use the locked versions, which are already available.
     fs::copy(repository.join("Cargo.lock"), folder.join("Cargo.lock")).expect("a lock file");
     cargo(&folder, &["xtask", "codegen"]);
     cargo(&folder, &["xtask", "codegen", "--check"]);

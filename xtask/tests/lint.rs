@@ -1,4 +1,4 @@
-//! `lint` as a user meets it: levels, ignores, mending, and what happens to files.
+//! Tests of `lint`: levels, exceptions, fixes and file changes.
 
 use std::fs;
 use std::path::Path;
@@ -23,79 +23,82 @@ fn lint(folder: &Path, arguments: &[&str], status: i32) -> String {
         .current_dir(folder)
         .output()
         .expect("xtask runs");
-    let said = String::from_utf8(output.stderr).expect("UTF-8");
-    assert_eq!(output.status.code(), Some(status), "{arguments:?}: {said}");
-    said
+    let errors = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(status), "{arguments:?}: {errors}");
+    errors
 }
 
 #[test]
-fn fails_from_the_level_that_is_denied() {
+fn fails_at_the_denied_level() {
     let folder = workspace(CONFIG, WIND);
-    let said = lint(folder.path(), &[], 0);
-    assert!(said.contains("warning[unit-missing]: `gust` has no unit"), "{said}");
-    assert!(said.contains("note[trailing-white-space]"), "{said}");
-    assert!(said.contains("2 warnings, 1 note"), "{said}");
+    let errors = lint(folder.path(), &[], 0);
+    assert!(errors.contains("warning[unit-missing]: `gust` has no unit"), "{errors}");
+    assert!(errors.contains("note[trailing-white-space]"), "{errors}");
+    assert!(errors.contains("2 warnings, 1 note"), "{errors}");
     lint(folder.path(), &["--deny", "warning"], 1);
     let strict = format!("{CONFIG}[lint.levels]\nunit-missing = \"error\"\ntrailing-white-space = \"off\"\n");
     fs::write(folder.path().join("uavspec.toml"), strict).expect("a file");
-    let said = lint(folder.path(), &[], 1);
-    assert!(said.contains("error[unit-missing]") && !said.contains("trailing-white-space"), "{said}");
+    let errors = lint(folder.path(), &[], 1);
+    assert!(errors.contains("error[unit-missing]") && !errors.contains("trailing-white-space"), "{errors}");
 }
 
 #[test]
-fn mends_what_can_be_and_nothing_else() {
+fn applies_only_automatic_fixes() {
     let folder = workspace(CONFIG, WIND);
-    let said = lint(folder.path(), &["--fix"], 0);
-    assert!(said.contains("2 mended") && said.contains("unit-missing"), "{said}");
-    let mended = fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file");
-    assert_eq!(mended, WIND.replace("start \n", "start\n").replace("(@range 0, 60)", "[@range 0, 60]"));
+    let errors = lint(folder.path(), &["--fix"], 0);
+    assert!(errors.contains("2 fixed") && errors.contains("unit-missing"), "{errors}");
+    let fixed = fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file");
+    assert_eq!(fixed, WIND.replace("start \n", "start\n").replace("(@range 0, 60)", "[@range 0, 60]"));
     lint(folder.path(), &["--fix"], 0);
-    assert_eq!(fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file"), mended);
+    assert_eq!(fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file"), fixed);
     assert_eq!(
         fs::read_dir(folder.path().join("msg")).expect("a folder").count(),
         1,
-        "nothing is left behind"
+        "no temporary files remain"
     );
 }
 
 #[test]
-fn findings_are_let_stand_by_comments_and_by_the_configuration() {
+fn comments_and_the_configuration_can_ignore_findings() {
     let ignored = WIND.replace("wind\n", "wind  # uavspec:ignore unit-missing not known\n");
     let folder = workspace(CONFIG, &ignored);
-    let said = lint(folder.path(), &[], 0);
-    assert!(!said.contains("unit-missing"), "{said}");
+    let errors = lint(folder.path(), &[], 0);
+    assert!(!errors.contains("unit-missing"), "{errors}");
     let ignore = "[[lint.ignore]]\nrule = \"unit-missing\"\npath = \"msg/W*.msg\"\nreason = \"as it was\"\n";
     let folder = workspace(&format!("{CONFIG}{ignore}"), WIND);
-    let said = lint(folder.path(), &[], 0);
-    assert!(!said.contains("unit-missing"), "{said}");
+    let errors = lint(folder.path(), &[], 0);
+    assert!(!errors.contains("unit-missing"), "{errors}");
     fs::write(folder.path().join("msg/Wind.msg"), WIND.replace("# The", "# [m/s] The")).expect("a file");
-    let said = lint(folder.path(), &[], 0);
-    assert!(said.contains("warning[unused-ignore]") && said.contains("uavspec.toml:5:1"), "{said}");
+    let errors = lint(folder.path(), &[], 0);
+    assert!(errors.contains("warning[unused-ignore]") && errors.contains("uavspec.toml:5:1"), "{errors}");
     lint(folder.path(), &["--fix"], 0);
     let config = fs::read_to_string(folder.path().join("uavspec.toml")).expect("a file");
-    assert_eq!(config, format!("{CONFIG}{ignore}"), "the configuration file is left to its owner");
+    assert_eq!(config, format!("{CONFIG}{ignore}"), "the configuration file is never changed");
 }
 
 #[test]
-fn what_cannot_be_carried_out_is_status_2_with_a_hint() {
+fn failures_have_status_2_and_a_hint() {
     for (config, parts) in [
         ("[lint]\npreset = \"loose\"\n", ["uavspec.toml:6:10", "expected `px4` or `strict`"]),
         (
             "[lint.levels]\nunit-mising = \"off\"\n",
-            ["no rule `unit-mising`", "help: `cargo xtask lint --rules`"],
+            ["unknown rule `unit-mising`", "help: `cargo xtask lint --rules`"],
         ),
         ("[lint.levels]\nunit-missing = \"fatal\"\n", ["uavspec.toml:6:16", "unknown variant `fatal`"]),
         ("[[lint.ignore]]\nrule = \"unit-missing\"\n", ["uavspec.toml:5:1", "missing field `reason`"]),
         ("[lint]\npresett = \"px4\"\n", ["uavspec.toml:6:1", "unknown field `presett`"]),
     ] {
         let folder = workspace(&format!("{CONFIG}{config}"), WIND);
-        let said = lint(folder.path(), &[], 2);
+        let errors = lint(folder.path(), &[], 2);
         for part in parts {
-            assert!(said.contains(part), "{config}: {said}");
+            assert!(errors.contains(part), "{config}: {errors}");
         }
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
     let arguments = ["--package", "demo", "--dialect", "px4", "--input", "."];
-    let said = lint(folder.path(), &arguments, 2);
-    assert!(said.contains("no definitions below .") && said.contains("help: the dialect px4"), "{said}");
+    let errors = lint(folder.path(), &arguments, 2);
+    assert!(
+        errors.contains("no definitions in .") && errors.contains("help: definitions of the dialect px4"),
+        "{errors}"
+    );
 }

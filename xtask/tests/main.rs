@@ -1,4 +1,4 @@
-//! The tests of the chores, in one program; each file is a module.
+//! The tests of xtask in one program; each file is a module.
 
 mod api;
 mod breaking;

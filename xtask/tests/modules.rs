@@ -1,4 +1,4 @@
-//! The layout of `tests/` folders: with `autotests = false`, a file that no `mod` names is never compiled.
+//! Checks the `tests/` folders: with `autotests = false`, a file without a `mod` declaration is never compiled.
 
 use std::fs;
 use std::path::Path;
@@ -24,5 +24,5 @@ fn each_file_in_a_tests_folder_is_a_module_of_its_program() {
             assert!(program.lines().any(|line| line == declaration), "{} is not compiled", path.display());
         }
     }
-    assert!(programs >= 5, "{programs} programs: where are the others?");
+    assert!(programs >= 5, "found only {programs} test programs");
 }

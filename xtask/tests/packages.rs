@@ -1,9 +1,8 @@
-//! The packages for npm and `PyPI`, and what they are made of: what is in the archives; that type checkers find no fault
-//! with modules of any definitions; that values are of the declared types just where they are valid; and that packages,
-//! once installed, do what their READMEs say.
+//! Tests of the packages for npm and `PyPI`: the content of archives, the types of modules for any definitions, and the
+//! examples in READMEs of installed packages.
 //!
-//! Whatever needs Node or Python is ignored unless it is asked for. It installs type checkers, at the versions that
-//! stand in `packages/`, below `target/`.
+//! Tests that require Node or Python are ignored by default. They install type checkers below `target/`, at the
+//! versions in `packages/`.
 
 mod archives;
 mod declarations;

@@ -1,4 +1,4 @@
-//! Catalogues of translations on the command line.
+//! Tests of translation catalogues on the command line.
 
 use crate::support;
 
@@ -48,14 +48,17 @@ fn run(folder: &TempDir, arguments: &[&str], status: i32) -> String {
 }
 
 #[test]
-fn a_catalogue_is_begun_translated_and_brought_up_to_date() {
+fn creates_and_updates_a_catalogue() {
     let folder = workspace();
     let errors = run(&folder, &["translate", "uk", "--select", "demo/Wind"], 0);
-    assert!(errors.contains("i18n/uk.po: brought up to date, 3 untranslated"), "{errors}");
-    let begun = read(&folder, "i18n/uk.po");
-    assert!(begun.contains("\"X-Language-Name: Українська\\n\"") && !begun.contains("demo/Gust"), "{begun}");
+    assert!(errors.contains("i18n/uk.po: updated, 3 untranslated"), "{errors}");
+    let created = read(&folder, "i18n/uk.po");
+    assert!(
+        created.contains("\"X-Language-Name: Українська\\n\"") && !created.contains("demo/Gust"),
+        "{created}"
+    );
     let translated =
-        begun.replace("msgid \"Speed\"\nmsgstr \"\"", "msgid \"Speed\"\nmsgstr \"Швидкість\"").replace(
+        created.replace("msgid \"Speed\"\nmsgstr \"\"", "msgid \"Speed\"\nmsgstr \"Швидкість\"").replace(
             "msgid \"Wind over ground\"\nmsgstr \"\"",
             "msgid \"Wind over ground\"\nmsgstr \"Вітер над землею\"",
         );
@@ -84,12 +87,12 @@ fn a_catalogue_is_begun_translated_and_brought_up_to_date() {
     );
     let errors = run(&folder, &["translate", "--check"], 1);
     assert!(
-        errors.contains("i18n/uk.po: not up to date") && errors.contains("run `cargo xtask translate`"),
+        errors.contains("i18n/uk.po: outdated") && errors.contains("run `cargo xtask translate`"),
         "{errors}"
     );
     assert_eq!(read(&folder, "i18n/uk.po"), translated, "--check writes nothing");
     let errors = run(&folder, &["translate"], 0);
-    assert!(errors.contains("brought up to date, 1 fuzzy, 1 untranslated, 1 obsolete"), "{errors}");
+    assert!(errors.contains("updated, 1 fuzzy, 1 untranslated, 1 obsolete"), "{errors}");
     let updated = read(&folder, "i18n/uk.po");
     for expected in [
         "#, fuzzy\n#| msgid \"Speed\"\nmsgctxt \"demo/Wind.speed\"\nmsgid \"Speed over ground\"\nmsgstr \"Швидкість\"\n",
@@ -102,18 +105,18 @@ fn a_catalogue_is_begun_translated_and_brought_up_to_date() {
 }
 
 #[test]
-fn lines_that_another_tool_has_broken_are_let_stand() {
+fn keeps_line_breaks_of_other_tools() {
     let folder = workspace();
     run(&folder, &["translate", "uk"], 0);
-    let broken =
+    let wrapped =
         read(&folder, "i18n/uk.po").replace("msgid \"Since start\"", "msgid \"\"\n\"Since \"\n\"start\"");
-    write(&folder, "i18n/uk.po", &broken);
+    write(&folder, "i18n/uk.po", &wrapped);
     run(&folder, &["translate"], 0);
-    assert_eq!(read(&folder, "i18n/uk.po"), broken);
+    assert_eq!(read(&folder, "i18n/uk.po"), wrapped);
 }
 
 #[test]
-fn levels_of_translations_can_be_chosen() {
+fn levels_of_translation_rules_are_configurable() {
     let folder = workspace();
     run(&folder, &["translate", "uk"], 0);
     let catalogue = read(&folder, "i18n/uk.po")
@@ -133,22 +136,22 @@ fn levels_of_translations_can_be_chosen() {
         "{errors}"
     );
     let ignore =
-        "[[lint.ignore]]\nrule = \"translation-stale\"\npath = \"i18n/uk.po\"\nreason = \"under way\"\n";
+        "[[lint.ignore]]\nrule = \"translation-stale\"\npath = \"i18n/uk.po\"\nreason = \"in progress\"\n";
     let errors = lint(ignore, 0);
     assert!(!errors.contains("translation-stale"), "{errors}");
 }
 
 #[test]
-fn what_cannot_be_carried_out_says_what_to_do() {
+fn failures_have_a_hint() {
     let folder = workspace();
     for (arguments, message, hint) in [
-        (&["translate"][..], "there is no catalogue yet", "cargo xtask translate uk"),
-        (&["translate", "ukrainian"], "`ukrainian` is no tag of another language", "BCP 47"),
-        (&["translate", "../uk"], "`../uk` is no tag", "BCP 47"),
-        (&["translate", "en"], "`en` is no tag of another language", "definitions are in English"),
+        (&["translate"][..], "no catalogue exists", "cargo xtask translate uk"),
+        (&["translate", "ukrainian"], "`ukrainian` is not the tag", "BCP 47"),
+        (&["translate", "../uk"], "`../uk` is not the tag", "BCP 47"),
+        (&["translate", "en"], "`en` is not the tag", "definitions are in English"),
         (
             &["translate", "uk", "--select", "demo/Wnd"],
-            "`demo/Wnd` names nothing that has texts",
+            "`demo/Wnd` does not match any message",
             "did you mean `demo/Wind`?",
         ),
     ] {
@@ -162,24 +165,24 @@ fn what_cannot_be_carried_out_says_what_to_do() {
         errors.contains("error[malformed-catalogue]") && errors.contains("--> i18n/uk.po:1:7"),
         "{errors}"
     );
-    assert_eq!(read(&folder, "i18n/uk.po"), "msgid \"Speed\n", "it is left as it was");
+    assert_eq!(read(&folder, "i18n/uk.po"), "msgid \"Speed\n", "the file stays unchanged");
     write(&folder, "uavspec.toml", &CONFIG.replace("[translations]\ninclude = [\"i18n/*.po\"]", ""));
     let errors = run(&folder, &["translate", "uk"], 2);
     assert!(errors.contains("add `[translations]`"), "{errors}");
 }
 
-/// Says what gettext itself thinks of a catalogue.
+/// Checks a catalogue with gettext.
 #[track_caller]
 fn check(path: &Path) {
     let output = Command::new("msgfmt").args(["--check", "--output-file", "/dev/null"]).arg(path).output();
-    let output = output.expect("msgfmt of gettext runs");
+    let output = output.expect("this test requires msgfmt of gettext");
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{}: {errors}", path.display());
 }
 
 #[test]
-#[ignore = "needs gettext"]
-fn catalogues_are_what_gettext_takes() {
+#[ignore = "requires gettext"]
+fn gettext_accepts_catalogues() {
     let folder = workspace();
     run(&folder, &["translate", "uk"], 0);
     let translated = read(&folder, "i18n/uk.po")

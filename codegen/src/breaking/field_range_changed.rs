@@ -47,6 +47,6 @@ fn text(constraint: &Constraint) -> String {
         Stated::Range(range) => {
             format!("from {} to {}", bound(&range.low, "-inf"), bound(&range.high, "inf"))
         }
-        Stated::Value(_) | Stated::Empty => constraint.said().unwrap_or_default(),
+        Stated::Value(_) | Stated::Empty => constraint.valid_values().unwrap_or_default(),
     }
 }

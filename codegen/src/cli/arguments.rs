@@ -1,4 +1,4 @@
-//! Arguments that several commands have.
+//! Arguments shared by several commands.
 
 use std::path::{Path, PathBuf};
 
@@ -9,10 +9,10 @@ use crate::failure::Failure;
 use crate::load::{Config, Plan};
 use crate::schema::Form;
 
-/// Which definitions a command reads.
+/// The definitions that a command reads.
 #[derive(Args, Debug)]
 pub(super) struct DefinitionsArgs {
-    /// The configuration file, where it is not found by itself.
+    /// Configuration file [default: found in this folder or above]
     #[arg(long, value_name = "FILE", conflicts_with = "package")]
     pub(super) config: Option<PathBuf>,
     #[command(flatten)]
@@ -20,7 +20,7 @@ pub(super) struct DefinitionsArgs {
 }
 
 impl DefinitionsArgs {
-    /// The package that is given, or else what the configuration file says.
+    /// The package from the command line, otherwise the packages of the configuration file.
     pub(super) fn plan(&self) -> Result<Plan, Failure> {
         match &self.package {
             Some(package) => Ok(package.plan(Path::new(""), &[])),
@@ -29,16 +29,16 @@ impl DefinitionsArgs {
     }
 }
 
-/// A package given on the command line instead of a file.
+/// A package given on the command line instead of a configuration file.
 #[derive(Args, Clone, Debug)]
 pub(super) struct PackageArgs {
-    /// Name of the package.
+    /// Read this package instead of uavspec.toml
     #[arg(long, value_name = "NAME", required = false, requires_all = ["dialect", "input"])]
     pub(super) package: String,
-    /// How the definitions are written.
+    /// Form of its definitions
     #[arg(long, required = false, requires = "package")]
     pub(super) dialect: Dialect,
-    /// Files, or folders that are searched for definitions.
+    /// Files of the package, or folders to search
     #[arg(long, value_name = "PATH", num_args = 1.., required = false, requires = "package")]
     pub(super) input: Vec<PathBuf>,
 }
@@ -49,14 +49,14 @@ impl PackageArgs {
     }
 }
 
-/// How definitions are written.
+/// The form of definitions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Dialect {
-    /// PX4 uORB messages.
+    /// PX4 uORB messages
     Px4,
-    /// ROS 2 interfaces.
+    /// ROS 2 interfaces
     Ros2,
-    /// Pages with specification tables.
+    /// Pages with specification tables
     Table,
 }
 

@@ -1,4 +1,4 @@
-//! `breaking`: what changed since an earlier state, and whom it breaks.
+//! The `breaking` command, which reports changes since an earlier version.
 
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -15,7 +15,7 @@ use crate::diagnostic::{Diagnostic, Level, has_errors};
 use crate::failure::Failure;
 use crate::finding::Finding;
 use crate::load::{Config, Inputs, Plan};
-use crate::load::{load, load_beside};
+use crate::load::{load, load_into};
 use crate::read::read;
 use crate::render;
 use crate::report::RuleInfo;
@@ -23,20 +23,20 @@ use crate::report::RuleInfo;
 /// Arguments of `breaking`.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
-  cargo xtask breaking --against main               what this branch changes
+  cargo xtask breaking --against main
   cargo xtask breaking --against v1.15 --between releases
-  cargo xtask breaking --against ../earlier/msg     compare with a folder
-  cargo xtask breaking --package px4 --dialect px4 --input new/msg --against old/msg --format json
+  cargo xtask breaking --against ../earlier/msg
+  cargo xtask breaking --package px4 --dialect px4 --input new --against old
 
-Categories: source (names and types in programs), json, cdr (DDS, ROS 2), uorb (memory, logs), version (PX4's
-rule on MESSAGE_VERSION), semantic (units, frames, ranges, values of constants, error codes).
+Categories: source (names and types in programs), json, cdr (DDS, ROS 2), uorb (memory, logs), version (PX4's rule on \
+MESSAGE_VERSION), semantic (units, frames, ranges, values of constants, error codes).
 
-Exit status: 0 nothing of level error (or of the level that --deny names), 1 some, 2 it can't be carried out.")]
+Exit status: 0 no findings at the --deny level or above, 1 findings, 2 failure.")]
 pub struct BreakingArgs {
-    /// The earlier state: a folder, or a revision of the Git repository.
+    /// Compare with this Git revision or folder
     #[arg(long, value_name = "REV | DIR")]
     against: String,
-    /// Between which states: a change raises the version of its message by one; between releases it may be more.
+    /// Kind of the two versions
     #[arg(long, default_value = "commits")]
     between: BetweenName,
     #[command(flatten)]
@@ -47,9 +47,9 @@ pub struct BreakingArgs {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum BetweenName {
-    /// Two commits, such as a branch and what it started from.
+    /// A change must raise the version of its message by one
     Commits,
-    /// Two releases.
+    /// A change may raise the version of its message by more than one
     Releases,
 }
 
@@ -65,23 +65,23 @@ impl From<BetweenName> for Between {
 pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
     let started = Instant::now();
     let new_plan = args.definitions.plan()?;
-    // The files of a revision are there until both states are read.
+    // The files of the old revision must exist until both versions are read.
     let (old_plan, _checkout) = old_plan(args, &new_plan)?;
     let mut old = load(&old_plan)?;
     let sources = std::mem::take(&mut old.sources);
-    let new = load_beside(&new_plan, sources)?;
+    let new = load_into(&new_plan, sources)?;
     let sources = &new.sources;
     let ((old_schema, mut old_diagnostics), (new_schema, mut new_diagnostics)) = thread::scope(|scope| {
         let old = scope.spawn(|| read(sources, &old.packages));
         let new = read(sources, &new.packages);
-        // A panic in a thread is a defect here, and goes on in the caller.
+        // A panic in the thread is a bug; propagate it.
         (old.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)), new)
     });
     old_diagnostics.append(&mut old.diagnostics);
     new_diagnostics.extend(new.diagnostics.iter().cloned());
     if has_errors(&old_diagnostics) {
         let shown = render::render(&errors(old_diagnostics), &new.sources, false);
-        return Err(Failure::new(format!("the earlier definitions have mistakes\n{shown}")));
+        return Err(Failure::new(format!("the earlier definitions contain errors\n{shown}")));
     }
     let findings = if has_errors(&new_diagnostics) {
         errors(new_diagnostics).iter().map(Finding::from).collect()
@@ -103,7 +103,7 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
     Ok(is_fine)
 }
 
-/// How to read the earlier state, and its files where they had to be taken out of the repository.
+/// The plan for the earlier version, and its checkout if it is a Git revision.
 fn old_plan(args: &BreakingArgs, new: &Plan) -> Result<(Plan, Option<Checkout>), Failure> {
     let against = Path::new(&args.against);
     if against.exists() {
@@ -123,7 +123,7 @@ fn old_plan(args: &BreakingArgs, new: &Plan) -> Result<(Plan, Option<Checkout>),
     let config = Config::find(args.definitions.config.as_deref())?;
     let checkout = Checkout::of(&args.against, config.file(), new)?;
     let place = checkout.place_of(config.file())?;
-    // The revision's own configuration says what there was then; before there was one, today's has to do.
+    // Use the configuration of the revision if it has one, otherwise the current one.
     let config = match place.parent() {
         Some(folder) if !place.is_file() => config.moved_to(folder.to_path_buf()),
         _ => Config::read(&place)?,
@@ -132,7 +132,7 @@ fn old_plan(args: &BreakingArgs, new: &Plan) -> Result<(Plan, Option<Checkout>),
     Ok((Plan { root, revision, ..config.plan()? }, Some(checkout)))
 }
 
-/// A folder with a configuration file of its own, or with nothing but the definitions of one package.
+/// A folder with a configuration file, or with the definitions of one package.
 fn plan_of_folder(args: &BreakingArgs, new: &Plan, folder: &Path) -> Result<Plan, Failure> {
     if let Some(package) = &args.definitions.package {
         let of_folder = PackageArgs { input: vec![folder.to_path_buf()], ..package.clone() };
@@ -143,10 +143,11 @@ fn plan_of_folder(args: &BreakingArgs, new: &Plan, folder: &Path) -> Result<Plan
     }
     let mut plan = args.definitions.plan()?;
     if plan.packages.len() > 1 {
-        let message = format!("{} has no uavspec.toml, and there are several packages", folder.display());
+        let message =
+            format!("{} contains no uavspec.toml, but several packages are configured", folder.display());
         let names: Vec<&str> = new.packages.iter().map(|package| package.name.as_str()).collect();
         return Err(Failure::new(message).with_hint(format!(
-            "compare one at a time with --package, --dialect and --input ({}), or put a uavspec.toml there",
+            "compare each package with --package, --dialect and --input ({}), or add a uavspec.toml",
             names.join(", ")
         )));
     }
@@ -156,25 +157,28 @@ fn plan_of_folder(args: &BreakingArgs, new: &Plan, folder: &Path) -> Result<Plan
     Ok(Plan { root: PathBuf::new(), config: None, ..plan })
 }
 
-/// How many changes there are, and how many of them break each category.
+/// The number of changes, and of breaking changes per category.
 fn summary(findings: &[Finding]) -> String {
-    let is_one = |left: &Finding, right: &Finding| {
+    let is_same_change = |left: &Finding, right: &Finding| {
         (left.rule, left.span, &left.message) == (right.rule, right.span, &right.message)
     };
-    let changes = findings.chunk_by(is_one).count();
+    let changes = findings.chunk_by(is_same_change).count();
     if changes == 0 {
-        return "nothing changed that anybody would notice".to_owned();
+        return "no relevant changes".to_owned();
     }
-    let broken = |category: Category| {
-        let is_broken =
+    let count_of = |category: Category| {
+        let is_breaking =
             |finding: &&Finding| finding.category == Some(category.name()) && finding.level > Level::Note;
-        let count = findings.iter().filter(is_broken).count();
+        let count = findings.iter().filter(is_breaking).count();
         (count > 0).then(|| format!("{} {count}", category.name()))
     };
-    let broken: Vec<String> = Category::ALL.into_iter().filter_map(broken).collect();
-    let broken =
-        if broken.is_empty() { "break nobody".to_owned() } else { format!("break {}", broken.join(", ")) };
-    format!("{}; they {broken}", plural(changes, "change"))
+    let counts: Vec<String> = Category::ALL.into_iter().filter_map(count_of).collect();
+    let compatibility = if counts.is_empty() {
+        "all compatible".to_owned()
+    } else {
+        format!("incompatible: {}", counts.join(", "))
+    };
+    format!("{}; {compatibility}", plural(changes, "change"))
 }
 
 fn errors(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {

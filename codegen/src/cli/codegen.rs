@@ -1,4 +1,4 @@
-//! `codegen`: writes output, or compares it with what is there.
+//! The `codegen` command, which writes output or compares it with existing files.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -16,33 +16,33 @@ use crate::generate::{self, Difference, Folder, emit_all};
 use crate::load::{Config, Loaded, read_translated};
 use crate::schema::Schema;
 
-/// What stands below the options of `codegen --help`.
+/// The text below the options in `codegen --help`.
 const EXAMPLES: &str = "Examples:
-  cargo xtask codegen                 generate what uavspec.toml says
-  cargo xtask codegen --check         write nothing; fail where output is stale
-  cargo xtask codegen --package px4 --dialect px4 --input msg --out generated --emit rust,docs
+  cargo xtask codegen            generate the outputs that uavspec.toml lists
+  cargo xtask codegen --check    write nothing; fail if output is stale
+  cargo xtask codegen --package px4 --dialect px4 --input msg --out generated
 
-Without --package, the file uavspec.toml (or definitions/uavspec.toml) is looked for here and in each folder above.
-With --package, each emitter writes to a folder of its name below --out.
+Without --package, reads uavspec.toml or definitions/uavspec.toml in this folder or the nearest one above. With \
+--package, each emitter writes to a folder of its name in --out.
 
-Options of outputs in uavspec.toml, where `output.NAME` is a folder or a table with the key `path` and options:";
+Options of outputs in uavspec.toml, as keys of the table [output.NAME]:";
 
 /// Arguments of `codegen`.
 #[derive(Args, Debug)]
 #[command(after_help = after_help())]
 pub struct CodegenArgs {
-    /// Write nothing; list what differs and fail if anything does.
+    /// Write nothing; list stale files and fail if there are any
     #[arg(long)]
     check: bool,
-    /// The configuration file, where it is not found by itself.
+    /// Configuration file [default: found in this folder or above]
     #[arg(long, value_name = "FILE", conflicts_with = "package")]
     config: Option<PathBuf>,
     #[command(flatten)]
     package: Option<PackageArgs>,
-    /// Folder for the output.
+    /// Folder for the output
     #[arg(long, value_name = "DIR", requires = "package")]
     out: Option<PathBuf>,
-    /// What to generate.
+    /// Outputs to generate
     #[arg(long, value_name = "KIND", value_delimiter = ',', requires = "package", value_parser = emitters(),
         default_values = ["rust", "json_schema", "docs"])]
     emit: Vec<&'static Emitter>,
@@ -59,7 +59,7 @@ fn after_help() -> String {
     let mut text = EXAMPLES.to_owned();
     for emitter in EMITTERS {
         for (key, meaning) in emitter.options {
-            let _ = write!(text, "\n  {:24} {meaning}", format!("{}.{key}", emitter.name));
+            let _ = write!(text, "\n  {}.{key}\n      {meaning}", emitter.name);
         }
     }
     text
@@ -71,7 +71,7 @@ pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
         Some(package) => {
             let Some(out) = &args.out else {
                 return Err(
-                    Failure::new("--package needs --out DIR").with_hint("name a folder for the output")
+                    Failure::new("--package requires --out DIR").with_hint("name a folder for the output")
                 );
             };
             package.plan(out, &args.emit)

@@ -1,4 +1,4 @@
-//! `fmt`: definitions and pages in their one layout.
+//! The `fmt` command, which formats definitions and pages.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -21,13 +21,14 @@ use crate::source::{SourceId, SourceMap};
 /// Arguments of `fmt`.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
-  cargo xtask fmt                 lay out all files that uavspec.toml names
-  cargo xtask fmt --check         write nothing; print a patch, and fail if there is one
+  cargo xtask fmt            format all files that uavspec.toml lists
+  cargo xtask fmt --check    print a patch instead; fail if it is not empty
   cargo xtask fmt --package px4 --dialect px4 --input msg srv/Arm.srv
 
-White space changes, the order and spelling of annotations, and the columns of error-code tables; never what a definition says. A file with mistakes is left as it is.")]
+Formatting changes white space, the order and spelling of annotations, and the columns of tables. It never changes \
+the meaning of a definition. A file with errors stays unchanged.")]
 pub struct FmtArgs {
-    /// Write nothing; print what differs and fail if anything does.
+    /// Print a patch instead of writing, and fail if it is not empty
     #[arg(long)]
     check: bool,
     #[command(flatten)]
@@ -38,21 +39,21 @@ pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
     let started = Instant::now();
     let plan = args.definitions.plan()?;
     let (changes, loaded) = changes(&plan)?;
-    report("fmt", &loaded, &loaded.diagnostics, "left as they are");
+    report("fmt", &loaded, &loaded.diagnostics, "these files stay unchanged");
     let result = if args.check {
         print(&changes);
         let advice = if changes.is_empty() { "" } else { "; run `cargo xtask fmt`" };
-        format!("{} to be laid out anew{advice}", changes.len())
+        format!("{} unformatted{advice}", changes.len())
     } else {
         rewrite::write(&changes)?;
-        format!("{} laid out anew", changes.len())
+        format!("{} formatted", changes.len())
     };
     let read = plural(loaded.files.len(), "file");
     anstream::eprintln!("fmt: {read} read, {result} ({} ms)", started.elapsed().as_millis());
     Ok(loaded.diagnostics.is_empty() && (changes.is_empty() || !args.check))
 }
 
-/// What the layout of the files would change. Of files with mistakes, what is loaded has the diagnostics.
+/// Formats the files in memory. The diagnostics of files with errors are added to the loaded files.
 fn changes(plan: &Plan) -> Result<(Vec<Change>, Loaded), Failure> {
     let mut loaded = load::load_named(plan)?;
     let mut changes = Vec::new();
@@ -61,7 +62,7 @@ fn changes(plan: &Plan) -> Result<(Vec<Change>, Loaded), Failure> {
         for id in &package.sources {
             let Some(path) = loaded.paths.get(id) else { continue };
             let shown = loaded.sources.path(*id);
-            // Behind a link stands the file that is meant, perhaps for a second time.
+            // A linked file is formatted once, even if several links lead to it.
             let path = fs::canonicalize(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
             if !seen.insert(path.clone()) {
                 continue;
@@ -78,17 +79,17 @@ fn changes(plan: &Plan) -> Result<(Vec<Change>, Loaded), Failure> {
 fn change(sources: &SourceMap, id: SourceId, path: PathBuf, formatted: Formatted) -> Option<Change> {
     let (shown, old) = (sources.path(id).to_owned(), sources.text(id).to_owned());
     if formatted.is_kept {
-        anstream::eprintln!("fmt: {shown} is kept as it is: laid out it would say something else");
+        anstream::eprintln!("fmt: {shown} stays unchanged, because formatting would change its meaning");
     }
     (formatted.text != old).then_some(Change { path, shown, old, new: formatted.text })
 }
 
-/// Prints the differences as one patch.
+/// Prints the differences as a patch.
 fn print(changes: &[Change]) {
     let mut stdout = io::stdout().lock();
     for Change { shown, old, new, .. } in changes {
         let difference = TextDiff::from_lines(old.as_str(), new.as_str());
-        // A reader that has seen enough closes the pipe: that is no failure.
+        // A reader that closes the pipe early is not an error.
         let _ = write!(stdout, "{}", difference.unified_diff().header(shown, shown));
     }
 }

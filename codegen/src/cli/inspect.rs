@@ -1,4 +1,4 @@
-//! `inspect`: prints the model.
+//! The `inspect` command, which prints the model.
 
 use std::io::Write as _;
 
@@ -14,7 +14,7 @@ use crate::load::read;
 /// Arguments of `inspect`.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
-  cargo xtask inspect                 the model of what uavspec.toml names
+  cargo xtask inspect        print the definitions that uavspec.toml lists
   cargo xtask inspect --package px4 --dialect px4 --input msg/BatteryStatus.msg")]
 pub struct InspectArgs {
     #[command(flatten)]
@@ -31,7 +31,7 @@ pub(super) fn run(args: &InspectArgs) -> Result<bool, Failure> {
     let mut text = serde_json::to_string_pretty(&emit::inspect::schema(&schema))
         .map_err(|error| Failure::new(error.to_string()))?;
     text.push('\n');
-    // A reader that has seen enough closes the pipe: that is no failure.
+    // A reader that closes the pipe early is not an error.
     let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(true)
 }

@@ -1,4 +1,4 @@
-//! `lint`: what should be written otherwise.
+//! The `lint` command, which checks and fixes the style of definitions.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -19,30 +19,30 @@ use crate::report::RuleInfo;
 use crate::rewrite::{self, Change};
 use crate::source::SourceId;
 
-/// How often mending is tried again: a fix may leave room for the next.
+/// The maximum number of passes of `--fix`: a fix may enable another one.
 const MAX_PASSES: usize = 10;
 
 /// Arguments of `lint`.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
-  cargo xtask lint                        look at all that uavspec.toml names
+  cargo xtask lint           check all files that uavspec.toml lists
   cargo xtask lint --preset strict --deny note
-  cargo xtask lint --fix                  mend what can be mended without a doubt
-  cargo xtask lint --package px4 --dialect px4 --input msg --format sarif > lint.sarif
+  cargo xtask lint --fix     apply all automatic fixes
+  cargo xtask lint --package px4 --dialect px4 --input msg --format sarif
 
-Exit status: 0 nothing of level error (or of the level that --deny names), 1 some, 2 it can't be carried out.")]
+Exit status: 0 no findings at the --deny level or above, 1 findings, 2 failure.")]
 pub struct LintArgs {
     #[command(flatten)]
     definitions: DefinitionsArgs,
-    /// The set of rules, instead of that in uavspec.toml; px4, where none is chosen.
+    /// Set of rules [default: that of uavspec.toml, otherwise px4]
     #[arg(long)]
     preset: Option<PresetName>,
-    /// Mend all that can be mended without a doubt, and report what is left.
+    /// Apply all automatic fixes, and report the remaining findings
     #[arg(long)]
     fix: bool,
     #[command(flatten)]
     report: ReportArgs,
-    /// List all rules with their levels, and look at nothing.
+    /// List all rules with their levels, and check nothing
     #[arg(long)]
     rules: bool,
 }
@@ -55,12 +55,12 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
     let started = Instant::now();
     let plan = args.definitions.plan()?;
     let mut loaded = load::load_with_catalogues(&plan)?;
-    let mut findings = judge(&plan, &loaded, args.preset);
-    let mended = if args.fix { mend(&plan, &mut loaded, &mut findings, args.preset)? } else { 0 };
-    let fixes = match (mended, findings.iter().filter(|finding| !finding.fix.is_empty()).count()) {
+    let mut findings = check(&plan, &loaded, args.preset);
+    let fixed = if args.fix { fix(&plan, &mut loaded, &mut findings, args.preset)? } else { 0 };
+    let fixes = match (fixed, findings.iter().filter(|finding| !finding.fix.is_empty()).count()) {
         (0, 0) => String::new(),
-        (0, count) => format!("; `--fix` mends {count}"),
-        (count, _) => format!("; {count} mended"),
+        (0, count) => format!("; run with `--fix` to fix {count}"),
+        (count, _) => format!("; {count} fixed"),
     };
     let settings = settings(&plan, &loaded, args.preset);
     let rules = RULES.iter().filter_map(|rule| {
@@ -99,14 +99,14 @@ fn settings(plan: &Plan, loaded: &Loaded, preset: Option<PresetName>) -> Setting
     }
 }
 
-fn judge(plan: &Plan, loaded: &Loaded, preset: Option<PresetName>) -> Vec<Finding> {
+fn check(plan: &Plan, loaded: &Loaded, preset: Option<PresetName>) -> Vec<Finding> {
     let mut findings: Vec<Finding> = loaded.diagnostics.iter().map(Finding::from).collect();
     let settings = settings(plan, loaded, preset);
     findings.extend(lint(&loaded.sources, &loaded.packages, &loaded.catalogues, &settings));
     findings
 }
 
-/// How many findings of each level there are.
+/// The number of findings of each level.
 fn summary(findings: &[Finding]) -> String {
     let count = |level| findings.iter().filter(|finding| finding.level == level).count();
     let counts: Vec<String> = Level::ALL
@@ -115,20 +115,20 @@ fn summary(findings: &[Finding]) -> String {
         .filter(|level| count(*level) > 0)
         .map(|level| plural(count(level), level.name()))
         .collect();
-    if counts.is_empty() { "nothing found".to_owned() } else { counts.join(", ") }
+    if counts.is_empty() { "no findings".to_owned() } else { counts.join(", ") }
 }
 
-/// Mends all that can be, until nothing is left, and writes the files that changed. How many findings it was.
-fn mend(
+/// Applies all automatic fixes until none is left, and writes the changed files. Returns the number of fixes.
+fn fix(
     plan: &Plan,
     loaded: &mut Loaded,
     findings: &mut Vec<Finding>,
     preset: Option<PresetName>,
 ) -> Result<usize, Failure> {
     let mut texts: BTreeMap<SourceId, String> = BTreeMap::new();
-    let mut mended = 0;
+    let mut fixed = 0;
     for _ in 0..MAX_PASSES {
-        // The configuration file is left to its owner.
+        // The configuration file is never changed.
         for finding in findings.iter_mut() {
             if !loaded.paths.contains_key(&loaded.sources.source_of(finding.span)) {
                 finding.fix.clear();
@@ -138,21 +138,21 @@ fn mend(
         if new.is_empty() {
             break;
         }
-        mended += findings.iter().filter(|finding| !finding.fix.is_empty()).count();
+        fixed += findings.iter().filter(|finding| !finding.fix.is_empty()).count();
         loaded.sources = loaded.sources.with_texts(&new);
         texts.extend(new);
-        *findings = judge(plan, loaded, preset);
+        *findings = check(plan, loaded, preset);
     }
     let mut changes = Vec::new();
     for (source, new) in texts {
         let Some(path) = loaded.paths.get(&source) else { continue };
         let shown = loaded.sources.path(source).to_owned();
         let unreadable = |error: std::io::Error| Failure::new(format!("{shown}: {error}"));
-        // Behind a link stands the file that is meant.
+        // Write to the file that a link leads to.
         let path = fs::canonicalize(path).map_err(unreadable)?;
         let old = fs::read_to_string(&path).map_err(unreadable)?;
         changes.push(Change { path, shown, old, new });
     }
     rewrite::write(&changes)?;
-    Ok(mended)
+    Ok(fixed)
 }

@@ -1,4 +1,4 @@
-//! Texts on standard error.
+//! Output to standard error.
 
 use std::io::Write as _;
 
@@ -6,8 +6,8 @@ use crate::diagnostic::{Diagnostic, Level};
 use crate::load::Loaded;
 use crate::render;
 
-/// Prints a text to standard error, with colours where they are shown. A stream that takes them out would
-/// write each stretch between two of them by itself, which takes as long as all the rest.
+/// Prints a text to standard error, with colours if enabled. Stripping colours from the stream would write each piece
+/// separately, which doubles the time.
 pub(super) fn print_rendered(render: impl FnOnce(bool) -> String) {
     let is_plain = anstream::AutoStream::choice(&std::io::stderr()) == anstream::ColorChoice::Never;
     let _ = if is_plain {
@@ -17,7 +17,7 @@ pub(super) fn print_rendered(render: impl FnOnce(bool) -> String) {
     };
 }
 
-/// Prints all diagnostics, and how many there are.
+/// Prints all diagnostics and their number.
 pub(super) fn report(command: &str, loaded: &Loaded, diagnostics: &[Diagnostic], consequence: &str) {
     if diagnostics.is_empty() {
         return;

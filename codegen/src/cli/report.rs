@@ -1,4 +1,4 @@
-//! Findings to the terminal, or to another program.
+//! Output of findings, to the terminal or to another program.
 
 use std::io::{self, Write as _};
 
@@ -11,24 +11,24 @@ use crate::render;
 use crate::report::{Entry, Format, Report, RuleInfo};
 use crate::source::SourceMap;
 
-/// How to report, and what makes a command fail.
+/// The report format and the level that makes a command fail.
 #[derive(Args, Clone, Copy, Debug)]
 pub(super) struct ReportArgs {
-    /// The least level that makes the command fail.
+    /// Fail if a finding has this level or a more severe one
     #[arg(long, value_name = "LEVEL", default_value = "error")]
     deny: Denied,
-    /// How to report: text goes to standard error, all else to standard output.
+    /// Report format; text goes to standard error, the others to standard output
     #[arg(long, default_value = "text")]
     format: FormatName,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Denied {
-    /// Anything.
+    /// All findings
     Note,
-    /// Warnings and errors.
+    /// Warnings and errors
     Warning,
-    /// Errors.
+    /// Errors only
     Error,
 }
 
@@ -45,20 +45,20 @@ impl Denied {
 /// A format of reports.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum FormatName {
-    /// For people: each finding with its line.
+    /// Each finding with its line, for people
     Text,
-    /// A JSON list.
+    /// A JSON list
     Json,
-    /// Annotations of a workflow on GitHub.
+    /// Annotations of a GitHub workflow
     Github,
-    /// SARIF 2.1.0, for code scanning.
+    /// SARIF 2.1.0, for code scanning
     Sarif,
-    /// Results of tests as XML, for CI systems that show them.
+    /// JUnit XML, for CI systems
     Junit,
 }
 
 impl FormatName {
-    /// The format of the report; none for people.
+    /// The machine-readable format, or `None` for text.
     fn format(self) -> Option<Format> {
         match self {
             Self::Text => None,
@@ -71,7 +71,7 @@ impl FormatName {
 }
 
 impl ReportArgs {
-    /// Prints findings of `command`, whose `rules` were applied; whether none is denied.
+    /// Prints the findings of `command`, which applied `rules`. Returns true if the command succeeds.
     pub(super) fn show(
         self,
         command: &'static str,
@@ -84,7 +84,7 @@ impl ReportArgs {
             Some(format) => {
                 let entries = findings.iter().map(|finding| Entry::of(finding, sources)).collect();
                 let text = Report { command, rules, entries }.to_text(format);
-                // A reader that has seen enough closes the pipe: that is no failure.
+                // A reader that closes the pipe early is not an error.
                 let _ = io::stdout().write_all(text.as_bytes());
             }
         }

@@ -1,4 +1,4 @@
-//! `translate`: catalogues of translations, brought up to date with the definitions.
+//! The `translate` command, which updates translation catalogues.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -24,27 +24,27 @@ use crate::translation::{self, SOURCE_LANGUAGE, Text, is_tag, new_catalogue, upd
 /// Arguments of `translate`.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
-  cargo xtask translate                   bring all catalogues up to date with the definitions
-  cargo xtask translate --check           write nothing; fail where one is not
-  cargo xtask translate uk                begin to translate everything into Ukrainian
+  cargo xtask translate              update all catalogues
+  cargo xtask translate --check      write nothing; fail if outdated
+  cargo xtask translate uk           create a Ukrainian catalogue
   cargo xtask translate uk --select px4/FailsafeFlags,flockwave/error-codes
 
-A catalogue is a file of gettext's PO form, which is called after its language; uavspec.toml names them under
-`translations.include`. What has no translation yet gets an entry with an empty one. Where the text has changed, the entry
-is marked as fuzzy and keeps the text that was translated. What is gone from the definitions is kept as obsolete.")]
+A catalogue is a gettext PO file, named after its language. The key `translations.include` of uavspec.toml lists the \
+catalogues. Untranslated texts get an empty entry. If a text has changed, its entry is marked as fuzzy and keeps the \
+previous text. Entries of removed texts become obsolete.")]
 pub struct TranslateArgs {
-    /// The language of a catalogue as BCP 47 writes it, which is begun where there is none; all that there are, where
-    /// absent.
+    /// Languages to update or create, as BCP 47 tags [default: all catalogues]
     #[arg(value_name = "LANGUAGE")]
     languages: Vec<String>,
-    /// What is to be translated, beside what has been begun: messages, services (`harbour/Tow.srv`), actions, the error
-    /// codes of a package (`flockwave/error-codes`), or whole packages. Of a catalogue that is begun all, where absent.
+    /// Texts to add, such as px4/FailsafeFlags, flockwave/error-codes or px4
+    ///
+    /// A new catalogue contains all texts by default.
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     select: Vec<String>,
-    /// Write nothing; list what is not up to date and fail if anything is not.
+    /// Write nothing; list outdated catalogues and fail if there are any
     #[arg(long)]
     check: bool,
-    /// The configuration file, where it is not found by itself.
+    /// Configuration file [default: found in this folder or above]
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
 }
@@ -53,7 +53,7 @@ pub(super) fn run(args: &TranslateArgs) -> Result<bool, Failure> {
     let started = Instant::now();
     let plan = Config::find(args.config.as_deref())?.plan()?;
     let (loaded, schema, _, mut diagnostics) = read_translated(&plan)?;
-    // Whatever else there is to be said of catalogues is what this command is for.
+    // This command updates catalogues, so warnings about them are not reported.
     diagnostics.retain(|diagnostic| diagnostic.level() == Level::Error);
     report("translate", &loaded, &diagnostics, "nothing written");
     if !diagnostics.is_empty() {
@@ -78,17 +78,17 @@ pub(super) fn run(args: &TranslateArgs) -> Result<bool, Failure> {
     Ok(is_fine)
 }
 
-/// A catalogue, and what becomes of it.
+/// A catalogue before and after the update.
 struct Outcome {
     path: PathBuf,
     shown: String,
-    /// What the file holds, as text and as entries; none, where it isn't there yet.
+    /// The text and the entries of the file, or `None` for a new catalogue.
     old: Option<(String, Catalogue)>,
     new: Catalogue,
 }
 
 impl Outcome {
-    /// Whether the entries differ: lines that a tool has broken otherwise are let stand.
+    /// True if the entries differ. Different line breaks are not a change.
     fn is_changed(&self) -> bool {
         self.old.as_ref().is_none_or(|(_, old)| *old != self.new)
     }
@@ -101,8 +101,8 @@ impl Outcome {
         let all = active().count();
         let state = match (self.is_changed(), is_check) {
             (false, _) => "up to date",
-            (true, true) => "not up to date",
-            (true, false) => "brought up to date",
+            (true, true) => "outdated",
+            (true, false) => "updated",
         };
         let counts = [
             (all - untranslated - fuzzy, "translated"),
@@ -143,10 +143,10 @@ fn outcomes(
             old: Some((sources.text(*id).to_owned(), catalogue)),
         });
     }
-    let is_there =
+    let exists =
         |tag: &str| loaded.catalogues.iter().any(|id| stem(sources.path(*id)).eq_ignore_ascii_case(tag));
     for tag in args.languages.iter().collect::<BTreeSet<_>>() {
-        if !is_there(tag) {
+        if !exists(tag) {
             let all = || texts.iter().map(|text| text.unit.clone()).collect();
             let select = if args.select.is_empty() { all() } else { select.clone() };
             let path = path_of(tag, plan)?;
@@ -160,73 +160,74 @@ fn outcomes(
         }
     }
     if outcomes.is_empty() {
-        return Err(Failure::new("there is no catalogue yet")
-            .with_hint("name a language to begin one: `cargo xtask translate uk`"));
+        return Err(Failure::new("no catalogue exists")
+            .with_hint("give a language to create one: `cargo xtask translate uk`"));
     }
     Ok(outcomes)
 }
 
-/// What `--select` names: units, and all units of packages.
+/// The units that `--select` names, including all units of packages.
 fn selected(names: &[String], texts: &[Text<'_>]) -> Result<BTreeSet<String>, Failure> {
     let units: BTreeSet<&str> = texts.iter().map(|text| text.unit.as_str()).collect();
     let mut selected = BTreeSet::new();
     for name in names {
-        let is_meant = |unit: &&&str| {
+        let is_selected = |unit: &&&str| {
             *unit == name || unit.strip_prefix(name.as_str()).is_some_and(|rest| rest.starts_with('/'))
         };
-        let mut meant = units.iter().filter(is_meant).map(|unit| (*unit).to_owned()).peekable();
-        if meant.peek().is_none() {
-            // Names are short, and comparing takes the product of the lengths.
+        let mut matching = units.iter().filter(is_selected).map(|unit| (*unit).to_owned()).peekable();
+        if matching.peek().is_none() {
+            // The cost of the comparison is the product of the lengths, so names are limited.
             let close = units
                 .iter()
                 .map(|unit| (strsim::damerau_levenshtein(unit, name), unit))
                 .filter(|(distance, unit)| name.len() < 100 && *distance <= 1 + unit.len() / 5)
                 .min();
             let hint = close.map_or_else(
-                || "name a message as `px4/FailsafeFlags`, error codes as `flockwave/error-codes`, or a package".to_owned(),
+                || "write for example `px4/FailsafeFlags`, `flockwave/error-codes` or `px4`".to_owned(),
                 |(_, unit)| format!("did you mean `{unit}`?"),
             );
-            return Err(Failure::new(format!("`{name}` names nothing that has texts")).with_hint(hint));
+            return Err(Failure::new(format!("`{name}` does not match any message, error codes or package"))
+                .with_hint(hint));
         }
-        selected.extend(meant);
+        selected.extend(matching);
     }
     Ok(selected)
 }
 
-/// Where a new catalogue belongs: where the first pattern looks for it.
+/// The path of a new catalogue, taken from the first pattern.
 fn path_of(tag: &str, plan: &Plan) -> Result<PathBuf, Failure> {
     if !is_tag(tag) || tag == SOURCE_LANGUAGE {
-        return Err(Failure::new(format!("`{tag}` is no tag of another language"))
-            .with_hint("write it as BCP 47 does: `uk`, `pt-BR`; definitions are in English"));
+        return Err(Failure::new(format!("`{tag}` is not the tag of another language than English"))
+            .with_hint("write a BCP 47 tag such as `uk` or `pt-BR`; definitions are in English"));
     }
     let (folder, patterns) = &plan.catalogues;
     let Some(pattern) = patterns.first() else {
-        return Err(Failure::new("uavspec.toml doesn't say where catalogues are")
+        return Err(Failure::new("uavspec.toml has no `translations.include`")
             .with_hint("add `[translations]` with `include = [\"i18n/*.po\"]`"));
     };
     let (base, rest) = literal_base(pattern);
     if !matches!(rest.as_str(), "*.po" | "**/*.po") {
         return Err(Failure::new(format!(
-            "the pattern `{pattern}` doesn't say where a catalogue for `{tag}` belongs"
+            "cannot derive the path of the catalogue for `{tag}` from the pattern `{pattern}`"
         ))
-        .with_hint("write a pattern such as \"i18n/*.po\" first"));
+        .with_hint("make \"i18n/*.po\" or a similar pattern the first one"));
     }
     Ok(normalise(&folder.join(base)).join(format!("{tag}.po")))
 }
 
-/// Writes what has changed: all or nothing of those that are there, then the new ones.
+/// Writes the changed catalogues: the existing ones all or none, then the new ones.
 fn write(outcomes: &[Outcome]) -> Result<(), Failure> {
-    let wanted = || outcomes.iter().filter(|outcome| outcome.is_changed());
+    let changed = || outcomes.iter().filter(|outcome| outcome.is_changed());
     let mut changes = Vec::new();
-    for outcome in wanted() {
+    for outcome in changed() {
         let Some((old, _)) = &outcome.old else { continue };
-        // Behind a link stands the file that is meant.
+        // Write to the file that a link leads to.
         let path = fs::canonicalize(&outcome.path).map_err(|error| unwritable(&outcome.path, &error))?;
         let (shown, old, new) = (outcome.shown.clone(), old.clone(), print(&outcome.new));
         changes.push(Change { path, shown, old, new });
     }
     rewrite::write(&changes)?;
-    for outcome in wanted().filter(|outcome| outcome.old.is_none()) {
+    for outcome in changed().filter(|outcome| outcome.old.is_none()) {
         create(&outcome.path, &print(&outcome.new)).map_err(|error| unwritable(&outcome.path, &error))?;
     }
     Ok(())
@@ -234,11 +235,11 @@ fn write(outcomes: &[Outcome]) -> Result<(), Failure> {
 
 fn create(path: &Path, text: &str) -> io::Result<()> {
     fs::create_dir_all(path.parent().unwrap_or(Path::new("")))?;
-    // What is there already is nothing that was read.
+    // Don't overwrite a file that was not read.
     File::create_new(path)?.write_all(text.as_bytes())
 }
 
 fn unwritable(path: &Path, error: &io::Error) -> Failure {
     Failure::new(format!("{}: {error}", path.display()))
-        .with_hint("check that the folder can be written, and that no other file is there")
+        .with_hint("check that the folder is writable and contains no other file of this name")
 }

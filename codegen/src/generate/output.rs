@@ -1,8 +1,8 @@
-//! Writing output: only what changed, all or nothing, and nothing but what an earlier run wrote is
-//! ever replaced or removed.
+//! Writes output. Only changed files are written, either all or none, and only files of an earlier run are replaced or
+//! removed.
 //!
-//! A manifest in each output folder lists the files of the last run. A file that it doesn't list and
-//! that doesn't say itself that it is generated belongs to the user, and stands in the way.
+//! A manifest in each output folder lists the files of the last run. Other files belong to the user unless they contain
+//! the generator's mark, and are an error if an output has the same path.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -10,24 +10,24 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf};
 
-use super::parallel::side_by_side;
+use super::parallel::in_parallel;
 use crate::emit::{GENERATED_BY, OutputFile};
 use crate::failure::Failure;
 
-/// The list of generated files, beside them.
+/// The name of the manifest in each output folder.
 const MANIFEST: &str = ".uavspec-manifest";
 
-/// How far into a file the generator's mark is looked for, in bytes.
+/// The number of bytes at the start of a file that are searched for the generator's mark.
 const MARK_WITHIN: usize = 1_000;
 
-/// An output folder and what belongs into it.
+/// An output folder and its generated files.
 #[derive(Debug)]
 pub(crate) struct Folder {
     pub(crate) path: PathBuf,
     pub(crate) files: Vec<OutputFile>,
 }
 
-/// A file that is not as it should be.
+/// An outdated file.
 #[derive(Debug)]
 pub(crate) enum Difference {
     Missing(PathBuf),
@@ -53,10 +53,10 @@ impl fmt::Display for Difference {
     }
 }
 
-/// What a run would do to a folder.
+/// The changes of a run to a folder.
 struct Changes<'f> {
     folder: &'f Path,
-    /// Files to be written, the manifest last.
+    /// The files to write, and true for existing files.
     write: Vec<(PathBuf, &'f str, bool)>,
     remove: Vec<PathBuf>,
     manifest: String,
@@ -69,21 +69,21 @@ impl Changes<'_> {
     }
 }
 
-/// Lists what differs between the folders and what belongs into them.
+/// Lists the differences between the folders on disk and the generated files.
 pub(crate) fn compare(folders: &[Folder]) -> Result<Vec<Difference>, Failure> {
     let changes = changes_of_all(folders)?;
     Ok(differences(&changes))
 }
 
-/// Makes the folders hold what belongs into them, and lists what was different.
+/// Writes the generated files, and lists the differences.
 pub(crate) fn write(folders: &[Folder]) -> Result<Vec<Difference>, Failure> {
     let changes = changes_of_all(folders)?;
-    // All is staged before anything is put in place, so that a full disk leaves all as it was.
+    // All files are staged first, so nothing changes if the disk is full.
     let stale: Vec<&Changes<'_>> = changes.iter().filter(|change| change.is_any()).collect();
     let staged =
-        side_by_side(&stale, |change| stage(change).map_err(|error| unwritable(change.folder, &error)))?;
+        in_parallel(&stale, |change| stage(change).map_err(|error| unwritable(change.folder, &error)))?;
     let staged: Vec<_> = stale.into_iter().zip(staged).collect();
-    side_by_side(&staged, |(change, stage)| {
+    in_parallel(&staged, |(change, stage)| {
         commit(change, stage.path()).map_err(|error| unwritable(change.folder, &error))
     })?;
     Ok(differences(&changes))
@@ -108,17 +108,17 @@ fn changes_of_all(folders: &[Folder]) -> Result<Vec<Changes<'_>>, Failure> {
     for (index, folder) in folders.iter().enumerate() {
         if folders[..index].iter().any(|other| other.path == folder.path) {
             let message = format!("two outputs share the folder {}", folder.path.display());
-            return Err(Failure::new(message).with_hint("give each output a folder of its own"));
+            return Err(Failure::new(message).with_hint("give each output a separate folder"));
         }
     }
-    side_by_side(folders, changes_of)
+    in_parallel(folders, changes_of)
 }
 
 fn changes_of(folder: &Folder) -> Result<Changes<'_>, Failure> {
     let path = &folder.path;
     if path.exists() && !path.is_dir() {
         return Err(Failure::new(format!("{} is not a folder", path.display()))
-            .with_hint("name a folder for the output"));
+            .with_hint("choose a folder for the output"));
     }
     let (owned, listed) = read_manifest(path)?;
     let mut paths: Vec<&str> = folder.files.iter().map(|file| file.path.as_str()).collect();
@@ -128,7 +128,7 @@ fn changes_of(folder: &Folder) -> Result<Changes<'_>, Failure> {
     for file in &folder.files {
         let relative = PathBuf::from(&file.path);
         let full = path.join(&relative);
-        refuse_links(path, &relative)?;
+        reject_links(path, &relative)?;
         match fs::read(&full) {
             Ok(bytes) if bytes == file.text.as_bytes() => {}
             Ok(bytes) if owned.contains(&relative) || is_marked(&bytes) => {
@@ -146,10 +146,10 @@ fn changes_of(folder: &Folder) -> Result<Changes<'_>, Failure> {
             Err(error) => return Err(unwritable(&full, &error)),
         }
     }
-    let wanted: BTreeSet<PathBuf> = folder.files.iter().map(|file| PathBuf::from(&file.path)).collect();
+    let generated: BTreeSet<PathBuf> = folder.files.iter().map(|file| PathBuf::from(&file.path)).collect();
     let mut remove = Vec::new();
-    for orphan in owned.into_iter().filter(|path| !wanted.contains(path)) {
-        refuse_links(path, &orphan)?;
+    for orphan in owned.into_iter().filter(|path| !generated.contains(path)) {
+        reject_links(path, &orphan)?;
         if path.join(&orphan).is_file() {
             remove.push(orphan);
         }
@@ -163,8 +163,8 @@ fn changes_of(folder: &Folder) -> Result<Changes<'_>, Failure> {
     })
 }
 
-/// The files that an earlier run wrote, and the manifest as it is. Lines that lead out of the folder
-/// were not written by a run, and are not followed.
+/// The files that an earlier run wrote, and the text of the manifest. Ignores paths outside the folder, which no run
+/// can have written.
 fn read_manifest(folder: &Path) -> Result<(BTreeSet<PathBuf>, Option<String>), Failure> {
     let path = folder.join(MANIFEST);
     let text = match fs::read_to_string(&path) {
@@ -177,26 +177,26 @@ fn read_manifest(folder: &Path) -> Result<(BTreeSet<PathBuf>, Option<String>), F
     Ok((lines.filter(|path| is_inside(path)).collect(), Some(text)))
 }
 
-/// Whether a file says of itself that it is generated.
+/// True if a file contains the generator's mark.
 fn is_marked(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(MARK_WITHIN)];
     head.windows(GENERATED_BY.len()).any(|window| window == GENERATED_BY.as_bytes())
 }
 
-/// A folder inside the output that is a link would lead out of it.
-fn refuse_links(folder: &Path, relative: &Path) -> Result<(), Failure> {
+/// Fails if a folder of the output is a symbolic link, which would lead outside.
+fn reject_links(folder: &Path, relative: &Path) -> Result<(), Failure> {
     let mut at = folder.to_path_buf();
     for part in relative.parent().into_iter().flat_map(Path::components) {
         at.push(part);
         if at.is_symlink() {
-            let message = format!("{} is a link that leads out of the output folder", at.display());
-            return Err(Failure::new(message).with_hint("put a folder in its place"));
+            let message = format!("{} is a symbolic link out of the output folder", at.display());
+            return Err(Failure::new(message).with_hint("replace it with a folder"));
         }
     }
     Ok(())
 }
 
-/// Writes everything to a temporary folder inside the output folder, from where it need only be renamed.
+/// Writes all files to a temporary folder inside the output folder, so that only renames remain.
 fn stage(change: &Changes<'_>) -> io::Result<tempfile::TempDir> {
     fs::create_dir_all(change.folder)?;
     let stage = tempfile::Builder::new().prefix(".uavspec-").tempdir_in(change.folder)?;
@@ -217,7 +217,7 @@ fn commit(change: &Changes<'_>, stage: &Path) -> io::Result<()> {
     }
     for path in &change.remove {
         fs::remove_file(change.folder.join(path))?;
-        // Folders that are empty now go too; one that isn't says so by failing.
+        // Remove folders that are now empty; removal fails for others.
         for parent in path.ancestors().skip(1).take_while(|parent| !parent.as_os_str().is_empty()) {
             if fs::remove_dir(change.folder.join(parent)).is_err() {
                 break;
@@ -229,5 +229,5 @@ fn commit(change: &Changes<'_>, stage: &Path) -> io::Result<()> {
 
 fn unwritable(path: &Path, error: &io::Error) -> Failure {
     Failure::new(format!("{}: {error}", path.display()))
-        .with_hint("nothing was put in place; check that the folder can be written")
+        .with_hint("no output was changed; check that the folder is writable")
 }

@@ -1,18 +1,18 @@
-//! Work on several threads.
+//! Parallel execution.
 
 use std::thread;
 
 use crate::failure::Failure;
 
-/// Does the same for each of `items` at once, and gives the results in their order.
-pub(super) fn side_by_side<'i, T: Sync, R: Send>(
+/// Calls `work` for each of `items` in a separate thread, and returns the results in order.
+pub(super) fn in_parallel<'i, T: Sync, R: Send>(
     items: &'i [T],
     work: impl Fn(&'i T) -> Result<R, Failure> + Sync,
 ) -> Result<Vec<R>, Failure> {
     thread::scope(|scope| {
         let work = &work;
         let threads: Vec<_> = items.iter().map(|item| scope.spawn(move || work(item))).collect();
-        // A panic in a thread is a defect here, and goes on in the caller.
+        // A panic in a thread is a bug; propagate it.
         let join = |thread: thread::ScopedJoinHandle<'_, _>| {
             thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         };

@@ -35,20 +35,20 @@ pub(super) const RULE: Rule = Rule {
 const MAX_TEXT_LEN: usize = 2_000;
 
 fn fix(diagnostic: &Diagnostic, sources: &SourceMap) -> Vec<Edit> {
-    let Problem::AnnotationAfterText { meant, head: Some(head), .. } = &diagnostic.problem else {
+    let Problem::AnnotationAfterText { expected, head: Some(head), .. } = &diagnostic.problem else {
         return Vec::new();
     };
     let place = diagnostic.span;
     let before = Span { start: head.start, end: place.start };
     let end = sources.span(sources.source_of(place)).end;
-    if !is_bracketed(meant)
+    if !is_bracketed(expected)
         || !can_close(sources.slice(before), sources.slice(Span { start: place.end, end }))
     {
         return Vec::new();
     }
     let text = sources.slice(before);
     let kept = text.trim_end().len();
-    let annotation = Edit { span: *head, text: format!("{meant} ") };
+    let annotation = Edit { span: *head, text: format!("{expected} ") };
     vec![annotation, Edit { span: before.part(kept..kept).to(place), text: String::new() }]
 }
 

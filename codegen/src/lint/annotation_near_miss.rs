@@ -28,8 +28,8 @@ pub(super) const RULE: Rule = Rule {
 
 fn fix(diagnostic: &Diagnostic, _: &SourceMap) -> Vec<Edit> {
     match &diagnostic.problem {
-        Problem::AnnotationNearMiss { meant, .. } if is_bracketed(meant) => {
-            vec![Edit { span: diagnostic.span, text: meant.clone() }]
+        Problem::AnnotationNearMiss { expected, .. } if is_bracketed(expected) => {
+            vec![Edit { span: diagnostic.span, text: expected.clone() }]
         }
         _ => Vec::new(),
     }

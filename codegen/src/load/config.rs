@@ -1,4 +1,4 @@
-//! What to read and what to write: from `uavspec.toml`, or from the command line.
+//! Inputs and outputs, from `uavspec.toml` or the command line.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -8,21 +8,21 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::lint::{Lint, PlannedLint};
-use super::mistake::misplaced;
+use super::located::failure_at;
 use crate::emit::{self, EMITTERS, Emitter, Others, Output, emitter};
 use crate::failure::Failure;
 use crate::path::normalise;
 use crate::schema::Form;
 
-/// Names of the file, in the order in which they are looked for in a folder.
+/// Names of the file, in search order.
 const FILE_NAMES: [&str; 2] = ["uavspec.toml", "definitions/uavspec.toml"];
 
-/// A `uavspec.toml` that has been read.
+/// A parsed `uavspec.toml`.
 #[derive(Debug)]
 pub(crate) struct Config {
-    /// Its folder: paths in it are relative to this.
+    /// The folder of the file; paths in the file are relative to it.
     folder: PathBuf,
-    /// Its own path, as it is shown.
+    /// The displayed path of the file.
     path: String,
     text: String,
     file: File,
@@ -41,7 +41,7 @@ struct File {
     translations: Translations,
 }
 
-/// Catalogues of translations.
+/// Translation catalogues.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Translations {
@@ -70,48 +70,48 @@ enum DialectName {
     Table,
 }
 
-/// What to read, and what to write where.
+/// The packages to read and the outputs to write.
 #[derive(Debug)]
 pub(crate) struct Plan {
-    /// Folder that the paths of sources are shown relative to; empty for that of the process.
+    /// The folder that displayed paths are relative to; empty for the current folder.
     pub(crate) root: PathBuf,
-    /// Packages.
+    /// The packages.
     pub(crate) packages: Vec<PlannedPackage>,
-    /// Outputs.
+    /// The outputs.
     pub(crate) outputs: Vec<PlannedOutput>,
-    /// The configuration file, which diagnostics may point into: path and text.
+    /// The path and text of the configuration file, to which diagnostics may point.
     pub(crate) config: Option<(String, String)>,
-    /// Rules and what is let stand.
+    /// The configuration of lint rules.
     pub(crate) lint: PlannedLint,
-    /// Patterns of catalogues of translations, and the folder that they are relative to.
+    /// The glob patterns of translation catalogues, and the folder that they are relative to.
     pub(crate) catalogues: (PathBuf, Vec<String>),
-    /// The revision that its sources come from; that of the working tree, where absent.
+    /// The Git revision of the sources; `None` for the working tree.
     pub(crate) revision: Option<String>,
 }
 
-/// A package to be read.
+/// A package to read.
 #[derive(Debug)]
 pub(crate) struct PlannedPackage {
     pub(crate) name: String,
     pub(crate) form: Form,
     pub(crate) inputs: Inputs,
-    /// Wanted messages with their places in the configuration file.
+    /// Selected messages, with their locations in the configuration file.
     pub(crate) select: Option<Vec<(String, Range<usize>)>>,
     pub(crate) ros_package: Option<String>,
     pub(crate) origin: Option<String>,
     pub(crate) revision: Option<String>,
 }
 
-/// Where the sources of a package are.
+/// The location of the definitions of a package.
 #[derive(Debug)]
 pub(crate) enum Inputs {
-    /// Glob patterns below a folder.
+    /// Glob patterns relative to a folder.
     Patterns { folder: PathBuf, patterns: Vec<String> },
-    /// Files, and folders that are searched.
+    /// Files, and folders to search.
     Paths(Vec<PathBuf>),
 }
 
-/// An emitter and its folder.
+/// An emitter and its output folder.
 #[derive(Debug)]
 pub(crate) struct PlannedOutput {
     pub(crate) path: PathBuf,
@@ -119,19 +119,18 @@ pub(crate) struct PlannedOutput {
 }
 
 impl Config {
-    /// Reads `path`, or the file that is found in the current folder or one above it.
+    /// Reads `path`, or the nearest file in the current folder or above.
     pub(crate) fn find(path: Option<&Path>) -> Result<Self, Failure> {
         if let Some(path) = path {
             return Self::read(path);
         }
-        let current =
-            std::env::current_dir().map_err(|error| Failure::new(format!("the current folder: {error}")))?;
+        let current = std::env::current_dir()
+            .map_err(|error| Failure::new(format!("cannot determine the current folder: {error}")))?;
         let candidates = current.ancestors().flat_map(|folder| FILE_NAMES.map(|name| folder.join(name)));
         let found = candidates.into_iter().find(|candidate| candidate.is_file());
         let Some(found) = found else {
-            return Err(Failure::new("no uavspec.toml here or in any folder above").with_hint(
-                "create one, name one with --config, or give --package, --dialect, --input and --out",
-            ));
+            return Err(Failure::new("no uavspec.toml in this folder or any folder above")
+                .with_hint("create one, or use --config or --package, --dialect, --input and --out"));
         };
         Self::read(found.strip_prefix(&current).unwrap_or(&found))
     }
@@ -143,24 +142,24 @@ impl Config {
             std::fs::read_to_string(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
         let file: File = toml::from_str(&text).map_err(|error| unreadable(&shown, &text, &error))?;
         if file.packages.is_empty() {
-            return Err(Failure::new(format!("{shown} names no package"))
-                .with_hint("add a [[package]] with name, dialect and include"));
+            return Err(Failure::new(format!("{shown} has no packages"))
+                .with_hint("add a [[package]] with `name`, `dialect` and `include`"));
         }
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
         Ok(Self { folder, path: shown, text, file })
     }
 
-    /// The file that was read.
+    /// The path of the file.
     pub(crate) fn file(&self) -> &Path {
         Path::new(&self.path)
     }
 
-    /// The file in `folder`, where there is one.
+    /// The file in `folder`, if one exists.
     pub(crate) fn in_folder(folder: &Path) -> Option<PathBuf> {
         FILE_NAMES.iter().map(|name| folder.join(name)).find(|path| path.is_file())
     }
 
-    /// The same for definitions in another folder.
+    /// Applies this configuration to the definitions in another folder.
     pub(crate) fn moved_to(mut self, folder: PathBuf) -> Self {
         self.folder = folder;
         self
@@ -168,7 +167,7 @@ impl Config {
 
     pub(crate) fn plan(self) -> Result<Plan, Failure> {
         let folder = &self.folder;
-        // Definitions in a folder of their own are shown from the folder above: `definitions/px4/…`.
+        // Paths in a folder `definitions` are displayed relative to its parent: `definitions/px4/…`.
         let root = if folder.ends_with("definitions") { folder.join("..") } else { folder.clone() };
         let outputs = outputs(self.file.output, folder)
             .map_err(|(range, message)| unreadable_at(&self.path, &self.text, range, &message))?;
@@ -199,7 +198,7 @@ impl Config {
     }
 }
 
-/// A configuration file that can't be read, shown like any other mistake.
+/// The failure for a configuration file that can't be parsed.
 fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
     match error.span() {
         Some(range) => unreadable_at(path, text, range, error.message()),
@@ -207,12 +206,14 @@ fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
     }
 }
 
-/// Like [`unreadable`], for a mistake at `range`.
+/// Like [`unreadable`], for an error at `range`.
 fn unreadable_at(path: &str, text: &str, range: Range<usize>, message: &str) -> Failure {
-    misplaced(path, text, range, message).with_hint("the guide lists all keys in \"Use it in your build\"")
+    failure_at(path, text, range, message)
+        .with_hint("see the chapter \"Use it in your build\" of the guide for all keys")
 }
 
-/// The outputs of the tables `output.NAME`, in the order of [`EMITTERS`]; else what is wrong, and where.
+/// The outputs of the tables `output.NAME`, in the order of [`EMITTERS`]. Fails with the location and message of an
+/// error.
 fn outputs(
     tables: BTreeMap<Spanned<String>, Spanned<toml::Value>>,
     folder: &Path,
@@ -234,7 +235,7 @@ fn outputs(
 }
 
 impl Plan {
-    /// A plan for one package, without a file.
+    /// A plan for one package, without a configuration file.
     pub(crate) fn from_arguments(
         name: &str,
         form: Form,

@@ -1,4 +1,4 @@
-//! Files to sources: which files belong to a plan, and their texts.
+//! Finds and reads the files of a plan.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -21,35 +21,35 @@ use crate::source::{SourceId, SourceMap, Span};
 /// Extensions of pages with tables.
 const PAGE_EXTENSIONS: [&str; 5] = ["md", "markdown", "adoc", "asciidoc", "txt"];
 
-/// Everything that a plan reads.
+/// The files of a plan, as sources.
 pub(crate) struct Loaded {
     pub(crate) sources: SourceMap,
     pub(crate) packages: Vec<PackageInput>,
-    /// Of sources that can't be read.
+    /// Diagnostics of sources that can't be read.
     pub(crate) diagnostics: Vec<Diagnostic>,
-    /// Every file that was read.
+    /// All files that were read.
     pub(crate) files: Vec<PathBuf>,
     /// The file of each source that could be read.
     pub(crate) paths: BTreeMap<SourceId, PathBuf>,
-    /// Catalogues of translations, where they were asked for.
+    /// Translation catalogues, if requested.
     pub(crate) catalogues: Vec<SourceId>,
-    /// The configuration file, which findings may point into.
+    /// The configuration file, to which findings may point.
     pub(crate) config: Option<Span>,
 }
 
-/// Reads all sources of `plan`, and what ROS 2 packages among them refer to beside them.
+/// Reads all sources of `plan`, and the ROS 2 packages in neighbouring folders that they refer to.
 pub(crate) fn load(plan: &Plan) -> Result<Loaded, Failure> {
-    load_beside(plan, SourceMap::default())
+    load_into(plan, SourceMap::default())
 }
 
-/// Reads all sources of `plan` beside those that are there already.
-pub(crate) fn load_beside(plan: &Plan, sources: SourceMap) -> Result<Loaded, Failure> {
+/// Reads all sources of `plan` into `sources`.
+pub(crate) fn load_into(plan: &Plan, sources: SourceMap) -> Result<Loaded, Failure> {
     let mut loader = loader(plan, sources)?;
     loader.ros_dependencies()?;
     Ok(loader.loaded)
 }
 
-/// Reads all sources of `plan`, and the catalogues of their translations.
+/// Reads all sources of `plan`, and the translation catalogues.
 pub(crate) fn load_with_catalogues(plan: &Plan) -> Result<Loaded, Failure> {
     let mut loader = loader(plan, SourceMap::default())?;
     loader.ros_dependencies()?;
@@ -57,7 +57,7 @@ pub(crate) fn load_with_catalogues(plan: &Plan) -> Result<Loaded, Failure> {
     Ok(loader.loaded)
 }
 
-/// Reads the sources that `plan` names, and nothing that they refer to.
+/// Reads only the sources that `plan` lists, without referenced packages.
 pub(crate) fn load_named(plan: &Plan) -> Result<Loaded, Failure> {
     Ok(loader(plan, SourceMap::default())?.loaded)
 }
@@ -95,7 +95,7 @@ fn loader(plan: &Plan, sources: SourceMap) -> Result<Loader<'_>, Failure> {
 struct Loader<'p> {
     plan: &'p Plan,
     loaded: Loaded,
-    /// The folder of each ROS 2 package, above its `msg`.
+    /// The folder of each ROS 2 package, which contains `msg`.
     folders: BTreeMap<String, PathBuf>,
 }
 
@@ -122,8 +122,8 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// ROS keeps a package's files in `package/msg`. Inputs that span several such packages are told
-    /// apart by their folders; those of a single one are the package that was named.
+    /// Groups files by ROS package. ROS stores a package's files in `package/msg`. If the inputs span several such
+    /// folders, each is a package; otherwise all files belong to the configured package.
     fn by_package(&mut self, package: &PlannedPackage, files: Vec<PathBuf>) -> Vec<(String, Vec<PathBuf>)> {
         if package.form != Form::Msg(Dialect::Ros2) {
             return vec![(package.name.clone(), files)];
@@ -165,7 +165,7 @@ impl Loader<'_> {
         Ok(sources)
     }
 
-    /// Reads the catalogues. There may be none yet.
+    /// Reads the catalogues, if any exist.
     fn catalogues(&mut self) -> Result<(), Failure> {
         let (folder, patterns) = &self.plan.catalogues;
         let mut files = Vec::new();
@@ -178,14 +178,14 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// A path as diagnostics and output show it.
+    /// A path as displayed in diagnostics and output.
     fn shown(&self, path: &Path) -> String {
         let path = shown(path, &self.plan.root);
         self.plan.revision.as_ref().map_or_else(|| path.clone(), |revision| format!("{revision}:{path}"))
     }
 
-    /// Reads packages that others refer to from the folders beside those, until none is missing that
-    /// is there. Of these only what is referred to gets into the output.
+    /// Reads referenced packages from neighbouring folders, until no more are found. The output contains only their
+    /// referenced messages.
     fn ros_dependencies(&mut self) -> Result<(), Failure> {
         let mut tried: BTreeSet<String> =
             self.loaded.packages.iter().map(|package| package.name.clone()).collect();
@@ -196,12 +196,12 @@ impl Loader<'_> {
                 .into_iter()
                 .filter(|name| !tried.contains(name))
                 .collect();
-            let beside =
+            let parent =
                 self.folders.get(&package.name).and_then(|folder| folder.parent()).map(Path::to_path_buf);
             from += 1;
-            let Some(beside) = beside else { continue };
+            let Some(parent) = parent else { continue };
             for name in missing {
-                let folder = beside.join(&name);
+                let folder = parent.join(&name);
                 let messages = folder.join(Kind::Message.name());
                 if !messages.is_dir() {
                     continue;
@@ -217,7 +217,7 @@ impl Loader<'_> {
     }
 }
 
-/// The packages that the definitions of a ROS 2 package name.
+/// The packages that the definitions of a ROS 2 package refer to.
 fn referenced_packages(sources: &SourceMap, package: &PackageInput) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     if package.form != Form::Msg(Dialect::Ros2) {
@@ -245,14 +245,14 @@ fn referenced_packages(sources: &SourceMap, package: &PackageInput) -> BTreeSet<
     found
 }
 
-/// Name and folder of the ROS package that `file` lies in, where its folder is `msg`, `srv` or `action`.
+/// Name and folder of the ROS package that contains `file`, if the file's folder is `msg`, `srv` or `action`.
 fn ros_package_of(file: &Path) -> Option<(String, PathBuf)> {
     let kind_folder = file.parent()?;
     if !matches!(kind_folder.file_name()?.to_str()?, "msg" | "srv" | "action") {
         return None;
     }
     let folder = kind_folder.parent()?;
-    // A relative path may end here: `msg/A.msg`.
+    // A relative path may have no further parent: `msg/A.msg`.
     let absolute = std::path::absolute(folder).ok()?;
     Some((absolute.file_name()?.to_str()?.to_owned(), absolute))
 }
@@ -273,29 +273,31 @@ fn files_of(package: &PlannedPackage) -> Result<Vec<PathBuf>, Failure> {
     Ok(files)
 }
 
-/// The file `path`, or all definitions below the folder `path`.
+/// The file `path`, or all definitions in the folder `path`.
 fn files_at(path: &Path, form: Form) -> Result<Vec<PathBuf>, Failure> {
     let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
     if metadata.is_dir() {
         let files = files_below(path, form)?;
         if files.is_empty() {
             return Err(
-                Failure::new(format!("no definitions below {}", path.display())).with_hint(wanted(form))
+                Failure::new(format!("no definitions in {}", path.display())).with_hint(expected_files(form))
             );
         }
         return Ok(files);
     }
     if !is_definition(path, form) {
-        return Err(Failure::new(format!("{} is no definition of this dialect", path.display()))
-            .with_hint(wanted(form)));
+        return Err(Failure::new(format!("{} is not a definition of this dialect", path.display()))
+            .with_hint(expected_files(form)));
     }
     Ok(vec![path.to_path_buf()])
 }
 
-fn wanted(form: Form) -> String {
+fn expected_files(form: Form) -> String {
     match form {
-        Form::Msg(dialect) => format!("the dialect {dialect} is read from .msg, .srv and .action files"),
-        Form::Table => format!("tables are read from files that end in .{}", PAGE_EXTENSIONS.join(", .")),
+        Form::Msg(dialect) => {
+            format!("definitions of the dialect {dialect} are .msg, .srv and .action files")
+        }
+        Form::Table => format!("pages with tables have the extension .{}", PAGE_EXTENSIONS.join(", .")),
     }
 }
 
@@ -315,11 +317,11 @@ fn files_below(folder: &Path, form: Form) -> Result<Vec<PathBuf>, Failure> {
     search(folder, |path| is_definition(path, form))
 }
 
-fn search(folder: &Path, is_wanted: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>, Failure> {
+fn search(folder: &Path, is_match: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>, Failure> {
     let mut files = Vec::new();
     for entry in WalkDir::new(folder).follow_links(true).sort_by_file_name() {
         let entry = entry.map_err(|error| Failure::new(error.to_string()))?;
-        if entry.file_type().is_file() && is_wanted(entry.path()) {
+        if entry.file_type().is_file() && is_match(entry.path()) {
             files.push(entry.into_path());
         }
     }
@@ -337,25 +339,21 @@ fn files_matching(
         if matching.is_empty() {
             let message =
                 format!("package {}: `{pattern}` matches no file in {}", package.name, folder.display());
-            return Err(Failure::new(message).with_hint(wanted(package.form)));
+            return Err(Failure::new(message).with_hint(expected_files(package.form)));
         }
         files.append(&mut matching);
     }
     if files.is_empty() {
-        let message = format!("package {} includes nothing", package.name);
-        return Err(Failure::new(message).with_hint("give `include` a pattern such as \"msg/**/*.msg\""));
+        let message = format!("package {} has an empty `include`", package.name);
+        return Err(Failure::new(message).with_hint("add a pattern such as \"msg/**/*.msg\""));
     }
     Ok(files)
 }
 
-/// The files that match a pattern below a folder.
-fn matching(
-    folder: &Path,
-    pattern: &str,
-    is_wanted: impl Fn(&Path) -> bool,
-) -> Result<Vec<PathBuf>, Failure> {
+/// The files in a folder that match a pattern.
+fn matching(folder: &Path, pattern: &str, is_match: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>, Failure> {
     let (base, rest) = literal_base(pattern);
-    let bad = |error: globset::Error| Failure::new(format!("the pattern `{pattern}`: {}", error.kind()));
+    let bad = |error: globset::Error| Failure::new(format!("invalid pattern `{pattern}`: {}", error.kind()));
     let glob = GlobBuilder::new(&rest).literal_separator(true).build().map_err(bad)?;
     let set = GlobSetBuilder::new().add(glob).build().map_err(bad)?;
     let base = normalise(&folder.join(base));
@@ -365,12 +363,12 @@ fn matching(
     if !base.is_dir() {
         return Ok(Vec::new());
     }
-    let mut files = search(&base, is_wanted)?;
+    let mut files = search(&base, is_match)?;
     files.retain(|file| file.strip_prefix(&base).is_ok_and(|path| set.is_match(path)));
     Ok(files)
 }
 
-/// Splits a pattern into the folders before its first wildcard, and the rest: only those are searched.
+/// Splits a pattern into the folders before its first wildcard, which limit the search, and the rest.
 pub(crate) fn literal_base(pattern: &str) -> (String, String) {
     let parts: Vec<&str> = pattern.split('/').collect();
     let literal = parts.iter().take_while(|part| !part.contains(['*', '?', '[', '{'])).count();
@@ -385,7 +383,7 @@ fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
     }
 }
 
-/// A path as diagnostics and output show it: below the root, with `/` on every system.
+/// A path as displayed in diagnostics and output: relative to the root, with `/` on every system.
 fn shown(path: &Path, root: &Path) -> String {
     let path = path.strip_prefix(root).unwrap_or(path);
     path.components()

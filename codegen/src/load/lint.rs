@@ -1,4 +1,4 @@
-//! What `uavspec.toml` says of the rules of `lint`.
+//! The configuration of `lint` in `uavspec.toml`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,7 +7,7 @@ use globset::{GlobBuilder, GlobMatcher};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::mistake::misplaced;
+use super::located::failure_at;
 use crate::diagnostic::Level;
 use crate::failure::Failure;
 use crate::lint::{self, Preset};
@@ -24,7 +24,7 @@ pub(crate) struct Lint {
     ignores: Vec<Spanned<LintIgnore>>,
 }
 
-/// Findings of a rule that are let stand.
+/// An exception from a rule.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LintIgnore {
@@ -33,14 +33,14 @@ struct LintIgnore {
     reason: String,
 }
 
-/// A set of levels for the rules of `lint`.
+/// A preset of rule levels.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum PresetName {
-    /// What PX4's documentation standard asks, and whatever makes readers go wrong.
+    /// Rules of PX4's documentation standard, and rules against ambiguous text
     Px4,
-    /// All rules but that on PX4's own list of units.
+    /// All rules except unit-unlisted, which checks PX4's list of units
     Strict,
 }
 
@@ -53,7 +53,7 @@ impl From<PresetName> for Preset {
     }
 }
 
-/// How grave findings of a rule are.
+/// The level of a rule, or off.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum LevelName {
@@ -74,7 +74,7 @@ impl LevelName {
     }
 }
 
-/// What `lint` is to do.
+/// The configuration of `lint`.
 #[derive(Debug, Default)]
 pub(crate) struct PlannedLint {
     pub(crate) preset: Option<PresetName>,
@@ -82,25 +82,25 @@ pub(crate) struct PlannedLint {
     pub(crate) ignores: Vec<PlannedIgnore>,
 }
 
-/// Findings of a rule that are let stand.
+/// An exception from a rule.
 #[derive(Debug)]
 pub(crate) struct PlannedIgnore {
     pub(crate) rule: String,
-    /// Which files, by a pattern below the folder of the configuration file; all, where absent.
+    /// A glob pattern of files, relative to the folder of the configuration file; `None` for all files.
     pub(crate) files: Option<GlobMatcher>,
     pub(crate) reason: String,
-    /// Its place in the configuration file.
+    /// The location in the configuration file.
     pub(crate) range: std::ops::Range<usize>,
 }
 
 impl Lint {
-    /// Checks the names of rules and the patterns; `text` is that of the file at `path`.
+    /// Checks the names of rules, and the patterns. `text` is the content of the file at `path`.
     pub(crate) fn plan(self, folder: &Path, path: &str, text: &str) -> Result<PlannedLint, Failure> {
         let mut levels = BTreeMap::new();
         for (id, level) in self.levels {
             if lint::rule(id.get_ref()).is_none() {
-                let message = format!("no rule `{}`", id.get_ref());
-                return Err(misplaced(path, text, id.span(), &message)
+                let message = format!("unknown rule `{}`", id.get_ref());
+                return Err(failure_at(path, text, id.span(), &message)
                     .with_hint("`cargo xtask lint --rules` lists all rules"));
             }
             levels.insert(id.into_inner(), level.level());
@@ -114,7 +114,7 @@ impl Lint {
                 let glob =
                     GlobBuilder::new(&normalise(&below).to_string_lossy()).literal_separator(true).build();
                 glob.map(|glob| glob.compile_matcher()).map_err(|error| {
-                    misplaced(path, text, range.clone(), &format!("`{pattern}`: {}", error.kind()))
+                    failure_at(path, text, range.clone(), &format!("`{pattern}`: {}", error.kind()))
                 })
             };
             let files = pattern.map(glob).transpose()?;

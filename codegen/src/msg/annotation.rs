@@ -1,8 +1,8 @@
-//! Annotations: the bracketed statements at the head of a trailing comment, such as
+//! Annotations: bracketed statements at the start of a trailing comment, such as
 //! `# [m/s] [@range 0, 20] [@invalid NaN] text`.
 //!
-//! A near miss is read as meant and gives a warning; any other text in brackets stays text. Descriptions in the tables
-//! of a page have other annotations: see [`Vocabulary`].
+//! A near miss is read as intended, with a warning. Other text in brackets stays text. Descriptions in tables of a page
+//! have different annotations: see [`Vocabulary`].
 
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
@@ -16,10 +16,10 @@ use crate::source::Span;
 use crate::unit;
 use crate::value::Value;
 
-/// A longer text in brackets is prose, not a unit.
+/// The maximum length of a unit; longer text in brackets is prose.
 const MAX_UNIT_LEN: usize = 20;
 
-/// A longer text in brackets is not read as an annotation. The limit keeps the search for `]` linear.
+/// The maximum length of an annotation. The limit makes the search for `]` linear.
 const MAX_ANNOTATION_LEN: usize = 400;
 
 /// The start of an annotation that holds a regular expression.
@@ -116,16 +116,16 @@ impl<'s> Reader<'s, '_> {
                 return self.report_open_pattern(start);
             };
             match classify(self.vocabulary, content, self.text.as_bytes()[start] == b'(') {
-                // A link of Markdown, or a term that the text explains.
+                // A Markdown link, or a term that the text explains.
                 Reading::Statement(Statement::Unit(symbol))
                     if unit::lookup(symbol).is_none() && self.text[end..].starts_with(['(', ':']) =>
                 {
                     return;
                 }
                 Reading::Statement(statement) => self.push(statement, start..end),
-                Reading::NearMiss(statement, meant) => {
+                Reading::NearMiss(statement, expected) => {
                     let found = self.text[start..end].to_owned();
-                    self.report(Problem::AnnotationNearMiss { found, meant }, start..end);
+                    self.report(Problem::AnnotationNearMiss { found, expected }, start..end);
                     self.push(statement, start..end);
                 }
                 Reading::Text(problem) => {
@@ -151,12 +151,12 @@ impl<'s> Reader<'s, '_> {
     /// Reads the text, and annotations with `@` that appear in it by mistake.
     fn rest(&mut self) {
         let mut text = String::new();
-        // Beyond a pipe it may belong to a parameter.
+        // After a pipe, the annotation may belong to a parameter.
         let head = self.text.len() - self.text[self.at..].trim_start().len();
         let head = (!self.text.contains('|')).then_some(head);
         let mut copied = self.at;
         let mut from = self.at;
-        // Past the last end of a bracket nothing is left to be found.
+        // No annotation can follow the last closing bracket.
         let last = self.text.rfind([']', ')']).unwrap_or(0);
         while let Some(start) =
             self.text[from..].find(['[', '(']).map(|at| from + at).filter(|start| *start < last)
@@ -169,19 +169,19 @@ impl<'s> Reader<'s, '_> {
             match classify(self.vocabulary, content, self.text.as_bytes()[start] == b'(') {
                 reading @ (Reading::Statement(_) | Reading::NearMiss(..)) => {
                     let found = self.text[start..end].to_owned();
-                    let (statement, meant) = match reading {
-                        Reading::NearMiss(statement, meant) => (statement, meant),
+                    let (statement, expected) = match reading {
+                        Reading::NearMiss(statement, expected) => (statement, expected),
                         Reading::Statement(statement) => (statement, found.clone()),
                         Reading::Text(_) => continue,
                     };
                     let head = head.map(|head| self.span.part(head..head));
-                    self.report(Problem::AnnotationAfterText { found, meant, head }, start..end);
+                    self.report(Problem::AnnotationAfterText { found, expected, head }, start..end);
                     self.push(statement, start..end);
                     text.push_str(self.text[copied..start].trim_end());
                     copied = end;
                     from = end;
                 }
-                // At the head it was reported already.
+                // At the start it was already reported.
                 Reading::Text(Some(problem)) if !self.text[self.at..start].trim().is_empty() => {
                     self.report(problem, start..end);
                 }
@@ -285,8 +285,8 @@ fn classify(vocabulary: Vocabulary, content: &str, in_parentheses: bool) -> Read
     if vocabulary == Vocabulary::Comment
         && let Some(attribute) = ATTRIBUTES.iter().find(|attribute| attribute.bare.contains(&content))
     {
-        let meant = format!("[@{} {content}]", attribute.name);
-        return Reading::NearMiss(Statement::Attribute(attribute, content), meant);
+        let expected = format!("[@{} {content}]", attribute.name);
+        return Reading::NearMiss(Statement::Attribute(attribute, content), expected);
     }
     let (name, argument) = split_word(content);
     if !argument.is_empty()
@@ -390,7 +390,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_annotation_stays_text() {
+    fn other_text_in_brackets_stays_text() {
         for text in [
             "[1-99]: reserved",
             "[-PI..PI) yaw",

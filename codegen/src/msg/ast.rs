@@ -11,55 +11,55 @@ use crate::value::Value;
 /// A file: one part for a message, two for a service, three for an action.
 #[derive(Debug)]
 pub struct Definition<'s> {
-    /// Its parts, as many as its kind has.
+    /// The parts.
     pub parts: Vec<Part<'s>>,
 }
 
-/// The lines between two `---`.
+/// The lines between two separators (`---`).
 #[derive(Debug, Default)]
 pub struct Part<'s> {
-    /// Every line, blank ones too.
+    /// Every line, including empty lines.
     pub lines: Vec<Line<'s>>,
 }
 
-/// A line: a field, a constant, a comment, any with a comment, or nothing. What it holds is boxed, so
-/// that an empty line takes little.
+/// A line: a field, a constant, a comment, a declaration with a comment, or an empty line. The content is boxed to keep
+/// empty lines small.
 #[derive(Debug)]
 pub struct Line<'s> {
-    /// The line without its end.
+    /// The line without its line break.
     pub span: Span,
-    /// What it declares.
+    /// The declaration.
     pub item: Option<Box<Item<'s>>>,
-    /// Its comment.
+    /// The comment.
     pub comment: Option<Box<Comment<'s>>>,
-    /// Whether something stood there that could not be read.
-    pub is_broken: bool,
+    /// True if a part of the line could not be read.
+    pub is_invalid: bool,
 }
 
 impl Line<'_> {
-    /// Whether the line holds nothing.
+    /// True if the line is empty.
     pub fn is_blank(&self) -> bool {
-        self.item.is_none() && self.comment.is_none() && !self.is_broken
+        self.item.is_none() && self.comment.is_none() && !self.is_invalid
     }
 }
 
 /// A comment from its `#` to the end of the line.
 #[derive(Debug)]
 pub struct Comment<'s> {
-    /// From the `#` on.
+    /// The location, starting at the `#`.
     pub span: Span,
-    /// Column of the `#`, from 0, in bytes.
+    /// The column of the `#`, from 0, in bytes.
     pub column: usize,
-    /// What follows the `#`, without a directive, white space at the end removed.
+    /// The text after the `#`, without a directive and trailing white space.
     pub text: &'s str,
-    /// The directive at its end.
+    /// The directive at the end.
     pub directive: Option<Directive<'s>>,
-    /// The text with its annotations read, where the line declares something.
+    /// The parsed annotations and text, if the line declares something.
     pub note: Option<Note<'s>>,
 }
 
 impl Comment<'_> {
-    /// Whether it is a directive and nothing else: such a line stands for nothing in the documentation.
+    /// True if the comment contains only a directive; it is then not part of the documentation.
     pub fn is_directive(&self) -> bool {
         self.directive.is_some() && self.text.is_empty()
     }
@@ -74,77 +74,77 @@ pub enum Item<'s> {
     Constant(Constant<'s>),
 }
 
-/// A name and its place.
+/// A name and its location.
 #[derive(Clone, Copy, Debug)]
 pub struct Name<'s> {
     /// The name.
     pub text: &'s str,
-    /// Its place.
+    /// The location.
     pub span: Span,
 }
 
 /// A field.
 #[derive(Debug)]
 pub struct Field<'s> {
-    /// Its type.
+    /// The type.
     pub ty: Type<'s>,
-    /// Its name.
+    /// The name.
     pub name: Name<'s>,
-    /// Its default (ROS 2).
+    /// The default (ROS 2).
     pub default: Option<Value>,
 }
 
 /// A constant.
 #[derive(Debug)]
 pub struct Constant<'s> {
-    /// Its type.
+    /// The type.
     pub ty: ConstantType,
-    /// Its name.
+    /// The name.
     pub name: Name<'s>,
-    /// Its value, of that type and in its range.
+    /// The value, checked against the type's range.
     pub value: Value,
-    /// Place of the value.
+    /// The location of the value.
     pub value_span: Span,
 }
 
-/// Type of a constant.
+/// The type of a constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConstantType {
     /// A number, a `bool`, a `byte` or a `char`.
     Scalar(Scalar),
-    /// A `string`, or a `wstring` where `wide`.
+    /// A `string`, or a `wstring` if `wide`.
     String {
-        /// Whether it is a `wstring`.
+        /// True for a `wstring`.
         wide: bool,
     },
 }
 
-/// Type of a field.
+/// The type of a field.
 #[derive(Debug)]
 pub struct Type<'s> {
-    /// As written.
+    /// The location.
     pub span: Span,
     /// The element.
     pub element: Element<'s>,
-    /// How many of them.
+    /// The number of elements.
     pub shape: Shape,
 }
 
-/// Type of a field or of the elements of an array.
+/// The type of a field, or of the elements of an array.
 #[derive(Clone, Copy, Debug)]
 pub enum Element<'s> {
     /// A built-in scalar.
     Scalar(Scalar),
-    /// `string`, `wstring`, with a greatest length where stated.
+    /// A `string` or `wstring`, optionally bounded.
     String {
-        /// Whether it is a `wstring`.
+        /// True for a `wstring`.
         wide: bool,
-        /// Greatest length in characters.
+        /// The maximum length in characters.
         bound: Option<u32>,
     },
-    /// A message, of this package where no other is named.
+    /// A message.
     Message {
-        /// The package that is named.
+        /// The package, or `None` for the same package.
         package: Option<&'s str>,
         /// The message.
         name: &'s str,

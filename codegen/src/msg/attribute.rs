@@ -1,4 +1,4 @@
-//! Attributes: annotations whose text says more about a field, and restricts none of its values.
+//! Attributes: annotations that describe a field in text and don't restrict its values.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
@@ -12,23 +12,23 @@
 //! assert_eq!(schema.messages[0].fields[1].attribute(&FRAME), None);
 //! ```
 
-/// A kind of attribute. All stages treat attributes alike, by what stands here.
+/// A kind of attribute. All stages handle every attribute by the data in this struct.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Attribute {
-    /// Its name, as in `[@frame NED]`. The printed model and the keys of translations use it, too.
+    /// The name, as in `[@frame NED]`; also used in the printed model and in translation keys.
     pub name: &'static str,
-    /// Its form, as messages show it.
+    /// The syntax, as shown in messages.
     pub form: &'static str,
-    /// Texts that definitions put between brackets by mistake, without the name: `[NED]`.
+    /// Arguments that definitions write without the name by mistake: `[NED]`.
     pub bare: &'static [&'static str],
-    /// The words of the documentation, with the text in place of the name between braces. Translations of the
-    /// generator's words have an entry for them.
+    /// The text in the documentation, in which the name in braces is a placeholder for the argument. Translations of
+    /// the generator's texts contain it.
     pub words: &'static str,
-    /// The keyword of JSON Schemas.
+    /// The keyword in JSON Schemas.
     pub keyword: &'static str,
 }
 
-/// All attributes, in the order in which they are written and documented.
+/// All attributes, in the order of output.
 pub static ATTRIBUTES: &[&Attribute] = &[&FRAME];
 
 /// The coordinate frame.
@@ -41,8 +41,8 @@ pub static FRAME: Attribute = Attribute {
 };
 
 impl Attribute {
-    /// The words of the documentation, in English.
-    pub(crate) fn said(&self, text: &str) -> String {
+    /// The text in the documentation, in English.
+    pub(crate) fn to_text(&self, text: &str) -> String {
         self.words.replace(&format!("{{{}}}", self.name), text)
     }
 }

@@ -9,7 +9,7 @@
 //! use uavspec_codegen::msg::constraint::RANGE;
 //!
 //! let speed = &schema.messages[0].fields[1];
-//! assert_eq!(speed.constraint(&RANGE).unwrap().said().unwrap(), "0 to 60");
+//! assert_eq!(speed.constraint(&RANGE).unwrap().valid_values().unwrap(), "0 to 60");
 //! ```
 
 mod model;
@@ -23,15 +23,15 @@ pub use self::range::RANGE;
 pub(crate) use self::range::read as read_range;
 pub use self::special::{INVALID, UNCONTROLLED};
 
-/// All kinds of constraints, in the order in which they are written and documented.
+/// All kinds of constraints, in the order of output.
 pub static CONSTRAINTS: &[&ConstraintKind] = &[&RANGE, &INVALID, &UNCONTROLLED];
 
-/// The constraint of a kind.
+/// The constraint of the given kind.
 pub fn find<'c>(constraints: &'c [Constraint], kind: &ConstraintKind) -> Option<&'c Constraint> {
     constraints.iter().find(|constraint| constraint.kind == kind)
 }
 
-/// Replaces the constraint of a kind. The order is that of [`CONSTRAINTS`].
+/// Replaces the constraint of the given kind, and keeps the order of [`CONSTRAINTS`].
 pub(crate) fn replace(
     constraints: &mut Vec<Constraint>,
     kind: &ConstraintKind,

@@ -1,18 +1,18 @@
-//! Kinds of definitions, and names in them.
+//! Kinds of definitions, and their names.
 
 use std::fmt;
 
-/// Which of the two readings of `.msg` applies.
+/// The dialect of `.msg` files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Dialect {
-    /// PX4's uORB messages: fixed size, topics, versions, queue lengths.
+    /// PX4 uORB messages: fixed size, topics, versions, queue lengths.
     Px4,
     /// ROS 2 interfaces: also strings, sequences, defaults, other packages.
     Ros2,
 }
 
 impl Dialect {
-    /// Its name in `uavspec.toml`.
+    /// The name in `uavspec.toml`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Px4 => "px4",
@@ -27,7 +27,7 @@ impl fmt::Display for Dialect {
     }
 }
 
-/// What a file defines, by its extension.
+/// The kind of a definition, determined by the file extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Kind {
     /// `.msg`: one part.
@@ -39,7 +39,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind of the file at `path`, by its extension.
+    /// The kind of the file at `path`, or `None` for other extensions.
     pub fn of(path: &str) -> Option<Self> {
         match path.rsplit_once('.')?.1 {
             "msg" => Some(Self::Message),
@@ -49,7 +49,7 @@ impl Kind {
         }
     }
 
-    /// Name of the folder that ROS packages keep such files in, and their extension.
+    /// The file extension, which is also the name of the folder in ROS packages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Message => "msg",
@@ -58,7 +58,7 @@ impl Kind {
         }
     }
 
-    /// Suffixes of the names of its parts, in order, as ROS forms them.
+    /// The suffixes of the names of the parts, in order, as in ROS.
     pub fn part_suffixes(self) -> &'static [&'static str] {
         match self {
             Self::Message => &[""],
@@ -68,7 +68,7 @@ impl Kind {
     }
 }
 
-/// Whether `text` can be the name of anything: letters, digits and `_`, with a letter first.
+/// True if `text` is a valid identifier: letters, digits and `_`, starting with a letter.
 pub(crate) fn is_identifier(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_alphabetic())
         && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')

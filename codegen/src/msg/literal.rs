@@ -1,24 +1,24 @@
-//! Literals: text to a value of the type that it must have.
+//! Literals: text to typed values.
 
 use uavspec_runtime::Scalar;
 
 use crate::value::Value;
 
-/// Why a text is no literal of its type.
+/// The reason why a text is not a literal of a type.
 #[derive(Debug, PartialEq)]
 pub(crate) enum LiteralError {
-    /// Not the form of a value of that type.
+    /// Not a literal of this type.
     Form,
-    /// A number, but not one that the type holds.
+    /// A number out of range.
     Range {
-        /// Least value of the type.
+        /// The minimum of the type.
         least: String,
-        /// Greatest value of the type.
+        /// The maximum of the type.
         greatest: String,
     },
 }
 
-/// Reads `text` as a value of type `scalar`: what Python's `int` and `float` read, as ROS does.
+/// Parses `text` as a value of type `scalar`. Accepts the syntax of Python's `int` and `float`, as ROS does.
 pub(crate) fn parse_scalar(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
     match scalar {
         Scalar::Bool => parse_bool(text).map(Value::Bool).ok_or(LiteralError::Form),
@@ -34,18 +34,18 @@ pub(crate) fn parse_scalar(text: &str, scalar: Scalar) -> Result<Value, LiteralE
     }
 }
 
-/// How a literal of type `scalar` is written, for those who wrote it otherwise.
+/// The syntax of literals of type `scalar`, as a hint.
 pub(crate) fn form(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::Bool => "write `True` or `False`",
         Scalar::Char | Scalar::Byte => "write the number of the character or byte, such as 97",
         Scalar::Float32 | Scalar::Float64 => "write a number such as `1.5`, `1e-3`, `inf` or `nan`",
-        _ => "write an integer: no expression, and no name of another constant",
+        _ => "write an integer, not an expression or the name of another constant",
     }
 }
 
-/// Whether PX4's own generator reads `text` as `value` too. It takes decimal integers, `True` and
-/// `False`, and writes floats as integers.
+/// True if PX4's generator also reads `text` as `value`. It accepts decimal integers, `True` and `False`, and writes
+/// floats as integers.
 pub(crate) fn is_portable(text: &str, value: &Value) -> bool {
     match value {
         Value::Bool(_) => matches!(text, "True" | "False" | "0" | "1"),
@@ -68,7 +68,7 @@ fn parse_bool(text: &str) -> Option<bool> {
     }
 }
 
-/// An integer with sign, base prefix and `_` between digits. `Some(None)` is one too long for 128 bits.
+/// Parses an integer with sign, base prefix and `_` between digits. Returns `Some(None)` if it exceeds 128 bits.
 #[allow(clippy::option_option)]
 fn parse_int(text: &str) -> Option<Option<i128>> {
     let (sign, unsigned) = match text.as_bytes().first()? {
@@ -105,12 +105,12 @@ fn parse_float(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
     if has_stray_underscore {
         return Err(LiteralError::Form);
     }
-    // Rust's own parser takes what Python's `float` takes: `inf`, `infinity` and `nan` in any case too.
+    // Rust's parser accepts the syntax of Python's `float`, including `inf`, `infinity` and `nan` in any case.
     let value: f64 = text.replace('_', "").parse().map_err(|_| LiteralError::Form)?;
     let greatest = if scalar == Scalar::Float32 { f64::from(f32::MAX) } else { f64::MAX };
     let names_infinity = text.to_ascii_lowercase().contains("inf");
     if value.abs() > greatest && !names_infinity {
-        // In its own precision: the digits that tell it from its neighbours.
+        // The limit in its own precision, with the shortest digits.
         let greatest =
             if scalar == Scalar::Float32 { format!("{:e}", f32::MAX) } else { format!("{:e}", f64::MAX) };
         return Err(LiteralError::Range { least: format!("-{greatest}"), greatest });
@@ -121,15 +121,15 @@ fn parse_float(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
 /// A string literal at the start of a text.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Quoted {
-    /// What it says, escapes replaced.
+    /// The content, with escapes replaced.
     pub value: String,
-    /// Its length in bytes, quotes included.
+    /// The length in bytes, including quotes.
     pub len: usize,
-    /// Ranges of escapes that have no meaning; they are kept as they stand.
+    /// Ranges of unknown escapes, which are kept unchanged.
     pub unknown_escapes: Vec<std::ops::Range<usize>>,
 }
 
-/// Reads the string literal that `text` starts with; none where its closing quote is missing.
+/// Parses the string literal at the start of `text`. Returns `None` if the closing quote is missing.
 pub(crate) fn parse_quoted(text: &str) -> Option<Quoted> {
     let quote = text.chars().next().filter(|quote| matches!(quote, '"' | '\''))?;
     let mut quoted = Quoted { value: String::new(), len: 0, unknown_escapes: Vec::new() };
@@ -144,7 +144,7 @@ pub(crate) fn parse_quoted(text: &str) -> Option<Quoted> {
             continue;
         }
         let (end, escaped) = characters.next()?;
-        let meant = match escaped {
+        let unescaped = match escaped {
             'n' => '\n',
             't' => '\t',
             'r' => '\r',
@@ -156,7 +156,7 @@ pub(crate) fn parse_quoted(text: &str) -> Option<Quoted> {
                 escaped
             }
         };
-        quoted.value.push(meant);
+        quoted.value.push(unescaped);
     }
     None
 }
@@ -166,7 +166,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn integers_take_sign_base_and_underscores() {
+    fn integers_allow_sign_base_and_underscores() {
         let int = |text| parse_scalar(text, Scalar::Int64);
         for (text, value) in
             [("010", 10), ("+1", 1), ("-0x1", -1), ("0X1f", 31), ("0b1_01", 5), ("0o17", 15), ("1_000", 1000)]
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_are_those_of_the_type() {
+    fn numbers_out_of_the_types_range_are_rejected() {
         assert_eq!(parse_scalar("18446744073709551615", Scalar::UInt64), Ok(Value::Int(u64::MAX.into())));
         assert!(matches!(parse_scalar("256", Scalar::UInt8), Err(LiteralError::Range { .. })));
         assert!(matches!(parse_scalar(&"9".repeat(400), Scalar::UInt64), Err(LiteralError::Range { .. })));

@@ -1,4 +1,4 @@
-//! The parser: one function for each production.
+//! The parser, with one function for each production.
 
 mod value;
 
@@ -12,10 +12,10 @@ use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::directive;
 use crate::source::Span;
 
-/// Longest array or string bound that is read; what a message may take in all is checked later.
+/// The maximum length of an array or string. The size of the whole message is checked later.
 const MAX_LENGTH: u32 = 16 << 20;
 
-/// After this many lines that can't be read, the rest is left unread: the file is no definition.
+/// The maximum number of invalid lines; a file with more is not a definition.
 const MAX_BAD_LINES: usize = 1_000;
 
 pub(super) fn parse(
@@ -37,9 +37,9 @@ pub(super) fn parse(
         let line = line.strip_suffix('\r').filter(|_| raw.ends_with('\n')).unwrap_or(line);
         let place = span.part(at..at + line.len());
         at += raw.len();
-        let so_far = diagnostics.len();
+        let reported = diagnostics.len();
         characters::check(line, place, &mut diagnostics);
-        let has_bad_character = has_errors(&diagnostics[so_far..]);
+        let has_bad_character = has_errors(&diagnostics[reported..]);
         if is_separator(line) {
             if parts.len() < expected {
                 parts.push(Part::default());
@@ -48,13 +48,13 @@ pub(super) fn parse(
             }
             continue;
         }
-        let so_far = diagnostics.len();
+        let reported = diagnostics.len();
         let line = LineParser { line, span: place, at: 0, dialect, diagnostics: &mut diagnostics }.line();
-        if line.is_broken && has_bad_character {
-            // The character is the reason.
-            diagnostics.truncate(so_far);
+        if line.is_invalid && has_bad_character {
+            // The character is the cause, so report only that.
+            diagnostics.truncate(reported);
         }
-        bad_lines += usize::from(line.is_broken || has_bad_character);
+        bad_lines += usize::from(line.is_invalid || has_bad_character);
         if let Some(part) = parts.last_mut() {
             part.lines.push(line);
         }
@@ -66,7 +66,7 @@ pub(super) fn parse(
     (Definition { parts: padded(parts, expected) }, diagnostics)
 }
 
-/// `parts`, and empty ones for those that are missing.
+/// Adds empty parts for missing ones.
 fn padded(mut parts: Vec<Part<'_>>, expected: usize) -> Vec<Part<'_>> {
     parts.resize_with(expected, Part::default);
     parts
@@ -79,8 +79,8 @@ pub(crate) fn is_separator(line: &str) -> bool {
     })
 }
 
-/// Marks a production that could not be read; its diagnostic has been reported.
-struct Broken;
+/// Marks a production that could not be parsed; the diagnostic has been reported.
+struct Invalid;
 
 struct LineParser<'s, 'd> {
     line: &'s str,
@@ -92,14 +92,14 @@ struct LineParser<'s, 'd> {
 
 impl<'s> LineParser<'s, '_> {
     fn line(&mut self) -> Line<'s> {
-        self.skip_blanks();
-        let mut line = Line { span: self.span, item: None, comment: None, is_broken: false };
+        self.skip_spaces();
+        let mut line = Line { span: self.span, item: None, comment: None, is_invalid: false };
         if !self.is_at_end() {
             if let Ok(item) = self.item() {
                 line.item = Some(Box::new(item));
             } else {
-                // What is left of the line is skipped, but for its comment.
-                line.is_broken = true;
+                // Skip the rest of the line except its comment.
+                line.is_invalid = true;
                 self.at = self.line[self.at..].find('#').map_or(self.line.len(), |at| self.at + at);
             }
         }
@@ -107,22 +107,22 @@ impl<'s> LineParser<'s, '_> {
         line
     }
 
-    fn item(&mut self) -> Result<Item<'s>, Broken> {
+    fn item(&mut self) -> Result<Item<'s>, Invalid> {
         let start = self.at;
-        let type_text = self.word(|c| !is_blank(c) && c != '#');
+        let type_text = self.word(|c| !is_space(c) && c != '#');
         let type_span = self.span.part(start..self.at);
-        let blanks = self.word(is_blank);
+        let spaces = self.word(is_space);
         if self.is_at_end() {
             return Err(self.missing_name(type_text, type_span));
         }
         let ty = self.parse_type(type_text, type_span)?;
         let name = self.name(type_text)?;
-        if self.dialect == Dialect::Px4 && !blanks.contains(' ') {
+        if self.dialect == Dialect::Px4 && !spaces.contains(' ') {
             let instead = Some(format!("{type_text} {}", name.text));
             let problem = Problem::NotPortable { text: format!("{type_text}<tab>{}", name.text), instead };
-            self.report_with(problem, type_span.to(name.span), "put a blank between them");
+            self.report_with(problem, type_span.to(name.span), "put a space between them");
         }
-        self.skip_blanks();
+        self.skip_spaces();
         if self.rest().starts_with('=') {
             self.at += 1;
             self.constant(&ty, name).map(Item::Constant)
@@ -132,22 +132,22 @@ impl<'s> LineParser<'s, '_> {
         }
     }
 
-    fn missing_name(&mut self, type_text: &str, span: Span) -> Broken {
+    fn missing_name(&mut self, type_text: &str, span: Span) -> Invalid {
         let diagnostic = Diagnostic::new(Problem::MissingName { type_name: type_text.to_owned() }, span);
-        let odd_blank = type_text.chars().find(|c| c.is_whitespace());
-        self.diagnostics.push(match odd_blank {
+        let other_space = type_text.chars().find(|c| c.is_whitespace());
+        self.diagnostics.push(match other_space {
             Some(c) => {
-                diagnostic.with_hint(format!("U+{:04X} divides no words here: write a blank", u32::from(c)))
+                diagnostic.with_hint(format!("U+{:04X} is not a separator; write a space", u32::from(c)))
             }
             None => diagnostic,
         });
-        Broken
+        Invalid
     }
 
-    /// `name`, up to white space, `=` or a comment.
-    fn name(&mut self, type_text: &str) -> Result<Name<'s>, Broken> {
+    /// Parses a name, up to white space, `=` or a comment.
+    fn name(&mut self, type_text: &str) -> Result<Name<'s>, Invalid> {
         let start = self.at;
-        let text = self.word(|c| !is_blank(c) && !matches!(c, '=' | '#'));
+        let text = self.word(|c| !is_space(c) && !matches!(c, '=' | '#'));
         let span = self.span.part(start..self.at);
         let letters = text.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
         let (identifier, rest) = text.split_at(letters);
@@ -161,7 +161,7 @@ impl<'s> LineParser<'s, '_> {
             let problem = Problem::ArrayAfterName { name: identifier.to_owned() };
             let hint = match rest.find(']') {
                 Some(end) if end + 1 == rest.len() => {
-                    format!("it belongs to the type: `{type_text}{rest} {identifier}`")
+                    format!("move it to the type: `{type_text}{rest} {identifier}`")
                 }
                 _ => problem.hint(),
             };
@@ -169,14 +169,12 @@ impl<'s> LineParser<'s, '_> {
         }
         let problem = Problem::InvalidName { name: text.to_owned() };
         Err(match rest {
-            ";" => {
-                self.report_with(problem, span, "remove the `;`: the end of the line ends the declaration")
-            }
+            ";" => self.report_with(problem, span, "remove the `;`; a declaration ends with the line"),
             _ => self.report(problem, span),
         })
     }
 
-    /// ROS 2 refuses names that break its style; PX4 takes most of them.
+    /// Checks the style of a name. ROS 2 rejects names of another style; PX4 accepts most of them.
     fn check_style(&mut self, name: Name<'_>, is_constant: bool) {
         let well_formed = |is_letter: fn(u8) -> bool| {
             name.text.bytes().all(|byte| is_letter(byte) || byte.is_ascii_digit() || byte == b'_')
@@ -198,7 +196,7 @@ impl<'s> LineParser<'s, '_> {
         }
     }
 
-    fn parse_type(&mut self, text: &'s str, span: Span) -> Result<Type<'s>, Broken> {
+    fn parse_type(&mut self, text: &'s str, span: Span) -> Result<Type<'s>, Invalid> {
         let (element_text, brackets) = match text.find('[') {
             Some(at) => text.split_at(at),
             None => (text, ""),
@@ -206,14 +204,14 @@ impl<'s> LineParser<'s, '_> {
         let shape = self.shape(brackets, span.part(element_text.len()..text.len()))?;
         let element = self.element(element_text, span.part(0..element_text.len()))?;
         if self.dialect == Dialect::Px4 && matches!(shape, Shape::Sequence | Shape::Bounded(_)) {
-            let what = format!("arrays of variable length such as `{brackets}`");
-            return Err(self.not_in_px4(what, span, "give the array a length: `[8]`"));
+            let what = format!("variable-length arrays such as `{brackets}`");
+            return Err(self.not_in_px4(what, span, "use a fixed length: `[8]`"));
         }
         Ok(Type { span, element, shape })
     }
 
-    /// `[N]`, `[<=N]`, `[]` or nothing.
-    fn shape(&mut self, brackets: &str, span: Span) -> Result<Shape, Broken> {
+    /// Parses `[N]`, `[<=N]`, `[]` or an empty text.
+    fn shape(&mut self, brackets: &str, span: Span) -> Result<Shape, Invalid> {
         if brackets.is_empty() {
             return Ok(Shape::Single);
         }
@@ -232,7 +230,7 @@ impl<'s> LineParser<'s, '_> {
         }
     }
 
-    fn length(&mut self, digits: &str, whole: &str, span: Span) -> Result<u32, Broken> {
+    fn length(&mut self, digits: &str, whole: &str, span: Span) -> Result<u32, Invalid> {
         if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
             return Err(self.report(Problem::InvalidArray { text: whole.to_owned() }, span));
         }
@@ -246,10 +244,10 @@ impl<'s> LineParser<'s, '_> {
         }
     }
 
-    fn element(&mut self, text: &'s str, span: Span) -> Result<Element<'s>, Broken> {
+    fn element(&mut self, text: &'s str, span: Span) -> Result<Element<'s>, Invalid> {
         if let Some(scalar) = Scalar::from_name(text) {
             if scalar == Scalar::Byte {
-                self.only_in_ros2("type `byte`", span, "write `uint8`")?;
+                self.only_in_ros2("the type `byte`", span, "write `uint8`")?;
             }
             return Ok(Element::Scalar(scalar));
         }
@@ -259,9 +257,9 @@ impl<'s> LineParser<'s, '_> {
         };
         if matches!(base, "string" | "wstring") {
             self.only_in_ros2(
-                &format!("type `{text}`"),
+                &format!("the type `{text}`"),
                 span,
-                "write `char[16]`, with as many bytes as the text may have",
+                "write `char[16]`, with the maximum length in bytes",
             )?;
             let bound = match bound {
                 Some(digits) => Some(self.length(digits, text, span)?),
@@ -272,8 +270,8 @@ impl<'s> LineParser<'s, '_> {
         self.message(text, span)
     }
 
-    /// `Name` or `package/Name`.
-    fn message(&mut self, text: &'s str, span: Span) -> Result<Element<'s>, Broken> {
+    /// Parses `Name` or `package/Name`.
+    fn message(&mut self, text: &'s str, span: Span) -> Result<Element<'s>, Invalid> {
         let (package, name) = match text.split_once('/') {
             Some((package, name)) => (Some(package), name),
             None => (None, text),
@@ -291,27 +289,27 @@ impl<'s> LineParser<'s, '_> {
             self.only_in_ros2(
                 "messages of other packages",
                 span,
-                "name the message alone, and add its definition to this package",
+                "write only the name, and add the definition to this package",
             )?;
         }
         Ok(Element::Message { package, name })
     }
 
-    fn only_in_ros2(&mut self, what: &str, span: Span, instead: &str) -> Result<(), Broken> {
+    fn only_in_ros2(&mut self, what: &str, span: Span, instead: &str) -> Result<(), Invalid> {
         if self.dialect == Dialect::Ros2 {
             return Ok(());
         }
         Err(self.not_in_px4(what.to_owned(), span, instead))
     }
 
-    fn not_in_px4(&mut self, what: String, span: Span, instead: &str) -> Broken {
+    fn not_in_px4(&mut self, what: String, span: Span, instead: &str) -> Invalid {
         let problem = Problem::NotInDialect { what, dialect: "px4" };
         let hint = format!("{instead}; {}", problem.hint());
         self.report_with(problem, span, hint)
     }
 
-    fn expect_end(&mut self) -> Result<(), Broken> {
-        self.skip_blanks();
+    fn expect_end(&mut self) -> Result<(), Invalid> {
+        self.skip_spaces();
         if self.is_at_end() {
             return Ok(());
         }
@@ -336,7 +334,7 @@ impl<'s> LineParser<'s, '_> {
         Some(Comment { span, column, text, directive: found.map(|(directive, _)| directive), note })
     }
 
-    /// Consumes characters as long as they satisfy `take`.
+    /// Consumes characters that satisfy `take`.
     fn word(&mut self, take: impl Fn(char) -> bool) -> &'s str {
         let rest = &self.line[self.at..];
         let len = rest.find(|c| !take(c)).unwrap_or(rest.len());
@@ -344,30 +342,30 @@ impl<'s> LineParser<'s, '_> {
         &rest[..len]
     }
 
-    fn skip_blanks(&mut self) {
-        self.word(is_blank);
+    fn skip_spaces(&mut self) {
+        self.word(is_space);
     }
 
     fn rest(&self) -> &'s str {
         &self.line[self.at..]
     }
 
-    /// Whether nothing but a comment is left.
+    /// True if only a comment is left.
     fn is_at_end(&self) -> bool {
         self.rest().is_empty() || self.rest().starts_with('#')
     }
 
-    fn report(&mut self, problem: Problem, span: Span) -> Broken {
+    fn report(&mut self, problem: Problem, span: Span) -> Invalid {
         self.diagnostics.push(Diagnostic::new(problem, span));
-        Broken
+        Invalid
     }
 
-    fn report_with(&mut self, problem: Problem, span: Span, hint: impl Into<String>) -> Broken {
+    fn report_with(&mut self, problem: Problem, span: Span, hint: impl Into<String>) -> Invalid {
         self.diagnostics.push(Diagnostic::new(problem, span).with_hint(hint));
-        Broken
+        Invalid
     }
 }
 
-fn is_blank(character: char) -> bool {
+fn is_space(character: char) -> bool {
     matches!(character, ' ' | '\t')
 }

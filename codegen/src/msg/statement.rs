@@ -1,4 +1,4 @@
-//! Statements: the meaning of an annotation by its name and argument.
+//! Statements: annotations parsed by name and argument.
 
 use super::attribute::{ATTRIBUTES, Attribute};
 use super::constraint::{self, Argument, CONSTRAINTS, ConstraintKind, RANGE};
@@ -14,29 +14,29 @@ pub enum Statement<'s> {
     Enum(Vec<Prefix<'s>>),
     /// `[@flags PREFIX …]`: the value is a mask of the constants with this prefix.
     Flags(Vec<Prefix<'s>>),
-    /// `[@range low, high]` and the like: a constraint, and the words that follow.
+    /// `[@range low, high]` and similar: a constraint, and the explanation that follows.
     Constraint(&'static ConstraintKind, Argument<'s>, &'s str),
-    /// `[@frame name]` and the like: an attribute and its text.
+    /// `[@frame name]` and similar: an attribute and its text.
     Attribute(&'static Attribute, &'s str),
-    /// `[@count field]`: the value is the number of entries in use of that array.
+    /// `[@count field]`: the value is the number of used elements of that array.
     Count(&'s str),
     /// `[@length least, most]`, in pages: characters of a string, or elements of a list.
     Length {
-        /// Least length, if bounded.
+        /// The minimum, if bounded.
         least: Option<u32>,
-        /// Greatest length, if bounded.
+        /// The maximum, if bounded.
         most: Option<u32>,
     },
-    /// `[@unique]`, in pages: the elements of a list are distinct.
+    /// `[@unique]`, on pages: the elements of a list are distinct.
     Unique,
-    /// `[@pattern REGEX]`, in pages: the regular expression that a string satisfies.
+    /// `[@pattern REGEX]`, on pages: the regular expression that a string must match.
     Pattern(&'s str),
-    /// `[@format base64]`, in pages: the encoding of a string.
+    /// `[@format base64]`, on pages: the encoding of a string.
     Format(&'s str),
 }
 
 impl Statement<'_> {
-    /// The position in the order of annotations. Annotations that decide the same have one rank: the last counts.
+    /// The position in the order of annotations. Annotations of the same rank exclude each other; the last one applies.
     pub(crate) fn rank(&self) -> (u8, Option<usize>) {
         match self {
             Self::Unit(_) => (0, None),
@@ -55,25 +55,25 @@ impl Statement<'_> {
 /// The set of known annotations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Vocabulary {
-    /// In comments of `.msg` files and their relatives.
+    /// Comments of `.msg`, `.srv` and `.action` files.
     Comment,
-    /// In descriptions of the types that a page defines.
+    /// Descriptions of types on pages.
     Page,
 }
 
-/// The known string formats of pages.
+/// The known string formats on pages.
 pub(crate) const FORMATS: [&str; 1] = ["base64"];
 
 /// A prefix of the names of constants.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Prefix<'s> {
-    /// The message that defines the constants, if it is another one: `Message.PREFIX`.
+    /// The message that defines the constants, if it is a different one: `Message.PREFIX`.
     pub message: Option<&'s str>,
     /// The prefix, without the `_` that follows it.
     pub prefix: &'s str,
 }
 
-/// The problem of an unknown annotation.
+/// The problem for an unknown annotation.
 pub(super) fn unknown(name: &str) -> Problem {
     let constraints = CONSTRAINTS.iter().map(|kind| kind.name);
     let attributes = ATTRIBUTES.iter().map(|attribute| attribute.name);
@@ -81,7 +81,7 @@ pub(super) fn unknown(name: &str) -> Problem {
     Problem::UnknownAnnotation { name: name.to_owned(), known: format!("{} and count", known.join(", ")) }
 }
 
-/// Reads the annotation `name`; none if the name is unknown.
+/// Parses the annotation `name`. Returns `None` if the name is unknown.
 pub(super) fn read<'s>(
     vocabulary: Vocabulary,
     name: &str,
@@ -95,7 +95,7 @@ pub(super) fn read<'s>(
     Some(read.ok_or_else(|| Problem::MalformedAnnotation { text: text(), form }))
 }
 
-/// The form of an annotation, and the statement if the annotation has that form.
+/// The syntax of an annotation, and the statement if the annotation is well-formed.
 type Read<'s> = (&'static str, Option<Statement<'s>>);
 
 fn statement_of_comment<'s>(name: &str, argument: &'s str) -> Option<Read<'s>> {
@@ -130,13 +130,13 @@ fn constraint<'s>(kind: &'static ConstraintKind, argument: &'s str) -> Option<St
     (kind.read)(argument).map(|(argument, text)| Statement::Constraint(kind, argument, text))
 }
 
-/// True if a text is a regular expression that all readers of JSON Schema interpret alike: one without back references
+/// True if all JSON Schema validators interpret the regular expression in the same way, which excludes back references
 /// and look-around.
 fn is_pattern(text: &str) -> bool {
     !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::pattern::is_known(text)
 }
 
-/// Reads a length: two bounds with a comma between them, one of which may be absent, or one exact length.
+/// Parses a length: two bounds separated by a comma, one of which may be absent, or one exact length.
 fn length(argument: &str) -> Option<Statement<'_>> {
     let bound = |text: &str| match text.trim() {
         "" => Some(None),
@@ -160,7 +160,7 @@ fn prefixes(argument: &str) -> Option<Vec<Prefix<'_>>> {
             (is_identifier(prefix) && message.is_none_or(is_identifier)).then_some(Prefix { message, prefix })
         })
         .collect();
-    // An enum has one owner.
+    // All prefixes of an enum refer to the same message.
     prefixes.filter(|prefixes| {
         prefixes.first().is_some_and(|first| prefixes.iter().all(|prefix| prefix.message == first.message))
     })

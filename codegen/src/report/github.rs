@@ -1,6 +1,6 @@
-//! Workflow commands of GitHub, which shows them beside the lines of a change.
+//! GitHub workflow commands, which add annotations to the lines of a change.
 //!
-//! The form: <https://docs.github.com/actions/reference/workflow-commands-for-github-actions>.
+//! Format: <https://docs.github.com/actions/reference/workflow-commands-for-github-actions>.
 
 use std::fmt::Write as _;
 
@@ -29,12 +29,12 @@ pub(super) fn write(report: &Report) -> String {
     text
 }
 
-/// The properties of a part of a file; there are none for bytes.
+/// The properties of a region; empty for bytes.
 fn region(region: Region) -> String {
     match region {
         Region::Whole | Region::Byte(_) => String::new(),
         Region::Line(line) => format!(",line={line}"),
-        // Columns mean something only within one line.
+        // Columns are valid only within one line.
         Region::Text { start, end } if start.line == end.line => {
             format!(",line={0},endLine={0},col={1},endColumn={2}", start.line, start.column, end.column)
         }
@@ -42,12 +42,12 @@ fn region(region: Region) -> String {
     }
 }
 
-/// Escapes what would end the message.
+/// Escapes characters that would end the message.
 fn data(text: &str) -> String {
     text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
 }
 
-/// Escapes what would end a property.
+/// Escapes characters that would end a property.
 fn property(text: &str) -> String {
     data(text).replace(':', "%3A").replace(',', "%2C")
 }

@@ -1,4 +1,4 @@
-//! A JSON list of findings.
+//! Findings as a JSON list.
 
 use serde_json::{Map, Value, json};
 
@@ -7,7 +7,7 @@ use crate::source::Position;
 
 pub(super) fn write(report: &Report) -> String {
     let entries: Vec<Value> = report.entries.iter().map(entry).collect();
-    // Values of this kind can always be written.
+    // Serializing these values can't fail.
     serde_json::to_string_pretty(&entries).map_or_else(|_| String::new(), |text| text + "\n")
 }
 

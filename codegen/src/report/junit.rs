@@ -1,4 +1,4 @@
-//! Results of tests as `JUnit` writes them, which GitLab, Jenkins and others show.
+//! Test results as `JUnit` XML, which GitLab, Jenkins and others display.
 //!
 //! ```
 //! use uavspec_codegen::report::junit::{Case, Suite, write};

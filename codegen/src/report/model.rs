@@ -1,4 +1,4 @@
-//! A report, whatever its format.
+//! The format-independent report.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -9,81 +9,81 @@ use crate::finding::Finding;
 use crate::lint;
 use crate::source::{Position, SourceMap, Span};
 
-/// Where the project presents itself.
+/// The website of the project.
 pub(super) const PROJECT_URL: &str = "https://uavspec.dev/";
 
-/// Where the documentation has a page for each rule.
+/// The URL of the rule pages.
 pub const RULES_URL: &str = "https://uavspec.dev/docs/rules/";
 
-/// The page there on all that the readers report and that is no rule.
+/// The page of parser errors that are not rules.
 pub const READING_PAGE: &str = "reading";
 
-/// What was found.
+/// The result of a command.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// What judged: `lint`, `breaking`, `check`.
+    /// The command: `lint`, `breaking` or `check`.
     pub command: &'static str,
-    /// All rules that were applied, by id.
+    /// The applied rules, by id.
     pub rules: Vec<RuleInfo>,
-    /// What they found, in the order in which it is to be shown.
+    /// The findings, in output order.
     pub entries: Vec<Entry>,
 }
 
-/// A rule, as far as a report tells it.
+/// A rule in a report.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RuleInfo {
-    /// Its id.
+    /// The id.
     pub id: Cow<'static, str>,
-    /// What it demands, in Markdown.
+    /// The requirement, in Markdown.
     pub purpose: Cow<'static, str>,
-    /// How grave a breach is.
+    /// The severity of a violation.
     pub level: Level,
-    /// A page that says more; empty where there is none.
+    /// The URL of its page; empty if there is none.
     pub url: String,
 }
 
-/// Something that a rule found.
+/// A finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
     /// The id of the rule.
     pub rule: Cow<'static, str>,
-    /// Whom it breaks, where rules tell that.
+    /// The affected category, if any.
     pub category: Option<&'static str>,
-    /// How grave it is.
+    /// The severity.
     pub level: Level,
-    /// What is the matter.
+    /// The problem.
     pub message: String,
-    /// What to do about it, or what comes of it; may be empty.
+    /// The advice or the consequence; may be empty.
     pub help: String,
-    /// Where.
+    /// The location.
     pub place: Place,
-    /// Which part of what stands there, where that has a name: a JSON pointer, or the path of a field. May be empty.
+    /// The part of the item at this location: a JSON pointer or the path of a field. May be empty.
     pub part: String,
-    /// What else is known of it, each under a name.
+    /// Further facts, each with a name.
     pub facts: Vec<(&'static str, String)>,
-    /// Where it was, and where it is, where two sets were compared.
+    /// The old and the new location, in a comparison.
     pub sides: Option<(Option<Place>, Option<Place>)>,
-    /// Other places that have to do with it, each with a word on how.
+    /// Other relevant locations, each with a label.
     pub related: Vec<(Place, String)>,
-    /// Whether it can be mended without a person.
+    /// True if there is an automatic fix.
     pub is_fixable: bool,
-    /// A page that says more of its rule; empty where there is none.
+    /// The URL of the rule's page; empty if there is none.
     pub url: String,
 }
 
 /// A file, or a part of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The file, with `/` on every system.
+    /// The path of the file, with `/` on every system.
     pub path: String,
-    /// Which part.
+    /// The part.
     pub region: Region,
 }
 
 /// A part of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Region {
-    /// All of it.
+    /// The whole file.
     Whole,
     /// A range of characters.
     Text {
@@ -94,12 +94,12 @@ pub enum Region {
     },
     /// A line, from 1.
     Line(u64),
-    /// What starts at a byte, from 0; how long it is isn't known.
+    /// The data from a byte offset on; its length is unknown.
     Byte(u64),
 }
 
 impl Region {
-    /// The line where it starts; none where lines mean nothing.
+    /// The line where the region starts, or `None` if it has no lines.
     pub fn line(self) -> Option<u64> {
         match self {
             Self::Text { start, .. } => Some(start.line as u64),
@@ -122,7 +122,7 @@ impl fmt::Display for Place {
 }
 
 impl RuleInfo {
-    /// Of a rule that the documentation has a page of.
+    /// Creates an entry for a rule that has a page.
     pub fn new(id: &'static str, purpose: &'static str, level: Level) -> Self {
         Self { id: id.into(), purpose: purpose.into(), level, url: rule_url(id) }
     }
@@ -135,15 +135,15 @@ pub enum Format {
     Json,
     /// Annotations of a workflow on GitHub.
     Github,
-    /// SARIF 2.1.0, which code scanners exchange.
+    /// SARIF 2.1.0, for code scanning.
     Sarif,
-    /// The results of tests, as `JUnit` writes them and CI systems show them.
+    /// `JUnit` XML, for CI systems.
     #[cfg(feature = "junit")]
     Junit,
 }
 
 impl Place {
-    /// Of a span.
+    /// The location of a span.
     pub fn of(span: Span, sources: &SourceMap) -> Self {
         let path = sources.path(sources.source_of(span)).to_owned();
         let end = Span { start: span.end, end: span.end };
@@ -153,7 +153,7 @@ impl Place {
 }
 
 impl Entry {
-    /// Of a finding in definitions.
+    /// Converts a finding.
     pub fn of(finding: &Finding, sources: &SourceMap) -> Self {
         let place = |span: Span| Place::of(span, sources);
         Self {
@@ -173,7 +173,7 @@ impl Entry {
     }
 }
 
-/// The page of the documentation on a rule, or the place in one on an error of the readers.
+/// The URL of a rule's page, or of a section on a parser error.
 pub fn rule_url(rule: &str) -> String {
     match reader_kind(rule) {
         Some(_) => format!("{RULES_URL}{READING_PAGE}.html#{rule}"),
@@ -181,14 +181,14 @@ pub fn rule_url(rule: &str) -> String {
     }
 }
 
-/// What the readers report under this id, where it is no rule of `lint` too.
+/// The parser error with this id, unless it is also a rule of `lint`.
 fn reader_kind(id: &str) -> Option<&'static ProblemKind> {
     let kind = Problem::KINDS.iter().find(|kind| kind.code == id)?;
     lint::rule(id).is_none().then_some(kind)
 }
 
 impl Report {
-    /// The rules that were applied, and after them those that entries name beside: errors of the readers.
+    /// The applied rules, followed by the parser errors that occurred.
     pub(super) fn all_rules(&self) -> Vec<RuleInfo> {
         let mut rules = self.rules.clone();
         let mut known: BTreeSet<&str> = self.rules.iter().map(|rule| &*rule.id).collect();

@@ -1,10 +1,10 @@
-//! SARIF 2.1.0, which code scanning on GitHub and in editors takes.
+//! SARIF 2.1.0, which GitHub and editors support for code scanning.
 //!
-//! Written with `serde_json` and not with `serde-sarif`: that one makes its types from the schema in a build
-//! script, which brings 22 crates, among them syn 1, syn 2 and a regex, and took 10 s of 15 to compile where
-//! JSON alone took 5. What is written here are ten objects.
+//! Uses `serde_json` rather than `serde-sarif`, whose build script generates types from the schema. That adds 22
+//! dependencies, including syn 1, syn 2 and a regex engine, and takes 10 s longer to compile (15 s instead of 5 s).
+//! This module writes only ten kinds of objects.
 //!
-//! The form: <https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html>, and what GitHub takes of it:
+//! Format: <https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html>. GitHub's subset:
 //! <https://docs.github.com/en/code-security/reference/code-scanning/sarif-files/sarif-support>.
 
 use std::collections::BTreeMap;
@@ -17,19 +17,19 @@ use super::model::{Entry, PROJECT_URL, Place, Region, Report, RuleInfo};
 use crate::diagnostic::Level;
 use crate::prose::{gist, percent_encoded};
 
-/// The schema of the format.
+/// The URL of the format's schema.
 const SCHEMA: &str = "https://json.schemastore.org/sarif-2.1.0.json";
 
-/// Longest short description, in characters; GitHub shows it as a title.
+/// The maximum length of a short description, in characters; GitHub shows it as a title.
 const MAX_TITLE: usize = 200;
 
-/// How fingerprints are made, by name: other names for other ways.
+/// The name of the fingerprint algorithm; it changes with the algorithm.
 ///
-/// GitHub looks at `primaryLocationLineHash` only, which its upload action makes from the text of the line;
-/// that action warns of each result that brings one of its own.
+/// GitHub uses only `primaryLocationLineHash`, which its upload action computes from the line's text. The action warns
+/// if a result already contains it.
 const FINGERPRINT: &str = "uavspecFinding/v1";
 
-/// How many bytes of a hash are kept.
+/// The number of bytes of the hash in a fingerprint.
 const FINGERPRINT_LEN: usize = 16;
 
 pub(super) fn write(report: &Report) -> String {
@@ -44,13 +44,13 @@ pub(super) fn write(report: &Report) -> String {
                 "informationUri": PROJECT_URL,
                 "rules": rules.iter().map(rule).collect::<Vec<_>>(),
             } },
-            // Results of one command don't replace those of another.
+            // Results of one command must not replace those of another.
             "automationDetails": { "id": format!("uavspec/{}/", report.command) },
             "columnKind": "unicodeCodePoints",
             "results": results(report, &rules),
         }],
     });
-    // Values of this kind can always be written.
+    // Serializing these values can't fail.
     serde_json::to_string_pretty(&log).map_or_else(|_| String::new(), |text| text + "\n")
 }
 
@@ -126,7 +126,7 @@ fn result(entry: &Entry, rule_index: Option<usize>, fingerprint: &str) -> Value 
     Value::Object(object)
 }
 
-/// The old side of a comparison, and all other places that have to do with it.
+/// The old location in a comparison, and other relevant locations.
 fn related(entry: &Entry) -> Vec<Value> {
     let old = entry.sides.iter().filter_map(|(old, _)| old.as_ref()).map(|place| (place, "before"));
     let others = entry.related.iter().map(|(place, label)| (place, label.as_str()));
@@ -150,7 +150,7 @@ fn place(place: &Place) -> Value {
     json!({ "artifactLocation": artifact, "region": region })
 }
 
-/// The address of a file: relative to whatever the reader takes for the root, where the path is.
+/// The URI of a file. A relative path stays relative to the reader's root.
 fn uri(path: &str) -> String {
     let has_drive = matches!(path.as_bytes(), [drive, b':', b'/', ..] if drive.is_ascii_alphabetic());
     match path.split_at_checked(2) {
@@ -160,16 +160,16 @@ fn uri(path: &str) -> String {
     }
 }
 
-/// A text in which nothing is taken for a link: `[text](address)` is one even in plain messages.
+/// Prevents links: `[text](address)` is a link even in plain messages.
 fn message(text: &str) -> String {
     text.replace("](", "] (")
 }
 
-/// What stays of a finding when lines move.
+/// The identity of a finding, independent of its line.
 fn fingerprint(entry: &Entry) -> String {
     let mut hash = Sha256::new();
     for part in [&*entry.rule, entry.category.unwrap_or_default(), &entry.place.path, &entry.message] {
-        // With its length, so that no two lists of parts are the same bytes.
+        // Include the lengths, so that different lists of parts never produce the same bytes.
         hash.update((part.len() as u64).to_le_bytes());
         hash.update(part);
     }

@@ -1,4 +1,4 @@
-//! Each format, read back as another program reads it: whatever texts hold, values are the same.
+//! Tests that read each format back and compare the values.
 
 use serde_json::{Value, json};
 
@@ -7,11 +7,11 @@ use crate::diagnostic::{Level, Problem};
 use crate::lint::RULES;
 use crate::source::Position;
 
-/// All that ends, opens or escapes something in one of the formats.
+/// Characters with a special meaning in one of the formats.
 const HOSTILE: &str =
     "50% ]]> <b a=\"'\"> &amp; [x](javascript:y) a:b,c\r\n::error::x\u{7}\u{1b}[31m\u{ffff} é 🛩";
 
-/// A path with blanks and characters that addresses and workflow commands escape.
+/// A path with spaces and characters that URLs and workflow commands escape.
 const PATH: &str = "msg/Flügel a%20b#1,2:3.msg";
 
 fn place(path: &str, line: usize, column: usize, end_column: usize) -> Place {
@@ -63,7 +63,7 @@ fn sarif(report: &Report) -> Value {
 }
 
 #[test]
-fn sarif_holds_what_was_found() {
+fn sarif_contains_all_findings() {
     let report = hostile();
     let log = sarif(&report);
     let run = &log["runs"][0];
@@ -95,7 +95,7 @@ fn every_result_of_sarif_has_its_rule() {
     let log = sarif(&hostile());
     let rules = log["runs"][0]["tool"]["driver"]["rules"].as_array().expect("rules").clone();
     let ids: Vec<&Value> = rules.iter().map(|rule| &rule["id"]).collect();
-    assert_eq!(ids, ["quiet", "unit-missing", "unknown-type"], "errors of the readers come after the rules");
+    assert_eq!(ids, ["quiet", "unit-missing", "unknown-type"], "parser errors follow the rules");
     for result in log["runs"][0]["results"].as_array().expect("results") {
         let index = usize::try_from(result["ruleIndex"].as_u64().expect("an index")).expect("small");
         assert_eq!(rules[index]["id"], result["ruleId"]);
@@ -109,7 +109,7 @@ fn every_result_of_sarif_has_its_rule() {
 }
 
 #[test]
-fn fingerprints_outlast_moves_and_tell_findings_apart() {
+fn fingerprints_survive_moves_and_distinguish_findings() {
     let fingerprints = |report: &Report| -> Vec<String> {
         let log = sarif(report);
         let results = log["runs"][0]["results"].as_array().expect("results").clone();
@@ -132,7 +132,7 @@ fn fingerprints_outlast_moves_and_tell_findings_apart() {
 }
 
 #[test]
-fn addresses_of_absolute_paths_are_of_files() {
+fn absolute_paths_become_file_urls() {
     for (path, expected) in [
         ("/a b/c.msg", "file:///a%20b/c.msg"),
         ("C:/a b/c.msg", "file:///C:/a%20b/c.msg"),
@@ -148,7 +148,7 @@ fn addresses_of_absolute_paths_are_of_files() {
 }
 
 #[test]
-fn workflow_commands_hold_one_line_each() {
+fn each_workflow_command_is_one_line() {
     let text = hostile().to_text(Format::Github);
     let lines: Vec<&str> = text.split_terminator('\n').collect();
     assert_eq!(lines.len(), 3, "{text}");
@@ -158,7 +158,7 @@ fn workflow_commands_hold_one_line_each() {
         let text = text.replace("%0A", "\n").replace("%0D", "\r").replace("%3A", ":").replace("%2C", ",");
         text.replace("%25", "%")
     };
-    // Neither `::` nor `,` within a property can end it.
+    // Neither `::` nor `,` may end a property early.
     let (properties, message) = lines[0]["::warning ".len()..].split_once("::").expect("a message");
     let properties: Vec<String> = properties.split(',').map(unescaped).collect();
     let file = format!("file={PATH}");
@@ -170,14 +170,14 @@ fn workflow_commands_hold_one_line_each() {
 }
 
 #[test]
-fn json_holds_texts_as_they_are() {
+fn json_preserves_texts() {
     let list: Value = serde_json::from_str(&hostile().to_text(Format::Json)).expect("JSON");
     assert_eq!((&list[0]["message"], &list[0]["file"]), (&json!(HOSTILE), &json!(PATH)));
     assert_eq!(list[1]["url"], "https://uavspec.dev/docs/rules/reading.html#unknown-type");
 }
 
 #[test]
-fn places_are_lines_bytes_or_whole_files_too() {
+fn reports_lines_bytes_and_whole_files() {
     let at = |region| {
         let place = Place { path: "a.ulg".to_owned(), region };
         let entry = Entry { place, url: String::new(), ..entry("quiet", Level::Error, "a") };
@@ -203,7 +203,7 @@ fn places_are_lines_bytes_or_whole_files_too() {
 }
 
 #[test]
-fn addresses_tell_rules_from_errors_of_the_readers() {
+fn rules_and_parser_errors_have_different_urls() {
     for kind in Problem::KINDS {
         let is_rule = RULES.iter().any(|rule| rule.id == kind.code);
         let page =
@@ -269,7 +269,7 @@ mod junit {
     }
 
     #[test]
-    fn nothing_found_is_a_case_that_passed() {
+    fn no_findings_are_a_passed_case() {
         let cases_of_rules = cases(&report(Vec::new()));
         assert_eq!(cases_of_rules.iter().map(class).collect::<Vec<_>>(), ["lint.quiet", "lint.unit-missing"]);
         let none = cases(&Report { command: "lint", rules: Vec::new(), entries: Vec::new() });

@@ -1,4 +1,4 @@
-//! The ids of messages.
+//! Assigns ids to messages.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use crate::schema::{CdrSize, Dialect, Docs, Form, Interface, Kind, Message, Pack
 use crate::span::Span;
 
 impl<'s> Resolver<'s> {
-    /// Gives each message its id, in the order of package, kind and name.
+    /// Assigns an id to each message, in the order of package, kind and name.
     pub(super) fn declare(&mut self, packages: &[PackageSource<'s>]) {
         for (package, source) in packages.iter().enumerate() {
             self.package_by_name.insert(source.name.clone(), package);
@@ -27,10 +27,10 @@ impl<'s> Resolver<'s> {
                     let problem =
                         Problem::DuplicateMessage { name: stem.to_owned(), package: source.name.clone() };
                     let mut diagnostic = Diagnostic::new(problem, span.part(0..0))
-                        .with_related(place.part(0..0), "the first one");
+                        .with_related(place.part(0..0), "first definition");
                     if earlier != stem {
                         let hint = format!(
-                            "on some systems `{earlier}` and `{stem}` are one file: rename one of them"
+                            "some file systems don't distinguish `{earlier}` and `{stem}`; rename one of them"
                         );
                         diagnostic = diagnostic.with_hint(hint);
                     }

@@ -1,4 +1,4 @@
-//! Which constants the fields that are annotated with an enum hold.
+//! Finds the constants of enum fields.
 
 use uavspec_runtime::Scalar;
 
@@ -9,11 +9,11 @@ use crate::msg::statement::Prefix;
 use crate::schema::{Element, EnumRef, MessageId};
 use crate::source::Span;
 
-/// Most members that all enums of a run may have together.
+/// The maximum number of members of all enums together.
 const MAX_MEMBERS: usize = 1 << 20;
 
 impl<'s> Resolver<'s> {
-    /// The message whose constants are meant: this one, or the one that the prefix names.
+    /// The message that defines the constants: this one, or the one in the prefix.
     pub(super) fn enum_owner(
         &mut self,
         index: usize,
@@ -27,13 +27,13 @@ impl<'s> Resolver<'s> {
     }
 
     pub(super) fn enums(&mut self) {
-        for wanted in std::mem::take(&mut self.pending) {
-            self.enumeration(&wanted);
+        for pending in std::mem::take(&mut self.pending) {
+            self.enumeration(&pending);
         }
     }
 
-    fn enumeration(&mut self, wanted: &PendingEnum) {
-        let field = &self.schema.messages[wanted.message].fields[wanted.field];
+    fn enumeration(&mut self, pending: &PendingEnum) {
+        let field = &self.schema.messages[pending.message].fields[pending.field];
         let scalar = match field.ty.element {
             Element::Scalar(scalar) if scalar.integer_bounds().is_some() => scalar,
             element => {
@@ -43,39 +43,39 @@ impl<'s> Resolver<'s> {
                     Element::Message(_) => "message",
                 };
                 let problem = Problem::EnumOnNonInteger { type_name: type_name.to_owned() };
-                self.report(Diagnostic::new(problem, wanted.span));
+                self.report(Diagnostic::new(problem, pending.span));
                 return;
             }
         };
-        let key = (wanted.owner, wanted.prefixes.clone(), scalar, wanted.is_flags);
+        let key = (pending.owner, pending.prefixes.clone(), scalar, pending.is_flags);
         let reference = match self.gathered.get(&key) {
             Some(known) => *known,
-            None => self.gather(wanted, scalar),
+            None => self.gather(pending, scalar),
         };
         self.gathered.insert(key, reference);
-        self.schema.messages[wanted.message].fields[wanted.field].enumeration = reference;
+        self.schema.messages[pending.message].fields[pending.field].enumeration = reference;
     }
 
-    /// Gathers an enum that no field has asked for before; none where it has no members.
-    fn gather(&mut self, wanted: &PendingEnum, scalar: Scalar) -> Option<EnumRef> {
-        let owner = self.schema.message(wanted.owner);
+    /// Creates a new enum, or returns `None` if it would have no members.
+    fn gather(&mut self, pending: &PendingEnum, scalar: Scalar) -> Option<EnumRef> {
+        let owner = self.schema.message(pending.owner);
         let by_prefix = self
             .by_prefix
-            .entry(wanted.owner)
-            .or_insert_with(|| by_prefix(owner, &self.claimed[wanted.owner.0 as usize]));
-        for prefix in &wanted.prefixes {
+            .entry(pending.owner)
+            .or_insert_with(|| by_prefix(owner, &self.claimed[pending.owner.0 as usize]));
+        for prefix in &pending.prefixes {
             if !by_prefix.is_used(prefix) {
                 let problem = Problem::UnknownEnum { prefix: prefix.clone(), place: owner.name.clone() };
-                self.diagnostics.push(Diagnostic::new(problem, wanted.span));
+                self.diagnostics.push(Diagnostic::new(problem, pending.span));
             }
         }
-        self.members += wanted.prefixes.iter().map(|prefix| by_prefix.count(prefix)).sum::<usize>();
+        self.members += pending.prefixes.iter().map(|prefix| by_prefix.count(prefix)).sum::<usize>();
         if self.members > MAX_MEMBERS {
             let problem = Problem::TooManyMembers { max: MAX_MEMBERS };
-            self.diagnostics.push(Diagnostic::new(problem, wanted.span));
+            self.diagnostics.push(Diagnostic::new(problem, pending.span));
             return None;
         }
-        let candidate = by_prefix.gather(owner, &wanted.prefixes, scalar, wanted.is_flags);
+        let candidate = by_prefix.gather(owner, &pending.prefixes, scalar, pending.is_flags);
         for (constant, value) in candidate.out_of_range {
             let constant = &owner.constants[constant];
             let problem = Problem::EnumValueOutOfRange {
@@ -83,14 +83,14 @@ impl<'s> Resolver<'s> {
                 value: value.to_string(),
                 type_name: scalar.name().to_owned(),
             };
-            let diagnostic = Diagnostic::new(problem, wanted.span);
+            let diagnostic = Diagnostic::new(problem, pending.span);
             self.diagnostics.push(diagnostic.with_related(constant.span, "the constant"));
         }
         if candidate.found.members.is_empty() {
             return None;
         }
-        let enums = &mut self.schema.messages[wanted.owner.0 as usize].enums;
+        let enums = &mut self.schema.messages[pending.owner.0 as usize].enums;
         enums.push(candidate.found);
-        Some(EnumRef { message: wanted.owner, index: enums.len() - 1 })
+        Some(EnumRef { message: pending.owner, index: enums.len() - 1 })
     }
 }

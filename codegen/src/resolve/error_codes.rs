@@ -1,4 +1,4 @@
-//! Resolution of the tables of all pages to the model.
+//! Resolves the error-code tables of all pages.
 
 mod alternatives;
 mod prose;
@@ -15,7 +15,7 @@ use crate::source::Span;
 use crate::table::error_code::{self, ErrorCodeRow, ErrorCodeTable, range_text};
 use crate::table::{Page, Text};
 
-/// Resolves the error codes of all `pages` of a package, sorted by their ranges.
+/// Resolves the error codes of all `pages` of a package. The tables are sorted by their ranges.
 pub(super) fn resolve(pages: &[Page]) -> (Vec<ErrorTable>, Vec<Diagnostic>) {
     let mut resolver = Resolver::default();
     let tables: Vec<ErrorCodeTable<'_>> = pages.iter().flat_map(|page| resolver.read(page)).collect();
@@ -74,16 +74,16 @@ fn error_code(
     }
 }
 
-/// Whether a cell says that there is nothing to say.
+/// True if a cell is empty or contains a dash.
 fn is_none(text: &str) -> bool {
     matches!(text, "" | "-" | "–" | "—")
 }
 
-/// What is known of all pages while they are resolved.
+/// The state of the resolution.
 #[derive(Default)]
 struct Resolver {
     diagnostics: Vec<Diagnostic>,
-    /// Where each code is first defined; nowhere, if its row can't be read.
+    /// The location of the first definition of each code, or `None` if its row can't be read.
     known: BTreeMap<u32, Option<Span>>,
 }
 
@@ -103,7 +103,7 @@ impl Resolver {
         tables
     }
 
-    /// All rows with the index of their table, but of each code only the first.
+    /// All rows with the index of their table, without duplicates of a code.
     fn unique_rows<'t, 'p>(
         &mut self,
         tables: &'t [ErrorCodeTable<'p>],
@@ -159,7 +159,7 @@ impl Resolver {
         }
     }
 
-    /// Vendors share the codes from 256: what one has set apart, no other may use.
+    /// Reports overlapping blocks from code 256 on. Vendors share these codes, and each block belongs to one vendor.
     fn check_overlaps(&mut self, tables: &[ErrorCodeTable<'_>]) {
         let shared =
             |table: &&ErrorCodeTable<'_>| table.block.as_ref().is_some_and(|block| *block.codes.end() > 255);
@@ -182,7 +182,7 @@ impl Resolver {
         }
     }
 
-    /// For each row the codes that it refers to, and those that it is an alternative of.
+    /// The references and the alternatives of each row.
     fn codes(&mut self, rows: &[(usize, &ErrorCodeRow<'_>)]) -> Vec<(Vec<u32>, Vec<u32>)> {
         let mut alternatives = Alternatives::default();
         let see_also: Vec<Vec<u32>> =
@@ -245,7 +245,7 @@ mod tests {
         (tables, diagnostics.iter().map(shown).collect())
     }
 
-    /// Rows under a heading for warnings, as a page.
+    /// A page with rows under a heading for warnings.
     fn warnings(rows: &[&str]) -> String {
         format!("# Warnings (codes 64-127)\n|Code|Abbr|Description|\n|-|-|-|\n{}\n", rows.join("\n"))
     }
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn all_forms_of_a_page_give_the_same_model() {
+    fn all_forms_of_a_page_produce_the_same_model() {
         let markdown = "# Boats\n\n## Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n|-:|--|--|\n\
             | 65 | LEAK | Water in the hull (since 2.10). Use this error code only if it floats; otherwise use code 130. |\n\
             | 64 | | See code 65. |\n\n\
@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn all_mistakes_of_all_pages_are_reported_at_once() {
+    fn all_errors_of_all_pages_are_reported() {
         let first = warnings(&[
             "|64|A|see code 9|",
             "|65|A|x|",
@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn a_code_and_those_it_names_are_alternatives_of_each_other() {
+    fn listed_codes_become_mutual_alternatives() {
         let text = warnings(&[
             "|64|A|Use this error code only if afloat; otherwise use code 65 or 66.|",
             "|65|B|Use this error code only if sinking; otherwise use codes 64 or 66.|",
@@ -344,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slip_in_one_set_of_alternatives_spreads_no_further() {
+    fn an_error_in_one_set_of_alternatives_does_not_affect_others() {
         let text = warnings(&[
             "|64|A|Use this error code only if afloat; otherwise use code 66.|",
             "|65|B|Use this error code only if sunk; otherwise use code 64.|",
@@ -359,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_under_one_heading_are_one_table_and_classes_may_have_several() {
+    fn parts_under_one_heading_are_one_table() {
         let head = "Code|Abbr|Description\n-|-|-\n";
         let first = format!("# Boats (codes 512-767)\n{head}512|A|x\n\nMore:\n\n{head}513|-|x\n");
         let (tables, diagnostics) = resolve_texts(&[
@@ -370,11 +370,11 @@ mod tests {
         assert_eq!(diagnostics, []);
         let sizes: Vec<usize> = tables.iter().map(|table| table.codes.len()).collect();
         assert_eq!(sizes, [1, 1, 2]);
-        assert_eq!(tables[2].codes[1].abbreviation, None, "a dash says that there is none");
+        assert_eq!(tables[2].codes[1].abbreviation, None, "a dash means no abbreviation");
     }
 
     #[test]
-    fn a_column_for_the_version_comes_before_the_description() {
+    fn a_version_column_overrides_the_description() {
         let text =
             "# Warnings\nCode|Abbr|Description|Since\n-|-|-|-\n|64|A|since 2.1|2.3|\n|65|B|since 2.1||\n";
         let (tables, _) = resolve_texts(&[("a.md", text)]);
@@ -383,7 +383,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_grows_with_the_square_of_the_codes() {
+    fn time_and_memory_are_linear_in_the_number_of_codes() {
         let mut text = "# Boats (codes 32768 and above)\nCode|Abbr|Description\n-|-|-\n".to_owned();
         let mut all = String::new();
         for code in 40_000..50_000 {
@@ -396,6 +396,6 @@ mod tests {
         assert_eq!(tables[0].codes[0].alternatives.len(), 16);
         assert_eq!(tables[0].codes[0].see_also.len(), 10_000);
         let too_many = diagnostics.iter().filter(|(code, _)| *code == "too-many-alternatives").count();
-        assert_eq!(too_many, 1, "reported once, not for each of thousands");
+        assert_eq!(too_many, 1, "reported once, not for each code");
     }
 }

@@ -1,4 +1,4 @@
-//! Enums from the prefixes of constants.
+//! Collects enums from prefixes of constants.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,23 +7,22 @@ use uavspec_runtime::Scalar;
 use crate::schema::enumeration::{is_sentinel, longest_prefix};
 use crate::schema::{Element, Enum, Member, Message};
 
-/// What an enum would have, but for the range of its type.
+/// An enum, and the members that are out of range.
 pub(super) struct Candidate {
     pub(super) found: Enum,
-    /// Constants that the type can't hold: index and value.
+    /// Constants that don't fit the type: index and value.
     pub(super) out_of_range: Vec<(usize, i128)>,
 }
 
-/// The constants of a message by the prefix that they belong to: the longest of all claimed prefixes
-/// that they start with.
+/// The constants of a message by prefix. Each constant belongs to the longest claimed prefix of its name.
 pub(super) struct ByPrefix {
-    /// For each claimed prefix its members, in declared order.
+    /// The members of each claimed prefix, in declaration order.
     members: BTreeMap<String, Vec<Member>>,
-    /// All names, sorted.
+    /// The sorted names of all constants.
     names: BTreeSet<String>,
 }
 
-/// Divides the constants of `message` among the `claimed` prefixes, once for all fields.
+/// Groups the constants of `message` by the `claimed` prefixes of all fields.
 pub(super) fn by_prefix(message: &Message, claimed: &BTreeSet<String>) -> ByPrefix {
     let mut members: BTreeMap<String, Vec<Member>> = BTreeMap::new();
     for (index, constant) in message.constants.iter().enumerate() {
@@ -38,18 +37,18 @@ pub(super) fn by_prefix(message: &Message, claimed: &BTreeSet<String>) -> ByPref
 }
 
 impl ByPrefix {
-    /// Whether any constant starts with `prefix` and `_`.
+    /// True if a constant starts with `prefix` and `_`.
     pub(super) fn is_used(&self, prefix: &str) -> bool {
         let start = format!("{prefix}_");
         self.names.range(start.clone()..).next().is_some_and(|name| name.starts_with(&start))
     }
 
-    /// How many constants belong to `prefix`.
+    /// The number of constants with this prefix.
     pub(super) fn count(&self, prefix: &str) -> usize {
         self.members.get(prefix).map_or(0, Vec::len)
     }
 
-    /// Gathers the enum of `prefixes`.
+    /// Creates the enum of `prefixes`.
     pub(super) fn gather(
         &self,
         message: &Message,
@@ -71,21 +70,21 @@ impl ByPrefix {
             members.into_iter().partition(|member| (least..=greatest).contains(&member.value));
         let out_of_range = outside.into_iter().map(|member| (member.constant, member.value)).collect();
         let mut found = Enum { prefixes: prefixes.to_vec(), scalar, is_flags, members: fitting };
-        tell_apart(&mut found, message);
+        make_names_unique(&mut found, message);
         Candidate { found, out_of_range }
     }
 }
 
-/// Whether the constants of a mask number its bits (`0, 1, 2, 3`) rather than being masks (`1, 2, 4`):
-/// so where not all are powers of two and each is the number of a bit of the type.
+/// True if the constants of a mask are bit numbers (`0, 1, 2, 3`) rather than masks (`1, 2, 4`): not all are powers of
+/// two, and each is a valid bit number of the type.
 fn are_bit_numbers(members: &[Member], scalar: Scalar) -> bool {
     let bits = 8 * i128::try_from(scalar.size()).unwrap_or(0);
     members.iter().all(|member| (0..bits).contains(&member.value))
         && members.iter().any(|member| member.value.count_ones() > 1)
 }
 
-/// Members of two prefixes may be called the same: those of all but the first prefix then keep it.
-fn tell_apart(found: &mut Enum, message: &Message) {
+/// Makes the names of members unique: a duplicate gets its full name, with the prefix.
+fn make_names_unique(found: &mut Enum, message: &Message) {
     let mut seen = BTreeSet::new();
     for member in &mut found.members {
         if !seen.insert(member.name.clone()) {

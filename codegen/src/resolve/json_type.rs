@@ -1,4 +1,4 @@
-//! Resolution of the types and messages of all pages of a package.
+//! Resolves the types and messages on all pages of a package.
 
 mod endless;
 mod kind;
@@ -22,36 +22,36 @@ use crate::table::type_table::{
 };
 use crate::table::{Page, Text, type_table::Expression as Written};
 
-/// What a paragraph says of an object that has no further fields.
+/// Phrases for an object without further fields.
 const CLOSED: [&str; 2] = ["closed object", "object is closed"];
 
-/// What a paragraph may say of any other.
+/// The phrase for an object with further fields.
 const OPEN: &str = "further fields are allowed";
 
-/// A tuple has no more elements than this: nobody tells more of them apart by their place.
+/// The maximum number of elements of a tuple.
 const MAX_ELEMENTS: usize = 64;
 
-/// Beyond this many mistakes no similar names are looked for: the search is over all names.
+/// The maximum number of errors with a suggestion, because each suggestion compares all names.
 const MAX_SUGGESTIONS: usize = 100;
 
-/// No similar names are looked for that are longer than this.
+/// The maximum length of a name with a suggestion.
 const MAX_SUGGESTION_LEN: usize = 100;
 
-/// What a package defines beside error codes.
+/// The types and messages of a package.
 #[derive(Debug, Default)]
 pub(super) struct Resolved {
-    /// Its types, by name.
+    /// The types, by name.
     pub(super) types: Vec<JsonType>,
-    /// Its messages, by name.
+    /// The messages, by name.
     pub(super) messages: Vec<JsonMessage>,
-    /// For each page, whether it defines any of them, or was meant to.
+    /// True for each page with definitions, including invalid ones.
     pub(super) has_definitions: Vec<bool>,
-    /// What is wrong.
+    /// The problems found.
     pub(super) diagnostics: Vec<Diagnostic>,
 }
 
-/// Resolves the types and messages of all `pages` of the package at the index `package`. The first type gets the id
-/// `first`; with `has_error_codes` the names of error codes are types too.
+/// Resolves the types and messages of all `pages` of a package. `package` is its index and name, and `first` the id of
+/// the first type. With `has_error_codes`, the names of error codes are also types.
 pub(super) fn resolve(pages: &[Page], package: (usize, &str), first: u32, has_error_codes: bool) -> Resolved {
     let mut resolved = Resolved::default();
     let mut written = Definitions::default();
@@ -89,8 +89,8 @@ pub(super) fn resolve(pages: &[Page], package: (usize, &str), first: u32, has_er
     resolved
 }
 
-/// The definitions sorted by name, of each name the first. Names that differ in case alone are one file on some
-/// systems, so they are one name here.
+/// Sorts the definitions by name and removes duplicates. Names that differ only in case are duplicates, because some
+/// file systems don't distinguish their files.
 fn unique<'p, T>(
     mut written: Vec<T>,
     has_error_codes: bool,
@@ -98,13 +98,13 @@ fn unique<'p, T>(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Vec<T> {
     let mut known: BTreeMap<String, (&str, Span)> = BTreeMap::new();
-    // The spans tell which one was first.
+    // Sort by location, so the first definition wins.
     written.sort_by_key(|found| name_of(found).1);
     written.retain(|found| {
         let (name, span) = name_of(found);
         let problem = Problem::DuplicateType { name: name.to_owned() };
         if has_error_codes && matches!(name, ERROR_CODE | ERROR_LIST) {
-            let hint = "the tables of error codes define it";
+            let hint = "this name is reserved for error codes";
             diagnostics.push(Diagnostic::new(problem, span).with_hint(hint));
             return false;
         }
@@ -112,10 +112,10 @@ fn unique<'p, T>(
             known.insert(name.to_ascii_lowercase(), (name, span));
             return true;
         };
-        let mut diagnostic = Diagnostic::new(problem, span).with_related(place, "the first one");
+        let mut diagnostic = Diagnostic::new(problem, span).with_related(place, "first definition");
         if earlier != name {
             let hint =
-                format!("on some systems the files of `{earlier}` and `{name}` are one: rename one of them");
+                format!("some file systems don't distinguish `{earlier}` and `{name}`; rename one of them");
             diagnostic = diagnostic.with_hint(hint);
         }
         diagnostics.push(diagnostic);
@@ -180,18 +180,18 @@ impl Resolver<'_, '_> {
         }
     }
 
-    /// Elements can be left out at the end alone.
+    /// Reports required elements after optional ones.
     fn check_order(&mut self, elements: &[type_table::Member<'_>]) {
         let Some(optional) = elements.iter().position(|element| !element.is_required) else { return };
         for element in elements[optional..].iter().filter(|element| element.is_required) {
             let problem = Problem::RequiredAfterOptional { name: element.name.to_owned() };
             let diagnostic = Diagnostic::new(problem, element.span)
-                .with_related(elements[optional].span, "this may be left out");
+                .with_related(elements[optional].span, "this element is optional");
             self.diagnostics.push(diagnostic);
         }
     }
 
-    /// Whether the paragraphs above a set say that it is open.
+    /// True if the paragraphs above a set declare it as open. Reports an error unless exactly one of both is declared.
     fn is_open(&mut self, name: &str, paragraphs: &[&Text], span: Span) -> bool {
         let says = |word: &str| {
             let mut words =
@@ -200,23 +200,19 @@ impl Resolver<'_, '_> {
         };
         let (is_open, is_closed) = (says("open"), says("closed"));
         if is_open == is_closed {
-            let found = if is_open {
-                "said to be both open and closed"
-            } else {
-                "said to be neither open nor closed"
-            };
+            let found = if is_open { "both open and closed" } else { "neither open nor closed" };
             self.report(Problem::Openness { name: name.to_owned(), found }, span);
         }
         is_open
     }
 
-    /// Whether the paragraphs above an object say that it has no further fields.
+    /// True if the paragraphs above an object declare it as closed. Reports contradictions.
     fn is_closed(&mut self, name: &str, paragraphs: &[&Text], span: Span) -> bool {
         let says =
             |phrase: &str| paragraphs.iter().any(|text| text.as_str().to_ascii_lowercase().contains(phrase));
         let (is_closed, is_open) = (CLOSED.iter().any(|phrase| says(phrase)), says(OPEN));
         if is_closed && is_open {
-            let found = "said to be closed, and to allow further fields";
+            let found = "both closed and open to further fields";
             self.report(Problem::Openness { name: name.to_owned(), found }, span);
         }
         is_closed
@@ -229,7 +225,7 @@ impl Resolver<'_, '_> {
             if let Some(earlier) = first.get(member.name) {
                 let problem = Problem::DuplicateField { name: member.name.to_owned() };
                 self.diagnostics
-                    .push(Diagnostic::new(problem, member.span).with_related(*earlier, "the first one"));
+                    .push(Diagnostic::new(problem, member.span).with_related(*earlier, "first definition"));
                 continue;
             }
             first.insert(member.name, member.span);
@@ -249,13 +245,13 @@ impl Resolver<'_, '_> {
         members
     }
 
-    /// Takes up what the annotations of `note` say. One that says nothing about the type is reported.
+    /// Applies the annotations of `note`. Reports annotations that don't apply to the type.
     fn limit(&mut self, limits: &mut Limits, note: &Note<'_>, ty: Option<&Written>) {
-        // Of a type that can't be read nothing is known, and that was reported.
+        // An invalid type has already been reported.
         let Some(ty) = ty else { return };
         let (outer, inner) = (kinds(ty, &self.by_name, false), kinds(ty, &self.by_name, true));
         for annotation in &note.annotations {
-            let (name, is_meant) = match &annotation.statement {
+            let (name, is_applicable) = match &annotation.statement {
                 Statement::Unit(_) => ("[unit]", inner.has_number),
                 Statement::Constraint(..) => ("[@range]", inner.has_number),
                 Statement::Length { .. } => ("[@length]", outer.has_list || outer.has_string),
@@ -264,7 +260,7 @@ impl Resolver<'_, '_> {
                 Statement::Format(_) => ("[@format]", inner.has_string),
                 _ => continue,
             };
-            if !is_meant {
+            if !is_applicable {
                 let type_name = shown(ty);
                 self.report(Problem::MisplacedAnnotation { annotation: name, type_name }, annotation.span);
                 continue;
@@ -319,7 +315,7 @@ impl Resolver<'_, '_> {
             ExpressionKind::Either(all) => {
                 let mut alternatives = Vec::with_capacity(all.len());
                 for found in all.iter().map(|inner| self.expression(inner)) {
-                    // What is nested in parentheses says the same without them, and once is enough.
+                    // Flatten nested alternatives, and remove duplicates.
                     match found {
                         Expression::Either(inner) => alternatives.extend(inner),
                         other => alternatives.push(other),
@@ -353,18 +349,18 @@ impl Resolver<'_, '_> {
         Expression::Any
     }
 
-    /// A type whose name is close to `name`.
+    /// A type with a name similar to `name`.
     fn similar(&mut self, name: &str) -> Option<&str> {
         self.suggestions += 1;
         if self.suggestions > MAX_SUGGESTIONS || name.len() > MAX_SUGGESTION_LEN {
             return None;
         }
-        let most = |known: &str| 1 + known.len() / 5;
+        let max_distance = |known: &str| 1 + known.len() / 5;
         self.ids
             .keys()
-            .filter(|known| known.len().abs_diff(name.len()) <= most(known))
+            .filter(|known| known.len().abs_diff(name.len()) <= max_distance(known))
             .map(|known| (strsim::damerau_levenshtein(known, name), *known))
-            .filter(|(distance, known)| *distance <= most(known))
+            .filter(|(distance, known)| *distance <= max_distance(known))
             .min()
             .map(|(_, known)| known)
     }
@@ -405,7 +401,7 @@ impl Resolver<'_, '_> {
         for field in rest {
             if field.name == TYPE_FIELD {
                 let problem = Problem::DuplicateField { name: field.name.clone() };
-                let hint = "the heading of the message gives it: leave the row out";
+                let hint = "remove the row; the heading of the message defines this field";
                 self.diagnostics.push(Diagnostic::new(problem, field.span).with_hint(hint));
             } else {
                 fields.push(field);
@@ -429,14 +425,14 @@ fn integer(entry: &Entry<'_>) -> Option<SetValue<i64>> {
     Some(SetValue { value, description: entry.description.to_owned() })
 }
 
-/// Paragraphs as documentation: the first is the summary.
+/// Converts paragraphs to documentation. The first paragraph is the summary.
 fn docs<'t>(paragraphs: impl Iterator<Item = &'t str>) -> Docs {
     let mut paragraphs = paragraphs.filter(|text| !text.is_empty());
     let summary = paragraphs.next().unwrap_or_default().to_owned();
     Docs { summary, description: paragraphs.collect::<Vec<_>>().join("\n\n") }
 }
 
-/// The same, with what stands below the table. None of that is a summary.
+/// Adds the paragraphs below the table to the description.
 fn with_remarks(docs: Docs, remarks: &[&Text]) -> Docs {
     let description = [docs.description.as_str()].into_iter().chain(texts(remarks));
     let description: Vec<&str> = description.filter(|text| !text.is_empty()).collect();
@@ -447,7 +443,7 @@ fn texts<'t>(paragraphs: &[&'t Text]) -> impl Iterator<Item = &'t str> {
     paragraphs.iter().map(|text| text.as_str())
 }
 
-/// An expression for a message about it.
+/// An expression as text, for messages.
 fn shown(expression: &Written) -> String {
     match &expression.kind {
         ExpressionKind::Any => "any".to_owned(),

@@ -1,4 +1,4 @@
-//! Parts of files to messages: fields, constants, groups, topics, and what annotations say of them.
+//! Lowers syntax trees to messages: fields, constants, groups, topics and annotations.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -20,7 +20,7 @@ use crate::source::Span;
 use crate::value::Value;
 
 impl<'s> Resolver<'s> {
-    /// Fills in fields, constants, groups and topics of each message.
+    /// Sets the fields, constants, groups and topics of each message.
     pub(super) fn lower(&mut self, packages: &[PackageSource<'s>]) {
         self.claimed = vec![BTreeSet::new(); self.schema.messages.len()];
         for index in 0..self.schema.messages.len() {
@@ -35,7 +35,7 @@ impl<'s> Resolver<'s> {
     fn lower_part(&mut self, index: usize, part: &Part<'s>, dialect: Dialect) {
         let commentary = documentation::read(part, dialect);
         let duplicates = self.duplicates(part);
-        // Before all fields: an annotation may name a constant that stands below.
+        // Read constants first, because annotations may refer to constants below.
         self.constants = part
             .lines
             .iter()
@@ -64,7 +64,7 @@ impl<'s> Resolver<'s> {
         self.counts(index, part);
     }
 
-    /// The second and further declarations of a name, by its place.
+    /// The locations of duplicate declarations.
     fn duplicates(&mut self, part: &Part<'s>) -> BTreeSet<Span> {
         let mut fields: HashMap<&str, Span> = HashMap::new();
         let mut constants: HashMap<&str, Span> = HashMap::new();
@@ -84,7 +84,8 @@ impl<'s> Resolver<'s> {
                 Item::Field(_) => Problem::DuplicateField { name: name.text.to_owned() },
                 Item::Constant(_) => Problem::DuplicateConstant { name: name.text.to_owned() },
             };
-            self.diagnostics.push(Diagnostic::new(problem, name.span).with_related(*first, "the first one"));
+            self.diagnostics
+                .push(Diagnostic::new(problem, name.span).with_related(*first, "first definition"));
             duplicates.insert(name.span);
         }
         duplicates
@@ -134,7 +135,8 @@ impl<'s> Resolver<'s> {
                 Statement::Attribute(attribute, text) => {
                     field.attributes.insert(attribute.name, (*text).to_owned());
                 }
-                // A count is resolved with the whole message: the array may stand below. Pages alone have the others.
+                // Counts are resolved later, because the array may be below. The other annotations appear only on
+                // pages.
                 Statement::Count(_)
                 | Statement::Length { .. }
                 | Statement::Unique
@@ -162,7 +164,7 @@ impl<'s> Resolver<'s> {
         }
     }
 
-    /// A constraint on values of a type; none if it names an unknown constant.
+    /// A constraint on values of a type, or `None` if it refers to an unknown constant.
     fn constraint(
         &mut self,
         kind: &'static ConstraintKind,
@@ -188,7 +190,7 @@ impl<'s> Resolver<'s> {
         Some(Constraint { kind, stated, text: text.to_owned() })
     }
 
-    /// Reports a value of an annotation that the type can't hold.
+    /// Reports a value that doesn't fit the type.
     fn check_value(&mut self, value: &Value, ty: Type, span: Span) {
         if let Element::Scalar(scalar) = ty.element
             && !can_hold(scalar, value)
@@ -255,7 +257,7 @@ impl<'s> Resolver<'s> {
                 self.report(Diagnostic::new(Problem::InvalidTopic { topic: name }, *span));
             } else if let Some(earlier) = first.get(topic) {
                 let diagnostic = Diagnostic::new(Problem::DuplicateTopic { topic: name }, *span);
-                self.report(diagnostic.with_related(*earlier, "the first one"));
+                self.report(diagnostic.with_related(*earlier, "first listed here"));
             } else {
                 first.insert(topic, *span);
                 topics.push(name);
@@ -268,7 +270,7 @@ impl<'s> Resolver<'s> {
         message.topics = topics;
     }
 
-    /// `MESSAGE_VERSION` and `ORB_QUEUE_LENGTH`, which PX4 knows by name.
+    /// Reads `MESSAGE_VERSION` and `ORB_QUEUE_LENGTH`, which have a special meaning in PX4.
     fn known_constants(&mut self, index: usize) {
         for (what, least) in [("MESSAGE_VERSION", 0), ("ORB_QUEUE_LENGTH", 1)] {
             let message = &mut self.schema.messages[index];
@@ -291,7 +293,7 @@ impl<'s> Resolver<'s> {
         }
     }
 
-    /// Which fields count the entries in use of an array: as annotated, else by their names.
+    /// Finds the fields that contain the number of used elements of an array: by annotation, otherwise by name.
     fn counts(&mut self, index: usize, part: &Part<'s>) {
         let fields = &self.schema.messages[index].fields;
         let places: HashMap<Span, usize> =
@@ -372,7 +374,7 @@ fn can_hold(scalar: Scalar, value: &Value) -> bool {
     }
 }
 
-/// The topic of a message that lists none: PX4 puts `_` before every capital but the first.
+/// The default topic of a message. PX4 inserts `_` before each capital letter except the first.
 pub(crate) fn default_topic(name: &str) -> String {
     let mut topic = String::with_capacity(name.len() + 4);
     for (at, character) in name.char_indices() {

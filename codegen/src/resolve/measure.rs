@@ -1,4 +1,4 @@
-//! Layouts, sizes and hashes, and the limits on them.
+//! Computes layouts, sizes and hashes, and checks their limits.
 
 use super::resolver::{Resolver, id, nested_ids};
 use crate::diagnostic::{Diagnostic, Problem};
@@ -7,12 +7,12 @@ use crate::schema::fingerprint::MAX_NESTED_FIELDS;
 use crate::schema::layout::MAX_MESSAGE_SIZE;
 use crate::schema::{MessageId, fingerprint, layout};
 
-/// Most fields that all messages of a run may have together with all that they nest. Their hashes run
-/// over each of them; the largest release of PX4 has some thousands.
+/// The maximum number of fields of all messages together, including nested fields. Hashes visit each of them; the
+/// largest PX4 release has some thousands.
 const MAX_NESTED_FIELDS_IN_ALL: u64 = 1 << 22;
 
 impl Resolver<'_> {
-    /// Layouts, sizes, and the limits on both.
+    /// Computes layouts and sizes, and checks their limits.
     pub(super) fn measure(&mut self, order: &[MessageId]) {
         let sizes = layout::cdr(&self.schema, order);
         let mut nested_fields: Vec<u64> = vec![0; self.schema.messages.len()];
@@ -27,7 +27,7 @@ impl Resolver<'_> {
             }
             let uorb = layout::uorb(&self.schema, message);
             let size = uorb.as_ref().map_or(0, |layout| layout.size as u64).max(sizes[index].least);
-            // What holds a message that is too large is too large itself: one word is enough.
+            // Report only the nested message, not the messages that contain it.
             is_too_large[index] = nested_ids(message).any(|nested| is_too_large[nested.0 as usize]);
             if !is_too_large[index] {
                 let was_over = in_all > MAX_NESTED_FIELDS_IN_ALL;
@@ -41,7 +41,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Whether a message is within all limits; reports the first that it isn't within.
+    /// True if a message is within all limits. Reports the first exceeded limit.
     fn fits(&mut self, index: usize, size: u64, nested_fields: u64, exceeds_all: bool) -> bool {
         let message = &self.schema.messages[index];
         let name = message.name.clone();

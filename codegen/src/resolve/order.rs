@@ -1,15 +1,14 @@
-//! An order in which each message comes after those that it holds; and messages that hold themselves.
+//! Sorts messages so that nested messages come first, and detects messages that contain themselves.
 
 use super::resolver::{Resolver, id, nested_ids};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::schema::{Element, Field, MessageId};
 
-/// A path of a cycle longer than twice this is shown by its ends.
+/// The number of names at each end of a displayed path; the middle of longer paths is omitted.
 const MAX_CYCLE_END: usize = 8;
 
 impl Resolver<'_> {
-    /// All messages, each after those that it holds. Messages that hold themselves are reported and
-    /// left out.
+    /// All messages, after the messages that they contain. Messages that contain themselves are reported and omitted.
     pub(super) fn order(&mut self) -> Vec<MessageId> {
         let count = self.schema.messages.len();
         let mut missing: Vec<usize> = vec![0; count];
@@ -35,8 +34,8 @@ impl Resolver<'_> {
         order
     }
 
-    /// Reports each cycle once. `missing` counts, for each message, the nested ones that no order
-    /// could be found for: from a message that has one, each step leads to another.
+    /// Reports each cycle once. `missing` is the number of nested messages without a position in the order. Each
+    /// message with such a nested message leads to another one.
     fn report_cycles(&mut self, missing: &[usize]) {
         let mut is_done = vec![false; missing.len()];
         for start in 0..missing.len() {
@@ -73,7 +72,7 @@ impl Resolver<'_> {
         }
         let mut diagnostic = Diagnostic::new(Problem::Cycle { path: path.join(" → ") }, span);
         for (span, name) in steps.zip(&names[2..]).take(MAX_CYCLE_END) {
-            diagnostic = diagnostic.with_related(span, format!("holds `{name}`"));
+            diagnostic = diagnostic.with_related(span, format!("contains `{name}`"));
         }
         self.report(diagnostic);
     }

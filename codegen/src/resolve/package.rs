@@ -1,4 +1,4 @@
-//! Packages of syntax trees.
+//! Parsed packages.
 
 use crate::msg::Kind;
 use crate::msg::ast::Definition;
@@ -9,20 +9,20 @@ use crate::table::Page;
 /// A package before it is resolved.
 #[derive(Debug)]
 pub(crate) struct PackageSource<'s> {
-    /// Its name.
+    /// The name.
     pub(crate) name: String,
-    /// The form of its definitions.
+    /// The form of the definitions.
     pub(crate) form: Form,
-    /// The name that ROS knows it by, which type hashes contain.
+    /// The name of the ROS package, which type hashes contain.
     pub(crate) ros_package: String,
-    /// Where its definitions come from.
+    /// The origin of the definitions.
     pub(crate) origin: Option<String>,
-    /// Which state of the origin they follow.
+    /// The revision of the origin.
     pub(crate) revision: Option<String>,
-    /// Which messages are wanted, with what they refer to; all, where absent.
+    /// The selected messages, which include referenced messages; `None` for all.
     pub(crate) select: Option<Vec<(String, Span)>>,
-    /// Its `.msg` files and their relatives: file stem, kind, span, tree.
+    /// The `.msg`, `.srv` and `.action` files: file stem, kind, span, tree.
     pub(crate) files: Vec<(&'s str, Kind, Span, Definition<'s>)>,
-    /// Its pages with tables.
+    /// The pages.
     pub(crate) pages: Vec<Page>,
 }

@@ -1,4 +1,4 @@
-//! Error codes, types and messages of pages.
+//! Resolves the error codes, types and messages on pages.
 
 use super::package::PackageSource;
 use super::resolver::{Resolver, offset};

@@ -1,4 +1,4 @@
-//! Names of types to the messages that they mean, or to what may have been meant.
+//! Resolves references to messages, and suggests similar names.
 
 use uavspec_runtime::Scalar;
 
@@ -7,17 +7,17 @@ use crate::diagnostic::{Diagnostic, Problem};
 use crate::schema::{Dialect, Form, MessageId};
 use crate::source::Span;
 
-/// Beyond this many mistakes no similar names are looked for: the search is over all names.
+/// The maximum number of errors with a suggestion, because each suggestion compares all names.
 const MAX_SUGGESTIONS: usize = 100;
 
-/// Names that ROS 2 takes without their package, and where they are defined.
+/// Names that ROS 2 accepts without a package, and their definitions.
 const WELL_KNOWN: [(&str, &str, &str); 3] = [
     ("Header", "std_msgs", "Header"),
     ("time", "builtin_interfaces", "Time"),
     ("duration", "builtin_interfaces", "Duration"),
 ];
 
-/// Types of other languages, and what they are called here.
+/// Types of other languages, and their equivalents.
 const FOREIGN: [(&str, &str); 6] = [
     ("float", "float32"),
     ("double", "float64"),
@@ -27,8 +27,7 @@ const FOREIGN: [(&str, &str); 6] = [
     ("duration", "uint64"),
 ];
 
-/// No similar names are looked for that are longer than this: it takes time and room with the product
-/// of the lengths.
+/// The maximum length of a name with a suggestion. Time and memory are proportional to the product of the lengths.
 const MAX_SUGGESTION_LEN: usize = 100;
 
 impl<'s> Resolver<'s> {
@@ -63,7 +62,7 @@ impl<'s> Resolver<'s> {
             let well_known = WELL_KNOWN.iter().find(|(short, ..)| is_ros2 && *short == name);
             let hint = match well_known {
                 Some((_, package, message)) => {
-                    Some(format!("it stands for `{package}/{message}`: add that package to the inputs"))
+                    Some(format!("this is `{package}/{message}`; add the package {package} to the inputs"))
                 }
                 None => self.similar(package, name).map(|similar| format!("did you mean `{similar}`?")),
             };
@@ -72,7 +71,7 @@ impl<'s> Resolver<'s> {
         found.1
     }
 
-    /// The message behind a name that ROS 2 takes without its package.
+    /// The message for a name that ROS 2 accepts without a package.
     fn well_known(&self, package: usize, name: &str) -> Option<MessageId> {
         if self.schema.packages[package].form != Form::Msg(Dialect::Ros2) {
             return None;
@@ -81,14 +80,14 @@ impl<'s> Resolver<'s> {
         self.by_name.get(&(*self.package_by_name.get(package)?, name)).copied()
     }
 
-    /// A known type whose name is close to `name`.
+    /// A known type with a name similar to `name`.
     fn similar(&mut self, package: usize, name: &str) -> Option<String> {
         self.suggestions += 1;
         if self.suggestions > MAX_SUGGESTIONS || name.len() > MAX_SUGGESTION_LEN {
             return None;
         }
-        if let Some((_, meant)) = FOREIGN.iter().find(|(foreign, _)| *foreign == name) {
-            return Some((*meant).to_owned());
+        if let Some((_, equivalent)) = FOREIGN.iter().find(|(foreign, _)| *foreign == name) {
+            return Some((*equivalent).to_owned());
         }
         let messages = &self.schema.packages[package].messages;
         let mut known: Vec<&str> = messages.iter().map(|id| self.schema.message(*id).name.as_str()).collect();

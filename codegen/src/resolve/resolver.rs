@@ -1,4 +1,4 @@
-//! The state of a resolution.
+//! The state of the resolution.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -10,19 +10,19 @@ use crate::schema::{Element, EnumRef, Message, MessageId, Schema};
 use crate::span::Span;
 use crate::value::Value;
 
-/// A field that is annotated with an enum, which is gathered once all constants are known.
+/// An enum field. Its enum is created after all constants are known.
 pub(super) struct PendingEnum {
-    /// Index of the message that has the field.
+    /// The index of the message with the field.
     pub(super) message: usize,
     pub(super) field: usize,
-    /// The message that owns the constants.
+    /// The message that defines the constants.
     pub(super) owner: MessageId,
     pub(super) prefixes: Vec<String>,
     pub(super) is_flags: bool,
     pub(super) span: Span,
 }
 
-/// Owner, prefixes, type, and whether it is a mask.
+/// The owner, the prefixes, the type, and true for a mask.
 type EnumKey = (MessageId, Vec<String>, Scalar, bool);
 
 #[derive(Default)]
@@ -32,19 +32,19 @@ pub(super) struct Resolver<'s> {
     /// Messages by package and name.
     pub(super) by_name: HashMap<(usize, &'s str), MessageId>,
     pub(super) package_by_name: HashMap<String, usize>,
-    /// Where each message comes from, in the order of [`Schema::messages`].
+    /// The origin of each message, in the order of [`Schema::messages`].
     pub(super) origins: Vec<Origin>,
     pub(super) pending: Vec<PendingEnum>,
     pub(super) claimed: Vec<BTreeSet<String>>,
     pub(super) suggestions: usize,
     pub(super) selections: Vec<Option<Vec<(String, Span)>>>,
-    /// The constants of the part that is being lowered.
+    /// The constants of the current part.
     pub(super) constants: HashMap<&'s str, Value>,
-    /// The enums that have been gathered: none where there is nothing to gather.
+    /// The enums created so far; `None` for enums without members.
     pub(super) gathered: HashMap<EnumKey, Option<EnumRef>>,
-    /// The constants of each message that has enums.
+    /// The constants of each message with enums, by prefix.
     pub(super) by_prefix: HashMap<MessageId, ByPrefix>,
-    /// How many members they have.
+    /// The number of members of all enums.
     pub(super) members: usize,
 }
 
@@ -61,12 +61,12 @@ impl Resolver<'_> {
     }
 }
 
-/// The id of the message at `index` of [`Schema::messages`]; there are fewer than bytes of sources.
+/// The id of the message at `index` in [`Schema::messages`]. There are fewer messages than bytes of sources.
 pub(super) fn id(index: usize) -> MessageId {
     MessageId(offset(index))
 }
 
-/// An index into a list that has fewer entries than there are bytes of sources.
+/// The index in a list with fewer entries than bytes of sources.
 pub(super) fn offset(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }

@@ -7,7 +7,7 @@ use crate::diagnostic::{Diagnostic, Problem};
 use crate::schema::MessageId;
 
 impl Resolver<'_> {
-    /// Lists only what is selected in each package, with all that it refers to.
+    /// Limits each package to the selected messages and the messages that they refer to.
     pub(super) fn select(&mut self) {
         if self.selections.iter().all(Option::is_none) {
             return;
@@ -24,11 +24,11 @@ impl Resolver<'_> {
                 );
                 continue;
             };
-            let wants = |name: &str| selection.iter().any(|(wanted, _)| wanted == name);
-            package.interfaces.retain(|interface| wants(&interface.name));
+            let is_selected = |name: &str| selection.iter().any(|(selected, _)| selected == name);
+            package.interfaces.retain(|interface| is_selected(&interface.name));
             open.extend(package.interfaces.iter().flat_map(|interface| &interface.parts));
             let messages = &self.schema.messages;
-            open.extend(package.messages.iter().filter(|id| wants(&messages[id.0 as usize].name)));
+            open.extend(package.messages.iter().filter(|id| is_selected(&messages[id.0 as usize].name)));
             for (name, span) in &selection {
                 let is_message = package.messages.iter().any(|id| messages[id.0 as usize].name == *name);
                 if !is_message && !package.interfaces.iter().any(|interface| interface.name == *name) {
@@ -37,16 +37,16 @@ impl Resolver<'_> {
                 }
             }
         }
-        let mut wanted: BTreeSet<MessageId> = BTreeSet::new();
+        let mut selected: BTreeSet<MessageId> = BTreeSet::new();
         while let Some(id) = open.pop() {
-            if wanted.insert(id) {
+            if selected.insert(id) {
                 let message = self.schema.message(id);
                 open.extend(nested_ids(message));
                 open.extend(message.fields.iter().filter_map(|field| Some(field.enumeration?.message)));
             }
         }
         for package in &mut self.schema.packages {
-            package.messages.retain(|id| wanted.contains(id));
+            package.messages.retain(|id| selected.contains(id));
         }
     }
 }

@@ -1,15 +1,15 @@
-//! Comments become documentation: the header, the groups, and what is said of each declaration.
+//! Extracts documentation from comments: the header, groups and declarations.
 
 use crate::msg::Dialect;
 use crate::msg::ast::{Comment, Line, Part};
 use crate::source::Span;
 
-/// A text with its first paragraph apart.
+/// A text, split into a summary and a description.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Docs {
     /// The first paragraph, on one line.
     pub summary: String,
-    /// The other paragraphs, lines kept, a blank line between paragraphs.
+    /// The other paragraphs, with line breaks, separated by empty lines.
     pub description: String,
 }
 
@@ -31,13 +31,13 @@ impl Docs {
         Self { summary, description }
     }
 
-    /// Summary and description as one text.
+    /// The summary and the description as one text.
     pub fn text(&self) -> String {
         join([self.summary.as_str(), self.description.as_str()], "\n\n")
     }
 }
 
-/// Lines drawn from one character: `-----`, `#####`.
+/// True for lines that repeat one character: `-----`, `#####`.
 pub(crate) fn is_ruler(text: &str) -> bool {
     text.len() > 1 && text.bytes().all(|byte| matches!(byte, b'#' | b'-' | b'=' | b'*' | b'_' | b'/'))
 }
@@ -46,20 +46,20 @@ fn join<'a>(texts: impl IntoIterator<Item = &'a str>, separator: &str) -> String
     texts.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(separator)
 }
 
-/// What the comments of a part say.
+/// The documentation in the comments of a part.
 #[derive(Debug, Default)]
 pub(crate) struct Commentary<'s> {
-    /// Of the whole.
+    /// The documentation of the part.
     pub(crate) docs: Docs,
-    /// Headings of groups, in order.
+    /// The headings of groups, in order.
     pub(crate) groups: Vec<Docs>,
-    /// Of each declaration, in order.
+    /// The documentation of each declaration, in order.
     pub(crate) items: Vec<ItemDocs>,
-    /// Topics, in the order in which they are listed.
+    /// The topics, in the listed order.
     pub(crate) topics: Vec<(&'s str, Span)>,
 }
 
-/// What the comments say of a declaration.
+/// The documentation of a declaration.
 #[derive(Debug, Default)]
 pub(crate) struct ItemDocs {
     pub(crate) description: String,
@@ -89,19 +89,19 @@ pub(crate) fn read<'s>(part: &Part<'s>, dialect: Dialect) -> Commentary<'s> {
 }
 
 fn own_comment<'l, 's>(line: &'l Line<'s>) -> Option<&'l Comment<'s>> {
-    if line.item.is_some() || line.is_broken { None } else { line.comment.as_deref() }
+    if line.item.is_some() || line.is_invalid { None } else { line.comment.as_deref() }
 }
 
 #[derive(Default)]
 struct Reader<'s> {
     commentary: Commentary<'s>,
-    /// Own-line comments since the last declaration or blank line.
+    /// Own-line comments since the last declaration or empty line.
     block: Vec<&'s str>,
-    /// Whether a blank line stands before the block.
+    /// True if the block follows an empty line.
     is_block_apart: bool,
     is_after_blank: bool,
     group: Option<usize>,
-    /// Whether the line before is a declaration, or continues its comment.
+    /// True if the previous line is a declaration, or continues its comment.
     is_after_item: bool,
 }
 
@@ -131,14 +131,14 @@ impl<'s> Reader<'s> {
         self.is_after_blank = false;
     }
 
-    /// An indented comment below a declaration goes on with the comment of that declaration.
+    /// Appends an indented comment line to the comment of the declaration above.
     fn continue_comment(&mut self, comment: &Comment<'_>) {
         if let Some(item) = self.commentary.items.last_mut() {
             let text = comment.text.trim();
             if !item.description.is_empty() && !text.is_empty() {
                 item.description.push(' ');
             }
-            // In place: the comment may go on for any number of lines.
+            // Append in place, because the comment may have any number of lines.
             item.description.push_str(text);
         }
     }
@@ -162,7 +162,7 @@ impl<'s> Reader<'s> {
         self.is_after_item = true;
     }
 
-    /// Takes a line `# TOPICS a b` of a px4 message.
+    /// Reads a line `# TOPICS a b` of a PX4 message.
     fn topics(&mut self, comment: &Comment<'s>, dialect: Dialect) -> bool {
         let Some(list) =
             comment.text.strip_prefix(" TOPICS ").filter(|_| dialect == Dialect::Px4 && comment.column == 0)
@@ -180,20 +180,20 @@ impl<'s> Reader<'s> {
     }
 }
 
-/// ROS writes what a declaration means above it: a heading of one declaration is no heading.
+/// Moves the heading of a single declaration to its description, because ROS puts descriptions above declarations.
 fn document_single_declarations(commentary: &mut Commentary<'_>) {
     let mut sizes = vec![0_usize; commentary.groups.len()];
     for group in commentary.items.iter().filter_map(|item| item.group) {
         sizes[group] += 1;
     }
-    let mut kept = Vec::new();
+    let mut remaining = Vec::new();
     let new_index: Vec<Option<usize>> = sizes
         .iter()
         .zip(&commentary.groups)
         .map(|(size, group)| {
             (*size > 1).then(|| {
-                kept.push(group.clone());
-                kept.len() - 1
+                remaining.push(group.clone());
+                remaining.len() - 1
             })
         })
         .collect();
@@ -205,5 +205,5 @@ fn document_single_declarations(commentary: &mut Commentary<'_>) {
         }
         item.group = new_index[group];
     }
-    commentary.groups = kept;
+    commentary.groups = remaining;
 }

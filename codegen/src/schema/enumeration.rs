@@ -1,4 +1,4 @@
-//! Enums and flags: which constants a field holds.
+//! Enums and flags, which list the constants for a field.
 
 use std::collections::BTreeSet;
 
@@ -6,41 +6,40 @@ use uavspec_runtime::Scalar;
 
 use super::id::MessageId;
 
-/// Last words of constants that count or bound an enum and are no member of it. The list is explicit:
-/// `MIN_SAT_COUNT` of a prefix `GPS` is a member, `COUNT` is not.
+/// Last words of constants that count or limit the members of an enum, and are not members. `COUNT` after the prefix
+/// `GPS` is not a member, but `MIN_SAT_COUNT` is.
 const SENTINELS: [&str; 5] = ["COUNT", "MAX", "LAST", "NUM", "ENUM_END"];
 
-/// Endings that make a sentinel of a longer rest: `MAVLink` marks the end of each block of commands so.
+/// Further endings of these constants. `MAVLink` marks the end of each block of commands with them.
 const SENTINEL_ENDINGS: [&str; 2] = ["_LAST", "_ENUM_END"];
 
-/// Constants that a field holds: one of them, or for flags any set of them. Enums are open: firmware
-/// of tomorrow sends values that are unknown today.
+/// The constants of a field: it contains one of them or, for flags, any combination. Enums are open, because newer
+/// firmware may send unknown values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Enum {
-    /// Starts of the names of its constants, in the order in which the annotation lists them.
+    /// The prefixes of the constants, in the order of the annotation.
     pub prefixes: Vec<String>,
-    /// Type of the fields that hold it, which may differ from that of the constants.
+    /// The type of the fields, which may differ from the type of the constants.
     pub scalar: Scalar,
-    /// Whether values are combined bit by bit.
+    /// True if values are bit masks.
     pub is_flags: bool,
-    /// Its members, in declared order. Several may share a value: the first is its name, the others
-    /// are aliases.
+    /// The members, in declaration order. If several have the same value, the others are aliases of the first.
     pub members: Vec<Member>,
 }
 
 /// A member of an enum.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Member {
-    /// Its name without the prefix.
+    /// The name without the prefix.
     pub name: String,
-    /// Index of its constant in the message that owns the enum.
+    /// The index of the constant in the message that defines it.
     pub constant: usize,
-    /// Its value: the constant's; for flags the mask.
+    /// The value of the constant; for flags, the mask.
     pub value: i128,
 }
 
 impl Enum {
-    /// The member whose name stands for `member`'s value, where that is another one.
+    /// The member of which `member` is an alias, if any.
     pub fn alias_of(&self, member: &Member) -> Option<&Member> {
         self.members
             .iter()
@@ -49,16 +48,16 @@ impl Enum {
     }
 }
 
-/// Names an enum of a message.
+/// A reference to an enum of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct EnumRef {
-    /// The message whose constants it holds.
+    /// The message that defines the constants.
     pub message: MessageId,
-    /// Its index in `Message::enums`.
+    /// The index in `Message::enums`.
     pub index: usize,
 }
 
-/// Whether a constant counts or bounds those of `names` that start like it, whether or not a field claims them.
+/// True if a constant counts or limits other constants in `names` with the same prefix, even if no field uses them.
 pub(crate) fn is_sentinel_among(name: &str, names: &BTreeSet<&str>) -> bool {
     let prefix = SENTINELS.iter().find_map(|word| name.strip_suffix(word)?.strip_suffix('_'));
     prefix.is_some_and(|prefix| {
@@ -68,19 +67,19 @@ pub(crate) fn is_sentinel_among(name: &str, names: &BTreeSet<&str>) -> bool {
     })
 }
 
-/// The longest claimed prefix that `name` starts with, and what follows its `_`.
+/// The longest claimed prefix of `name`, and the part after its `_`.
 pub(crate) fn longest_prefix<'n, 'c>(
     name: &'n str,
     claimed: &'c BTreeSet<String>,
 ) -> Option<(&'c str, &'n str)> {
-    // From the last `_` on, so that the first hit is the longest.
+    // Search backwards, so that the first match is the longest.
     name.rmatch_indices('_').find_map(|(at, _)| {
         let prefix = claimed.get(&name[..at])?;
         Some((prefix.as_str(), &name[at + 1..])).filter(|(_, rest)| !rest.is_empty())
     })
 }
 
-/// Whether a constant that belongs to a prefix, after which `rest` follows, counts or bounds an enum.
+/// True if a constant counts or limits the members of an enum. `rest` is its name without the prefix.
 pub(crate) fn is_sentinel(rest: &str) -> bool {
     SENTINELS.contains(&rest) || SENTINEL_ENDINGS.iter().any(|ending| rest.ends_with(ending))
 }

@@ -9,13 +9,13 @@ use crate::source::Span;
 /// A table of error codes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorTable {
-    /// Its heading without the range.
+    /// The heading without the range.
     pub title: String,
     /// The class of all its codes.
     pub class: ErrorClass,
-    /// The codes that the heading sets apart for it.
+    /// The codes that the heading reserves.
     pub range: RangeInclusive<u32>,
-    /// The codes that it defines, sorted.
+    /// The defined codes, sorted.
     pub codes: Vec<ErrorCode>,
     /// The heading.
     pub span: Span,
@@ -26,25 +26,25 @@ pub struct ErrorTable {
 pub struct ErrorCode {
     /// The code.
     pub code: u32,
-    /// What user interfaces show where space is short.
+    /// The short text for user interfaces.
     pub abbreviation: Option<String>,
-    /// The class of its table.
+    /// The class of the table.
     pub class: ErrorClass,
-    /// Codes that its description refers to, sorted.
+    /// The codes that the description refers to, sorted.
     pub see_also: Vec<u32>,
-    /// Codes of which only one stands for the same event: `use … only if …; otherwise use code N`.
-    /// Sorted; each of them has this code among its own.
+    /// Alternative codes for the same event: `use … only if …; otherwise use code N`. Sorted
+    /// and mutual.
     pub alternatives: Vec<u32>,
-    /// What it means.
+    /// The description.
     pub description: String,
     /// The version of the specification that introduced it.
     pub since: Option<String>,
-    /// The cell that gives the code.
+    /// The cell with the code.
     pub span: Span,
 }
 
 impl ErrorCode {
-    /// How grave it is, by the two bits of the code that say so.
+    /// The severity, which two bits of the code contain.
     pub fn severity(&self) -> Severity {
         Severity::of(self.code)
     }

@@ -23,10 +23,10 @@ use super::model::{Element, Interface, Message, Schema, Type, shape_text};
 use crate::msg::Kind;
 use crate::msg::ast::Shape;
 
-/// Most fields that a message may have with all that it nests: the hash runs over each of them.
+/// The maximum number of fields of a message, including nested fields. The hash visits each of them.
 pub const MAX_NESTED_FIELDS: u64 = 1 << 20;
 
-/// 32-bit FNV-1a.
+/// The 32-bit FNV-1a hash.
 struct Fnv1a(u32);
 
 impl Fnv1a {
@@ -40,10 +40,10 @@ impl Fnv1a {
     }
 }
 
-/// PX4's hash of the fields of a message, nested ones inlined after the field that holds them.
+/// PX4's hash of the fields of a message. Nested fields follow the field that contains them.
 pub(crate) fn message_hash(schema: &Schema, message: &Message) -> u32 {
     let mut hash = Fnv1a(Fnv1a::OFFSET_BASIS);
-    // An explicit stack: how deep messages nest is up to the input.
+    // Use an explicit stack, because the input determines the nesting depth.
     let mut open = vec![message.fields.iter()];
     while let Some(fields) = open.last_mut() {
         let Some(field) = fields.next() else {
@@ -69,7 +69,7 @@ pub(crate) fn message_hash(schema: &Schema, message: &Message) -> u32 {
     hash.0
 }
 
-/// Numbers of the types in a ROS type description (`type_description_interfaces/msg/FieldType`).
+/// The type numbers in a ROS type description (`type_description_interfaces/msg/FieldType`).
 mod type_id {
     pub(super) const NESTED: u32 = 1;
     pub(super) const STRING: u32 = 17;
@@ -84,7 +84,7 @@ mod type_id {
         use super::Scalar;
         match scalar {
             Scalar::Int8 => 2,
-            // ROS 2 turns `char` into `uint8` before it hashes.
+            // ROS 2 converts `char` to `uint8` before hashing.
             Scalar::UInt8 | Scalar::Char => 3,
             Scalar::Int16 => 4,
             Scalar::UInt16 => 5,
@@ -178,7 +178,7 @@ fn described_fields(schema: &Schema, message: &Message) -> Vec<DescribedField> {
         .collect()
 }
 
-/// Writes a type description as the canonical JSON that is hashed: ASCII, `", "` and `": "`.
+/// Writes the canonical JSON of a type description, which is hashed: ASCII, separated by `", "` and `": "`.
 fn write_description(out: &mut String, type_name: &str, fields: &[DescribedField]) {
     let _ = write!(out, "{{\"type_name\": \"{type_name}\", \"fields\": [");
     for (index, field) in fields.iter().enumerate() {
@@ -193,7 +193,7 @@ fn write_description(out: &mut String, type_name: &str, fields: &[DescribedField
     out.push_str("]}");
 }
 
-/// A type description with the descriptions that it refers to, by name.
+/// A type description, and the descriptions that it refers to by name.
 struct Description {
     type_name: String,
     fields: Vec<DescribedField>,
@@ -220,7 +220,7 @@ impl Description {
     }
 }
 
-/// All messages that `roots` refer to, directly or not.
+/// All messages that `roots` refer to, directly or indirectly.
 fn referenced(schema: &Schema, roots: impl IntoIterator<Item = MessageId>) -> BTreeSet<MessageId> {
     let mut found = BTreeSet::new();
     let mut open: Vec<MessageId> = roots.into_iter().collect();
@@ -258,8 +258,8 @@ pub(crate) fn type_hash(schema: &Schema, id: MessageId) -> String {
     .hash()
 }
 
-/// The ROS type hash of a service, whose description has three members: the request, the response,
-/// and an event that wraps both for introspection. None for actions.
+/// The ROS type hash of a service, or `None` for an action. The description of a service contains the request, the
+/// response and an event with both for introspection.
 pub(crate) fn service_hash(schema: &Schema, interface: &Interface, package: usize) -> Option<String> {
     let (Kind::Service, [request, response]) = (interface.kind, interface.parts.as_slice()) else {
         return None;

@@ -1,5 +1,5 @@
-//! Ids of messages.
+//! Message ids.
 
-/// Names a message of a [`Schema`](super::Schema).
+/// The index of a message in a [`Schema`](super::Schema).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MessageId(pub u32);

@@ -1,4 +1,4 @@
-//! Types and messages of specification tables: what JSON they describe.
+//! JSON types and messages of specification tables.
 //!
 //! ```
 //! use uavspec_codegen::schema::json_type::Direction;
@@ -11,45 +11,45 @@ use crate::msg::constraint::Range;
 use crate::source::Span;
 pub use crate::table::type_table::Direction;
 
-/// The name that stands for an error code of the package, where it has error codes.
+/// The type name of the package's error codes.
 pub(crate) const ERROR_CODE: &str = "ErrorCode";
 
-/// The name that stands for a list of such codes.
+/// The type name of lists of error codes.
 pub(crate) const ERROR_LIST: &str = "ErrorList";
 
-/// Names a type of a `Schema`.
+/// The index of a type in a `Schema`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct JsonTypeId(pub u32);
 
-/// Names a message of a `Schema`.
+/// The index of a message in a `Schema`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct JsonMessageId(pub u32);
 
 /// A type.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JsonType {
-    /// Index of its package.
+    /// The index of the package.
     pub package: usize,
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// What the paragraphs above its table say.
+    /// The paragraphs above the table.
     pub docs: Docs,
-    /// What its values are.
+    /// The definition.
     pub definition: Definition,
     /// The heading.
     pub span: Span,
 }
 
-/// What the values of a type are.
+/// The definition of a type.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Definition {
     /// JSON objects.
     Object(Object),
-    /// JSON arrays with a meaning for each position. None that is required stands behind one that isn't.
+    /// JSON arrays with a meaning for each position. Required elements precede optional ones.
     Tuple(Vec<Member>),
-    /// Some values, or any beside them.
+    /// A set of known values, open or closed.
     Set(Set),
-    /// Those of another type, with a meaning of their own.
+    /// An alias of another type, with a separate meaning.
     Named(Typed),
 }
 
@@ -58,26 +58,26 @@ pub enum Definition {
 pub struct Object {
     /// The fields, in order.
     pub fields: Vec<Member>,
-    /// Whether there are no others. Else they are allowed, and mean nothing.
+    /// True if the object has no further fields; otherwise they are allowed and ignored.
     pub is_closed: bool,
 }
 
 /// A field of an object, or an element of a tuple.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Member {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// Whether it may not be left out.
+    /// True if it is required.
     pub is_required: bool,
-    /// Its values.
+    /// The type of the values.
     pub typed: Typed,
-    /// What is said of it, annotations taken out.
+    /// The description, without annotations.
     pub description: String,
-    /// The cell of its name.
+    /// The cell with the name.
     pub span: Span,
 }
 
-/// A type with what restricts it in its place.
+/// A type with restrictions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Typed {
     /// The type.
@@ -86,34 +86,34 @@ pub struct Typed {
     pub limits: Limits,
 }
 
-/// What annotations say of values. Units, ranges, patterns and formats are those of the numbers and strings
-/// within lists and maps; lengths are those of lists or, where there is none, of strings.
+/// The annotations of a value. Units, ranges, patterns and formats apply to numbers and strings within lists and maps.
+/// Lengths apply to lists or, without a list, to strings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// The unit: one of `crate::unit::UNITS`, or as written.
+    /// The unit: one of `crate::unit::UNITS`, otherwise as written.
     pub unit: Option<String>,
-    /// Bounds of numbers.
+    /// The bounds of numbers.
     pub range: Option<Range>,
-    /// Least length, in characters or elements.
+    /// The minimum length, in characters or elements.
     pub least: Option<u32>,
-    /// Greatest length, in characters or elements.
+    /// The maximum length, in characters or elements.
     pub most: Option<u32>,
-    /// Whether no element stands twice in the list.
+    /// True if the elements of the list are distinct.
     pub is_unique: bool,
-    /// A regular expression that strings satisfy.
+    /// A regular expression that strings must match.
     pub pattern: Option<String>,
     /// The encoding of strings: one of `crate::msg::statement::FORMATS`.
     pub format: Option<String>,
 }
 
 impl Limits {
-    /// What holds of the elements of a list or the values of a map.
+    /// The limits of the elements of a list or the values of a map.
     #[must_use]
     pub fn of_elements(&self) -> Self {
         Self { least: None, most: None, is_unique: false, ..self.clone() }
     }
 
-    /// Whether any of it restricts values.
+    /// True if any limit restricts values.
     pub fn is_restriction(&self) -> bool {
         Self { unit: None, ..self.clone() } != Self::default()
     }
@@ -124,7 +124,7 @@ impl Limits {
 pub enum Expression {
     /// Any JSON value.
     Any,
-    /// `null` alone.
+    /// `null`.
     Null,
     /// `true` or `false`.
     Boolean,
@@ -136,13 +136,13 @@ pub enum Expression {
     String,
     /// An error code of the package.
     ErrorCode,
-    /// A list of such codes.
+    /// A list of error codes.
     ErrorList,
     /// A type of the package.
     Named(JsonTypeId),
-    /// A JSON array whose elements are alike.
+    /// A JSON array of elements of one type.
     List(Box<Expression>),
-    /// A JSON object whose values are alike and whose keys are ids.
+    /// A JSON object whose keys are ids and whose values have one type.
     Map(Box<Expression>),
     /// One of several types.
     Either(Vec<Expression>),
@@ -151,7 +151,7 @@ pub enum Expression {
 }
 
 impl Expression {
-    /// Whether `null` is a value by the expression itself.
+    /// True if the expression allows `null`, not counting named types.
     pub fn is_nullable(&self) -> bool {
         match self {
             Self::Null => true,
@@ -160,7 +160,7 @@ impl Expression {
         }
     }
 
-    /// The same without `null`; none where nothing is left.
+    /// The expression without `null`, or `None` if it is only `null`.
     pub fn without_null(&self) -> Option<Self> {
         match self {
             Self::Null => None,
@@ -172,7 +172,7 @@ impl Expression {
         }
     }
 
-    /// Calls `visit` with this expression and all that it is made of.
+    /// Calls `visit` with this expression and all expressions within it.
     pub fn walk(&self, visit: &mut impl FnMut(&Self)) {
         visit(self);
         match self {
@@ -183,12 +183,12 @@ impl Expression {
     }
 }
 
-/// A set of values, which are all integers or all strings.
+/// A set of integers or of strings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Set {
     /// The values, in order.
     pub values: SetValues,
-    /// Whether there may be others.
+    /// True if other values are allowed.
     pub is_open: bool,
 }
 
@@ -206,47 +206,47 @@ pub enum SetValues {
 pub struct SetValue<T> {
     /// The value.
     pub value: T,
-    /// What it means.
+    /// The description.
     pub description: String,
 }
 
-/// A message: bodies with the same `type`, each for its direction.
+/// A message: the bodies with one `type`, for each direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JsonMessage {
-    /// Index of its package.
+    /// The index of the package.
     pub package: usize,
-    /// Its type.
+    /// The message type.
     pub name: String,
-    /// What the paragraphs under its heading say.
+    /// The paragraphs under the heading.
     pub docs: Docs,
-    /// Its bodies, by direction, each at most once.
+    /// The bodies, at most one for each direction, sorted by direction.
     pub parts: Vec<JsonPart>,
     /// The heading.
     pub span: Span,
 }
 
-/// The body of a message for a direction.
+/// The body of a message in one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JsonPart {
     /// The direction.
     pub direction: Direction,
-    /// The name of the message and the direction, as files bear them: `UAV-INF.request`.
+    /// The name of the message and the direction, also used in file names: `UAV-INF.request`.
     pub name: String,
-    /// What the paragraphs under its heading say.
+    /// The paragraphs under the subheading.
     pub docs: Docs,
     /// The types of the messages that answer a request, in order.
     pub answers: Vec<String>,
-    /// The body. Its first field is `type`, which holds the name of the message.
+    /// The body. The first field is `type`, which contains the name of the message.
     pub body: Object,
     /// The subheading.
     pub span: Span,
 }
 
-/// The field that holds the type of a message.
+/// The name of the field with the message type.
 pub const TYPE_FIELD: &str = "type";
 
 impl JsonPart {
-    /// The fields but for `type`.
+    /// The fields except `type`.
     pub fn fields(&self) -> &[Member] {
         self.body.fields.split_first().map_or(&[], |(_, rest)| rest)
     }

@@ -1,4 +1,4 @@
-//! Sizes and offsets: the uORB layout and the size in CDR.
+//! Computes the uORB layout and the CDR size of messages.
 
 use uavspec_runtime::layout::{self, Member};
 
@@ -6,16 +6,16 @@ use super::id::MessageId;
 use super::model::{CdrSize, Element, Message, Schema, Slot, UorbLayout, shape_text};
 use crate::msg::ast::Shape;
 
-/// Longest message that is taken: no transport of either world carries more.
+/// The maximum size of a message; no transport of PX4 or ROS 2 carries more.
 pub(crate) const MAX_MESSAGE_SIZE: u64 = 16 << 20;
 
-/// Bytes before the first member of a CDR payload.
+/// The number of bytes before the first member of a CDR payload.
 const CDR_HEADER: u64 = 4;
 
-/// Name of the member that ROS gives to an empty structure.
+/// The member that ROS adds to an empty structure.
 pub(crate) const EMPTY_MEMBER: &str = "structure_needs_at_least_one_member";
 
-/// The layout of a message whose nested messages are laid out already; none where its size varies.
+/// The layout of a message, or `None` if its size varies. The layouts of nested messages must be known.
 pub(crate) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
     let members: Option<Vec<Member>> = message
         .fields
@@ -76,10 +76,10 @@ pub(crate) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
     Some(UorbLayout { size: size.padded, size_no_padding: size.no_padding, slots })
 }
 
-/// How many bytes something adds to a CDR payload, for each offset modulo 8 that it may start at.
+/// The number of bytes that an item adds to a CDR payload, for each start offset modulo 8.
 ///
-/// The padding before a member depends on its offset, and the greatest alignment is 8, so these
-/// eight numbers say all; and the length of any array follows by doubling, without a loop over it.
+/// The padding before a member depends on its offset, and the maximum alignment is 8, so eight numbers are sufficient.
+/// The length of an array is computed by repeated doubling, without a loop over its elements.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CdrLength([u64; 8]);
 
@@ -91,7 +91,7 @@ impl CdrLength {
     fn then(self, next: Self) -> Self {
         Self(std::array::from_fn(|start| {
             let end = (start as u64).saturating_add(self.0[start]);
-            #[allow(clippy::cast_possible_truncation)] // under 8
+            #[allow(clippy::cast_possible_truncation)] // less than 8
             self.0[start].saturating_add(next.0[(end % 8) as usize])
         }))
     }
@@ -110,7 +110,7 @@ impl CdrLength {
     }
 }
 
-/// Lengths and sizes in CDR of all messages, in the order that `order` gives: nested ones first.
+/// The CDR sizes of all messages. `order` lists nested messages first.
 pub(crate) fn cdr(schema: &Schema, order: &[MessageId]) -> Vec<CdrSize> {
     let count = CdrLength::scalar(4);
     let mut lengths = vec![CdrLength::default(); schema.messages.len()];
@@ -121,7 +121,7 @@ pub(crate) fn cdr(schema: &Schema, order: &[MessageId]) -> Vec<CdrSize> {
         for field in &schema.message(*id).fields {
             let (element, element_is_fixed) = match field.ty.element {
                 Element::Scalar(scalar) => (CdrLength::scalar(scalar.size() as u64), true),
-                // The least string is its length and, unless it is wide, a NUL.
+                // The shortest string contains its length and, unless it is wide, a NUL.
                 Element::String { wide: true, .. } => (count, false),
                 Element::String { wide: false, .. } => (count.then(CdrLength::scalar(1)), false),
                 Element::Message(nested) => (lengths[nested.0 as usize], sizes[nested.0 as usize].is_fixed),
@@ -148,11 +148,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn repeating_by_doubling_equals_repeating_one_by_one() {
+    fn repetition_by_doubling_equals_repetition_in_a_loop() {
         let element = CdrLength::scalar(8).then(CdrLength::scalar(1)).then(CdrLength::scalar(2));
         for count in 0..40 {
-            let one_by_one = (0..count).fold(CdrLength::default(), |whole, _| whole.then(element));
-            assert_eq!(element.repeat(count).0, one_by_one.0, "{count}");
+            let looped = (0..count).fold(CdrLength::default(), |whole, _| whole.then(element));
+            assert_eq!(element.repeat(count).0, looped.0, "{count}");
         }
     }
 }

@@ -24,33 +24,33 @@ use crate::value::Value;
 pub struct Schema {
     /// The packages, by name.
     pub packages: Vec<Package>,
-    /// All messages, those that are parts of services and actions too, by package and name.
+    /// All messages, including the parts of services and actions, by package and name.
     pub messages: Vec<Message>,
-    /// All messages, each after those that it holds.
+    /// All messages, after the messages that they contain.
     pub nested_first: Vec<MessageId>,
-    /// All types of pages, by package and name.
+    /// All types on pages, by package and name.
     pub json_types: Vec<JsonType>,
-    /// All messages of pages, by package and name.
+    /// All messages on pages, by package and name.
     pub json_messages: Vec<JsonMessage>,
 }
 
 impl Schema {
-    /// The message that `id` names.
+    /// The message with this id.
     pub fn message(&self, id: MessageId) -> &Message {
         &self.messages[id.0 as usize]
     }
 
-    /// The package that a message belongs to.
+    /// The package of a message.
     pub fn package_of(&self, message: &Message) -> &Package {
         &self.packages[message.package]
     }
 
-    /// The enum that `reference` names.
+    /// The enum that `reference` refers to.
     pub fn enumeration(&self, reference: EnumRef) -> &Enum {
         &self.message(reference.message).enums[reference.index]
     }
 
-    /// The type of a field as a `.msg` file of that field's package writes it.
+    /// The type of a field, as written in a `.msg` file of the same package.
     pub fn type_text(&self, message: &Message, ty: Type) -> String {
         let element = match ty.element {
             Element::Scalar(scalar) => scalar.name().to_owned(),
@@ -81,33 +81,33 @@ pub fn shape_text(shape: Shape) -> String {
     }
 }
 
-/// Definitions that belong together, in one form.
+/// A package of definitions.
 #[derive(Debug)]
 pub struct Package {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// The form of its definitions.
+    /// The form of the definitions.
     pub form: Form,
-    /// The name that ROS knows it by, which type hashes contain.
+    /// The name of the ROS package, which type hashes contain.
     pub ros_package: String,
-    /// Where its definitions come from.
+    /// The origin of the definitions.
     pub origin: Option<String>,
-    /// Which state of the origin they follow.
+    /// The revision of the origin.
     pub revision: Option<String>,
-    /// Its messages, by name.
+    /// The messages, by name.
     pub messages: Vec<MessageId>,
-    /// Its services and actions, by kind and name.
+    /// The services and actions, by kind and name.
     pub interfaces: Vec<Interface>,
-    /// Its error-code tables, by their first code.
+    /// The error-code tables, by first code.
     pub error_tables: Vec<ErrorTable>,
-    /// The types that its pages define, by name.
+    /// The types on its pages, by name.
     pub json_types: Vec<JsonTypeId>,
-    /// The messages that its pages define, by name.
+    /// The messages on its pages, by name.
     pub json_messages: Vec<JsonMessageId>,
 }
 
 impl Package {
-    /// Whether it defines nothing.
+    /// True if it contains no definitions.
     pub fn is_empty(&self) -> bool {
         self.messages.is_empty()
             && self.interfaces.is_empty()
@@ -117,17 +117,17 @@ impl Package {
     }
 }
 
-/// In what form definitions are written.
+/// The form of definitions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Form {
-    /// `.msg` files and their relatives.
+    /// `.msg`, `.srv` and `.action` files.
     Msg(Dialect),
     /// Pages with specification tables.
     Table,
 }
 
 impl Form {
-    /// Its name in `uavspec.toml` and on the command line.
+    /// The name in `uavspec.toml` and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Msg(dialect) => dialect.name(),
@@ -139,61 +139,61 @@ impl Form {
 /// A service or an action.
 #[derive(Debug)]
 pub struct Interface {
-    /// Its name.
+    /// The name.
     pub name: String,
     /// Service or action.
     pub kind: Kind,
-    /// Its parts in order: request and response; or goal, result and feedback.
+    /// The parts in order: request and response, or goal, result and feedback.
     pub parts: Vec<MessageId>,
-    /// Its ROS type hash, where it has one.
+    /// The ROS type hash, if available.
     pub type_hash: Option<String>,
-    /// Its whole file.
+    /// The whole file.
     pub span: Span,
 }
 
 /// A message, or a part of a service or action.
 #[derive(Debug)]
 pub struct Message {
-    /// Index of its package.
+    /// The index of the package.
     pub package: usize,
-    /// What kind of file defines it.
+    /// The kind of its file.
     pub kind: Kind,
-    /// Its name; of a part, with the suffix that ROS gives it.
+    /// The name; for a part, with the suffix from ROS.
     pub name: String,
-    /// Its file, or its part of it.
+    /// The location of the file or part.
     pub span: Span,
-    /// What the header comment says.
+    /// The header comment.
     pub docs: Docs,
-    /// Topics that carry it (PX4), in the order in which they are listed.
+    /// The topics of the message (PX4), in the listed order.
     pub topics: Vec<String>,
     /// `MESSAGE_VERSION` (PX4).
     pub version: Option<u32>,
     /// `ORB_QUEUE_LENGTH` (PX4).
     pub queue_length: Option<u32>,
-    /// Its fields, in declared order.
+    /// The fields, in declaration order.
     pub fields: Vec<Field>,
-    /// Its constants, in declared order.
+    /// The constants, in declaration order.
     pub constants: Vec<Constant>,
-    /// Its enums, in the order of the fields that use them.
+    /// The enums, in the order of the fields that use them.
     pub enums: Vec<Enum>,
-    /// Its groups, in declared order.
+    /// The groups, in declaration order.
     pub groups: Vec<Docs>,
-    /// Its memory layout in uORB, where its size is fixed.
+    /// The memory layout in uORB, if the size is fixed.
     pub uorb: Option<UorbLayout>,
-    /// Size of its CDR form.
+    /// The size in CDR.
     pub cdr: CdrSize,
-    /// PX4's hash of its fields.
+    /// PX4's hash of the fields.
     pub hash: u32,
-    /// Its ROS type hash (RIHS01).
+    /// The ROS type hash (RIHS01).
     pub type_hash: String,
 }
 
-/// Size of a message in CDR, in bytes, with the encapsulation header.
+/// The size of a message in CDR, in bytes, including the encapsulation header.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CdrSize {
-    /// The least that a value takes.
+    /// The minimum size.
     pub least: u64,
-    /// Whether all values take that.
+    /// True if all values have the minimum size.
     pub is_fixed: bool,
 }
 
@@ -202,20 +202,20 @@ pub struct CdrSize {
 pub struct Type {
     /// The element.
     pub element: Element,
-    /// How many of them.
+    /// The number of elements.
     pub shape: Shape,
 }
 
-/// Type of a field, or of the elements of an array.
+/// The type of a field, or of the elements of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Element {
     /// A number, a `bool`, a `byte` or a `char`.
     Scalar(Scalar),
     /// A string.
     String {
-        /// Whether it is a `wstring`.
+        /// True for a `wstring`.
         wide: bool,
-        /// Greatest length in characters.
+        /// The maximum length in characters.
         bound: Option<u32>,
     },
     /// A message.
@@ -225,34 +225,34 @@ pub enum Element {
 /// A field.
 #[derive(Debug)]
 pub struct Field {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// Its type.
+    /// The type.
     pub ty: Type,
-    /// Its default (ROS 2).
+    /// The default (ROS 2).
     pub default: Option<Value>,
-    /// What its comment says, annotations taken out.
+    /// The comment, without annotations.
     pub description: String,
-    /// Index of its group in [`Message::groups`].
+    /// The index of the group in [`Message::groups`].
     pub group: Option<usize>,
-    /// Its unit: one of `crate::unit::UNITS`, or as written.
+    /// The unit: one of `crate::unit::UNITS`, otherwise as written.
     pub unit: Option<String>,
-    /// Its constraints, one of a kind, in the order of [`CONSTRAINTS`](constraint::CONSTRAINTS).
+    /// The constraints, at most one of each kind, in the order of [`CONSTRAINTS`](constraint::CONSTRAINTS).
     pub constraints: Vec<constraint::Constraint>,
-    /// The texts of its attributes, by their names.
+    /// The texts of the attributes, by name.
     pub attributes: BTreeMap<&'static str, String>,
-    /// The prefixes of the constants that it holds, as written.
+    /// The prefixes of the constants, as written.
     pub enum_prefixes: Vec<String>,
-    /// The enum that these give.
+    /// The enum with these prefixes.
     pub enumeration: Option<EnumRef>,
-    /// Index of the array field whose entries in use it counts.
+    /// The index of the array field of which this field counts the used elements.
     pub counts: Option<usize>,
-    /// Its declaration.
+    /// The declaration.
     pub span: Span,
 }
 
 impl Field {
-    /// The constraint of a kind.
+    /// The constraint of the given kind.
     pub fn constraint(&self, kind: &ConstraintKind) -> Option<&constraint::Constraint> {
         constraint::find(&self.constraints, kind)
     }
@@ -262,12 +262,12 @@ impl Field {
         self.attributes.get(attribute.name).map(String::as_str)
     }
 
-    /// Its attributes with their texts, in the order of [`ATTRIBUTES`].
+    /// The attributes and their texts, in the order of [`ATTRIBUTES`].
     pub fn attributes(&self) -> impl Iterator<Item = (&'static Attribute, &str)> {
         ATTRIBUTES.iter().filter_map(|attribute| Some((*attribute, self.attribute(attribute)?)))
     }
 
-    /// Whether PX4 reads it as text: `char[N]`.
+    /// True if PX4 treats the field as text: `char[N]`.
     pub fn is_text(&self, dialect: Dialect) -> bool {
         dialect == Dialect::Px4
             && self.ty.element == Element::Scalar(Scalar::Char)
@@ -278,90 +278,89 @@ impl Field {
 /// A constant.
 #[derive(Debug)]
 pub struct Constant {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// Its type.
+    /// The type.
     pub ty: Element,
-    /// Its value, which its type holds.
+    /// The value, checked against the type's range.
     pub value: Value,
-    /// What its comment says.
+    /// The comment.
     pub description: String,
-    /// Parameters of a command: seven, or none.
+    /// The parameters of a command: seven, or an empty list.
     pub parameters: Vec<Parameter>,
-    /// Index of its group in [`Message::groups`].
+    /// The index of the group in [`Message::groups`].
     pub group: Option<usize>,
-    /// Its declaration.
+    /// The declaration.
     pub span: Span,
 }
 
-/// What descriptions say of a parameter that means nothing.
+/// Descriptions of unused parameters.
 const UNUSED: [&str; 6] = ["", "-", "empty", "reserved", "unused", "n/a"];
 
 /// A parameter of a command.
 #[derive(Debug)]
 pub struct Parameter {
-    /// Its unit.
+    /// The unit.
     pub unit: Option<String>,
-    /// Its constraints, one of a kind, in the order of [`CONSTRAINTS`](constraint::CONSTRAINTS).
+    /// The constraints, at most one of each kind, in the order of [`CONSTRAINTS`](constraint::CONSTRAINTS).
     pub constraints: Vec<constraint::Constraint>,
-    /// The prefixes of the constants that it holds.
+    /// The prefixes of the constants.
     pub enum_prefixes: Vec<String>,
-    /// What is said of it.
+    /// The description.
     pub description: String,
 }
 
 impl Parameter {
-    /// Whether it means nothing: commands have seven parameters, however few they need.
+    /// True if the parameter is unused. All commands have seven parameters, even if they need fewer.
     pub fn is_unused(&self) -> bool {
         let text = self.description.trim().trim_end_matches('.').to_ascii_lowercase();
-        let says_nothing = self.constraints.is_empty() && self.enum_prefixes.is_empty();
-        says_nothing && UNUSED.contains(&text.as_str())
+        let is_unrestricted = self.constraints.is_empty() && self.enum_prefixes.is_empty();
+        is_unrestricted && UNUSED.contains(&text.as_str())
     }
 }
 
-/// Where each member of a message lies in memory.
+/// The memory layout of a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UorbLayout {
-    /// Size with the padding at the end, in bytes.
+    /// The size in bytes, including the padding at the end.
     pub size: usize,
-    /// Size without it.
+    /// The size without the padding at the end.
     pub size_no_padding: usize,
-    /// Members and padding in the order of their offsets.
+    /// The members and the padding, by offset.
     pub slots: Vec<Slot>,
 }
 
 /// A member, or padding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Slot {
-    /// Index of the field; none for padding.
+    /// The index of the field, or `None` for padding.
     pub field: Option<usize>,
-    /// Name of the field, or `_paddingN`.
+    /// The name of the field, or `_paddingN`.
     pub name: String,
-    /// Its type as a `.msg` file writes it.
+    /// The type, as written in a `.msg` file.
     pub type_text: String,
-    /// Its first byte.
+    /// The offset of the first byte.
     pub offset: usize,
-    /// Its length in bytes.
+    /// The length in bytes.
     pub size: usize,
 }
 
 impl Schema {
-    /// The type that `id` names.
+    /// The type with this id.
     pub fn json_type(&self, id: JsonTypeId) -> &JsonType {
         &self.json_types[id.0 as usize]
     }
 
-    /// The message that `id` names.
+    /// The message with this id.
     pub fn json_message(&self, id: JsonMessageId) -> &JsonMessage {
         &self.json_messages[id.0 as usize]
     }
 
-    /// What `expression` is once the names in it that stand for other types are read as those; none where nothing
-    /// can be said of its values beyond what the definitions say.
+    /// Resolves the aliases in `expression`. Returns `None` for types that are not aliases.
     pub(crate) fn plain(&self, expression: &Expression) -> Option<Expression> {
         match expression {
             Expression::Named(id) => match &self.json_type(*id).definition {
-                // Names don't stand for themselves, so this ends.
+                // Aliases are not recursive, so this terminates.
                 Definition::Named(typed) => self.plain(&typed.ty),
                 Definition::Object(_) | Definition::Tuple(_) | Definition::Set(_) => None,
             },
@@ -374,7 +373,7 @@ impl Schema {
         }
     }
 
-    /// An expression as pages write it; `name` writes the names of types.
+    /// An expression as written on pages. `name` formats the names of types.
     pub fn expression_text(&self, expression: &Expression, name: &dyn Fn(&str) -> String) -> String {
         let inner = |inner: &Expression| {
             let text = self.expression_text(inner, name);
@@ -401,7 +400,7 @@ impl Schema {
     }
 }
 
-/// A constant, between quotes where it has to be.
+/// A constant, in quotes if required.
 fn quoted(constant: &str) -> String {
     let is_word = !constant.is_empty()
         && !is_number(constant)

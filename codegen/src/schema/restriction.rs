@@ -1,4 +1,4 @@
-//! Valid numbers of a field by all of its annotations, in the form that codecs and checks use.
+//! The valid numbers of a field according to all of its annotations, for codecs and checks.
 
 use uavspec_runtime::{Constraint, Number, Scalar};
 
@@ -6,7 +6,7 @@ use super::model::{Element, Field, Form, Message, Schema};
 use crate::msg::Dialect;
 use crate::msg::ast::Shape;
 use crate::msg::constraint::Stated;
-use crate::msg::constraint::number::held;
+use crate::msg::constraint::number::stored;
 use crate::value::Value;
 
 /// A [`Constraint`] that owns its lists.
@@ -14,11 +14,11 @@ use crate::value::Value;
 pub struct Restriction {
     /// The constraint without its lists.
     pub limits: Constraint<'static>,
-    /// Values with a special meaning that the rest would refuse.
+    /// Values with a special meaning that the other constraints exclude.
     pub special: Vec<Number>,
     /// Documented values, or masks.
     pub known: Option<Vec<i128>>,
-    /// The demands in `limits`: methods of [`Constraint`], each with its argument.
+    /// The requirements in `limits`: methods of [`Constraint`] and their arguments.
     pub(crate) demands: Vec<(&'static str, Number)>,
 }
 
@@ -29,14 +29,14 @@ impl Default for Restriction {
 }
 
 impl Restriction {
-    /// The constraint to check values by.
+    /// The constraint for checks of values.
     pub fn constraint(&self) -> Constraint<'_> {
         Constraint { special: &self.special, known: self.known.as_deref(), ..self.limits }
     }
 }
 
 impl Schema {
-    /// The restriction of the numbers of a field; none if its type says all.
+    /// The restriction of a numeric field, or `None` if all values of its type are valid.
     pub fn restriction(&self, message: &Message, field: &Field) -> Option<Restriction> {
         let Form::Msg(dialect) = self.package_of(message).form else { return None };
         let Element::Scalar(scalar) = field.ty.element else { return None };
@@ -63,30 +63,29 @@ impl Schema {
             restriction.demands.push((demand.method, demand.number));
         }
         let special = field.constraints.iter().filter(|constraint| constraint.is_special());
-        let special = special.filter_map(|constraint| held(constraint.stated.value()?, scalar));
-        let is_refused = |value: &Number| restriction.constraint().violated_by(*value).is_some();
-        restriction.special = special.filter(is_refused).collect();
+        let special = special.filter_map(|constraint| stored(constraint.stated.value()?, scalar));
+        let is_excluded = |value: &Number| restriction.constraint().violated_by(*value).is_some();
+        restriction.special = special.filter(is_excluded).collect();
         (restriction.constraint() != Constraint::NONE).then_some(restriction)
     }
 }
 
-/// True if NaN has no meaning in a field of floats: the definition constrains the field, and neither the annotations
-/// nor the texts of the field, of its group or of the message mention NaN.
+/// True if NaN is invalid in a float field. This is the case if the definition constrains the field, and neither its
+/// annotations nor the texts of the field, the group and the message mention NaN.
 ///
-/// Fields without constraints may be NaN: healthy logs hold NaN in many of them. ROS 2 leaves NaN to the user of a
-/// message.
+/// Unconstrained fields may be NaN, which is common in valid logs. In ROS 2, the users of a message decide on NaN.
 fn forbids_nan(message: &Message, field: &Field, dialect: Dialect) -> bool {
     let is_nan = |stated: &Stated| matches!(stated.value(), Some(Value::Float(value)) if value.is_nan());
     let group = field.group.and_then(|group| message.groups.get(group));
     let has_meaning = || {
-        field.constraints.iter().any(|found| is_nan(&found.stated) || says_nan(&found.text))
-            || says_nan(&field.description)
-            || group.into_iter().chain([&message.docs]).any(|docs| says_nan(&docs.text()))
+        field.constraints.iter().any(|found| is_nan(&found.stated) || mentions_nan(&found.text))
+            || mentions_nan(&field.description)
+            || group.into_iter().chain([&message.docs]).any(|docs| mentions_nan(&docs.text()))
     };
     dialect == Dialect::Px4 && !field.constraints.is_empty() && !has_meaning()
 }
 
 /// True if a text mentions NaN.
-fn says_nan(text: &str) -> bool {
+fn mentions_nan(text: &str) -> bool {
     text.split(|character: char| !character.is_alphanumeric()).any(|word| word.eq_ignore_ascii_case("nan"))
 }

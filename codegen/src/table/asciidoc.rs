@@ -11,7 +11,7 @@ use super::text::{TextBuilder, trim};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
 
-/// Whether a text without a telling name is `AsciiDoc`.
+/// True if a text appears to be `AsciiDoc`.
 pub(super) fn is_likely(text: &str) -> bool {
     lines(text).any(|(_, line)| is_table_fence(line.trim_end()))
 }
@@ -23,18 +23,18 @@ pub(super) fn parse(text: &str, span: Span) -> (Page, Vec<Diagnostic>) {
     (parser.page, parser.diagnostics)
 }
 
-/// Whether `line` opens or closes a table.
+/// True if `line` starts or ends a table.
 fn is_table_fence(line: &str) -> bool {
     line.strip_prefix("|===").is_some_and(|rest| rest.bytes().all(|byte| byte == b'='))
 }
 
-/// Whether `line` opens or closes a block in which nothing is markup: code, output, a comment.
+/// True if `line` starts or ends a block without markup: code, output or a comment.
 fn is_verbatim_fence(line: &str) -> bool {
     let fence = |mark: char| line.len() >= 4 && line.chars().all(|c| c == mark);
     line == "```" || ['-', '.', '+', '/'].into_iter().any(fence)
 }
 
-/// Whether `line` starts an item of a list.
+/// True if `line` starts a list item.
 fn is_list_item(line: &str) -> bool {
     let text = line.trim_start();
     let mark = text.len() - text.trim_start_matches(['*', '.', '-']).len();
@@ -45,7 +45,7 @@ fn is_comment(line: &str) -> bool {
     line.starts_with("//") && !line.starts_with("///")
 }
 
-/// Level and start of the text of a heading: `== Text`.
+/// The level and the start of the text of a heading: `== Text`.
 fn heading_level(line: &str) -> Option<(usize, usize)> {
     let level = line.bytes().take_while(|byte| *byte == b'=').count();
     let rest = &line[level..];
@@ -87,7 +87,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Reads the paragraph whose first line is `first`, and returns the line after it.
+    /// Reads the paragraph that starts at line `first`, and returns the index of the line after it.
     fn paragraph(&mut self, first: usize) -> usize {
         let is_end = |line: &Line<'_>| {
             line.1.is_empty()
@@ -113,7 +113,7 @@ impl Parser<'_, '_> {
         builder.finish(range)
     }
 
-    /// Reads the table whose rows start at the line `first`, and returns the line after it.
+    /// Reads the table whose rows start at line `first`, and returns the index of the line after it.
     fn table(&mut self, first: usize, prelude: Prelude) -> usize {
         let (at, fence) = self.lines[first - 1];
         let span = self.page.span.part(at..at + fence.len());
@@ -137,7 +137,7 @@ impl Parser<'_, '_> {
     }
 }
 
-/// What the lines before a block say about it.
+/// The attributes and the title before a block.
 #[derive(Default)]
 struct Prelude {
     columns: Option<usize>,
@@ -145,7 +145,7 @@ struct Prelude {
 }
 
 impl Prelude {
-    /// Whether `line` belongs to the block that follows. Comments and blank lines part nothing.
+    /// Reads `line` if it is part of the prelude. Returns true if it is, or if it is a comment or an empty line.
     fn read(&mut self, at: usize, line: &str) -> bool {
         if line.starts_with('[') && line.ends_with(']') {
             self.columns = columns(line).or(self.columns);
@@ -158,7 +158,7 @@ impl Prelude {
     }
 }
 
-/// The number of columns that `[cols="1,2*,3"]` gives; it is also the number in `[cols=4]`.
+/// The number of columns in `[cols="1,2*,3"]` or `[cols=4]`.
 fn columns(attributes: &str) -> Option<usize> {
     let value = attributes.split_once("cols=")?.1;
     let value = match value.strip_prefix(['"', '\'']) {
@@ -175,15 +175,15 @@ fn columns(attributes: &str) -> Option<usize> {
     Some(value.split([',', ';']).map(repeats).fold(0, usize::saturating_add).max(1))
 }
 
-/// Collects cells from the lines of a table.
+/// Collects the cells of a table from its lines.
 struct Body<'s> {
     text: &'s str,
     span: Span,
     cells: Vec<Cell>,
-    /// Stretches of the cell that is being read; `None` before the first pipe.
+    /// The pieces of the current cell; `None` before the first pipe.
     open: Option<Vec<Line<'s>>>,
     is_merged: bool,
-    /// How many cells start on the first line that has any, and how many before the first blank line.
+    /// The number of cells that start on the first line with cells, and before the first empty line.
     on_first_line: Option<usize>,
     before_blank_line: Option<usize>,
 }
@@ -194,7 +194,7 @@ impl<'s> Body<'s> {
         Self { text, span, cells, open, is_merged: false, on_first_line: None, before_blank_line: None }
     }
 
-    /// Cells so far, with the one that is being read.
+    /// The number of cells, including the current one.
     fn count(&self) -> usize {
         self.cells.len() + usize::from(self.open.is_some())
     }
@@ -223,10 +223,10 @@ impl<'s> Body<'s> {
         self.on_first_line = self.on_first_line.or(Some(self.count())).filter(|cells| *cells > 0);
     }
 
-    /// Text before the first pipe of a table belongs to no cell.
+    /// Adds text to the current cell. Text before the first pipe of a table is ignored.
     fn extend(&mut self, at: usize, text: &'s str) {
         if let Some(open) = &mut self.open {
-            // A plus at the end of a line keeps the line break, which is a blank here like any other.
+            // A plus at the end of a line is a line break, which is treated as a space.
             open.push((at, text.strip_suffix(" +").unwrap_or(text)));
         }
     }
@@ -241,8 +241,8 @@ impl<'s> Body<'s> {
         self.cells.push(Cell { text, is_merged: self.is_merged });
     }
 
-    /// All cells, and how many of them a row has: as many as the attributes say; else as stand on the
-    /// first line. One on the first line is one of a header that is written over several lines.
+    /// All cells, and the number of columns: from the attributes, otherwise from the first line. If the first line has
+    /// only one cell, the header extends over several lines.
     fn finish(mut self, columns: Option<usize>) -> (Vec<Cell>, usize) {
         self.close();
         let on_first_line = self.on_first_line.filter(|cells| *cells > 1);
@@ -253,25 +253,25 @@ impl<'s> Body<'s> {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Specifier {
-    /// Alignment or style: nothing that counts here.
+    /// Alignment or style, which is ignored.
     Looks,
-    /// One cell for several columns, rows, or cells: `2+`, `.3+`, `4*`.
+    /// Merged or repeated cells: `2+`, `.3+`, `4*`.
     Merging,
 }
 
-/// Whether any pipe of `line` has a specifier before it. A cell may end in a word that looks like one.
+/// True if any pipe of `line` follows a specifier. A cell may end with a word that looks like one.
 pub(crate) fn has_specifier(line: &str) -> bool {
     let parts = super::pipe::split(line);
     let before_pipes = &parts[..parts.len() - 1];
     before_pipes.iter().any(|part| specifier(last_word(&line[part.clone()])).is_some())
 }
 
-/// What stands after the last white space in `text`.
+/// The text after the last white space.
 fn last_word(text: &str) -> &str {
     text.rsplit(char::is_whitespace).next().unwrap_or(text)
 }
 
-/// What stands right before a pipe and says how its cell is to be laid out: `2.3+^.>s|`.
+/// Parses the format specifier before a pipe: `2.3+^.>s|`.
 fn specifier(word: &str) -> Option<Specifier> {
     let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
     let factor = digits(word);
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_stand_in_any_grouping_of_lines() {
+    fn cells_may_be_on_one_or_several_lines() {
         let head = "[%header,cols=\"1,2\"]\n.Title\n|===\n|C |D\n";
         for body in [
             "\n|1 |x y\n|2 |z\n",
@@ -317,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_come_from_attributes_or_the_first_row() {
+    fn column_count_comes_from_attributes_or_the_first_row() {
         for start in [
             "[cols=2]\n|===\n|C\n|D\n",
             "[cols=2*]\n|===\n|C\n|D\n",
@@ -332,7 +332,7 @@ mod tests {
             parse_text("[cols=\"99999999999999999999*,18446744073709551615*,2\"]\n|===\n|C |D\n|===");
         assert_eq!(page.tables[0].header.len(), 2);
         let (page, _) = parse_text("[cols=3]\n.T\nA paragraph.\n\n|===\n|C |D\n|1 |2\n|===");
-        assert_eq!(page.tables[0].header.len(), 2, "the attributes were the paragraph's");
+        assert_eq!(page.tables[0].header.len(), 2, "the attributes belong to the paragraph");
         assert_eq!(page.tables[0].title, None);
     }
 
@@ -348,12 +348,12 @@ mod tests {
             assert_eq!(specifier(text), None, "{text}");
         }
         let (page, _) = parse_text("|===\n|C |D\n\n|1a|x\n2+|y|\n|===");
-        assert_eq!(rows(&page.tables[0])[0], ["1a", "x"], "a specifier stands apart from the text before it");
+        assert_eq!(rows(&page.tables[0])[0], ["1a", "x"], "white space precedes a specifier");
         assert!(page.tables[0].rows[1].cells[0].is_merged);
     }
 
     #[test]
-    fn a_table_that_is_not_closed_ends_at_the_next_heading() {
+    fn an_unclosed_table_ends_at_the_next_heading() {
         let (page, diagnostics) = parse_text("== A\n|===\n|C |D\n\n|1 |x\n\n== B\n|===\n|C |D\n\n|2 |y\n");
         assert_eq!(diagnostics.len(), 2);
         assert_eq!(page.tables.iter().flat_map(rows).collect::<Vec<_>>(), [["1", "x"], ["2", "y"]]);
@@ -361,10 +361,10 @@ mod tests {
     }
 
     #[test]
-    fn blocks_of_code_and_comments_are_skipped() {
+    fn skips_blocks_of_code_and_comments() {
         let (page, _) = parse_text("= A\n----\n== X\n|===\n|C\n|===\n----\n////\n== Y\n////\n....\n== Z\n");
         let headings: Vec<&str> = page.headings.iter().map(|heading| heading.text.as_str()).collect();
-        assert_eq!(headings, ["A", "Z"], "a fence without an end hides nothing");
+        assert_eq!(headings, ["A", "Z"], "an unclosed fence is ignored");
         assert!(page.tables.is_empty());
     }
 }

@@ -1,4 +1,4 @@
-//! Tables of error codes: `Code | Abbr | Description`, in any order and beside any other column.
+//! Reads tables of error codes: `Code | Abbr | Description`, in any order, with optional further columns.
 
 mod block;
 
@@ -9,35 +9,35 @@ use super::text::Text;
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
 
-/// All rows under one heading. What the heading stands for may be unreadable; the rows count still.
+/// All rows under one heading. An invalid heading doesn't invalidate the rows.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ErrorCodeTable<'p> {
-    /// The heading, or where there is none, the header.
+    /// The heading, otherwise the header of the table.
     pub span: Span,
-    /// What the heading says.
+    /// The parsed heading.
     pub block: Option<Block>,
-    /// The rows that can be read.
+    /// The valid rows.
     pub rows: Vec<ErrorCodeRow<'p>>,
-    /// Codes of rows that can't be read as a whole. They are known, so references to them hold.
+    /// Codes of invalid rows, which are valid targets of references.
     pub unread: Vec<u32>,
 }
 
-/// A row with all its cells.
+/// A row.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ErrorCodeRow<'p> {
     /// The code.
     pub code: u32,
-    /// The cell that gives it.
+    /// The cell with the code.
     pub span: Span,
     /// The abbreviation; may be empty.
     pub abbreviation: &'p Text,
     /// The description.
     pub description: &'p Text,
-    /// What stands in a column for the version of the specification that introduced the code.
+    /// The version of the specification that introduced the code, if the table has this column.
     pub since: Option<&'p Text>,
 }
 
-/// Reads all error-code tables of a page. Parts of a table under the same heading are one table.
+/// Reads all error-code tables of a page. All tables under one heading form one table.
 pub(crate) fn read(page: &Page) -> (Vec<ErrorCodeTable<'_>>, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let mut tables: Vec<ErrorCodeTable<'_>> = Vec::new();
@@ -63,7 +63,7 @@ pub(crate) fn read(page: &Page) -> (Vec<ErrorCodeTable<'_>>, Vec<Diagnostic>) {
     (tables, diagnostics)
 }
 
-/// The column of the codes, where `table` is one of error codes.
+/// The column of the codes, if `table` contains error codes.
 pub(crate) fn code_column(table: &Table) -> Option<usize> {
     Columns::of(table).map(|columns| columns.code)
 }
@@ -78,23 +78,23 @@ fn start<'p>(table: &Table, heading: Option<&Text>, diagnostics: &mut Vec<Diagno
     ErrorCodeTable { span, block, rows: Vec::new(), unread: Vec::new() }
 }
 
-/// A table that was surely meant to be one of error codes, but misses a column. Passing over it would
-/// lose its codes without a word.
+/// Reports a table that resembles an error-code table, but lacks a column. Otherwise its codes would be ignored
+/// silently.
 fn unknown_columns(table: &Table, heading: &Heading) -> Option<Diagnostic> {
     let has = |names: &[&str]| Columns::position(&table.header, names).is_some();
-    let is_meant = (has(CODE) || has(ABBREVIATION)) && block::has_range(heading.text.as_str());
+    let is_similar = (has(CODE) || has(ABBREVIATION)) && block::has_range(heading.text.as_str());
     let header: Vec<&str> = table.header.iter().map(|cell| cell.text.as_str()).collect();
     let span = table.header.first()?.text.span().to(table.header.last()?.text.span());
-    is_meant.then(|| Diagnostic::new(Problem::UnknownColumns { header: header.join(" | ") }, span))
+    is_similar.then(|| Diagnostic::new(Problem::UnknownColumns { header: header.join(" | ") }, span))
 }
 
-/// Names of the columns, as [`Columns::position`] compares them.
+/// The names of the columns, for [`Columns::position`].
 const CODE: &[&str] = &["code"];
 const ABBREVIATION: &[&str] = &["abbr", "abbrev", "abbreviation"];
 const DESCRIPTION: &[&str] = &["description"];
 const SINCE: &[&str] = &["since"];
 
-/// Where the columns of a table are.
+/// The positions of the columns.
 struct Columns {
     count: usize,
     code: usize,
@@ -115,7 +115,7 @@ impl Columns {
         })
     }
 
-    /// The first column of any of these names, whatever their case, with or without a full stop.
+    /// The first column with one of these names. Ignores case and a full stop at the end.
     fn position(header: &[Cell], names: &[&str]) -> Option<usize> {
         header.iter().position(|cell| {
             let name = cell.text.as_str().trim_end_matches('.');
@@ -139,7 +139,7 @@ impl Columns {
         if let Some((problem, span)) = problem {
             let mut diagnostic = Diagnostic::new(problem, span);
             if merged.is_none() && row.cells.len() > self.count {
-                diagnostic = diagnostic.with_hint("a pipe that belongs to a text is written `\\|`");
+                diagnostic = diagnostic.with_hint("`|`");
             }
             diagnostics.push(diagnostic);
             table.unread.extend(code.and_then(|(code, _)| code));
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_are_found_by_name() {
+    fn finds_columns_by_name() {
         let text = "# Warnings\n|Since|DESCRIPTION|Abbr.|code|x|\n|-|-|-|-|-|\n|2.1|low|FUEL|64||\n";
         let mut sources = SourceMap::default();
         let id = sources.add("page.md", text.into()).expect("valid");
@@ -191,14 +191,14 @@ mod tests {
     }
 
     #[test]
-    fn other_tables_are_none_of_error_codes() {
+    fn other_tables_are_ignored() {
         assert_eq!(codes("# Warnings (codes 64-127)\n|Value|Description|\n|-|-|\n|1|x|\n"), [""; 0]);
         assert_eq!(codes("# Replies\n|Code|Meaning|\n|-|-|\n|1|x|\n"), [""; 0]);
         assert_eq!(codes("# Warnings (codes 64-127)\n|Code|Meaning|\n|-|-|\n|64|x|\n"), ["unknown-columns"]);
     }
 
     #[test]
-    fn a_title_that_names_a_class_counts_more_than_the_heading() {
+    fn a_title_with_a_class_overrides_the_heading() {
         let table = |title: &str, code| {
             format!("\n{title}\n|===\n|Code |Abbr |Description\n\n|{code} |A{code} |x\n|===\n")
         };

@@ -1,5 +1,5 @@
-//! Tables of an HTML page that was saved as text: the heading is a line, the header and its divider
-//! are a line each, and then every cell ends with a pipe and the line.
+//! Reads tables of an HTML page that was saved as text. The heading, the header and its divider are one line each. Each
+//! cell ends with a pipe and a line break.
 //!
 //! ```text
 //! Warnings (codes 64-127)
@@ -20,7 +20,7 @@ use crate::source::Span;
 /// A line and its position.
 type Line<'s> = (usize, &'s str);
 
-/// Whether under the header of some table a cell stands alone on its line.
+/// True if the first line of any table body contains a single cell.
 pub(super) fn is_likely(text: &str) -> bool {
     let mut is_body = false;
     for (_, line) in lines(text) {
@@ -31,7 +31,7 @@ pub(super) fn is_likely(text: &str) -> bool {
             }
             is_body = false;
         }
-        // A table of one column looks the same in Markdown, and there it is no mistake.
+        // Skip tables of one column, because they are identical in Markdown.
         is_body |= pipe::is_divider(line) && pipe::cells(line).len() > 1;
     }
     false
@@ -65,11 +65,11 @@ pub(super) fn parse(text: &str, span: Span) -> Page {
     page
 }
 
-/// Lines, by their index, that start a table.
+/// The line numbers of the start of a table.
 struct Head {
     heading: Option<usize>,
     header: usize,
-    /// The first of them.
+    /// The first line, which is the heading or the header.
     start: usize,
 }
 
@@ -92,22 +92,22 @@ fn heads(lines: &[Line<'_>]) -> Vec<Head> {
 }
 
 fn heading((at, line): Line<'_>, page: Span) -> Heading {
-    // Some dumps keep the marks of headings.
+    // Some dumps keep the heading marks.
     let marks = line.len() - line.trim_start_matches(['#', ' ']).len();
     let mut builder = TextBuilder::new(page);
     builder.push(&line[marks..], at + marks);
     Heading { level: 1, text: builder.finish(at + marks..at + line.trim_end().len().max(marks)) }
 }
 
-/// Collects cells from the lines after a table's header.
+/// Collects the cells of a table from the lines below its header.
 struct Body<'s> {
     text: &'s str,
     span: Span,
     columns: usize,
     cells: Vec<Cell>,
-    /// Places of the lines that the next cell has had so far.
+    /// The ranges of the lines of the current cell.
     open: Vec<Range<usize>>,
-    /// How many of those came before the first blank line.
+    /// The number of these lines before the first empty line.
     paragraph: Option<usize>,
 }
 
@@ -120,7 +120,7 @@ impl<'s> Body<'s> {
                 self.line(*at, line);
             }
         }
-        // The pipe of the very last cell may be missing. What follows a whole row is prose.
+        // The pipe of the last cell may be missing. Text after a complete row is prose.
         if !self.cells.len().is_multiple_of(self.columns) && !self.open.is_empty() {
             self.open.truncate(self.paragraph.unwrap_or(usize::MAX));
             self.close();
@@ -130,7 +130,7 @@ impl<'s> Body<'s> {
 
     fn line(&mut self, at: usize, line: &str) {
         let mut parts = pipe::split(line);
-        // A dump that keeps some rows on one line may start them with a pipe; a pipe alone is a cell.
+        // Rows on one line may start with a pipe. A single pipe is a cell.
         if parts.len() > 2 && self.open.is_empty() && line.trim_start().starts_with('|') {
             parts.remove(0);
         }
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn prose_between_tables_belongs_to_none() {
+    fn prose_between_tables_is_ignored() {
         let page = parse_text(
             "A\nC | D |\n---|---|\n1 |\nx |\n\nSome words\nover lines.\n\n## B\n\nC | D |\n-|-|\n3 |\nz\n\nEnd.",
         );

@@ -1,4 +1,4 @@
-//! GitHub-flavoured Markdown.
+//! Reads GitHub-flavoured Markdown.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use super::pipe;
 use super::text::{TextBuilder, trim};
 use crate::source::Span;
 
-/// Front matter and `{#anchors}` are no part of the text; documentation generators demand both.
+/// Front matter and `{#anchors}` are not part of the text; documentation generators require them.
 pub(crate) const OPTIONS: Options = Options::ENABLE_TABLES
     .union(Options::ENABLE_HEADING_ATTRIBUTES)
     .union(Options::ENABLE_YAML_STYLE_METADATA_BLOCKS);
@@ -25,11 +25,11 @@ pub(super) fn parse(text: &str, span: Span) -> Page {
 struct Reader<'s> {
     text: &'s str,
     page: Page,
-    /// The text of the heading, cell or paragraph that is being read.
+    /// The text of the current heading, cell or paragraph.
     open: Option<TextBuilder>,
-    /// Cells of the row that is being read.
+    /// The cells of the current row.
     cells: Vec<Cell>,
-    /// In how many lists, quotations and footnotes the reader is.
+    /// The nesting depth of lists, quotations and footnotes.
     depth: usize,
 }
 
@@ -58,14 +58,14 @@ impl Reader<'_> {
         }
     }
 
-    /// Adds `text`, for which `range` of the page stands: the same with quotes, escapes or entities.
+    /// Adds `text`, which `range` of the page contains, possibly with quotes, escapes or entities.
     fn push(&mut self, text: &str, range: Range<usize>) {
         let Some(open) = &mut self.open else { return };
         let into = self.text[range.clone()].find(text).unwrap_or(0);
         open.push(text, range.start + into);
     }
 
-    /// Of HTML only a line break means something in a cell.
+    /// Adds a gap for line breaks. Other HTML in a cell is ignored.
     fn gap(&mut self, event: &Event<'_>) {
         let is_gap = match event {
             Event::InlineHtml(html) => html.get(..3).is_some_and(|tag| tag.eq_ignore_ascii_case("<br")),
@@ -116,8 +116,8 @@ impl Reader<'_> {
         }
     }
 
-    /// The parser fills rows that are too short and cuts those that are too long, as GitHub shows
-    /// them; here both are mistakes that have to be seen.
+    /// Restores the cells of a row as written. The Markdown parser pads short rows and truncates long rows, as GitHub
+    /// does, but both are errors here.
     fn end_row(&mut self, range: Range<usize>) {
         let mut cells = std::mem::take(&mut self.cells);
         let range = trim(self.text, range);
@@ -136,7 +136,7 @@ impl Reader<'_> {
     }
 }
 
-/// Whether what stands behind the last pipe of a row is a comment, which nobody sees as a cell.
+/// True if the text after the last pipe of a row is a comment rather than a cell.
 fn is_comment(text: &str) -> bool {
     let text = text.trim();
     text.starts_with("<!--") && text.ends_with("-->") && !text[4..].contains("<!--")
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn markup_goes_and_text_stays() {
+    fn removes_markup_and_keeps_text() {
         let row = "**a**<br>b | `c\\|d` ~~x~~ | ![e](f) [g `h`](i) &amp; <b>j</b> \\*";
         assert_eq!(first_row(&format!("x|y|z\n-|-|-\n{row}")), ["a b", "c|d ~~x~~", "e g h & j *"]);
     }
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_keep_the_cells_they_were_written_with() {
+    fn rows_keep_their_number_of_cells() {
         assert_eq!(first_row("a|b|c\n-|-|-\n1|2").len(), 2);
         assert_eq!(first_row("|a|b|\n|-|-|\n|1|2|3 \\| 4||"), ["1", "2", "3 | 4", ""]);
     }

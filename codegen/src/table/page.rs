@@ -1,19 +1,19 @@
-//! Pages, whatever their form.
+//! The format-independent page.
 
 use super::text::Text;
 use crate::source::Span;
 
-/// A page, as far as it defines anything.
+/// The headings, tables and paragraphs of a page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
     /// The whole page.
     pub span: Span,
-    /// Its headings in order. Their levels say which of them are above which.
+    /// The headings in order, with their levels.
     pub headings: Vec<Heading>,
-    /// Its tables in order.
+    /// The tables in order.
     pub tables: Vec<Table>,
-    /// Its paragraphs in order, but those of lists and quotations. A flattened page has none: which lines belong
-    /// together is lost there.
+    /// The paragraphs in order, except those in lists and quotations. Empty for a flattened page, which doesn't
+    /// preserve paragraphs.
     pub paragraphs: Vec<Paragraph>,
 }
 
@@ -31,42 +31,42 @@ impl Page {
 /// A heading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heading {
-    /// 1 for the title of a page, 2 for its sections, and so on. All are 1 in the flattened form.
+    /// 1 for the title of a page, 2 for sections, and so on. Always 1 in the flattened form.
     pub level: usize,
-    /// What it says.
+    /// The text.
     pub text: Text,
 }
 
 /// A paragraph.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paragraph {
-    /// Which of the page's headings is the nearest above it.
+    /// The index of the nearest heading above.
     pub heading: Option<usize>,
-    /// What it says.
+    /// The text.
     pub text: Text,
 }
 
 /// A table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// Which of the page's headings is the nearest above it.
+    /// The index of the nearest heading above.
     pub heading: Option<usize>,
-    /// A title of its own, which only `AsciiDoc` has.
+    /// The title of the table (`AsciiDoc` only).
     pub title: Option<Text>,
-    /// The cells of its first row.
+    /// The cells of the first row.
     pub header: Vec<Cell>,
-    /// All further rows.
+    /// The other rows.
     pub rows: Vec<Row>,
-    /// Where it starts: its header, or the line that opens it.
+    /// The start of the table: its header or opening line.
     pub span: Span,
 }
 
-/// A row as it was written: it may have another number of cells than the header.
+/// A row as written. The number of cells may differ from the header.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Its cells.
+    /// The cells.
     pub cells: Vec<Cell>,
-    /// From its first cell to its last.
+    /// The range from the first to the last cell.
     pub span: Span,
 }
 
@@ -83,9 +83,9 @@ impl Row {
 /// A cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
-    /// What it says, without markup.
+    /// The text without markup.
     pub text: Text,
-    /// Whether it is written once for several columns, rows or cells (`AsciiDoc` only).
+    /// True for a merged or repeated cell (`AsciiDoc` only).
     pub is_merged: bool,
 }
 
@@ -100,7 +100,7 @@ impl Cell {
     }
 }
 
-/// The lines of `text` without their ends, each with its position.
+/// The lines of `text` without line breaks, each with its position.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.split_inclusive('\n').scan(0, |at, line| {
         let start = *at;
@@ -109,11 +109,10 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// Cuts a flow of cells, in which only the count says where a row ends, into rows of `columns`.
+/// Splits a sequence of cells into rows of `columns` cells.
 ///
-/// One cell too few or too many would shift all rows after it. Where each row should start with a
-/// number and some don't, the numbers say where rows start, so that only the bad row has the wrong
-/// count.
+/// A missing or extra cell would shift all following rows. If the first cell is a number and the rows don't fit, numbers
+/// determine the starts of rows instead, so that only the invalid row has a wrong number of cells.
 pub(super) fn into_rows(cells: Vec<Cell>, columns: usize, page: Span) -> Vec<Row> {
     let columns = columns.max(1);
     let is_numbered = cells.first().is_some_and(Cell::is_number);
@@ -129,8 +128,8 @@ pub(super) fn into_rows(cells: Vec<Cell>, columns: usize, page: Span) -> Vec<Row
     groups.into_iter().flat_map(|group| cut(group, columns, page)).collect()
 }
 
-/// Cuts `cells` into rows. What is less than two rows but not one stays together: the cell that is
-/// missing or too much is somewhere in it.
+/// Splits `cells` into rows. If there are fewer cells than two rows but not exactly one row, they stay together as one
+/// invalid row.
 fn cut(cells: Vec<Cell>, columns: usize, page: Span) -> Vec<Row> {
     let is_one_bad_row = !cells.len().is_multiple_of(columns) && cells.len() < 2 * columns;
     let size = if is_one_bad_row { cells.len() } else { columns };

@@ -1,4 +1,4 @@
-//! Lines whose cells are divided by pipes.
+//! Lines with cells separated by pipes.
 
 use std::ops::Range;
 
@@ -20,21 +20,21 @@ pub(crate) fn split(line: &str) -> Vec<Range<usize>> {
     parts
 }
 
-/// The cells of a row on one line, with or without pipes at its ends.
+/// The cells of a row. Pipes at the ends of the line are optional.
 pub(crate) fn cells(line: &str) -> Vec<Range<usize>> {
     let mut parts = split(line);
-    let is_blank =
+    let is_empty =
         |part: Option<&Range<usize>>| part.is_some_and(|part| line[part.clone()].trim().is_empty());
-    if parts.len() > 1 && is_blank(parts.last()) {
+    if parts.len() > 1 && is_empty(parts.last()) {
         parts.pop();
     }
-    if parts.len() > 1 && is_blank(parts.first()) {
+    if parts.len() > 1 && is_empty(parts.first()) {
         parts.remove(0);
     }
     parts
 }
 
-/// Whether `line` divides the header of a table from its rows: `|---|:-:|`.
+/// True if `line` separates the header of a table from its rows: `|---|:-:|`.
 pub(super) fn is_divider(line: &str) -> bool {
     let is_rule = |cell: &str| {
         let dashes = cell.strip_prefix(':').unwrap_or(cell);
@@ -44,7 +44,7 @@ pub(super) fn is_divider(line: &str) -> bool {
     line.contains('|') && cells(line).into_iter().all(|cell| is_rule(line[cell].trim()))
 }
 
-/// The cell at `range` of the page `text`, with no markup but escaped pipes.
+/// The cell at `range` of the page `text`. Markup is not interpreted, except escaped pipes.
 pub(super) fn plain_cell(text: &str, range: Range<usize>, page: Span) -> Cell {
     let mut builder = TextBuilder::new(page);
     builder.push_unescaped(&text[range.clone()], range.start);

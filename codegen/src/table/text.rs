@@ -1,36 +1,36 @@
-//! Plain text that knows where each of its parts was written.
+//! Plain text that records the source location of each part.
 
 use std::ops::Range;
 
 use crate::source::Span;
 
-/// The text of a cell or heading: without markup, each stretch of white space one blank.
+/// The text of a cell or heading, without markup and with single spaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Text {
     plain: String,
     span: Span,
-    /// Positions in the text, and the place that each was written at. What follows one stands in the
-    /// source as it stands in the text, up to the next.
+    /// Positions in the text, each with its source location. The source matches the text from each position up to the
+    /// next.
     pieces: Vec<(usize, Span)>,
 }
 
 impl Text {
-    /// What it says.
+    /// The plain text.
     pub fn as_str(&self) -> &str {
         &self.plain
     }
 
-    /// Whether it says nothing.
+    /// True if the text is empty.
     pub fn is_empty(&self) -> bool {
         self.plain.is_empty()
     }
 
-    /// Where it is written, with its markup.
+    /// The source location, including markup.
     pub fn span(&self) -> Span {
         self.span
     }
 
-    /// Where a part of it is written.
+    /// The source location of a part of the text.
     #[must_use]
     pub fn part(&self, range: Range<usize>) -> Span {
         if range.is_empty() {
@@ -42,7 +42,7 @@ impl Text {
         }
     }
 
-    /// The byte of the source that gave the byte at `position`.
+    /// The source location of the byte at `position`.
     fn locate(&self, position: usize) -> Option<Span> {
         let after = self.pieces.partition_point(|(start, _)| *start <= position);
         let (start, place) = self.pieces.get(after.checked_sub(1)?)?;
@@ -51,12 +51,12 @@ impl Text {
     }
 }
 
-/// Collects a [`Text`] from what remains of the source without markup.
+/// Collects a [`Text`] from pieces of the source.
 pub(super) struct TextBuilder {
     page: Span,
     plain: String,
     pieces: Vec<(usize, Span)>,
-    /// Position in the source where the last piece goes on.
+    /// The source position after the last piece.
     next: usize,
     has_gap: bool,
 }
@@ -66,7 +66,7 @@ impl TextBuilder {
         Self { page, plain: String::new(), pieces: Vec::new(), next: 0, has_gap: false }
     }
 
-    /// Adds `text`, which stands at `at` in the page.
+    /// Adds `text`, which is at position `at` of the page.
     pub(super) fn push(&mut self, text: &str, at: usize) {
         let mut rest = text;
         while let Some(start) = rest.find(|c: char| !c.is_whitespace()) {
@@ -92,7 +92,7 @@ impl TextBuilder {
         self.next = at + word.len();
     }
 
-    /// Adds `text`, in which `\|` stands for a pipe.
+    /// Adds `text`, and replaces `\|` with a pipe.
     pub(super) fn push_unescaped(&mut self, text: &str, at: usize) {
         let mut start = 0;
         for (backslash, _) in text.match_indices("\\|") {
@@ -102,18 +102,18 @@ impl TextBuilder {
         self.push(&text[start..], at + start);
     }
 
-    /// Adds a break between words.
+    /// Adds white space.
     pub(super) fn gap(&mut self) {
         self.has_gap = true;
     }
 
-    /// The text, written at `range` of the page.
+    /// The text, located at `range` of the page.
     pub(super) fn finish(self, range: Range<usize>) -> Text {
         Text { plain: self.plain, span: self.page.part(range), pieces: self.pieces }
     }
 }
 
-/// The part of `range` that is no white space at its ends. Where nothing else is in it, its start.
+/// Removes white space from both ends of `range`. If only white space remains, returns an empty range at its start.
 pub(super) fn trim(text: &str, range: Range<usize>) -> Range<usize> {
     let inner = text.get(range.clone()).unwrap_or("");
     let start = range.start + (inner.len() - inner.trim_start().len());
@@ -126,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn white_space_is_one_blank_and_positions_survive_it() {
+    fn white_space_becomes_one_space_and_positions_stay_correct() {
         let source = "  ab \n\t c\\|d ";
         let page = Span { start: 100, end: 100 + 13 };
         let mut builder = TextBuilder::new(page);
@@ -140,6 +140,6 @@ mod tests {
         };
         assert_eq!((at(0..2), at(3..4), at(4..5), at(4..6)), ("ab", "c", "|", "|d"));
         assert_eq!(at(0..6), "ab \n\t c\\|d");
-        assert_eq!(text.part(3..3), text.span(), "no part, so the whole");
+        assert_eq!(text.part(3..3), text.span(), "an empty part has the location of the whole text");
     }
 }

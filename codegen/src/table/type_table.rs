@@ -1,4 +1,4 @@
-//! Tables of types and messages: what the header of a table and the heading above it define.
+//! Reads tables of types and messages, which are recognized by their header and heading.
 //!
 //! | header | defines |
 //! |---|---|
@@ -6,9 +6,9 @@
 //! | `Index`, `Element`, `Required`, `Type`, `Description` | a JSON array with a meaning for each position |
 //! | `Value`, `Description` | a set of strings or integers |
 //!
-//! A heading without such a table, whose first paragraph begins with a built-in type, names a type of its own:
+//! A heading without such a table, followed by a paragraph that starts with a built-in type, defines a named type:
 //! `integer, [ms] Milliseconds since the epoch`. A heading with the subheadings `Request`, `Response` and
-//! `Notification` is a message.
+//! `Notification` defines a message.
 
 mod columns;
 mod expression;
@@ -27,12 +27,12 @@ pub(crate) use self::reader::{Body, Entry, Member, TypeDefinition};
 use super::page::Page;
 use crate::diagnostic::Diagnostic;
 
-/// What a page defines beside error codes.
+/// The types and messages of a page.
 #[derive(Debug, Default)]
 pub(crate) struct Definitions<'p> {
-    /// Its types, in order.
+    /// The types, in order.
     pub types: Vec<TypeDefinition<'p>>,
-    /// Its messages, in order.
+    /// The messages, in order.
     pub messages: Vec<MessageDefinition<'p>>,
 }
 
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn the_header_and_the_heading_say_what_is_defined() {
+    fn header_and_heading_determine_the_definition() {
         let page = page(
             "# Gliders\n\n## Mark\n\nA turning point. Closed object.\n\n|Field|Required|Type|Description|\n|-|-|-|-|\n\
              |name|yes|string|[@length 1, 8] Its name|\n\n## Wind\n\n|Description|Element|Index|Type|Required|\n|-|-|-|-|-|\n\
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_below_a_table_is_a_remark() {
+    fn paragraphs_below_a_table_are_remarks() {
         let page = page(
             "# Wind\n\nIt blows.\n\n|Field|Required|Type|Description|\n|-|-|-|-|\n|speed|yes|number|How fast|\n\n\
              Disputed: whether it is a closed object.\n\n# WIND-INF\n\n## Notification\n\n\
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn prose_stays_prose() {
+    fn prose_defines_nothing() {
         for text in [
             "# Gliders\n\ninteger overflow is no matter, here.\n",
             "# integer\n\nstring\n",

@@ -1,7 +1,7 @@
-//! Imports between the modules of a crate, read from its sources.
+//! The imports between the modules of a crate, found in its sources.
 //!
-//! A module is a file. An import is any path that leads from one file into another: in a `use`, in an expression or
-//! in a macro. Modules that are compiled for tests alone don't count.
+//! A module is a file. An import is any path from one file into another: in a `use` declaration, an expression or a
+//! macro. Test-only modules are ignored.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -9,23 +9,23 @@ use std::path::Path;
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// The names of a module and of those around it, from the outermost; empty for the root of the crate.
+/// The names of a module and its parents, from the outermost; empty for the root of the crate.
 type ModulePath = Vec<String>;
 
-/// The modules of a crate, each with the modules that it imports.
+/// The modules of a crate, with the modules that each of them imports.
 pub(crate) struct Imports(BTreeMap<ModulePath, BTreeSet<ModulePath>>);
 
 impl Imports {
-    /// Reads the crate whose root is `src/lib.rs` below `folder`.
+    /// Reads the crate with the root `src/lib.rs` in `folder`.
     ///
     /// # Panics
     ///
-    /// If a file can't be read, or isn't Rust.
+    /// Panics if a file can't be read, or is not valid Rust.
     pub(crate) fn read(folder: &Path) -> Self {
         Self::of(&|path| fs::read_to_string(folder.join("src").join(path)).ok())
     }
 
-    /// Reads the crate whose files `text` returns by their paths below `src`.
+    /// Reads a crate. `text` returns the content of a file by its path below `src`.
     fn of(text: &dyn Fn(&str) -> Option<String>) -> Self {
         let mut files = BTreeMap::new();
         let mut open = vec![(ModulePath::new(), "lib.rs".to_owned())];
@@ -43,20 +43,20 @@ impl Imports {
         Self(files.iter().map(|(module, file)| (module.clone(), file.imports(module, &modules))).collect())
     }
 
-    /// The imports that run against `floors`, which list the modules of the crate from the top down: a module may
-    /// import modules of lower floors only, and nothing may import the root of the crate.
-    pub(crate) fn upward(&self, floors: &[&[&str]]) -> Vec<String> {
-        let floor = |module: &ModulePath| {
+    /// The imports that violate `layers`, the layers of modules from top to bottom. A module may import modules of
+    /// lower layers only, and no module may import the root of the crate.
+    pub(crate) fn upward(&self, layers: &[&[&str]]) -> Vec<String> {
+        let layer = |module: &ModulePath| {
             let name = module.first()?;
-            floors.iter().position(|modules| modules.contains(&name.as_str()))
+            layers.iter().position(|modules| modules.contains(&name.as_str()))
         };
         let mut found = Vec::new();
         for (module, imports) in &self.0 {
-            if module.len() == 1 && floor(module).is_none() {
-                found.push(format!("{} is on no floor", module[0]));
+            if module.len() == 1 && layer(module).is_none() {
+                found.push(format!("{} is in no layer", module[0]));
             }
             let others = imports.iter().filter(|import| import.first() != module.first());
-            for import in others.filter(|import| !module.is_empty() && floor(import) <= floor(module)) {
+            for import in others.filter(|import| !module.is_empty() && layer(import) <= layer(module)) {
                 found.push(format!("{} imports {}", shown(module), shown(import)));
             }
         }
@@ -79,7 +79,7 @@ impl Imports {
         found
     }
 
-    /// The modules that `module` imports, itself or through others.
+    /// The modules that `module` imports, directly or indirectly.
     fn reached(&self, module: &ModulePath) -> BTreeSet<ModulePath> {
         let mut reached = BTreeSet::new();
         let mut open: Vec<&ModulePath> = self.0[module].iter().collect();
@@ -91,7 +91,7 @@ impl Imports {
         reached
     }
 
-    /// These imports between the parts of each folder: a file and those in the folder of its name are one part.
+    /// The imports between the entries of each folder. A file and the folder of the same name are one entry.
     pub(crate) fn between_siblings(&self) -> Vec<Self> {
         let folders: BTreeSet<&[String]> =
             self.0.keys().filter_map(|module| module.split_last()).map(|(_, folder)| folder).collect();
@@ -118,14 +118,14 @@ fn shown(module: &ModulePath) -> String {
     if module.is_empty() { "the root".to_owned() } else { module.join("::") }
 }
 
-/// What a file says of modules.
+/// The paths and modules in a file.
 #[derive(Default)]
 struct File {
-    /// The modules that it declares, and that are files of their own.
+    /// The declared modules that are files.
     children: Vec<String>,
-    /// Paths as they are written.
+    /// The paths as written.
     paths: Vec<Vec<String>>,
-    /// What each name that a `use` introduces stands for.
+    /// The target of each name that a `use` declaration introduces.
     names: BTreeMap<String, Vec<String>>,
 }
 
@@ -142,7 +142,7 @@ impl File {
         imports.filter(|import| import != module).collect()
     }
 
-    /// The module that a path leads into; none if that is in another crate or a local name.
+    /// The module that a path refers to, or `None` for other crates and local names.
     fn target(
         &self,
         path: &[String],
@@ -184,7 +184,7 @@ impl File {
         }
     }
 
-    /// Reads what starts at `at`, and returns where it ends.
+    /// Reads the item that starts at `at`, and returns its end.
     fn item(&mut self, tokens: &[TokenTree], at: usize) -> usize {
         let word = word(tokens, at);
         match &tokens[at] {
@@ -192,16 +192,16 @@ impl File {
                 Some(TokenTree::Group(group)) if group.stream().to_string() == "cfg (test)" => {
                     end_of_item(tokens, at + 2)
                 }
-                // Attributes name no modules of a crate.
+                // Attributes contain no imports.
                 Some(TokenTree::Group(_)) => at + 2,
                 _ => at + 1,
             },
-            // `pub(in crate::emit)` says who may import; it imports nothing.
+            // `pub(in crate::emit)` restricts visibility; it is not an import.
             TokenTree::Ident(_) if word == "pub" => match tokens.get(at + 1) {
                 Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis => at + 2,
                 _ => at + 1,
             },
-            // What is quoted is written by the program, not used by it.
+            // Quoted tokens are output of the program, not imports.
             TokenTree::Ident(_) if word == "quote" && is_mark(tokens, at + 1, '!') => at + 3,
             TokenTree::Ident(_) if word == "use" => {
                 let end = end_of_item(tokens, at);
@@ -214,7 +214,7 @@ impl File {
             }
             TokenTree::Ident(_) => {
                 let path = path(tokens, at);
-                // One name alone leads nowhere; after `.` or `::` it belongs to what is before it.
+                // A single name is not a path. After `.` or `::`, it belongs to the previous tokens.
                 let is_start = at == 0 || !(is_mark(tokens, at - 1, '.') || is_mark(tokens, at - 1, ':'));
                 let end = at + 3 * path.len() - 2;
                 if path.len() > 1 && is_start {
@@ -230,7 +230,7 @@ impl File {
         }
     }
 
-    /// Reads the tree of a `use` that follows `before`.
+    /// Reads the tree of a `use` declaration after the path `before`.
     fn uses(&mut self, before: &[String], tokens: &[TokenTree]) {
         for tree in tokens.split(|token| matches!(token, TokenTree::Punct(mark) if mark.as_char() == ',')) {
             let start = tree.iter().position(|token| !matches!(token, TokenTree::Punct(_))).unwrap_or(0);
@@ -269,7 +269,7 @@ fn is_mark(tokens: &[TokenTree], at: usize, mark: char) -> bool {
     matches!(tokens.get(at), Some(TokenTree::Punct(found)) if found.as_char() == mark)
 }
 
-/// The names from `at` on that are joined by `::`.
+/// The names joined by `::`, starting at `at`.
 fn path(tokens: &[TokenTree], mut at: usize) -> Vec<String> {
     let mut path = Vec::new();
     while let Some(TokenTree::Ident(name)) = tokens.get(at) {
@@ -282,7 +282,7 @@ fn path(tokens: &[TokenTree], mut at: usize) -> Vec<String> {
     path
 }
 
-/// Where the item that starts at `at` ends: after its `;` or its braces.
+/// The end of the item that starts at `at`: after its `;` or braces.
 fn end_of_item(tokens: &[TokenTree], at: usize) -> usize {
     let is_use = (at..tokens.len()).map(|at| word(tokens, at)).find(|word| !word.is_empty() && word != "pub");
     let is_use = is_use.is_some_and(|word| word == "use");
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn every_way_to_name_a_module_is_an_import() {
+    fn finds_all_kinds_of_imports() {
         let found = imports(&[
             ("lib.rs", "pub mod a; mod b; mod c; mod d; mod e; mod f;"),
             (
@@ -327,17 +327,17 @@ mod tests {
     }
 
     #[test]
-    fn imports_that_run_up_are_found() {
+    fn finds_upward_imports() {
         let files =
             [("lib.rs", "mod a; mod b; mod c;"), ("a.rs", "use crate::b::X;"), ("b.rs", ""), ("c.rs", "")];
         assert!(imports(&files).upward(&[&["a"], &["b", "c"]]).is_empty());
         assert_eq!(imports(&files).upward(&[&["b"], &["a", "c"]]), ["a imports b"]);
         assert_eq!(imports(&files).upward(&[&["a", "b"], &["c"]]), ["a imports b"]);
-        assert_eq!(imports(&files).upward(&[&["a"], &["b"]]), ["c is on no floor"]);
+        assert_eq!(imports(&files).upward(&[&["a"], &["b"]]), ["c is in no layer"]);
     }
 
     #[test]
-    fn cycles_are_found_between_files_and_between_folders() {
+    fn finds_cycles_between_files_and_folders() {
         let found = imports(&[
             ("lib.rs", "mod a; mod b;"),
             ("a.rs", "mod x; mod y;"),

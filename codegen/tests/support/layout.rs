@@ -1,4 +1,4 @@
-//! What has to hold of every layout.
+//! Properties of formatted files.
 
 use serde_json::Value as Json;
 use uavspec_codegen::diagnostic::Level;
@@ -9,14 +9,14 @@ use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{Diagnostic, SourceMap, read};
 
-/// The layout of one file, or what is wrong with it.
+/// Formats a file, or returns its errors.
 pub(crate) fn laid_out(path: &str, text: &str, form: Form) -> Result<Formatted, Vec<Diagnostic>> {
     let mut sources = SourceMap::default();
     let id = sources.add(path, text.as_bytes().to_vec()).map_err(|diagnostic| vec![diagnostic])?;
     format(&sources, id, form)
 }
 
-/// The model of files, and the codes of errors in them.
+/// The model of files, and the sorted codes of their errors.
 fn model(form: Form, files: &[(String, String)]) -> (Json, Vec<&'static str>) {
     let mut sources = SourceMap::default();
     let mut package = super::package("demo", form);
@@ -30,7 +30,7 @@ fn model(form: Form, files: &[(String, String)]) -> (Json, Vec<&'static str>) {
     (inspect::schema(&schema), errors)
 }
 
-/// Every comment: its text, the number of its annotations, and its parameters.
+/// The comments, each with its text, the number of its annotations, and its parameters.
 fn comments(path: &str, text: &str, dialect: Dialect) -> Vec<String> {
     fn words(note: &Note<'_>) -> String {
         let parameters: Vec<String> = note.parameters.iter().map(words).collect();
@@ -42,8 +42,8 @@ fn comments(path: &str, text: &str, dialect: Dialect) -> Vec<String> {
     let (definition, _) = parse_definition(&sources, id, kind, dialect);
     let lines = definition.parts.iter().flat_map(|part| &part.lines);
     let comments = lines.filter_map(|line| line.comment.as_deref());
-    let words_alone = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-    comments.map(|found| found.note.as_ref().map_or_else(|| words_alone(found.text), words)).collect()
+    let normalised = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    comments.map(|found| found.note.as_ref().map_or_else(|| normalised(found.text), words)).collect()
 }
 
 /// All cells of a page.
@@ -56,38 +56,39 @@ fn cells(path: &str, text: &str) -> Vec<Vec<String>> {
     rows.map(|row| row.iter().map(|cell| cell.text.as_str().to_owned()).collect()).collect()
 }
 
-/// What is wrong with the layout of a file; nothing, if all is as it should be. A file with mistakes has none.
+/// Formats a file and checks the result. Returns `None` for a file with errors.
 fn check_layout(path: &str, text: &str, form: Form) -> Result<Option<String>, String> {
     let Ok(first) = laid_out(path, text, form) else { return Ok(None) };
     let problem = |what: &str| Err(format!("{path}: {what}\n{text:?}\n{:?}", first.text));
     if first.is_kept {
-        return problem("the layout says something else");
+        return problem("the format changes the meaning");
     }
     match laid_out(path, &first.text, form) {
         Ok(second) if second.text == first.text && !second.is_kept => {}
-        Ok(second) => return problem(&format!("a second run gives another layout: {:?}", second.text)),
-        Err(diagnostics) => return problem(&format!("the layout is a mistake: {diagnostics:?}")),
+        Ok(second) => return problem(&format!("a second run changes the format: {:?}", second.text)),
+        Err(diagnostics) => return problem(&format!("the formatted text has errors: {diagnostics:?}")),
     }
     let is_same = match form {
         Form::Msg(dialect) => comments(path, text, dialect) == comments(path, &first.text, dialect),
         Form::Table => cells(path, text) == cells(path, &first.text),
     };
     if !is_same {
-        return problem("not every comment or cell is kept");
+        return problem("a comment or cell is lost");
     }
     let is_tidy = |line: &str| !line.ends_with([' ', '\t', '\r']);
     if let (Form::Msg(_), Some(line)) = (form, first.text.split('\n').find(|line| !is_tidy(line))) {
-        return problem(&format!("white space at the end of {line:?}"));
+        return problem(&format!("trailing white space in {line:?}"));
     }
-    // A page in which a carriage return may end a line is not touched.
-    let is_touched = !text.replace("\r\n", "\n").contains('\r');
-    if is_touched && !first.text.is_empty() && (!first.text.ends_with('\n') || first.text.ends_with("\n\n")) {
-        return problem("the end is no single end of a line");
+    // A page in which a carriage return may end a line is not formatted.
+    let is_formatted = !text.replace("\r\n", "\n").contains('\r');
+    if is_formatted && !first.text.is_empty() && (!first.text.ends_with('\n') || first.text.ends_with("\n\n"))
+    {
+        return problem("the text must end with a single newline");
     }
     Ok(Some(first.text))
 }
 
-/// Lays out files of one package, and compares their model with that of the layout.
+/// Formats the files of a package, and checks that their model is unchanged.
 pub(crate) fn check_files(form: Form, files: &[(String, String)]) -> Result<usize, String> {
     let mut laid_out = files.to_vec();
     let mut count = 0;
@@ -98,5 +99,5 @@ pub(crate) fn check_files(form: Form, files: &[(String, String)]) -> Result<usiz
         }
     }
     let [before, after] = [files, &laid_out].map(|files| model(form, files));
-    if before == after { Ok(count) } else { Err(format!("another model: {files:?}\n{laid_out:?}")) }
+    if before == after { Ok(count) } else { Err(format!("the model differs: {files:?}\n{laid_out:?}")) }
 }

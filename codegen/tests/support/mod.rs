@@ -1,4 +1,4 @@
-//! What several tests need: the corpus, and packages read from folders or from text.
+//! Shared helpers: the corpus, and packages read from folders or texts.
 
 pub(crate) mod layout;
 
@@ -10,11 +10,11 @@ use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, Schema};
 use uavspec_codegen::{Diagnostic, PackageInput, SourceMap, read};
 
-/// A folder beside the corpus, such as `corpus/px4` or `oracle/uorb`; none where there is no corpus.
+/// A folder next to the corpus, such as `corpus/px4` or `oracle/uorb`, or `None` if the corpus is absent.
 ///
 /// # Panics
 ///
-/// Where there is none although `UAVSPEC_REQUIRE_CORPUS` is set.
+/// Panics if the folder is absent and `UAVSPEC_REQUIRE_CORPUS` is set.
 pub(crate) fn shared(path: &str) -> Option<PathBuf> {
     let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
     let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from);
@@ -27,7 +27,7 @@ pub(crate) fn shared(path: &str) -> Option<PathBuf> {
         "{} is required but absent",
         found.display()
     );
-    eprintln!("left out: {path} is absent; set UAVSPEC_CORPUS to the corpus to run this test");
+    eprintln!("skipped: {path} is absent; set UAVSPEC_CORPUS to the path of the corpus");
     None
 }
 
@@ -36,8 +36,8 @@ pub(crate) fn extent<T>(full: T, quick: T) -> T {
     if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
 }
 
-/// The configuration of a property test: so many cases in a thorough run, a quarter of them in a quick one. It
-/// keeps no file of failures: a failure becomes a test or a fixture.
+/// The configuration of a property test with this number of cases, or a quarter of it in a quick run. Failures are not
+/// stored in files, because each becomes a test or a fixture.
 pub(crate) fn config(cases: u32) -> Config {
     Config { failure_persistence: None, cases: extent(cases, cases / 4), ..Config::default() }
 }
@@ -61,7 +61,10 @@ pub(crate) fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
             let path = entry.expect("an entry").path();
             if path.is_dir() {
                 open.push(path);
-            } else if path.extension().is_some_and(|found| extensions.iter().any(|wanted| found == *wanted)) {
+            } else if path
+                .extension()
+                .is_some_and(|found| extensions.iter().any(|extension| found == *extension))
+            {
                 files.push(path);
             }
         }
@@ -96,7 +99,7 @@ pub(crate) fn px4(folder: &Path) -> (SourceMap, Schema, Vec<Diagnostic>) {
     (sources, schema, diagnostics)
 }
 
-/// Reads all ROS 2 packages below a folder, one a subfolder.
+/// Reads all ROS 2 packages in the subfolders of a folder.
 pub(crate) fn ros2(folder: &Path) -> (SourceMap, Schema, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();
     let mut packages = Vec::new();
@@ -115,7 +118,7 @@ pub(crate) fn ros2(folder: &Path) -> (SourceMap, Schema, Vec<Diagnostic>) {
     (sources, schema, diagnostics)
 }
 
-/// Reads files given as name and text.
+/// Reads files, given by name and text.
 pub(crate) fn texts(form: Form, files: &[(&str, &str)]) -> (SourceMap, Schema, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();
     let mut package = package("demo", form);
@@ -131,8 +134,8 @@ pub(crate) fn texts(form: Form, files: &[(&str, &str)]) -> (SourceMap, Schema, V
     (sources, schema, diagnostics)
 }
 
-/// What is wrong with `found`; nothing, where the file at `path` holds just that. With
-/// `UAVSPEC_UPDATE_FIXTURES` the file holds it from now on.
+/// Compares `found` with the file at `path`, and returns the difference. With `UAVSPEC_UPDATE_FIXTURES`, writes the
+/// file instead.
 pub(crate) fn differs(path: &Path, found: &str) -> Option<String> {
     let expected = fs::read_to_string(path).unwrap_or_default();
     if found == expected {
@@ -142,5 +145,5 @@ pub(crate) fn differs(path: &Path, found: &str) -> Option<String> {
         fs::write(path, found).expect("a writable file");
         return None;
     }
-    Some(format!("{}: found\n{found}and not\n{expected}", path.display()))
+    Some(format!("{}: found\n{found}expected\n{expected}", path.display()))
 }

@@ -175,7 +175,7 @@ fn check_file(
     progress: &Progress,
 ) -> io::Result<CheckedCapture> {
     let started = Instant::now();
-    let source = input::unpacked(progress.reading(input::open(path)?))?;
+    let source = input::decompressed(progress.reading(input::open(path)?))?;
     let result = check::check_capture(source, message_id, definitions)?;
     Ok(CheckedCapture {
         path: path.display().to_string(),

@@ -1,4 +1,4 @@
-//! Files to judge: which there are, and their bytes, unpacked where they are packed.
+//! Finds capture files and opens them, decompressed if necessary.
 
 pub(crate) mod zstd;
 
@@ -12,36 +12,37 @@ use walkdir::WalkDir;
 
 use self::zstd::Frames;
 
-/// What stands for standard input.
+/// The path that denotes standard input.
 pub(crate) const STANDARD_INPUT: &str = "-";
 
-/// How gzip begins (RFC 1952).
+/// The first bytes of gzip data (RFC 1952).
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
-/// So many bytes tell how a file is packed.
+/// The number of bytes that identify a compression format.
 const START: usize = 4;
 
-/// Extensions of files that are looked for in folders; behind them may stand those of packers.
+/// The extensions of captures in folders. Extensions of compression formats may follow.
 const EXTENSIONS: [&str; 5] = ["ulg", "mcap", "json", "jsonl", "ndjson"];
 
-/// Extensions of packed files; the last is that of rosbag2.
+/// The extensions of compressed files. rosbag2 uses the last one.
 const PACKED: [&str; 3] = ["gz", "zst", "zstd"];
 
-/// What makes a path a pattern.
+/// The characters that make a path a pattern.
 const WILDCARDS: [char; 3] = ['*', '?', '['];
 
-/// The files that `paths` name, in their order; of a folder those below it that can be judged, and of a pattern
-/// such as `logs/**/*.ulg` those that it matches, sorted.
+/// The files that `paths` denote, in order. A folder denotes the captures in it and its subfolders, and a pattern
+/// such as `logs/**/*.ulg` the files that match, sorted.
 ///
-/// An error names the folder or pattern that can't be read or has nothing to judge; of what is no pattern it is of the
-/// kind [`InvalidInput`](io::ErrorKind::InvalidInput).
+/// An error names the folder or pattern that is unreadable or has no captures. An invalid pattern is an
+/// [`InvalidInput`](io::ErrorKind::InvalidInput) error.
 pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Error)> {
     let mut files = Vec::new();
     for path in paths {
         let found = if path.as_os_str() == STANDARD_INPUT {
             vec![path.clone()]
         } else if path.is_dir() {
-            let nothing = || format!("nothing to judge in it: no .{}", EXTENSIONS.join(", ."));
+            let nothing =
+                || format!("no captures in this folder: expected files of type .{}", EXTENSIONS.join(", ."));
             search(path, is_capture, nothing).map_err(|error| (path.clone(), error))?
         } else if let (false, Some(pattern)) = (path.exists(), pattern(path)) {
             let pattern = pattern
@@ -51,7 +52,7 @@ pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Err
             search(&folder_of(path), |file| pattern.is_match(file), nothing)
                 .map_err(|error| (path.clone(), error))?
         } else {
-            // What isn't there is told when it is opened, so that all others are judged.
+            // A missing file is reported when it is opened, so that the others are checked.
             vec![path.clone()]
         };
         files.extend(found);
@@ -59,7 +60,7 @@ pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Err
     Ok(files)
 }
 
-/// The files below a folder that are wanted, sorted; an error where there is none.
+/// The accepted files below a folder, sorted. Fails if there are none.
 fn search(
     folder: &Path,
     is_wanted: impl Fn(&Path) -> bool,
@@ -68,7 +69,7 @@ fn search(
     let mut files = Vec::new();
     for entry in WalkDir::new(folder).sort_by_file_name() {
         let entry = entry?;
-        // Below `.` names begin with that, and nobody writes so.
+        // Paths below `.` have this prefix, but users don't write it.
         let path = entry.path().strip_prefix(".").unwrap_or(entry.path());
         if entry.file_type().is_file() && is_wanted(path) {
             files.push(path.to_owned());
@@ -77,20 +78,20 @@ fn search(
     if files.is_empty() { Err(io::Error::new(io::ErrorKind::NotFound, nothing())) } else { Ok(files) }
 }
 
-/// The pattern that a path is, where it has a wildcard; an error where it can't be one.
+/// The pattern in a path with wildcards. Fails if the pattern is invalid.
 fn pattern(path: &Path) -> Option<Result<Glob, globset::Error>> {
     let text = path.to_str().filter(|text| text.contains(WILDCARDS))?;
     Some(GlobBuilder::new(text).literal_separator(true).build())
 }
 
-/// The folder that holds all that a pattern can match.
+/// The folder that contains all possible matches of a pattern.
 fn folder_of(pattern: &Path) -> PathBuf {
     let has_none = |part: &std::path::Component<'_>| !part.as_os_str().to_string_lossy().contains(WILDCARDS);
     let folder: PathBuf = pattern.components().take_while(has_none).collect();
     if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder }
 }
 
-/// Whether a file's name says that it can be judged.
+/// True if the name of a file is that of a capture.
 fn is_capture(path: &Path) -> bool {
     let is = |path: &Path, extensions: &[&str]| {
         let extension = path.extension().and_then(|extension| extension.to_str());
@@ -100,7 +101,7 @@ fn is_capture(path: &Path) -> bool {
     is(&unpacked, &EXTENSIONS)
 }
 
-/// The bytes of a file as they are, or of standard input.
+/// The raw bytes of a file or of standard input.
 pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     if path.as_os_str() == STANDARD_INPUT {
         return Ok(Box::new(io::stdin()));
@@ -108,10 +109,10 @@ pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     Ok(Box::new(File::open(path)?))
 }
 
-/// What `input` holds, unpacked where it begins like gzip or zstd. Of what isn't packed, nothing is read ahead but its
-/// first bytes. Members of gzip and frames of zstd may follow each other; what follows them and is neither is an
-/// error when it is read.
-pub(crate) fn unpacked(mut input: impl Read + Send + 'static) -> io::Result<Box<dyn Read + Send>> {
+/// The decompressed bytes of `input`, if it starts like gzip or zstd; otherwise its bytes as they are. Only the first
+/// bytes are read ahead. Several gzip members or zstd frames may follow each other. Other data after them is an error
+/// when it is read.
+pub(crate) fn decompressed(mut input: impl Read + Send + 'static) -> io::Result<Box<dyn Read + Send>> {
     let mut start = Vec::with_capacity(START);
     input.by_ref().take(START as u64).read_to_end(&mut start)?;
     let (is_gzip, is_zstd) = (start.starts_with(&GZIP), zstd::is_frame(&start));
@@ -138,12 +139,12 @@ mod tests {
 
     fn read(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
         let mut text = Vec::new();
-        unpacked(Cursor::new(bytes))?.read_to_end(&mut text)?;
+        decompressed(Cursor::new(bytes))?.read_to_end(&mut text)?;
         Ok(text)
     }
 
     #[test]
-    fn packed_bytes_are_unpacked_by_how_they_begin() {
+    fn detects_compression_from_the_first_bytes() {
         let text = b"ULog and more, ".repeat(1_000);
         let mut gzip = GzEncoder::new(Vec::new(), Compression::fast());
         gzip.write_all(&text).expect("memory");
@@ -154,13 +155,13 @@ mod tests {
         }
         for packed in [&gzip, &zstd] {
             let twice = [&packed[..], packed].concat();
-            assert_eq!(read(twice.clone()).expect("readable"), text.repeat(2), "both are read");
-            assert!(read([&twice[..], b"neither this nor that"].concat()).is_err(), "what follows is told");
+            assert_eq!(read(twice.clone()).expect("readable"), text.repeat(2), "several members");
+            assert!(read([&twice[..], b"neither this nor that"].concat()).is_err(), "trailing data");
         }
         let skipped = b"\x50\x2a\x4d\x18\x03\0\0\0abc";
-        assert_eq!(read([&skipped[..], &zstd].concat()).expect("readable"), text, "as pzstd writes");
+        assert_eq!(read([&skipped[..], &zstd].concat()).expect("readable"), text, "as written by pzstd");
         for cut in [&gzip[..gzip.len() / 2], &zstd[..zstd.len() / 2]] {
-            assert!(read(cut.to_vec()).is_err(), "what is cut off is told");
+            assert!(read(cut.to_vec()).is_err(), "truncated");
         }
         for short in [&b""[..], b"U", b"\x1f", b"\x28\xb5"] {
             assert_eq!(read(short.to_vec()).expect("readable"), short);
@@ -182,12 +183,12 @@ mod tests {
         let found = files(&[folder.path().to_path_buf()]).expect("files");
         assert_eq!(names(found), ["a.ULG.gz", "b.ulg", "c.jsonl.zst", "e.mcap", "f.mcap.zstd"]);
         let given = files(&[below.join("notes.txt"), PathBuf::from("-")]).expect("files");
-        assert_eq!(names(given), ["notes.txt", "-"], "what is named is taken as it is");
+        assert_eq!(names(given), ["notes.txt", "-"], "explicit paths are accepted");
         let matched = files(&[folder.path().join("**/*.ulg*"), below.join("[bc].*")]).expect("files");
         assert_eq!(names(matched), ["b.ulg", "b.ulg", "c.jsonl.zst"]);
         let (path, error) = files(&[below.join("*.bag")]).expect_err("nothing");
         assert_eq!((path, error.kind()), (below.join("*.bag"), io::ErrorKind::NotFound));
-        assert!(files(&[below.join("[a.ulg")]).is_err(), "a pattern without an end");
+        assert!(files(&[below.join("[a.ulg")]).is_err(), "an unclosed class");
         let empty = tempfile::tempdir().expect("a folder");
         let (path, error) = files(&[empty.path().to_path_buf()]).expect_err("nothing");
         assert_eq!((path.as_path(), error.kind()), (empty.path(), io::ErrorKind::NotFound));

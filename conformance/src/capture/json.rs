@@ -1,9 +1,9 @@
-//! Reads JSON Lines, and files that are one JSON value, several, or an array of them: cuts them into the texts of
-//! single values, which it lends from its buffer without looking into them.
+//! Splits JSON input into values: JSON Lines, an array, or one or more values that may span lines. The texts are
+//! borrowed from its buffer and aren't parsed.
 //!
-//! What a file is, is seen by its content. One that begins with `[` is an array, and its elements are the values.
-//! One whose first line ends within a value, and whose second doesn't begin another, is written over several
-//! lines. All others are JSON Lines: there a broken line spoils nothing but itself.
+//! The form is detected from the content. Input that starts with `[` is an array of values. If the first line ends
+//! within a value, and the second line doesn't start another one, values span lines. Everything else is JSON Lines,
+//! in which an invalid line doesn't affect the others.
 
 use std::fmt;
 use std::io::{self, ErrorKind, Read};
@@ -11,58 +11,58 @@ use std::io::{self, ErrorKind, Read};
 use crate::json::Frame;
 use crate::model::Extent;
 
-/// The longest value that is read: nothing that is sent as a message comes near it.
+/// The maximum length of a value, in bytes. No real message is nearly as long.
 pub(crate) const MAX_LENGTH: usize = 16 << 20;
 
-/// How much is read at a time.
+/// The minimum number of bytes to read at a time.
 const CHUNK: usize = 1 << 16;
 
 /// The byte order mark in UTF-8.
 const BOM: &[u8] = b"\xef\xbb\xbf";
 
-/// The text of a value, or something that is none.
+/// The text of a value, or a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Item<'r> {
-    /// The line in which it begins, from 1.
+    /// The line in which it starts, from 1.
     pub line: u64,
-    /// What is there.
+    /// The value or problem.
     pub event: Event<'r>,
 }
 
-/// What comes from a source of JSON.
+/// An event in JSON input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Event<'r> {
-    /// What should be the text of a value.
+    /// The text of a value, which may be invalid JSON.
     Value {
-        /// Its bytes.
+        /// The bytes.
         bytes: &'r [u8],
-        /// Whether the source ends behind it, without a line end or what else should follow.
+        /// True if the input ends directly after it, without a line end or separator.
         is_last: bool,
     },
-    /// Something that can't be read.
+    /// A part that can't be read.
     Problem(Problem),
 }
 
-/// What can't be read.
+/// A problem of JSON input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Problem {
-    /// The source begins with a byte order mark.
+    /// The input starts with a byte order mark.
     ByteOrderMark,
     /// A value is longer than [`MAX_LENGTH`]; it was skipped.
     TooLong {
         /// Its length, in bytes.
         length: u64,
     },
-    /// A bracket that closes nothing, or a comma, stands where a value should.
+    /// A comma or a closing bracket in place of a value.
     Stray(u8),
-    /// No comma stands between two elements of an array; this is what follows.
+    /// A missing comma between two elements of an array, with the byte that follows.
     NoComma(u8),
-    /// The array isn't closed.
+    /// An unclosed array.
     Unclosed,
 }
 
 impl Problem {
-    /// How much of the source can be read that has it.
+    /// The extent to which input with this problem can be read.
     pub(crate) fn extent(&self) -> Extent {
         match self {
             Self::ByteOrderMark => Extent::Whole,
@@ -76,12 +76,12 @@ impl fmt::Display for Problem {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::ByteOrderMark => formatter
-                .write_str("a byte order mark, which JSON must not begin with (RFC 8259, section 8.1)"),
+                .write_str("a byte order mark, which JSON must not start with (RFC 8259, section 8.1)"),
             Self::TooLong { length } => {
-                write!(formatter, "{length} bytes, where at most {MAX_LENGTH} are read; skipped")
+                write!(formatter, "skipped a value of {length} bytes: the limit is {MAX_LENGTH} bytes")
             }
-            Self::Stray(byte) => write!(formatter, "`{}` where a value should be", byte.escape_ascii()),
-            Self::NoComma(byte) => write!(formatter, "`{}` where a comma should be", byte.escape_ascii()),
+            Self::Stray(byte) => write!(formatter, "expected a value, found `{}`", byte.escape_ascii()),
+            Self::NoComma(byte) => write!(formatter, "expected a comma, found `{}`", byte.escape_ascii()),
             Self::Unclosed => formatter.write_str("the array is not closed"),
         }
     }
@@ -89,35 +89,35 @@ impl fmt::Display for Problem {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Mode {
-    /// A value a line.
+    /// One value on each line.
     Lines,
-    /// Values of any number of lines.
+    /// Values that may span lines.
     Values,
     /// The elements of an array.
     Array,
 }
 
-/// Cuts a source into values.
+/// Splits input into values.
 #[derive(Debug)]
 pub(crate) struct Reader<R> {
     input: R,
     buffer: Vec<u8>,
-    /// What of the buffer has been lent.
+    /// The start of the data that wasn't returned yet.
     start: usize,
-    /// What of it has been read.
+    /// The end of the data in the buffer.
     end: usize,
     mode: Option<Mode>,
     /// The line at `start`.
     line: u64,
-    /// How many bytes were read.
+    /// The number of bytes read.
     read: u64,
-    /// The last byte that was read.
+    /// The last byte read.
     last: Option<u8>,
-    /// What comes next in an array.
+    /// The next expected item of an array.
     next: Next,
 }
 
-/// What comes next in an array.
+/// The next expected item of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Next {
     /// The first value, or the end.
@@ -125,12 +125,12 @@ enum Next {
     Value,
     /// A comma, or the end.
     Comma,
-    /// Nothing: the array is closed.
+    /// Nothing, since the array is closed.
     Nothing,
 }
 
 impl<R: Read> Reader<R> {
-    /// Reads from the start.
+    /// Creates a reader at the start of the input.
     pub(crate) fn new(input: R) -> Self {
         Self {
             input,
@@ -145,18 +145,18 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// How many bytes were read.
+    /// The number of bytes read.
     pub(crate) fn bytes(&self) -> u64 {
         self.read
     }
 
-    /// How many lines there were so far.
+    /// The number of lines read so far.
     pub(crate) fn lines(&self) -> u64 {
-        // A line that isn't ended is one too.
+        // The last line may lack a line end.
         self.line - 1 + u64::from(self.last.is_some_and(|byte| byte != b'\n'))
     }
 
-    /// The next value or problem; none at the end.
+    /// The next value or problem; `None` at the end.
     #[allow(clippy::should_implement_trait)] // an iterator can't lend
     pub(crate) fn next(&mut self) -> io::Result<Option<Item<'_>>> {
         let mode = if let Some(mode) = self.mode {
@@ -178,12 +178,12 @@ impl<R: Read> Reader<R> {
         &self.buffer[self.start..self.end]
     }
 
-    /// Reads more; what was lent goes. False at the end.
+    /// Reads more data and discards what was returned before. Returns false at the end.
     fn fill(&mut self) -> io::Result<bool> {
         self.buffer.copy_within(self.start..self.end, 0);
         self.end -= self.start;
         self.start = 0;
-        // Large values are read in large pieces, so that moving them stays cheap.
+        // Larger values are read in larger pieces, which limits the cost of moving data.
         let room = self.end + CHUNK.max(self.end.min(MAX_LENGTH));
         if self.buffer.len() < room {
             self.buffer.resize(room, 0);
@@ -200,12 +200,12 @@ impl<R: Read> Reader<R> {
         Ok(read > 0)
     }
 
-    /// Takes bytes that are done with.
+    /// Consumes bytes.
     fn take(&mut self, count: usize) {
         self.take_lines(count, memchr::memchr_iter(b'\n', &self.rest()[..count]).count() as u64);
     }
 
-    /// Takes bytes in which so many lines end.
+    /// Consumes bytes that contain this number of line ends.
     fn take_lines(&mut self, count: usize, lines: u64) {
         self.line += lines;
         self.start += count;
@@ -220,7 +220,7 @@ impl<R: Read> Reader<R> {
         Ok(is_marked)
     }
 
-    /// What kind of source it is, by its first line and how the next one begins.
+    /// Detects the form of the input from its first line and the start of the second one.
     fn look(&mut self) -> io::Result<Mode> {
         let mut frame = Frame::default();
         let mut is_second = false;
@@ -251,7 +251,7 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// JSON Lines.
+    /// Reads a value of JSON Lines.
     fn next_line(&mut self) -> io::Result<Option<Item<'_>>> {
         let (mut seen, mut skipped) = (0, 0);
         let (end, is_last) = loop {
@@ -284,7 +284,7 @@ impl<R: Read> Reader<R> {
         Ok(Some(self.lend(line, end, skipped, is_last)))
     }
 
-    /// Lends the bytes that were just taken, of which some were skipped if there were too many.
+    /// Returns the bytes that were consumed last, or a problem if the value was too long.
     fn lend(&self, line: u64, count: usize, skipped: u64, is_last: bool) -> Item<'_> {
         let start = self.start - count;
         let bytes = self.buffer[start..self.start].trim_ascii();
@@ -295,7 +295,7 @@ impl<R: Read> Reader<R> {
         Item { line, event: Event::Value { bytes, is_last } }
     }
 
-    /// Values over several lines.
+    /// Reads a value that may span lines.
     fn next_value(&mut self, is_array: bool) -> io::Result<Option<Item<'_>>> {
         if let Some(stray) = self.between(is_array)? {
             return Ok(Some(stray));
@@ -338,7 +338,7 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// Goes to where the next value begins. What doesn't belong there is told.
+    /// Skips to the start of the next value, and reports unexpected bytes.
     fn between(&mut self, is_array: bool) -> io::Result<Option<Item<'static>>> {
         loop {
             let Some(byte) = self.rest().first().copied() else {

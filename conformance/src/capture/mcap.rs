@@ -1,36 +1,35 @@
-//! Reads MCAP, the container of ROS 2 and of Foxglove: <https://mcap.dev/spec>.
+//! Reads MCAP, the container format of ROS 2 and Foxglove: <https://mcap.dev/spec>.
 //!
-//! A [`Reader`] goes through a file once, from its start, and lends the records that say what messages are and
-//! the messages themselves. It needs no index and goes nowhere back, so it reads from a pipe, too.
+//! A [`Reader`] reads a file once, from start to end, and returns its schemas, channels and messages. It uses no
+//! index and never seeks, so it also reads from pipes.
 //!
-//! # What the crate `mcap` does here, and what not
+//! Use of the `mcap` crate
 //!
-//! It reads what is within a record ([`mcap::parse_record`]). Its readers of whole files are not used:
+//! The crate parses single records ([`mcap::parse_record`]). Its readers of whole files are not used:
 //!
-//! - They end at the first broken record, and say neither where it is nor where the next one may be found.
-//! - They unpack chunks with C, or not at all.
-//! - A record in a chunk that is longer than its chunk makes them count below zero, and an attachment that is too
-//!   short makes them panic (0.26.0). So no attachment is given to them, and nothing of which the lengths don't
-//!   agree with each other.
+//! - They stop at the first invalid record, and report neither its offset nor the next valid record.
+//! - They decompress chunks with C libraries, or not at all.
+//! - A record that is longer than its chunk makes them underflow, and an attachment that is too short makes them
+//!   panic (0.26.0). Attachments, and records with contradictory lengths, are therefore never passed to them.
 //!
-//! So what stands around records is read here, and chunks are unpacked by `ruzstd` and `lz4_flex`.
+//! This module parses the framing of records, and `ruzstd` and `lz4_flex` decompress chunks.
 //!
 //! # Memory
 //!
-//! Chunks that aren't packed are read record by record, however long they are. Of one that is packed, the packed
-//! bytes are held (at most [`Reader::MAX_PACKED`]), and unpacked as they are read. A record that is lent is held
-//! whole (at most [`Reader::MAX_RECORD`]), all others are passed over. Room is only taken for bytes that
-//! are really there, whatever lengths say.
+//! An uncompressed chunk of any length is read record by record. A compressed chunk is buffered (at most
+//! [`Reader::MAX_PACKED`]) and decompressed as it is read. Returned records are buffered (at most
+//! [`Reader::MAX_RECORD`]), and others are skipped. Buffers grow only with the data read, whatever the stated lengths
+//! are.
 //!
-//! # How damage is survived
+//! Recovery from corruption
 //!
-//! What a record says of its lengths has to agree with its kind, and something that can be a record has to follow it.
-//! Where this fails, the next record is searched that is sound: a chunk whose lengths agree, a message of a declared
-//! channel that is followed by a record, a schema, a channel or an index whose parts are as long as the whole. What
-//! lies between is told with its place and its length.
+//! The lengths in a record must match its kind, and something plausible must follow it. Otherwise the reader searches
+//! for the next valid record: a chunk whose lengths match, a message of a declared channel that a record follows, or
+//! a schema, channel or index whose parts match its length. The skipped bytes are reported with their offset and
+//! length.
 //!
-//! A chunk that is broken within is left, and what stands before the breakage was lent. Whether the CRC of a chunk
-//! is right is known only at its end; if it isn't, that is told, and its records have been lent by then.
+//! The rest of a corrupt chunk is skipped; the records before the corruption have been returned. The CRC of a chunk
+//! can only be verified at its end. A mismatch is reported after the records have been returned.
 
 mod chunk;
 mod problem;
@@ -44,59 +43,59 @@ use std::collections::BTreeMap;
 pub(crate) use self::problem::Problem;
 pub(crate) use self::reader::Reader;
 
-/// What a file begins and ends with.
+/// The first and the last bytes of a file.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
-/// Something that a reader met.
+/// A record or problem.
 #[derive(Debug)]
 pub(crate) struct Item<'r> {
-    /// Where it stands in the file; of what stands in a packed chunk, where the chunk stands.
+    /// The offset in the file. For records in a compressed chunk, the offset of the chunk.
     pub offset: u64,
-    /// What it is.
+    /// The content.
     pub event: Event<'r>,
 }
 
-/// What a reader meets.
+/// The content of an item.
 #[derive(Debug)]
 pub(crate) enum Event<'r> {
     /// The header of the file.
     Header {
-        /// What else holds of the file, such as `ros2`.
+        /// The profile, e.g. `ros2`.
         profile: String,
-        /// What wrote it.
+        /// The library that wrote the file.
         library: String,
     },
-    /// A schema of messages.
+    /// A schema for messages.
     Schema {
-        /// Its id, from 1.
+        /// The id, from 1.
         id: u16,
-        /// Its name.
+        /// The name.
         name: String,
-        /// In what it is written, such as `ros2msg`.
+        /// The encoding, e.g. `ros2msg`.
         encoding: String,
-        /// Its text.
+        /// The text.
         text: &'r [u8],
     },
-    /// A channel is declared.
+    /// The declaration of a channel.
     Channel {
-        /// Its id.
+        /// The id.
         id: u16,
-        /// The id of its schema; 0 where it has none.
+        /// The id of the schema; 0 if there is none.
         schema: u16,
-        /// Its topic.
+        /// The topic.
         topic: String,
-        /// How its messages are written, such as `cdr`.
+        /// The encoding of messages, e.g. `cdr`.
         encoding: String,
-        /// What else is said of it.
+        /// The metadata.
         metadata: BTreeMap<String, String>,
     },
     /// A message.
     Message {
-        /// The id of its channel.
+        /// The id of the channel.
         channel: u16,
-        /// Its bytes.
+        /// The bytes.
         payload: &'r [u8],
     },
-    /// Something can't be read.
+    /// A problem.
     Problem(Problem),
 }

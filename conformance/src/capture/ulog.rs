@@ -1,8 +1,7 @@
-//! Reads `ULog`, the log of PX4: <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>.
+//! Reads `ULog`, the log format of PX4: <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>.
 //!
-//! Two layers. A [`Reader`] cuts bytes into messages, lends each from its buffer and tells all damage that
-//! can be seen without knowing what is logged. A [`Log`] keeps the formats and subscriptions that the
-//! messages bring, and gives data its type.
+//! There are two layers. A [`Reader`] splits bytes into messages, which it returns from its buffer, and reports
+//! corruption of the framing. A [`Log`] tracks formats and subscriptions, and determines the type of data.
 //!
 //! ```
 //! use uavspec_conformance::capture::ulog::{Event, Log, Reader};
@@ -24,8 +23,8 @@
 //!     if let Event::Problem(problem) = &item.event {
 //!         found.push(format!("{}: {problem}", item.offset));
 //!     }
-//!     let mut tell = |offset, problem| found.push(format!("{offset}: {problem}"));
-//!     if let Some(record) = log.take(&item, &mut tell) {
+//!     let mut report = |offset, problem| found.push(format!("{offset}: {problem}"));
+//!     if let Some(record) = log.take(&item, &mut report) {
 //!         let message = record.message_type.view_uorb(record.payload).unwrap();
 //!         assert_eq!(message.to_json_text().unwrap(), r#"{"timestamp":7,"speed":0.5}"#);
 //!     }
@@ -34,43 +33,43 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 //!
-//! # Why not a crate that exists
+//! Existing crates
 //!
-//! `px4-ulog` 0.6.1, `yule_log` 0.4.0 and `ulog-rs` 0.0.4 were looked at. All end at the first broken
-//! header; none searches sync messages or tells which bytes were lost, and none gives the offset of a
-//! message, without which a finding can't say where it is. The first has only files or memory maps at the
-//! top and callbacks below, the second allocates for every message, and the third keeps the whole log.
+//! `px4-ulog` 0.6.1, `yule_log` 0.4.0 and `ulog-rs` 0.0.4 were evaluated. All stop at the first corrupt header. None
+//! searches for sync messages, reports skipped bytes, or provides the offset of a message, which findings need. The
+//! first reads only files or memory maps, or uses callbacks. The second allocates for each message, and the third
+//! stores the whole log.
 //!
-//! # How damage is survived
+//! Recovery from corruption
 //!
-//! A message is believed at once if it looks sound (see below), and the header that follows it says something
-//! usual, too. Where this fails, the reader looks ahead, at most [`Reader::LOOKAHEAD`] bytes:
+//! The reader accepts a message if its content looks valid (see below) and a usual header follows it. Otherwise it
+//! looks ahead by at most [`Reader::LOOKAHEAD`] bytes:
 //!
-//! - If a sound run of messages begins within the bytes that the message claims, its size is wrong: it is
-//!   skipped up to that run. So a wrong size doesn't swallow what follows.
-//! - Else, if its own kind is known and its size large enough, it is believed, and the doubt goes to what
-//!   follows.
-//! - Else, if a sound message or the end follows, only this one is odd (a kind of the future, or too short)
-//!   and it alone is told.
-//! - Else what follows is searched for the next sound run.
+//! - If a valid run of messages starts within the message, its size is wrong. The reader skips to that run, so a
+//!   wrong size doesn't hide the messages that follow.
+//! - Otherwise, the message is accepted if its kind is known and its size is large enough. The bytes after it are
+//!   checked next.
+//! - Otherwise, if a valid message or the end follows, only this message is reported. It is too short, or of an
+//!   unknown kind.
+//! - Otherwise, the reader searches for the next valid run.
 //!
-//! A run is sound if it begins with a sync message (its header and magic are 11 fixed bytes), or if four
-//! messages look sound that follow each other: their kinds are known, and their first bytes in order (keys
-//! and names in ASCII, levels that exist, data of ids that were subscribed, as long as before). Between them
-//! there may be others: other data, kinds that are letters; sixteen messages in a row are enough, whatever
-//! they are. At the end of the log or of a section, two are enough. No byte is searched twice as a start, and
-//! no look takes more than some thousand steps: time is linear in the size of the log, whatever is in it.
+//! A run is valid if it starts with a sync message, whose header and magic are 11 fixed bytes, or with four valid
+//! messages. Messages are valid if their kind is known and their first bytes are plausible: keys and names in ASCII,
+//! existing levels, and data of subscribed ids with the usual size. Other data, and unknown kinds that are letters,
+//! may appear between them; sixteen messages of any plausibility also form a run. At the end of the log or of a
+//! section, two valid messages suffice. Each byte is tried at most once as a start, and each check takes at most a
+//! few thousand steps, so the time is linear in the size of any log.
 //!
-//! Each range of bytes that was skipped is told with its ends ([`Problem::Skipped`]). What can't be seen here
-//! is a changed byte within a payload.
+//! Each skipped range of bytes is reported ([`Problem::Skipped`]). Changed bytes within a payload can't be detected
+//! here.
 //!
-//! # Measured
+//! Performance
 //!
-//! Two cores, medians of the bench `ulog` on three real logs, repeated up to 64 MB: messages at 3.9 to
-//! 6.9 GB/s where copying through the buffer reaches 15, with the type of each and its size checked at 1.7 to
-//! 2.4. Noise is searched at 350 MB/s, and bytes that are made to take long at 20. Of 4,727 places in real
-//! logs where a bit was flipped or 25 to 30 bytes were overwritten, each cost 1.2 messages on average, and
-//! less than three in the worst of 450 runs.
+//! The benchmark `ulog` was run on two cores with three real logs, repeated up to 64 MB. The medians are 3.9 to 6.9
+//! GB/s for splitting into messages, and 1.7 to 2.4 GB/s with the types and sizes of data. Copying through the buffer
+//! reaches 15 GB/s. Noise is searched at 350 MB/s, and malicious input at 20 MB/s. In 4,727 places of real logs, a
+//! bit was flipped or 25 to 30 bytes were overwritten. Each lost 1.2 messages on average, and fewer than three in the
+//! worst of 450 runs.
 
 mod kind;
 mod log;

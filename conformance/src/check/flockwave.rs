@@ -1,12 +1,12 @@
-//! Judges recorded sessions of Flockwave, and files of bare messages.
+//! Checks recorded Flockwave sessions and files of bare messages.
 //!
-//! A line of a recording is `{"t": seconds since the epoch, "conn": name, "dir": "in" or "out", "msg": {…}}`, seen from
-//! the client; with `"raw"`, a string, in the place of `"msg"` where what went over the connection is no JSON; or with
-//! `"dir": "event"` and `"event": "connect"`, `"closed"` or `"refused"`.
+//! A line of a recorded session is `{"t": seconds since the epoch, "conn": name, "dir": "in" or "out", "msg": {…}}`,
+//! from the client's view. Data that is not JSON is a string in `"raw"` instead of `"msg"`. Events have `"dir":
+//! "event"` and `"event": "connect"`, `"closed"` or `"refused"`.
 //!
-//! Recordings of `probe` say more: `"trial"`, the id of a rule that is tried, with `"how"`; at the
-//! beginning of a connection `"url"`; and at its end `"why"`, which is `"client"` where that ended it. Other members say
-//! nothing here.
+//! Sessions recorded by `probe` have further members: `"trial"`, the id of the rule under test, with `"how"`; `"url"`
+//! at the start of a connection; and `"why"` at its end, which is `"client"` if the client closed it. Other members
+//! are ignored.
 
 mod listeners;
 mod reports;
@@ -28,29 +28,29 @@ use crate::model::{Extent, Location};
 use crate::rules::rule;
 use crate::text::Grouped;
 
-/// How many connections are told apart: hostile input can have any number.
+/// The maximum number of connections. Hostile input may contain any number.
 const MAX_CONNECTIONS: usize = 10_000;
 
-/// How many types are counted by name, for the same reason.
+/// The maximum number of types counted by name, for the same reason.
 const MAX_TYPES: usize = 1_000;
 
-/// The longest name of a connection or type that is kept, in bytes.
+/// The maximum length of the name of a connection or type, in bytes.
 const MAX_NAME: usize = 128;
 
-/// The longest text on how a rule is tried that is kept, in bytes.
+/// The maximum length of `how`, in bytes. Longer texts are ignored.
 const MAX_HOW: usize = 512;
 
-/// The latest time that is believed, in seconds: in the year 5138.
+/// The latest plausible time, in seconds: in the year 5138.
 const MAX_TIME: f64 = 1e11;
 
-/// Whether a value is a line of a recording, or a bare message of Flockwave.
+/// True if a value is a line of a recorded session or a bare Flockwave message.
 pub(super) fn is_flockwave(tree: &Tree<'_>) -> bool {
     is_line(tree) || is_message(tree)
 }
 
 fn is_line(tree: &Tree<'_>) -> bool {
     let has = |key| tree.get(key).is_some();
-    // What has `op` is of rosbridge.
+    // Messages of rosbridge have `op`.
     tree.get("dir").and_then(Tree::as_str).is_some()
         && !has("op")
         && (has("msg") || has("raw") || has("event"))
@@ -60,7 +60,7 @@ fn is_message(tree: &Tree<'_>) -> bool {
     tree.get("$fw.version").is_some()
 }
 
-/// Judges what goes over connections, as lines of a recording, whether they come from a file or from a live server.
+/// Checks the records of a session, from a file or from a live server.
 pub struct FlockwaveChecker<'d> {
     pub(super) run: CheckRun<'d>,
     source: FlockwaveSummary,
@@ -69,14 +69,14 @@ pub struct FlockwaveChecker<'d> {
     connections: HashMap<String, usize>,
     /// The names, by number.
     names: Vec<String>,
-    /// The number of the one that something went over last.
+    /// The number of the connection that had the latest record.
     latest: usize,
 }
 
-/// Something that goes over a connection, or happens to it.
+/// A message or an event of a connection.
 #[derive(Clone, Copy)]
 struct ParsedLine<'h> {
-    /// The name of the connection; without one, it isn't known which.
+    /// The name of the connection, if it is known.
     name: Option<&'h str>,
     direction: Direction,
     time: Option<f64>,
@@ -86,19 +86,19 @@ struct ParsedLine<'h> {
     note: Option<&'h str>,
 }
 
-/// What goes over a connection.
+/// The content of a record.
 #[derive(Clone, Copy)]
 enum Content<'c> {
     Message(&'c Tree<'c>),
-    /// What is left to follow of a report of which there is nothing new to be told.
+    /// A status report without new findings, reduced to the members that rules with a state need.
     Report(&'c Tree<'c>),
-    /// What is no JSON.
+    /// Data that is not JSON.
     Raw,
     Event,
 }
 
 impl<'d> FlockwaveChecker<'d> {
-    /// One that knows nothing yet.
+    /// Creates a checker for a new session.
     pub fn new(definitions: &'d Definitions) -> Self {
         Self::with_run(CheckRun::new(definitions))
     }
@@ -108,20 +108,20 @@ impl<'d> FlockwaveChecker<'d> {
         Self { run, source, reports, connections: HashMap::new(), names: Vec::new(), latest: 0 }
     }
 
-    /// The same, which shows each line to each rule. It takes several times as long and comes to the same, which tests see
-    /// by it.
+    /// Disables the fast path for status reports. The result is the same, but takes several times as long. Tests
+    /// compare the two.
     #[must_use]
     pub fn thorough(self) -> Self {
-        Self { reports: Reports::none(self.run.definitions), ..self }
+        Self { reports: Reports::disabled(self.run.definitions), ..self }
     }
 
-    /// The number of lines that were recognised as status reports without new findings.
+    /// The number of status reports that took the fast path.
     #[cfg(test)]
     pub(crate) fn num_known_reports(&self) -> u64 {
         self.reports.seen()
     }
 
-    /// Judges a line of a recording, or a bare message.
+    /// Checks a line of a recorded session, or a bare message.
     pub fn line(&mut self, bytes: &[u8], line: u64, is_last: bool) {
         let location = Location::Line(line);
         let done = match self.reports.read(bytes, &self.run.findings) {
@@ -134,28 +134,28 @@ impl<'d> FlockwaveChecker<'d> {
         }
     }
 
-    /// A line that is a report of which there is nothing new to be told.
+    /// Handles a status report without new findings.
     fn report(&mut self, report: &Report<'_>, location: Location) -> Result<(), String> {
-        let happening = ParsedLine {
+        let line = ParsedLine {
             name: Some(report.name),
             direction: Direction::In,
-            time: Some(report.time).filter(|time| is_believed(*time)),
+            time: Some(report.time).filter(|time| is_plausible(*time)),
             content: Content::Report(&report.message),
             text: report.text,
             trial: None,
             note: None,
         };
-        self.record(&happening, location)?;
+        self.record(&line, location)?;
         self.reports.count(report);
         Ok(())
     }
 
     fn read(&mut self, bytes: &[u8], location: Location, is_last: bool) -> Result<(), String> {
         let text = std::str::from_utf8(bytes)
-            .map_err(|error| format!("no UTF-8 from its byte {} on", error.valid_up_to()))?;
+            .map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))?;
         let tree = Tree::read(text).map_err(|error| match error {
             SyntaxError { problem: TRUNCATED, at } if is_last => {
-                format!("the last value is cut off after {at} bytes")
+                format!("the last value is truncated after {at} bytes")
             }
             error => error.to_string(),
         })?;
@@ -170,12 +170,12 @@ impl<'d> FlockwaveChecker<'d> {
                 ParsedLine { name: None, direction, time: None, content, text, trial: None, note: None };
             return self.record(&bare, location);
         }
-        Err("neither a line of a recording, with `dir` and one of `msg`, `raw` and `event`, nor a message of \
-             Flockwave, with `$fw.version`"
+        Err("expected a line of a recorded session (with `dir` and `msg`, `raw` or `event`) or a Flockwave \
+             message (with `$fw.version`)"
             .to_owned())
     }
 
-    /// A line of a recording.
+    /// Handles a line of a recorded session.
     fn recorded(&mut self, tree: &Tree<'_>, text: &str, location: Location) -> Result<(), String> {
         let name = match tree.get("conn") {
             None | Some(Tree::Null) => None,
@@ -188,17 +188,17 @@ impl<'d> FlockwaveChecker<'d> {
             Some(Tree::Float(value, _)) => Some(*value),
             _ => None,
         };
-        let time = time.filter(|time| is_believed(*time));
+        let time = time.filter(|time| is_plausible(*time));
         let direction = match tree.get("dir").and_then(Tree::as_str) {
             Some("in") => Direction::In,
             Some("out") => Direction::Out,
             Some("event") => Direction::Event,
-            _ => return Err("`dir` is none of `in`, `out` and `event`".to_owned()),
+            _ => return Err("`dir`: expected `in`, `out` or `event`".to_owned()),
         };
         let string = |key| tree.get(key).and_then(Tree::as_str);
         let trial = string("trial").and_then(rule);
         let how = string("how").filter(|how| how.len() <= MAX_HOW).unwrap_or_default();
-        let happening = ParsedLine {
+        let line = ParsedLine {
             name: name.as_deref(),
             direction,
             time,
@@ -209,27 +209,27 @@ impl<'d> FlockwaveChecker<'d> {
         };
         match (direction, tree.get("msg"), string("raw")) {
             (Direction::Event, ..) => {
-                let event = string("event").ok_or("an event without a name: `event` is no string")?;
-                self.record(&ParsedLine { content: Content::Event, text: event, ..happening }, location)
+                let event = string("event").ok_or("`event`: expected a string")?;
+                self.record(&ParsedLine { content: Content::Event, text: event, ..line }, location)
             }
             (_, Some(message), _) => {
-                self.record(&ParsedLine { content: Content::Message(message), ..happening }, location)
+                self.record(&ParsedLine { content: Content::Message(message), ..line }, location)
             }
-            // What one program takes for no JSON may be some to another.
+            // The program that recorded it may have a stricter JSON parser.
             (_, None, Some(raw)) => match Tree::read(raw) {
                 Ok(message) => {
                     let content = Content::Message(&message);
-                    self.record(&ParsedLine { content, text: raw, ..happening }, location)
+                    self.record(&ParsedLine { content, text: raw, ..line }, location)
                 }
-                Err(_) => self.record(&ParsedLine { text: raw, ..happening }, location),
+                Err(_) => self.record(&ParsedLine { text: raw, ..line }, location),
             },
-            (_, None, None) => Err("neither `msg` nor `raw`, a string".to_owned()),
+            (_, None, None) => Err("expected `msg`, or `raw` with a string".to_owned()),
         }
     }
 
-    /// Something goes over a connection, or happens to it.
-    fn record(&mut self, happening: &ParsedLine<'_>, location: Location) -> Result<(), String> {
-        let ParsedLine { name, direction, time, content, text, trial, note } = *happening;
+    /// Passes a record to the rules and counts it.
+    fn record(&mut self, line: &ParsedLine<'_>, location: Location) -> Result<(), String> {
+        let ParsedLine { name, direction, time, content, text, trial, note } = *line;
         let index = self.connection(name.unwrap_or_default())?;
         let connection_name = std::mem::take(&mut self.names[index]);
         let connection =
@@ -239,20 +239,20 @@ impl<'d> FlockwaveChecker<'d> {
             Content::Raw | Content::Event => None,
         };
         let record = SessionRecord { connection, direction, time, text, value, trial, note, location };
-        self.happen(&record);
+        self.follow_event(&record);
         self.count(&record);
         if matches!(content, Content::Report(_)) {
-            self.run.reported(&record);
+            self.run.checked_report(&record);
         } else {
-            self.run.exchanged(&record);
+            self.run.session_record(&record);
         }
         self.names[index] = connection_name;
         Ok(())
     }
 
-    /// The number of a connection.
+    /// The number of a connection. A new name gets the next number.
     fn connection(&mut self, name: &str) -> Result<usize, String> {
-        // Most messages go over the connection that the one before went over.
+        // Consecutive messages usually belong to one connection.
         if self.names.get(self.latest).is_some_and(|latest| latest == name) {
             return Ok(self.latest);
         }
@@ -261,7 +261,7 @@ impl<'d> FlockwaveChecker<'d> {
             return Ok(*index);
         }
         if name.len() > MAX_NAME {
-            return Err(format!("a connection whose name has more than {MAX_NAME} bytes"));
+            return Err(format!("the name of the connection is longer than {MAX_NAME} bytes"));
         }
         let index = self.names.len();
         if index >= MAX_CONNECTIONS {
@@ -273,8 +273,8 @@ impl<'d> FlockwaveChecker<'d> {
         Ok(index)
     }
 
-    /// Follows the beginning and the end of connections.
-    fn happen(&mut self, record: &SessionRecord<'_>) {
+    /// Handles the start and the end of connections.
+    fn follow_event(&mut self, record: &SessionRecord<'_>) {
         if record.direction != Direction::Event {
             return;
         }
@@ -289,7 +289,7 @@ impl<'d> FlockwaveChecker<'d> {
     }
 
     fn count(&mut self, record: &SessionRecord<'_>) {
-        self.run.pass_time(record.time);
+        self.run.include_time(record.time);
         if record.direction == Direction::Event {
             return;
         }
@@ -305,7 +305,7 @@ impl<'d> FlockwaveChecker<'d> {
             (false, _) => &mut source.requests,
         } += 1;
         let Some(name) = name else {
-            // It is judged all the same where it says that something went wrong, or what is wrong with itself.
+            // Rules on the envelope check it even without a type.
             return self.run.checked += u64::from(is_from_server);
         };
         let is_known = self.run.definitions.body_schemas().has(name);
@@ -321,7 +321,7 @@ impl<'d> FlockwaveChecker<'d> {
         *(if is_from_server { &mut count.incoming } else { &mut count.out }) += 1;
     }
 
-    /// What came of it, after so many bytes.
+    /// Returns the result. `bytes` is the number of bytes read.
     pub fn finish(mut self, bytes: u64) -> CaptureResult {
         for (index, name) in self.names.iter().enumerate() {
             let is_ordered = !name.is_empty() && is_ordered(name);
@@ -332,20 +332,19 @@ impl<'d> FlockwaveChecker<'d> {
     }
 }
 
-/// Whether a time can be one. What lies far beyond isn't in seconds, and may be in anything.
-fn is_believed(time: f64) -> bool {
+/// True if a time is plausible. A much larger value isn't in seconds.
+fn is_plausible(time: f64) -> bool {
     (0.0..MAX_TIME).contains(&time)
 }
 
-/// Whether messages come as they were sent over a connection of this name. Those of UDP are called `udp` or begin so; and
-/// what is called `http` is many connections, one for each request.
+/// True if a connection with this name delivers messages in order. A name that starts with `udp` denotes UDP. One
+/// that starts with `http` denotes many connections, one for each request.
 fn is_ordered(name: &str) -> bool {
     let begins = |with: &str| name.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with));
     !begins("udp") && !begins("http")
 }
 
-/// Whether a bare message is a request. What some type has in both, in a request and in a notification, is told from
-/// the fields.
+/// True if a bare message is a request. If its type has both requests and notifications, the fields decide.
 fn is_request(message: &Tree<'_>, definitions: &Definitions) -> bool {
     let Some(body) = message.get("body") else { return false };
     let Some(name) = body.get("type").and_then(Tree::as_str) else { return false };

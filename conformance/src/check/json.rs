@@ -1,4 +1,4 @@
-//! Checks messages as JSON, and tells sessions of Flockwave from them.
+//! Checks JSON messages, and detects Flockwave sessions.
 
 mod envelope;
 mod templates;
@@ -24,13 +24,13 @@ use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
 use crate::rules::px4;
 use crate::text::{Grouped, shown};
 
-/// How many topics or types are told apart: hostile input can have any number.
+/// The maximum number of topics and types. Hostile input may contain any number.
 const MAX_CHANNELS: usize = 10_000;
 
-/// The longest name of a topic or type that is kept; ROS 2 allows no longer ones either.
+/// The maximum length of the name of a topic or type, in bytes, which is also the limit of ROS 2.
 const MAX_NAME: usize = 256;
 
-/// What MCAP calls types of ROS 2, as rosbridge names them.
+/// The schema encoding that MCAP uses for ROS 2 types. rosbridge names the same types.
 const ROS: &str = "ros2msg";
 
 pub(super) const KIND: Kind = Kind {
@@ -39,7 +39,7 @@ pub(super) const KIND: Kind = Kind {
     check: |input, message_id, definitions| Ok(check_json(input, message_id, definitions)),
 };
 
-/// True if a capture starts neither like JSON nor like any text. One wrong byte may be damage.
+/// True if a capture starts neither like JSON nor like other text. A single invalid character may be corruption.
 fn is_binary(start: &[u8]) -> bool {
     let text = String::from_utf8_lossy(start);
     if text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '[']) {
@@ -51,20 +51,20 @@ fn is_binary(start: &[u8]) -> bool {
     text.chars().filter(is_foreign).count() > 1
 }
 
-/// The summary of messages as JSON.
+/// The summary of JSON messages.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "Json"))]
 pub struct JsonSummary {
     /// The number of lines.
     pub lines: u64,
-    /// The number of types that its messages have.
+    /// The number of message types.
     pub types: usize,
     /// The number of rosbridge messages that don't publish anything.
     pub skipped: u64,
     /// The topics or types without a definition, by name.
     #[cfg_attr(test, schemars(with = "Vec<String>"))]
     pub undefined: BTreeSet<String>,
-    /// The ways in which it differs from the published schemas that are accepted.
+    /// The accepted deviations from the published schemas.
     pub dialects: Dialects,
 }
 
@@ -89,8 +89,8 @@ impl Describe for JsonSummary {
     }
 }
 
-/// Checks messages as JSON: JSON Lines, an array, or a single one. They are all of one type where `message_id` says so;
-/// otherwise each says its type or its topic. They are checked as far as they can be read.
+/// Checks JSON messages: JSON Lines, an array or a single message. With `message_id`, all are of that type; otherwise
+/// each names its type or topic. Unreadable parts are skipped.
 pub(crate) fn check_json(
     input: impl Read,
     message_id: Option<MessageId>,
@@ -99,8 +99,8 @@ pub(crate) fn check_json(
     check_with(input, message_id, JsonChecker::new(message_id, definitions))
 }
 
-/// Like `check_json`, but compares no message with those before it. It is several times slower and has the same result:
-/// tests and benchmarks hold the two to each other.
+/// Like `check_json`, but without templates. The result is the same, but takes several times as long. Tests and
+/// benchmarks compare the two.
 pub fn check_json_thoroughly(
     input: impl Read,
     message_id: Option<MessageId>,
@@ -109,7 +109,7 @@ pub fn check_json_thoroughly(
     check_with(
         input,
         message_id,
-        JsonChecker { templates: Templates::none(), ..JsonChecker::new(message_id, definitions) },
+        JsonChecker { templates: Templates::disabled(), ..JsonChecker::new(message_id, definitions) },
     )
 }
 
@@ -129,7 +129,7 @@ fn check_with(input: impl Read, message_id: Option<MessageId>, checker: JsonChec
                 Event::Value { bytes, is_last } => checker.value(bytes, item.line, is_last),
             },
             Ok(None) => break,
-            // What was judged until then stays judged.
+            // The findings up to here remain valid.
             Err(error) => {
                 checker.run().unreadable(Location::Line(reader.lines().max(1)), &error);
                 break;
@@ -142,12 +142,12 @@ fn check_with(input: impl Read, message_id: Option<MessageId>, checker: JsonChec
     }
 }
 
-/// Who judges.
-#[allow(clippy::large_enum_variant)] // there is one of it
+/// The checker for the detected kind of capture.
+#[allow(clippy::large_enum_variant)] // there is a single instance
 enum AnyChecker<'d> {
     Json {
         checker: JsonChecker<'d>,
-        /// Whether it stays so; the first object says whether it is Flockwave.
+        /// True if the kind is final. The first object shows if this is a Flockwave session.
         is_decided: bool,
     },
     Flockwave(FlockwaveChecker<'d>),
@@ -169,7 +169,7 @@ impl<'d> AnyChecker<'d> {
         }
     }
 
-    /// Finds out what the source is, if this is its first object.
+    /// Detects the kind of the capture from its first object.
     fn decide(&mut self, bytes: &[u8]) {
         let Self::Json { checker, is_decided } = self else { return };
         if *is_decided {
@@ -191,11 +191,11 @@ struct JsonChecker<'d> {
     plans: Plans,
     channels: Channels,
     templates: Templates,
-    /// Topics whose type was named, with its definition, if there is one.
+    /// The topics with a stated type, and its definition if there is one.
     advertised: HashMap<String, Option<MessageId>>,
     skipped: u64,
     dialects: Dialects,
-    /// What the message says that is read, as it lies in memory.
+    /// The field values of the current message, in memory layout.
     values: Vec<u8>,
 }
 
@@ -230,7 +230,7 @@ impl<'d> JsonChecker<'d> {
         let text = match std::str::from_utf8(bytes) {
             Ok(text) => text,
             Err(error) => {
-                let text = format!("no UTF-8 from its byte {} on", error.valid_up_to());
+                let text = format!("invalid UTF-8 at byte {}", error.valid_up_to());
                 return self.run.gap(location, text);
             }
         };
@@ -250,13 +250,13 @@ impl<'d> JsonChecker<'d> {
         }
     }
 
-    /// Reads again what isn't clean, or is new.
+    /// Handles a value that needs the slow path.
     fn explain(&mut self, text: &str, line: u64, is_last: bool) {
         let location = Location::Line(line);
         let tree = match Tree::read(text) {
             Ok(tree) => tree,
             Err(SyntaxError { problem: TRUNCATED, at }) if is_last => {
-                let text = format!("the last value is cut off after {at} bytes");
+                let text = format!("the last value is truncated after {at} bytes");
                 return self.run.corruption(location, text, Extent::EndsEarly);
             }
             Err(error) => return self.run.gap(location, error.to_string()),
@@ -274,7 +274,7 @@ impl<'d> JsonChecker<'d> {
             },
         };
         if name.len() > MAX_NAME {
-            let text = format!("a topic or type whose name has more than {MAX_NAME} bytes");
+            let text = format!("the name of the topic or type is longer than {MAX_NAME} bytes");
             return self.run.gap(location, text);
         }
         let definition = |checker: &Self| match which {
@@ -291,8 +291,7 @@ impl<'d> JsonChecker<'d> {
         }) else {
             return self.run.gap(location, format!("more than {MAX_CHANNELS} topics and types"));
         };
-        // Now that its channel is open, a first message with which nothing is wrong is read as those that follow:
-        // rules want to know what it says, too.
+        // The channel is open now. Rules may need the values of a first message without findings.
         if known.is_none()
             && let Fast::Clean(at, clean) = read(text, &self.channels, &self.plans, &mut self.values)
         {
@@ -301,7 +300,7 @@ impl<'d> JsonChecker<'d> {
         self.check_message(at, message, location, which == NameKind::Topic);
     }
 
-    /// A topic is of this type, whatever it is called.
+    /// Stores the stated type of a topic.
     fn advertise(&mut self, topic: &str, ty: &str) {
         if self.advertised.len() < MAX_CHANNELS && topic.len() <= MAX_NAME {
             let definition = definition_of(topic, Some((ty, ROS)), self.run.definitions);
@@ -309,14 +308,14 @@ impl<'d> JsonChecker<'d> {
         }
     }
 
-    /// Judges a message of an open channel.
+    /// Checks a message of an open channel.
     fn check_message(&mut self, at: usize, tree: &Tree<'_>, location: Location, is_rosbridge: bool) {
         let open = &self.channels.open[at];
         let Some((id, _)) = open.defined else { return self.run.records += 1 };
         let origin = MessageOrigin { id, name: &open.name, location, key: open.key, is_rosbridge };
         let dialects = self.plans.explain(origin, tree, &mut self.run.findings);
         let timestamp = self.plans.timestamp(id, tree);
-        // What is broken somewhere may be so anywhere: nobody draws conclusions from its values.
+        // A message with findings may have other wrong values, so rules with a state don't see them.
         self.values.clear();
         self.message(at, Clean { timestamp, dialects }, location);
     }
@@ -335,7 +334,7 @@ impl<'d> JsonChecker<'d> {
         }
     }
 
-    /// Opens a channel; none where there are too many.
+    /// Opens a channel, unless there are too many.
     fn open(
         &mut self,
         which: NameKind,
@@ -349,7 +348,7 @@ impl<'d> JsonChecker<'d> {
         }
         let defined = definition.map(|id| (id, self.run.number_channel()));
         let shown_name = match which {
-            // Whose it is says why it isn't known.
+            // The namespace may show why it is unknown.
             _ if definition.is_none() => name,
             NameKind::Type => name.rsplit('/').next().unwrap_or(name),
             NameKind::Topic => topic_of(name),

@@ -1,31 +1,35 @@
-//! Lists of known failures and of flaky results: what is let stand, why, and until when.
+//! Lists of known failures and flaky results, each with a reason and an optional expiry date.
 //!
 //! ```toml
 //! [[known]]
 //! rule = "PX-RANGE-01"                   # or case = "decode-cdr/px4/Event/*"
-//! subject = "battery_status.max_error"   # only with rule; all subjects, where absent
-//! file = "logs/2019-*.ulg"               # only with rule; all files, where absent
+//! subject = "battery_status.max_error"   # only with rule; optional, default: all subjects
+//! file = "logs/2019-*.ulg"               # only with rule; optional, default: all files
 //! reason = "firmware 1.11 leaves it 0"
-//! link = "https://example.org/issues/7"  # may be absent, as what follows
-//! expires = 2027-06-30                   # the last day that it holds
-//! message = "0 is out of range"          # how the failure's message begins
+//! link = "https://example.org/issues/7"  # optional, like the following keys
+//! expires = 2027-06-30                   # the last day on which the entry is valid
+//! message = "0 is out of range"          # the start of the failure's message
 //!
 //! [[flaky]]
 //! case = "decode-cdr/px4/Event/typical"
-//! reason = "the codec reads memory that it never wrote"
+//! reason = "the codec reads uninitialized memory"
 //! ```
 //!
-//! Patterns are globs. `*` matches anything, in `file` all but `/`; `file` is compared with the path as the run
-//! was given it.
+//! Patterns are globs. `*` matches anything, but stops at `/` in `file`. `file` is compared with the path as passed
+//! to the run.
 //!
-//! What is listed runs as ever, and its failures don't count. But a list must hold true ([`Stale`]): an entry is
-//! stale when something that it names passes, or fails with another message, when it names nothing that was judged,
-//! and after its last day. What a flaky entry names may pass; so may some of the files and subjects that an entry of
-//! a rule names, if not all. One list serves all commands: each leaves alone the entries that are of no matter to
-//! it.
+//! Listed rules and cases still run, but their failures don't count. Lists must stay accurate, so some entries are
+//! reported as stale ([`Stale`]):
+//!
+//! - A case that the entry matches passes, or all results that match a rule's entry pass. Flaky entries may pass.
+//! - A failure has a different message.
+//! - Nothing that the entry matches was checked.
+//! - The expiry date has passed.
+//!
+//! One list serves all commands. Each command ignores entries that don't concern it.
 //!
 //! ```text
-//!  text ──read──▶ entries ──check (with what came of the run)──▶ stale entries ──fix──▶ text
+//!  text ──read──▶ entries ──check (with the results of a run)──▶ stale entries ──fix──▶ text
 //!                    └───────excuse (a failure)──▶ its reason
 //! ```
 
@@ -54,36 +58,36 @@ pub(crate) use self::run::{excuse_findings, rule_outcomes, unread_outcome};
 pub(crate) use self::stale::{Checked, Name, Outcome, Scope, Stale, StaleReason};
 use crate::model::{Excuse, Reason, Rule};
 
-/// The longest list that is read, in bytes: room for some thousand entries.
+/// The maximum size of a list, in bytes: room for several thousand entries.
 const MAX_LEN: u64 = 1 << 20;
 
 /// An entry of a list.
 #[derive(Debug)]
 struct Entry {
     names: Selector,
-    /// How the messages of its failures begin.
+    /// The start of its failures' messages.
     message: Option<String>,
     excuse: Excuse,
     spans: EntrySpans,
 }
 
-/// What an entry names.
+/// The results that an entry matches.
 #[derive(Debug)]
 enum Selector {
     Rule { rule: &'static Rule, subject: Option<Pattern>, file: Option<Pattern> },
     Case(Pattern),
 }
 
-/// Where an entry stands.
+/// The locations of the parts of an entry.
 #[derive(Clone, Copy, Debug)]
 struct EntrySpans {
-    /// Its first line, the name of its table.
+    /// The first line, with the name of its table.
     header: Span,
-    /// The rule or the pattern of cases.
+    /// The value of `rule` or `case`.
     selector: Span,
     message: Option<Span>,
     expires: Option<Span>,
-    /// From its header to the end of its last value.
+    /// From the header to the end of the last value.
     whole: Span,
 }
 
@@ -93,16 +97,16 @@ pub(crate) struct Lists {
     sources: SourceMap,
     ids: Vec<SourceId>,
     entries: Vec<Entry>,
-    /// The file of each list that was read from one; no link leads on from there.
+    /// The files that lists were read from, with links resolved.
     paths: BTreeMap<SourceId, PathBuf>,
 }
 
-/// Why lists can't be read.
+/// The reason why lists can't be read.
 #[derive(Debug)]
 pub(crate) enum ListError {
-    /// There is no such file, or the like.
+    /// An I/O error.
     Unreadable(PathBuf, io::Error),
-    /// What stands in them is no list: every mistake in all of them.
+    /// The errors in all lists.
     Mistaken(Vec<Finding>, SourceMap),
 }
 
@@ -120,13 +124,13 @@ impl fmt::Display for ListError {
 }
 
 impl Lists {
-    /// Reads the lists in files. A file that is named twice is read once.
+    /// Reads lists from files. A file is read once, even if it is named twice.
     pub(crate) fn read(paths: &[PathBuf]) -> Result<Self, ListError> {
         let mut texts = Vec::new();
         let mut files: Vec<PathBuf> = Vec::new();
         for path in paths {
             let unreadable = |error| ListError::Unreadable(path.clone(), error);
-            // Behind a link stands the file that is meant.
+            // Two paths may lead to the same file.
             let file = fs::canonicalize(path).map_err(unreadable)?;
             if !files.contains(&file) {
                 texts.push((path.display().to_string(), bytes(&file).map_err(unreadable)?));
@@ -138,7 +142,7 @@ impl Lists {
         Ok(lists)
     }
 
-    /// Reads lists, each under the path that is shown for it.
+    /// Parses lists, each with the path to show in messages.
     pub(crate) fn parse(texts: impl IntoIterator<Item = (String, Vec<u8>)>) -> Result<Self, ListError> {
         let mut lists = Self::default();
         let mut mistakes = Vec::new();
@@ -156,18 +160,19 @@ impl Lists {
         if mistakes.is_empty() { Ok(lists) } else { Err(ListError::Mistaken(mistakes, lists.sources)) }
     }
 
-    /// Whether nothing is listed.
+    /// True if there are no entries.
     pub(crate) fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// What is said of stale entries, with colours where `is_styled`: errors, or notes on what was mended.
+    /// Renders the findings for stale entries, in colour if `is_styled`. The level is an error, or a note after a
+    /// fix.
     pub(crate) fn render(&self, stale: &[Stale], level: Level, is_styled: bool) -> String {
         let findings: Vec<Finding> = stale.iter().filter_map(|stale| self.finding(stale, level)).collect();
         render::findings(&findings, &self.sources, is_styled)
     }
 
-    /// The same for reports: each with its place.
+    /// The findings for stale entries, in the form for reports.
     pub(crate) fn reasons(&self, stale: &[Stale]) -> Vec<Reason> {
         let findings = stale.iter().filter_map(|stale| self.finding(stale, Level::Error));
         let reason = |finding: Finding| Reason {
@@ -178,11 +183,11 @@ impl Lists {
         findings.map(reason).collect()
     }
 
-    /// The lists without what is stale in them, and those of their texts that change.
+    /// Lists without the stale entries.
     ///
-    /// Entries go that pass, name nothing or are over. Those that pass in part name only the rest, and those that
-    /// fail otherwise get the beginning of the new message, but where messages have none in common: the entry stays.
-    /// All else stays as it is, byte for byte. None is added: only a person knows a reason.
+    /// Entries that pass, match nothing or have expired are removed. If only some cases pass, the entry keeps the
+    /// failing ones. If messages differ, the entry gets their common prefix, or stays unchanged if there is none.
+    /// Everything else stays unchanged, byte for byte. No entries are added, since only a person knows a reason.
     pub(crate) fn fixed(&self, stale: &[Stale]) -> Result<Self, ListError> {
         let texts = fix::texts(self, stale);
         let text =
@@ -200,7 +205,7 @@ impl Lists {
         self.ids.iter().map(|source| self.sources.text(*source))
     }
 
-    /// Writes to their files the texts that differ from those of `old`, all or none.
+    /// Writes the texts that differ from those of `old` to their files, all or none.
     pub(crate) fn write(&self, old: &Self) -> Result<(), Failure> {
         let changes =
             self.paths.iter().filter(|(source, _)| self.sources.text(**source) != old.sources.text(**source));
@@ -221,7 +226,7 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     if bytes.len() as u64 > MAX_LEN {
         return Err(io::Error::new(
             io::ErrorKind::FileTooLarge,
-            format!("more than {MAX_LEN} bytes, is this a list?"),
+            format!("larger than {MAX_LEN} bytes, the limit for a list"),
         ));
     }
     Ok(bytes)

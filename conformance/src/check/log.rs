@@ -1,4 +1,4 @@
-//! Checks logs of PX4.
+//! Checks PX4 logs.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Read};
@@ -8,7 +8,7 @@ use uavspec_codegen::dynamic::{FormatProblem, MessageType};
 use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
-use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, is_begun, timestamp_offset};
+use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic, timestamp_offset};
 use crate::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
 use crate::definitions::Definitions;
@@ -20,17 +20,17 @@ use crate::text::shown;
 
 pub(super) const KIND: Kind = Kind {
     name: "ULog",
-    detect: |start| is_begun(start, &ULOG_MAGIC),
+    detect: |start| has_magic(start, &ULOG_MAGIC),
     check: |input, _, definitions| Ok(check_ulog(input, definitions)),
 };
 
-/// Encrypted logs can't be read.
+/// The kind of encrypted logs, which are detected but can't be read.
 pub(super) const ENCRYPTED: Kind = Kind {
     name: "ULog",
     detect: |start| start.starts_with(&ENCRYPTED_MAGIC),
     check: |_, _, _| {
-        let text = "an encrypted log of PX4 (.ulge): decrypt it first, with its key, as \
-                    https://docs.px4.io/main/en/dev_log/log_encryption tells";
+        let text = "an encrypted PX4 log (.ulge): decrypt it with its key first, see \
+                    https://docs.px4.io/main/en/dev_log/log_encryption";
         Err(io::Error::new(io::ErrorKind::Unsupported, text))
     },
 };
@@ -39,11 +39,11 @@ pub(super) const ENCRYPTED: Kind = Kind {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "Ulog"))]
 pub struct LogSummary {
-    /// The firmware, such as its version.
+    /// The name and version of the firmware.
     pub firmware: Option<String>,
     /// The number of dropouts.
     pub dropouts: u64,
-    /// The formats of its topics, compared with the definitions, by name.
+    /// The topics by name. Each is compared with its definition.
     #[serde(serialize_with = "format_rows")]
     #[cfg_attr(test, schemars(with = "Vec<Format>"))]
     pub formats: Vec<(String, Comparison)>,
@@ -102,15 +102,16 @@ impl Describe for LogSummary {
 
     fn lines(&self) -> Vec<Line> {
         let formats: Vec<Format<'_>> = self.formats.iter().map(Format::new).collect();
-        let of = |wanted| formats.iter().filter(move |format| format.result == wanted);
+        let with_result = |wanted| formats.iter().filter(move |format| format.result == wanted);
         let text = format!(
-            "{} of {} topics equal, {} differ, {} not defined",
-            of(FormatResult::Equal).count(),
+            "{} of {} topics match, {} differ, {} unknown",
+            with_result(FormatResult::Equal).count(),
             formats.len(),
-            of(FormatResult::Differs).count(),
-            of(FormatResult::Undefined).count(),
+            with_result(FormatResult::Differs).count(),
+            with_result(FormatResult::Undefined).count(),
         );
-        let differing = of(FormatResult::Differs).map(|format| (format.topic, shown(&format.message)));
+        let differing =
+            with_result(FormatResult::Differs).map(|format| (format.topic, shown(&format.message)));
         vec![Line::new("definitions", text).list("differs", differing)]
     }
 
@@ -119,7 +120,7 @@ impl Describe for LogSummary {
     }
 }
 
-/// Checks a log of PX4, as far as it can be read.
+/// Checks a PX4 log, as far as it is readable.
 pub(crate) fn check_ulog(input: impl Read, definitions: &Definitions) -> CaptureResult {
     let mut checker = LogChecker::new(definitions);
     let mut reader = Reader::new(input);
@@ -128,7 +129,7 @@ pub(crate) fn check_ulog(input: impl Read, definitions: &Definitions) -> Capture
         let item = match reader.next() {
             Ok(Some(item)) => item,
             Ok(None) => break,
-            // What was judged until then stays judged.
+            // The findings up to here remain valid.
             Err(error) => {
                 checker.run.unreadable(Location::Byte(reader.position()), &error);
                 break;
@@ -147,38 +148,39 @@ pub(crate) fn check_ulog(input: impl Read, definitions: &Definitions) -> Capture
             Some((id, Some(subscription))) => {
                 checker.open(id, &subscription.topic, subscription.multi_id, item.offset);
             }
-            // There was no room for it.
+            // There was no room for the subscription.
             Some((id, None)) => checker.drop_topic(id),
             None => {}
         }
     }
     if checker.open.is_empty() && checker.run.extent == Extent::Whole {
-        let text = "no topic is subscribed: the log ends with its definitions, or within them".to_owned();
+        let text = "the log has no subscriptions: it ends in its definitions section, or directly after it"
+            .to_owned();
         checker.run.corruption(Location::Byte(reader.position()), text, Extent::EndsEarly);
     }
     log.finish(&mut |offset, problem| checker.report_problem(offset, &problem));
     checker.finish(&log, reader.position())
 }
 
-/// A topic of the log and its state.
+/// A topic of the log, with its state.
 struct Open {
     index: usize,
     topic: String,
     multi_id: u8,
     offset: u64,
     definition: Option<MessageId>,
-    /// Made with the first message.
+    /// Created with the first message.
     plan: Option<Plan>,
-    /// Where the payload has its `timestamp`.
+    /// The offset of `timestamp` in the payload.
     timestamp: Option<usize>,
     messages: u64,
 }
 
 struct LogChecker<'d> {
     run: CheckRun<'d>,
-    /// By the id of the data.
+    /// By message id.
     open: Vec<Option<Box<Open>>>,
-    /// Topics that were seen to have a `timestamp` or not; the log has a format for each.
+    /// The topics whose format has been checked for a `timestamp`. A log has one format for each topic.
     timed: BTreeSet<String>,
     firmware: Option<String>,
     dropouts: u64,
@@ -207,7 +209,7 @@ impl<'d> LogChecker<'d> {
                 self.run.dropout(*milliseconds, location);
             }
             Event::Data { .. } => self.run.records += 1,
-            // Logs of the first version have none.
+            // The first version of the format has no flag bits.
             Event::Problem(Problem::NoFlagBits { version: 0 }) => {}
             Event::Problem(problem) => self.run.corruption(location, problem.to_string(), problem.extent()),
             _ => {}
@@ -215,7 +217,7 @@ impl<'d> LogChecker<'d> {
     }
 
     fn open(&mut self, id: u16, topic: &str, multi_id: u8, offset: u64) {
-        // Who subscribes again and again asks for no more room.
+        // Repeated subscriptions reuse a slot, so that memory stays bounded.
         let slot = usize::from(id);
         if slot >= self.open.len() {
             self.open.resize_with(slot + 1, || None);
@@ -242,7 +244,7 @@ impl<'d> LogChecker<'d> {
         }
     }
 
-    /// A topic isn't subscribed any more, and its name isn't kept.
+    /// Closes a topic whose new subscription wasn't stored, and clears its name.
     fn drop_topic(&mut self, id: u16) {
         if let Some(Some(open)) = self.open.get_mut(usize::from(id)) {
             self.run.closed(&open.channel());
@@ -279,8 +281,8 @@ impl<'d> LogChecker<'d> {
         self.run.message(&open.channel(), &message);
     }
 
-    /// What is wrong with formats, subscriptions and sizes: a rule, where one is about that. Where something of the
-    /// log is missing, a subscription or a format that isn't there may have been in it.
+    /// Reports a problem with a format, a subscription or a size. It violates a rule if there is one. If part of the
+    /// log is missing, that part may have contained the format or subscription, so no rule is violated.
     fn report_problem(&mut self, offset: u64, problem: &LogProblem) {
         let location = Location::Byte(offset);
         let detail = Detail::new(problem.to_string());
@@ -296,7 +298,7 @@ impl<'d> LogChecker<'d> {
                 self.drop_data(*id, &px4::DATA_01.rule, detail, location);
             }
             LogProblem::UnknownId { id } | LogProblem::Unsubscribed { id } if is_whole => {
-                let detail = detail.expected("data of an id that is subscribed").actual(format!("id {id}"));
+                let detail = detail.expected("an id with a subscription").actual(format!("id {id}"));
                 self.drop_data(*id, &px4::DATA_02.rule, detail, location);
             }
             LogProblem::Format { name, problem: FormatProblem::UnknownType { ty, .. } } if is_whole => {
@@ -309,7 +311,8 @@ impl<'d> LogChecker<'d> {
         }
     }
 
-    /// Data can't be read, as it breaks a rule. Which topic has it is known, or else it may be any.
+    /// Reports data that violates a rule and can't be read. If the topic is unknown, the data may belong to any
+    /// topic.
     fn drop_data(&mut self, id: u16, rule: &'static Rule, detail: Detail, location: Location) {
         let open = self.open.get(usize::from(id)).and_then(Option::as_ref);
         let Some(open) = open.filter(|open| !open.topic.is_empty()) else {
@@ -335,7 +338,7 @@ impl<'d> LogChecker<'d> {
 
     fn information(&mut self, ty: &str, value: &[u8]) {
         let text = match <[u8; 4]>::try_from(value) {
-            // The version as a number: major, minor and patch level, and the type of the release.
+            // The version as a number: major, minor, patch, and the type of the release.
             Ok(bytes) if ty == "uint32_t" => {
                 let [_, patch, minor, major] = bytes;
                 format!("v{major}.{minor}.{patch}")
@@ -369,21 +372,21 @@ impl Open {
     }
 }
 
-/// Whether messages of a format have the time that each has to have.
-fn check_timestamp(of: MessageType<'_>, location: Location, run: &mut CheckRun<'_>) {
+/// Checks that messages of a format have a timestamp.
+fn check_timestamp(format: MessageType<'_>, location: Location, run: &mut CheckRun<'_>) {
     run.findings.cover(&px4::FMT_03.rule, 1);
-    if timestamp_offset(of).is_none() {
-        let definition = run.definition_of(of.name());
-        run.findings.report(&px4::FMT_03.rule, of.name(), location, definition, || {
-            Detail::new("its format has no `uint64_t timestamp`")
+    if timestamp_offset(format).is_none() {
+        let definition = run.definition_of(format.name());
+        run.findings.report(&px4::FMT_03.rule, format.name(), location, definition, || {
+            Detail::new("the format has no field `uint64_t timestamp`")
                 .expected("uint64_t timestamp")
                 .actual("no such field")
         });
     }
 }
 
-/// The formats of all subscribed topics, compared with the definitions. Of those that had data it was seen already
-/// whether they have a time.
+/// Compares the formats of all subscribed topics with the definitions. Checks formats for a timestamp if that wasn't
+/// done with their first message.
 fn formats(log: &Log, timed: &BTreeSet<String>, run: &mut CheckRun<'_>) -> Vec<(String, Comparison)> {
     let definitions = run.definitions;
     let mut opened: BTreeMap<&str, u64> = BTreeMap::new();
@@ -391,24 +394,27 @@ fn formats(log: &Log, timed: &BTreeSet<String>, run: &mut CheckRun<'_>) -> Vec<(
         opened.entry(&subscription.topic).or_insert(subscription.offset);
     }
     let mut compared: BTreeMap<String, Comparison> = BTreeMap::new();
-    for of in log.types().iter() {
+    for format in log.types().iter() {
         run.findings.cover(&px4::FMT_02.rule, 1);
-        let Some(location) = opened.get(of.name()).map(|offset| Location::Byte(*offset)) else { continue };
-        if !timed.contains(of.name()) && of.defect().is_none() {
-            check_timestamp(of, location, run);
+        let Some(location) = opened.get(format.name()).map(|offset| Location::Byte(*offset)) else {
+            continue;
+        };
+        if !timed.contains(format.name()) && format.defect().is_none() {
+            check_timestamp(format, location, run);
         }
-        let comparison = match definitions.message_of_topic(of.name()) {
+        let comparison = match definitions.message_of_topic(format.name()) {
             None => Comparison::Undefined,
-            Some(id) => compare(of, definitions.types().get(id)),
+            Some(id) => compare(format, definitions.types().get(id)),
         };
         if comparison != Comparison::Undefined {
             run.findings.cover(&px4::FMT_01.rule, 1);
         }
         if let Comparison::Differs(differences) = &comparison {
-            let definition = run.definition_of(of.name());
-            run.findings.report(&px4::FMT_01.rule, of.name(), location, definition, || differences.detail());
+            let definition = run.definition_of(format.name());
+            run.findings
+                .report(&px4::FMT_01.rule, format.name(), location, definition, || differences.detail());
         }
-        compared.insert(of.name().to_owned(), comparison);
+        compared.insert(format.name().to_owned(), comparison);
     }
     compared.into_iter().collect()
 }

@@ -1,8 +1,8 @@
-//! Checks MCAP: messages as CDR or as JSON, by the definitions, and what the file itself says of its types.
+//! Checks MCAP files: their CDR or JSON messages, and their own schemas.
 //!
-//! Which definition a channel has is said by the name of its schema, or by its topic. A schema that the file brings is
-//! compared with it. Where they differ, CDR is read by the schema of the file, and the rules on values hold
-//! for the fields that agree.
+//! The name of its schema, or else its topic, determines the definition of a channel. The schema in the file is
+//! compared with the definition. If they differ, CDR is decoded with the schema in the file, and the rules on values
+//! apply to the fields that agree.
 
 mod cdr;
 mod json_schema;
@@ -17,14 +17,14 @@ use std::io::Read;
 
 use uavspec_codegen::schema::MessageId;
 
-use self::cdr::{CdrChecker, unpacked};
+use self::cdr::{CdrChecker, decompressed};
 pub use self::open::{Basis, CheckStatus, McapChannel};
 use self::open::{Identity, Open, Reading};
 use self::schemas::Schemas;
 use self::stated::Stated;
 pub use self::summary::McapSummary;
 use super::topic::{definition_of, is_same_type};
-use super::{CaptureResult, CheckRun, Kind, Summary, is_begun};
+use super::{CaptureResult, CheckRun, Kind, Summary, has_magic};
 use crate::capture::MCAP_MAGIC;
 use crate::capture::mcap::{Event, Reader};
 use crate::definitions::Definitions;
@@ -33,25 +33,25 @@ use crate::model::{Detail, Findings, Location, Message};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
 use crate::rules::px4;
 
-/// The longest name of a topic or a schema that is kept; ROS 2 allows no longer ones either.
+/// The maximum length of the name of a topic or schema, in bytes, which is also the limit of ROS 2.
 const MAX_NAME: usize = 256;
 
-/// Most steps of the plans of all channels: a thousand topics of PX4 have a fourth of that.
+/// The maximum number of steps in the plans of all channels. A thousand PX4 topics need a quarter of it.
 const MAX_STEPS: usize = 1 << 18;
 
-/// What a channel says of the hash of its type, as `rosbag2` writes it.
+/// The metadata key for the type hash of a channel, as written by `rosbag2`.
 const HASH: &str = "topic_type_hash";
 
-/// What the hashes that are known begin with.
+/// The prefix of the supported hashes.
 const HASH_VERSION: &str = "RIHS01_";
 
 pub(super) const KIND: Kind = Kind {
     name: "MCAP",
-    detect: |start| is_begun(start, &MCAP_MAGIC),
+    detect: |start| has_magic(start, &MCAP_MAGIC),
     check: |input, _, definitions| Ok(check_mcap(input, definitions)),
 };
 
-/// Checks MCAP, as far as it can be read.
+/// Checks an MCAP file, as far as it is readable.
 pub(crate) fn check_mcap(input: impl Read, definitions: &Definitions) -> CaptureResult {
     let mut check = McapChecker::new(definitions);
     let mut reader = Reader::new(input);
@@ -59,7 +59,7 @@ pub(crate) fn check_mcap(input: impl Read, definitions: &Definitions) -> Capture
         let item = match reader.next() {
             Ok(Some(item)) => item,
             Ok(None) => break,
-            // What was judged until then stays judged.
+            // The findings up to here remain valid.
             Err(error) => {
                 check.run.unreadable(Location::Byte(reader.bytes()), &error);
                 break;
@@ -85,7 +85,7 @@ pub(crate) fn check_mcap(input: impl Read, definitions: &Definitions) -> Capture
     check.finish(reader.bytes())
 }
 
-/// What a channel says of itself.
+/// The declaration of a channel.
 #[derive(Hash)]
 struct Declared {
     schema: u16,
@@ -100,14 +100,14 @@ struct McapChecker<'d> {
     library: String,
     schemas: Schemas,
     channels: BTreeMap<u16, Open>,
-    /// Channels that were never declared, and have messages: they are told once.
+    /// Undeclared channels with messages. Each is reported once.
     undeclared: BTreeSet<u16>,
-    /// Steps of the plans of all channels.
+    /// The total number of steps in the plans of all channels.
     steps: usize,
-    /// Made with the first channel of JSON.
+    /// Created with the first JSON channel.
     plans: Option<Plans>,
     dialects: Dialects,
-    /// What the message of JSON says that is read, as it lies in memory.
+    /// The field values of the current JSON message, in memory layout.
     values: Vec<u8>,
 }
 
@@ -131,78 +131,80 @@ impl<'d> McapChecker<'d> {
         let digest = digest(declared);
         if let Some(known) = self.channels.get(&id) {
             if known.digest != digest {
-                let text = format!("channel {id} is another than before; the first one is used");
+                let text =
+                    format!("channel {id} is declared again with other content; the first one is used");
                 self.run.gap(location, text);
             }
             return;
         }
         if declared.topic.len() > MAX_NAME || declared.encoding.len() > MAX_NAME {
-            let text = format!("channel {id} has a topic or an encoding of more than {MAX_NAME} bytes");
+            let text = format!("channel {id}: the topic or the encoding is longer than {MAX_NAME} bytes");
             return self.run.gap(location, text);
         }
         let schema = self.schemas.get(declared.schema);
         if declared.schema != 0 && schema.is_none() {
             let text =
-                format!("channel {id} is of schema {}, which isn't declared before it", declared.schema);
+                format!("channel {id} refers to schema {}, which isn't declared before it", declared.schema);
             self.run.gap(location, text);
         }
         let definitions = self.run.definitions;
         let definition = definition_of(&declared.topic, schema, definitions);
         let mut open = Open::new(declared, schema, definition, location, digest, self.run.number_channel());
-        if let (Some(of), true) = (definition, matches!(declared.encoding.as_str(), "cdr" | "json")) {
-            self.read(&mut open, declared, of);
+        if let (Some(message_id), true) = (definition, matches!(declared.encoding.as_str(), "cdr" | "json")) {
+            self.read(&mut open, declared, message_id);
         }
         self.channels.insert(id, open);
     }
 
-    /// Opens a channel that has a definition, and finds out how its messages are read.
-    fn read(&mut self, open: &mut Open, declared: &Declared, of: MessageId) {
+    /// Opens a channel that has a definition, and chooses the reader of its messages.
+    fn read(&mut self, open: &mut Open, declared: &Declared, message_id: MessageId) {
         let definitions = self.run.definitions;
         let is_json = declared.encoding == "json";
-        let (basis, stated, version) = self.schemas.compared(declared.schema, of, is_json, definitions);
+        let (basis, stated, version) =
+            self.schemas.compared(declared.schema, message_id, is_json, definitions);
         (open.status, open.identity.version) = (CheckStatus::Checked(basis), version);
         self.run.opened(&open.identity.channel());
         if is_json {
             self.plans.get_or_insert_with(|| Plans::new(&definitions.schema, &px4::VALUES));
-            open.reading = Reading::Json(of);
+            open.reading = Reading::Json(message_id);
             return self.format(open);
         }
-        if let (None, Some(defect)) = (&stated, definitions.types().get(of).defect()) {
+        if let (None, Some(defect)) = (&stated, definitions.types().get(message_id).defect()) {
             open.status = CheckStatus::Checked(Basis::Unusable(defect.to_string()));
             return;
         }
-        // To make a plan takes time, too, so none is made only to be dropped.
+        // Creating a plan takes time, so check the limit first.
         if self.steps >= MAX_STEPS {
             open.status = CheckStatus::Checked(Basis::TooMany);
             return;
         }
-        let check = CdrChecker::new(of, stated, definitions, &open.identity.name);
+        let check = CdrChecker::new(message_id, stated, definitions, &open.identity.name);
         self.steps += check.steps();
         if let Some(lacks) = check.lacks_timestamp(definitions) {
             let Identity { name, location, .. } = &open.identity;
             self.run.findings.cover(&px4::FMT_03.rule, 1);
             if lacks {
-                let definition = Some(definitions.schema.message(of).span);
+                let definition = Some(definitions.schema.message(message_id).span);
                 self.run.findings.report(&px4::FMT_03.rule, name, *location, definition, || {
-                    Detail::new("its schema has no `uint64 timestamp`")
+                    Detail::new("the schema has no field `uint64 timestamp`")
                         .expected("uint64 timestamp")
                         .actual("no such field")
                 });
             }
         }
         open.reading = Reading::Cdr(Box::new(check));
-        self.hash(open, declared, of);
+        self.hash(open, declared, message_id);
         self.format(open);
     }
 
-    /// Compares the hash that a channel states with that of the definition.
-    fn hash(&mut self, open: &mut Open, declared: &Declared, of: MessageId) {
+    /// Compares the hash in the metadata of a channel with that of the definition.
+    fn hash(&mut self, open: &mut Open, declared: &Declared, message_id: MessageId) {
         let Some(stated) = declared.metadata.get(HASH).filter(|hash| hash.starts_with(HASH_VERSION)) else {
             return;
         };
         let schema = &self.run.definitions.schema;
-        let message = schema.message(of);
-        // A hash is also one of names: that of a copy in another package is another.
+        let message = schema.message(message_id);
+        // The hash includes the names. A copy of the type in another package has a different hash.
         let is_of_definition =
             open.schema.as_ref().is_none_or(|(name, _)| is_same_type(name, message, schema));
         if !is_of_definition {
@@ -226,12 +228,12 @@ impl<'d> McapChecker<'d> {
         }
     }
 
-    /// Reports how the schema of a channel differs.
+    /// Reports the differences between the schema of a channel and the definition.
     fn format(&mut self, open: &Open) {
         let CheckStatus::Checked(Basis::Compared(_)) = &open.status else { return };
         self.run.findings.cover(&px4::FMT_01.rule, 1);
         if let Some(differences) = open.differences() {
-            let hash = if open.has_other_hash { "; its hash is another, too" } else { "" };
+            let hash = if open.has_other_hash { "; its hash differs as well" } else { "" };
             let Identity { name, location, definition, .. } = &open.identity;
             let definition = definition.map(|id| self.run.definitions.schema.message(id).span);
             self.run.findings.report(&px4::FMT_01.rule, name, *location, definition, || {
@@ -250,7 +252,7 @@ impl<'d> McapChecker<'d> {
             }
             return self
                 .run
-                .gap(location, format!("a message of channel {id}, which isn't declared before it"));
+                .gap(location, format!("a message refers to channel {id}, which isn't declared before it"));
         };
         open.messages += 1;
         let channel = open.identity.channel();
@@ -258,7 +260,7 @@ impl<'d> McapChecker<'d> {
         match &mut open.reading {
             Reading::Skipped => {}
             Reading::Cdr(check) => {
-                let payload = &*match unpacked(payload) {
+                let payload = &*match decompressed(payload) {
                     Ok(payload) => payload,
                     Err(problem) => return self.run.gap(location, problem),
                 };
@@ -269,12 +271,20 @@ impl<'d> McapChecker<'d> {
                 let values = check.view(&seen, definitions);
                 self.run.message(&channel, &Message { timestamp: seen.timestamp, values, location });
             }
-            Reading::Json(of) => {
+            Reading::Json(message_id) => {
                 let Some(plans) = &self.plans else { return };
-                let origin =
-                    MessageOrigin { id: *of, name: channel.topic, location, key: None, is_rosbridge: true };
-                let size =
-                    definitions.types().get(*of).size().filter(|_| self.run.wants_values(channel.index));
+                let origin = MessageOrigin {
+                    id: *message_id,
+                    name: channel.topic,
+                    location,
+                    key: None,
+                    is_rosbridge: true,
+                };
+                let size = definitions
+                    .types()
+                    .get(*message_id)
+                    .size()
+                    .filter(|_| self.run.wants_values(channel.index));
                 self.values.clear();
                 self.values.resize(size.map_or(0, |size| size.padded), 0);
                 match check_message(plans, origin, payload, &mut self.values, &mut self.run.findings) {
@@ -282,8 +292,9 @@ impl<'d> McapChecker<'d> {
                     Ok(Clean { timestamp, dialects }) => {
                         self.dialects.absorb(dialects);
                         open.checked += 1;
-                        let view = |of| definitions.types().get(of).view_uorb(&self.values).ok();
-                        let values = (!self.values.is_empty()).then(|| view(*of)).flatten();
+                        let view =
+                            |message_id| definitions.types().get(message_id).view_uorb(&self.values).ok();
+                        let values = (!self.values.is_empty()).then(|| view(*message_id)).flatten();
                         self.run.message(&channel, &Message { timestamp, values, location });
                     }
                 }
@@ -303,8 +314,8 @@ impl<'d> McapChecker<'d> {
     }
 }
 
-/// Judges a message of JSON. `values` gets what it says, or becomes empty where something is wrong with it. An error
-/// says why it isn't JSON.
+/// Checks a JSON message. Stores the field values in `values`, or clears it if there are findings. Fails if the
+/// payload isn't JSON.
 fn check_message(
     plans: &Plans,
     origin: MessageOrigin<'_>,
@@ -324,14 +335,14 @@ fn check_message(
     Ok(Clean { timestamp: plans.timestamp(origin.id, &tree), dialects })
 }
 
-/// A text of the file that is shown, harmless and not too long.
+/// A text of the file in printable form, shortened if it is too long.
 fn shortened(text: &str) -> String {
     text.chars().take(MAX_NAME).collect::<String>().escape_debug().to_string()
 }
 
-/// What tells contents apart, without keeping them.
-fn digest(of: &impl std::hash::Hash) -> u64 {
+/// A hash of a declaration, which distinguishes contents without storing them.
+fn digest(declaration: &impl std::hash::Hash) -> u64 {
     let mut hasher = DefaultHasher::new();
-    of.hash(&mut hasher);
+    declaration.hash(&mut hasher);
     hasher.finish()
 }

@@ -1,4 +1,4 @@
-//! Work that is done several times at once.
+//! Runs a job for several items in parallel.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-/// Does `work` with each of `items`, several at a time, and hands the results to `take` in the order of the
-/// items, each as soon as it and all before it are there.
+/// Runs `work` for each of `items` in parallel. Passes the results to `take` in the order of the items, each as early
+/// as possible.
 ///
-/// `jobs` is how many at a time: where nothing is said, as many as there are processors.
+/// `jobs` is the number of threads; the default is the number of processors.
 pub fn each<T: Sync, R: Send>(
     items: &[T],
     jobs: Option<NonZeroUsize>,
@@ -26,7 +26,7 @@ pub fn each<T: Sync, R: Send>(
                 loop {
                     let at = next.fetch_add(1, Ordering::Relaxed);
                     let Some(item) = items.get(at) else { return };
-                    // Who takes the results is there until all have come.
+                    // The receiver outlives all senders.
                     let _ = sender.send((at, work(item)));
                 }
             });
@@ -49,18 +49,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn results_come_in_the_order_of_the_items() {
+    fn returns_results_in_the_order_of_the_items() {
         let items: Vec<u64> = (0..50).collect();
         for jobs in [1, 3, 100] {
             let mut taken = Vec::new();
             let square = |item: &u64| {
-                // The first takes longest.
+                // The first item takes longest.
                 thread::sleep(std::time::Duration::from_micros(50 - item));
                 item * item
             };
             each(&items, NonZeroUsize::new(jobs), square, |item, result| taken.push((*item, result)));
             assert_eq!(taken, items.iter().map(|item| (*item, item * item)).collect::<Vec<_>>());
         }
-        each(&[] as &[u8], None, |_| (), |_, ()| panic!("there is nothing"));
+        each(&[] as &[u8], None, |_| (), |_, ()| panic!("there are no items"));
     }
 }

@@ -1,4 +1,4 @@
-//! The summary of a capture, in the form that every report prints.
+//! The summary of a capture, in a form that all reports can print.
 
 use uavspec_codegen::emit::docs::markdown::plural;
 
@@ -7,7 +7,7 @@ use crate::text::{Grouped, shown};
 /// The number of names that a line lists.
 pub(crate) const MAX_LISTED: usize = 8;
 
-/// The parts of a summary that reports for people print. All texts are safe to print on one line.
+/// The parts of a summary that human-readable reports print. All texts are safe to print on one line.
 pub(crate) trait Describe {
     /// The facts of the first line, in order.
     fn facts(&self, totals: Totals) -> Vec<String>;
@@ -15,50 +15,50 @@ pub(crate) trait Describe {
     /// The lines below it.
     fn lines(&self) -> Vec<Line>;
 
-    /// The noun for such a capture.
+    /// The noun for a capture of this kind.
     fn noun(&self) -> &'static str {
         "file"
     }
 
-    /// True if it is a session, to which other rules apply than to messages of PX4.
+    /// True if it is a session, which has other rules than PX4 messages.
     fn is_session(&self) -> bool {
         false
     }
 }
 
-/// The counts that all captures have in common.
+/// The counts that all captures have.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Totals {
-    /// The number of its messages.
+    /// The number of messages.
     pub records: u64,
-    /// The time from its first to its last timestamp, in µs.
+    /// The time from the first to the last timestamp, in µs.
     pub duration_us: u64,
 }
 
 /// A line of a summary.
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
-    /// A word for the content.
+    /// A short description of the content.
     pub label: &'static str,
-    /// The content, in short.
+    /// The content in brief.
     pub text: String,
-    /// Lists that belong to it.
+    /// The lists of the line.
     pub lists: Vec<List>,
-    /// The content in full, for reports with enough space; empty if the text says it all.
+    /// The full content, for reports with enough space; empty if `text` is complete.
     pub details: Vec<String>,
 }
 
-/// A list that belongs to a line.
+/// A list of a line.
 #[derive(Clone, Debug)]
 pub(crate) struct List {
-    /// A word for each item.
+    /// A short description of each item.
     pub label: &'static str,
     /// The items.
     pub items: Vec<String>,
 }
 
 impl Totals {
-    /// The duration in words.
+    /// The duration with units.
     pub(crate) fn duration(self) -> String {
         let seconds = self.duration_us / 1_000_000;
         match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
@@ -68,7 +68,7 @@ impl Totals {
         }
     }
 
-    /// The number of messages, in words.
+    /// The number of messages with the noun.
     pub(crate) fn messages(self) -> String {
         plural(self.records, "message")
     }
@@ -80,7 +80,7 @@ impl Line {
         Self { label, text: text.into(), lists: Vec::new(), details: Vec::new() }
     }
 
-    /// Adds a list. An item is a subject and what there is to say about it.
+    /// Adds a list. An item is a subject with its description.
     #[must_use]
     pub(crate) fn list<'i>(
         mut self,

@@ -1,12 +1,11 @@
-//! What topics and their types are called, wherever they come from, and what that means.
+//! Resolves the names of topics and types to definitions.
 
 use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_codegen::schema::{Message, MessageId, Schema};
 
 use crate::definitions::Definitions;
 
-/// The definition of a topic of PX4, behind which programs that convert logs write an instance: `sensor_accel_1`,
-/// `sensor_accel.01`.
+/// The definition of a PX4 topic. Log converters may append an instance: `sensor_accel_1`, `sensor_accel.01`.
 fn message_of(topic: &str, definitions: &Definitions) -> Option<MessageId> {
     definitions.message_of_topic(topic).or_else(|| {
         let name = topic.trim_end_matches(|character: char| character.is_ascii_digit());
@@ -15,18 +14,17 @@ fn message_of(topic: &str, definitions: &Definitions) -> Option<MessageId> {
     })
 }
 
-/// The topic of PX4 in a name of ROS 2, `/fmu/out/failsafe_flags`; behind it may stand the number of an instance,
-/// `/sensor_accel/1`.
+/// The PX4 topic in a ROS 2 name such as `/fmu/out/failsafe_flags`. An instance number may follow: `/sensor_accel/1`.
 pub(super) fn topic_of(topic: &str) -> &str {
     let mut segments = topic.rsplit('/').filter(|segment| !segment.is_empty());
     let last = segments.next().unwrap_or(topic);
     if last.bytes().all(|byte| byte.is_ascii_digit()) { segments.next().unwrap_or(last) } else { last }
 }
 
-/// The definition of a topic, by its name and by the name and the encoding of its schema.
+/// The definition of a topic, by its name and by the name and encoding of its schema.
 ///
-/// The name of a schema of ROS 2 says it: a type of another package is another type, although its topic may be called
-/// like one that is defined. Names of other schemas are anyone's choice, so the topic says it where they don't.
+/// For ROS 2, the name of the schema decides: a type of another package is a different type, even if its topic has
+/// the name of a defined one. Names of other schemas are arbitrary, so the topic decides if they match nothing.
 pub(super) fn definition_of(
     topic: &str,
     schema: Option<(&str, &str)>,
@@ -39,21 +37,21 @@ pub(super) fn definition_of(
         return Some(id);
     }
     let last = name.rsplit(['/', '.']).next().unwrap_or(&name);
-    let is_called_so = |id: &MessageId| definitions.schema.message(*id).name == last;
+    let has_name = |id: &MessageId| definitions.schema.message(*id).name == last;
     if encoding.starts_with("ros2") {
-        return by_topic().filter(is_called_so);
+        return by_topic().filter(has_name);
     }
     message_of(last, definitions).or_else(by_topic)
 }
 
-/// Whether the name of a schema is that of a message of ROS 2.
+/// True if a schema name denotes a ROS 2 message.
 pub(super) fn is_same_type(name: &str, message: &Message, schema: &Schema) -> bool {
     let full = ros_name(schema, message);
     let name = plain(name);
     name == full || full.replacen("/msg/", "/", 1) == name
 }
 
-/// A name as ROS 2 writes it, where it is written as DDS does: `px4_msgs::msg::dds_::VehicleStatus_`.
+/// Converts a DDS name such as `px4_msgs::msg::dds_::VehicleStatus_` to a ROS 2 name.
 fn plain(name: &str) -> String {
     match name.strip_suffix('_') {
         Some(dds) if dds.contains("::dds_::") => dds.replacen("::dds_::", "::", 1).replace("::", "/"),
@@ -66,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn topics_are_known_with_their_namespace_and_their_instance() {
+    fn resolves_topics_with_a_namespace_or_an_instance() {
         let definitions = Definitions::built_in();
         let flags = definitions.message_of_topic("failsafe_flags");
         assert!(flags.is_some());
@@ -89,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn channels_are_known_by_their_schema_or_their_topic() {
+    fn resolves_channels_by_their_schema_or_their_topic() {
         let definitions = Definitions::built_in();
         let name = |topic, schema| {
             definition_of(topic, schema, &definitions).map(|id| definitions.schema.message(id).name.clone())

@@ -1,8 +1,8 @@
-//! What values in bodies of Flockwave messages have to look like, and whether they do.
+//! The schemas of Flockwave message bodies, and the checks of values against them.
 //!
-//! Shapes are data. Whole bodies have those that the definitions give them for each direction ([`DefinedSchemas`]), or, where
-//! the definitions don't have their type, JSON Schemas of a user ([`Schemas`]); rules on single fields bring along their
-//! own (`ExpectedValue`), which may be wider than the definition.
+//! Schemas are data. The body of a message has a schema for each direction, which comes from the definitions
+//! ([`DefinedSchemas`]). For other types, users can supply JSON Schemas ([`Schemas`]). Rules on single fields have
+//! separate schemas (`ExpectedValue`), which may be less strict than the definitions.
 //!
 //! ```
 //! use uavspec_conformance::definitions::Definitions;
@@ -29,22 +29,22 @@ pub(crate) use self::plain::Members;
 pub use self::schemas::{SchemaError, Schemas};
 use crate::json::{Tree, pointer};
 
-/// The body schemas of all types: those of the definitions, and those of the user for other types.
+/// The body schemas of all types: from the definitions, and from the user for other types.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BodySchemas<'s> {
-    /// Those of the definitions.
+    /// The schemas from the definitions.
     pub defined_schemas: &'s DefinedSchemas,
-    /// Those of the user.
+    /// The schemas from the user.
     pub schemas: &'s Schemas,
 }
 
 impl BodySchemas<'_> {
-    /// True if there is a body schema of this type.
+    /// True if there is a body schema for this type.
     pub(crate) fn has(&self, type_name: &str) -> bool {
         self.defined_schemas.has(type_name) || self.schemas.has(type_name)
     }
 
-    /// The violations of the schema of a body's type for its direction; none if there is no such schema.
+    /// The violations of the body schema for a type and direction. `None` if there is no such schema.
     pub(crate) fn deviations(
         &self,
         type_name: &str,
@@ -59,28 +59,28 @@ impl BodySchemas<'_> {
     }
 }
 
-/// What a value has to be.
+/// The expected form of a value.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum ExpectedValue {
-    /// An integer from the first to the second, however it is written: `5.0` is one.
+    /// An integer from the first to the second value. `5.0` is an integer as well.
     Integer(i128, i128),
     /// `true` or `false`.
     Bool,
     /// Any string.
     Text,
-    /// A string of so many characters.
+    /// A string whose length in characters is from the first to the second value.
     Length(usize, usize),
-    /// The id of an object: 1 to 64 characters, none of them `/`.
+    /// The id of an object: 1 to 64 characters without `/`.
     ObjectId,
-    /// An array of values of this shape.
+    /// A list whose elements have this form.
     List(&'static ExpectedValue),
-    /// An object whose values have this shape.
+    /// An object whose values have this form.
     Map(&'static ExpectedValue),
     /// Any object.
     Object,
     /// One of these strings.
     OneOf(&'static [&'static str]),
-    /// This shape, or null.
+    /// A value of this form, or null.
     Nullable(&'static ExpectedValue),
 }
 
@@ -90,50 +90,50 @@ pub(crate) const INTEGER: ExpectedValue = ExpectedValue::Integer(i128::MIN, i128
 /// A deviation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mismatch {
-    /// Where in the value, as a JSON pointer.
+    /// The location in the value, as a JSON pointer.
     pub path: String,
-    /// What should be there.
+    /// The expected value.
     pub expected: String,
-    /// What is there, shortened.
+    /// The actual value, shortened.
     pub actual: String,
 }
 
-/// What is wrong with a value.
+/// The kind of a violation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fault {
-    /// It isn't there, and has to be.
+    /// A required field is missing.
     Absent,
-    /// It is null.
+    /// The value is null.
     Null,
-    /// It is of another kind: a string where there should be a number.
+    /// The value has the wrong type, e.g. a string instead of a number.
     Kind,
-    /// It is of its kind, and none of the values that there may be.
+    /// The type is right, but the value isn't allowed.
     Value,
-    /// It is there, and nothing may be.
+    /// The field isn't allowed.
     Further,
 }
 
-/// A step into a body.
+/// A step of the path to a value in a body.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// Into a field that the definition has.
+    /// A defined field.
     Field(String),
-    /// Into an element, or a value of a map.
+    /// An element, or a value of a map.
     Other,
 }
 
-/// Something in a body that hasn't the shape that it should have.
+/// A violation of a body schema.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Deviation {
-    /// The steps that lead to it.
+    /// The path to the value.
     pub steps: Vec<Step>,
-    /// The kind of violation; none if the body schema is one of the user.
+    /// The kind of violation. `None` if the body schema is user-supplied.
     pub fault: Option<Fault>,
-    /// The fields of the definition that lead to it, with dots between them; empty where it is in none.
+    /// The defined fields on the path, joined by dots; empty if there are none.
     pub field: String,
-    /// Where the definition says what should be.
+    /// The location of the definition.
     pub definition: Option<Span>,
-    /// What it is.
+    /// The location in the body, and the values.
     pub mismatch: Mismatch,
 }
 
@@ -151,8 +151,8 @@ impl ExpectedValue {
                 _ => wrong(),
             },
             (Self::List(schema), Tree::List(values)) => {
-                let of = |(at, value)| Some(schema.mismatch(value)?.below(&at_index(at)));
-                values.iter().enumerate().find_map(of)
+                let element_mismatch = |(at, value)| Some(schema.mismatch(value)?.below(&at_index(at)));
+                values.iter().enumerate().find_map(element_mismatch)
             }
             (Self::Map(schema), Tree::Object(members)) => {
                 members.iter().find_map(|(key, value)| Some(schema.mismatch(value)?.below(key)))
@@ -173,20 +173,19 @@ impl ExpectedValue {
     }
 }
 
-/// In words.
 impl std::fmt::Display for ExpectedValue {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Integer(i128::MIN, i128::MAX) => formatter.write_str("an integer"),
-            Self::Integer(low, i128::MAX) => write!(formatter, "an integer, {low} or more"),
-            Self::Integer(i128::MIN, high) => write!(formatter, "an integer, {high} at most"),
-            Self::Integer(low, high) => write!(formatter, "an integer, {low} to {high}"),
+            Self::Integer(low, i128::MAX) => write!(formatter, "an integer of at least {low}"),
+            Self::Integer(i128::MIN, high) => write!(formatter, "an integer of at most {high}"),
+            Self::Integer(low, high) => write!(formatter, "an integer from {low} to {high}"),
             Self::Bool => formatter.write_str("true or false"),
             Self::Text => formatter.write_str("a string"),
             Self::Length(low, high) => write!(formatter, "a string of {low} to {high} characters"),
             Self::ObjectId => formatter.write_str("a string of 1 to 64 characters without `/`"),
-            Self::List(schema) => write!(formatter, "a list, each entry {schema}"),
-            Self::Map(schema) => write!(formatter, "an object, each value {schema}"),
+            Self::List(schema) => write!(formatter, "a list where each element is {schema}"),
+            Self::Map(schema) => write!(formatter, "an object where each value is {schema}"),
             Self::Object => formatter.write_str("an object"),
             Self::OneOf(known) => write!(formatter, "one of {}", known.join(", ")),
             Self::Nullable(schema) => write!(formatter, "{schema}, or null"),
@@ -195,19 +194,19 @@ impl std::fmt::Display for ExpectedValue {
 }
 
 impl Mismatch {
-    /// At the value itself.
+    /// Creates a mismatch of the value itself.
     pub(crate) fn new(expected: impl Into<String>, actual: impl Into<String>) -> Self {
         Self { path: String::new(), expected: expected.into(), actual: actual.into() }
     }
 
-    /// The same, seen from the value that holds it under a key.
+    /// Adds a key to the start of the path.
     #[must_use]
     pub(crate) fn below(self, key: &str) -> Self {
         Self { path: pointer(&[key]) + &self.path, ..self }
     }
 }
 
-/// An integer, however it is written. Those beyond 2^53 that have a fraction or an exponent are taken as they round.
+/// An integer in any notation. Integers beyond 2^53 with a fraction or an exponent are rounded.
 pub(crate) fn integer(value: &Tree<'_>) -> Option<i128> {
     match value {
         Tree::Int(value) => Some(*value),

@@ -3,57 +3,57 @@
 use crate::json::Tree;
 use crate::model::{Location, Rule};
 
-/// A connection between a client and a server of Flockwave.
+/// A connection between a Flockwave client and a server.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Connection<'c> {
-    /// Its number in its source, from 0 in order of appearance.
+    /// The number in the capture, in order of appearance from 0.
     pub index: usize,
     /// Its name.
     pub name: &'c str,
-    /// Whether messages come one after the other as they were sent, on the connection that is said. Otherwise nothing
-    /// is certain that depends on what went over it before: the source doesn't tell connections apart, and all
-    /// messages are taken to belong to one; or it is UDP, where some get lost, come twice or change places.
+    /// True if messages arrive in the order in which they were sent, and the connection of each is known. Otherwise,
+    /// checks that depend on earlier messages aren't certain. Either the capture doesn't distinguish connections, so
+    /// all messages belong to one; or the transport is UDP, which may lose, repeat or reorder messages.
     pub is_ordered: bool,
 }
 
-/// Which way something goes, seen from the client.
+/// The direction of a record, from the client's view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
     /// From the server to the client.
     In,
     /// From the client to the server.
     Out,
-    /// Neither: something happens to the connection.
+    /// An event of the connection.
     Event,
 }
 
-/// What a client tries a server with: a record that is there to see whether a rule holds.
+/// The test of a rule that a client performs with a record.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Trial<'e> {
     /// The rule.
     pub rule: &'static Rule,
-    /// How it is tried: how the record comes about, or what goes before it. May be empty.
+    /// The description of the test: how the record was made, or what preceded it. May be empty.
     pub how: &'e str,
 }
 
-/// Something that goes over a connection of Flockwave, or happens to it.
+/// A message or an event of a connection.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SessionRecord<'e> {
-    /// Where it goes.
+    /// The connection.
     pub connection: Connection<'e>,
-    /// Which way.
+    /// The direction.
     pub direction: Direction,
-    /// When, in seconds since the epoch by the clock of the client, where that is known.
+    /// The time in seconds since the epoch, by the client's clock, if it is known.
     pub time: Option<f64>,
-    /// The message as it is written; of an event, its name.
+    /// The text of the message, or the name of the event.
     pub text: &'e str,
-    /// The message, where it can be read as JSON.
+    /// The message, if it is JSON.
     pub value: Option<&'e Tree<'e>>,
-    /// What is tried with it.
+    /// The test that it belongs to.
     pub trial: Option<Trial<'e>>,
-    /// What the source says more of an event: of the beginning of a connection, where the server is, as a URL; of its
-    /// end, and of a connection that doesn't come about, why.
+    /// Details of an event. At the start of a connection: the URL of the server. At the end of a connection, or after
+    /// a failure to connect: the reason.
     pub note: Option<&'e str>,
-    /// Where it stands.
+    /// The location in the capture.
     pub location: Location,
 }

@@ -1,12 +1,12 @@
-//! What went over connections of Flockwave before: requests that wait for an answer, ids that were used, operations
-//! under way. It is kept in this one place, and rules are told of each record what it means ([`Exchange`]).
+//! Tracks the state of Flockwave sessions: pending requests, used ids and running operations. Rules get each record
+//! with its meaning ([`Exchange`]).
 //!
-//! A recording rarely shows all. So only what is certain is called so:
+//! A capture is rarely complete, so only certain conclusions are drawn:
 //!
-//! - Where the recording doesn't show how a connection began, earlier requests may be unknown.
-//! - After damage all that waits is forgotten: what it waits for may have been lost.
-//! - Where time goes back, times say nothing any more.
-//! - All memories have a bound; what was forgotten for lack of room is unknown, not absent.
+//! - If the start of a connection is missing, earlier requests may be unknown.
+//! - After corruption, all pending requests and operations are forgotten, since their answers may have been lost.
+//! - If time goes backwards, later times are ignored.
+//! - All memories have a size limit. Forgotten entries count as unknown, not as absent.
 
 mod exchange;
 pub(crate) mod ids;
@@ -30,96 +30,96 @@ use crate::flockwave::record::{Direction, SessionRecord};
 use crate::json::Tree;
 use crate::model::{Location, Rule};
 
-/// How much each memory takes, in bytes.
+/// The size limit of each memory, in bytes.
 const MEMORY_LIMIT: usize = 16 << 20;
 
-/// The longest id that is kept, in bytes. Ids of messages have 36 characters at most and those of objects 64, each of
-/// up to four bytes.
+/// The maximum length of a stored id, in bytes. Ids of messages have at most 36 characters and those of objects at
+/// most 64, with up to four bytes each.
 const MAX_ID: usize = 256;
 
-/// How many ids of a request are kept; more say nothing.
+/// The maximum number of ids in a request. Longer lists are ignored.
 const MAX_REQUEST_IDS: usize = 10_000;
 
-/// How many receipts of a message are looked at.
+/// The maximum number of receipts in a message.
 const MAX_RECEIPTS: usize = 10_000;
 
-/// By how much time may go back and yet be sound, in seconds: several threads may write a recording.
+/// The tolerance for times that go backwards, in seconds. Several threads may write a capture.
 const MAX_CLOCK_JITTER: f64 = 0.5;
 
-/// How long a request may have been on its way, in seconds.
+/// The maximum time that a message is in transit, in seconds.
 const MAX_TRANSIT_TIME: f64 = 1.0;
 
-/// A request that was sent.
+/// A request.
 #[derive(Clone, Debug)]
 pub(crate) struct SentRequest {
-    /// Its type, where it says one.
+    /// The type, if it has one.
     pub type_name: Option<String>,
-    /// What it asks for, where that is a list of strings, all of them kept.
+    /// The requested objects, if they are a list of strings within the limits.
     pub objects: Option<BTreeSet<String>>,
-    /// One of them that it names twice.
+    /// An object that is listed twice.
     pub repeated: Option<String>,
-    /// The types of objects that it has as a filter, where it has one; none of them where that is no list of strings.
+    /// The object types in its filter, if it has one; empty if the filter isn't a list of strings.
     pub filter: Option<BTreeSet<String>>,
-    /// Whether it sets what it could ask for: a source of RTK, or the time.
+    /// True if it changes a setting that it could also query: an RTK source, or the time.
     pub is_setting: bool,
-    /// When it was sent.
+    /// The time when it was sent.
     pub time: Option<f64>,
-    /// Where it stands.
+    /// The location.
     pub location: Location,
-    /// How much later the latest message of the server came, in seconds, where this is told of a request without an
-    /// answer.
+    /// For an unanswered request: the time from the request to the latest message of the server, in seconds.
     pub waited: Option<f64>,
-    /// Whether it is a request of Flockwave by its envelope: with a version, and a type.
+    /// True if it has a version and a type, like any Flockwave request.
     pub is_sound: bool,
-    /// What is tried with it: a rule, and how.
+    /// The tested rule and the description of the test.
     pub trial: Option<(&'static Rule, String)>,
-    /// Whether its id was in use when it was sent, so that nobody can tell which of them an answer is about.
+    /// True if its id was in use when it was sent, so that answers are ambiguous.
     is_ambiguous: bool,
-    /// How many requests with this id wait.
+    /// The number of pending requests with this id.
     count: u64,
 }
 
-/// Which side of a connection sent something.
+/// A side of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Side {
     Client,
     Server,
 }
 
-/// What is known of a connection.
+/// The state of a connection.
 #[derive(Clone, Debug, Default)]
 struct State {
-    /// Tells it from those that had the same name before.
+    /// A number that distinguishes it from earlier connections with this name.
     serial: u64,
-    /// Whether all that went over it is known.
+    /// True if all its records are known.
     is_whole: bool,
     /// The latest time.
     latest: f64,
-    /// When the latest message of the server came.
+    /// The time of the server's latest message.
     last_received: Option<f64>,
-    /// Whether time went back.
+    /// True if time went backwards.
     is_time_lost: bool,
-    /// When the server said that the connection ends.
+    /// The time when the server announced the end of the connection.
     ending: Option<f64>,
-    /// By how much the server's clock is ahead of the recording's: bounds, in seconds.
+    /// The bounds of the offset of the server's clock, in seconds.
     clock: Option<(f64, f64)>,
-    /// When that was learnt.
+    /// The time when the bounds were determined.
     clock_time: f64,
-    /// Where the server was asked to adjust its clock by nothing, as long as no later request has told what came of it.
+    /// The location of a request to adjust the server's clock by 0, until an answer to a later request states the
+    /// time.
     adjusted_by_nothing: Option<Location>,
 }
 
-/// All connections of a source.
+/// All connections of a capture.
 #[derive(Debug)]
 pub(crate) struct Sessions {
-    /// By index.
+    /// By connection index.
     states: Vec<State>,
     serials: u64,
-    /// Requests without an answer.
+    /// The pending requests.
     open: Remembered<(u64, Side, String), SentRequest>,
-    /// Ids of requests that were answered.
+    /// The ids of answered requests.
     answered: Remembered<(u64, Side, String), ()>,
-    /// Ids of messages of servers, and whether each was a notification.
+    /// The ids of the servers' messages; true for notifications.
     sent: Ids<bool>,
     /// By receipt.
     operations: Ids<Operation>,
@@ -139,25 +139,25 @@ impl Default for Sessions {
 }
 
 impl Sessions {
-    /// A record with what it means after all that precedes it, and with the violations of its body schema.
+    /// Determines the meaning of a record after all preceding records, including the violations of its body schema.
     pub(crate) fn follow<'t>(
         &mut self,
         record: &'t SessionRecord<'t>,
         schemas: BodySchemas<'_>,
     ) -> Exchange<'t> {
-        let time = self.at(record);
+        let time = self.reliable_time(record);
         let exchange = Exchange::new(record, time);
         let deviations = exchange.deviations_from(schemas);
         self.resolve(Exchange { deviations, ..exchange })
     }
 
-    /// Like [`follow`](Self::follow), for a record whose message was checked already.
+    /// Like [`follow`](Self::follow), for a record whose message has been checked already.
     pub(crate) fn follow_checked<'t>(&mut self, record: &'t SessionRecord<'t>) -> Exchange<'t> {
-        let time = self.at(record);
+        let time = self.reliable_time(record);
         self.resolve(Exchange { deviations: Some(Vec::new()), ..Exchange::new(record, time) })
     }
 
-    /// An exchange with its place in the session.
+    /// Adds the meaning in the session to an exchange.
     fn resolve<'t>(&mut self, mut exchange: Exchange<'t>) -> Exchange<'t> {
         let record = exchange.record;
         let state = &self.states[record.connection.index];
@@ -166,9 +166,9 @@ impl Sessions {
         match exchange.role {
             Role::Event | Role::Unanswered => {}
             Role::Unreadable => {
-                // Nobody knows what it was, as little as of what was lost.
+                // An unreadable message may have been any message, like a lost one.
                 if record.direction == Direction::In {
-                    self.lose_of(record.connection.index);
+                    self.lose_connection(record.connection.index);
                 }
             }
             Role::Request => self.request(&mut exchange),
@@ -178,8 +178,7 @@ impl Sessions {
         exchange
     }
 
-    /// The requests that got no answer until a connection ended, or began anew, with what told that connection from
-    /// others. Nothing is known of what follows.
+    /// Resets the state of a connection that ended or restarted. Returns its serial and its unanswered requests.
     pub(crate) fn ended(&mut self, connection: usize) -> (u64, Vec<SentRequest>) {
         let serial = self.next_serial();
         let Some(state) = self.states.get_mut(connection) else { return (serial, Vec::new()) };
@@ -194,25 +193,25 @@ impl Sessions {
             ..request
         };
         let first = (serial, Side::Client, String::new());
-        let is_of = |key: &(u64, Side, String)| key.0 == serial && key.1 == Side::Client;
-        // Who has said farewell, needn't answer what was on its way to him.
+        let is_pending = |key: &(u64, Side, String)| key.0 == serial && key.1 == Side::Client;
+        // After announcing the end, a server needn't answer requests in transit.
         let is_wanted = |request: &SentRequest| {
             state
                 .ending
                 .is_none_or(|ending| request.time.is_some_and(|time| time < ending - MAX_TRANSIT_TIME))
         };
-        let open = self.open.take(&first, is_of).into_iter();
+        let open = self.open.take(&first, is_pending).into_iter();
         (serial, open.filter(is_wanted).map(waited).collect())
     }
 
-    /// A connection is opened; what had its name before is over.
+    /// Resets the state of a connection that opens.
     pub(crate) fn opened(&mut self, connection: usize) {
         let serial = self.next_serial();
         self.grow(connection);
         self.states[connection] = State { serial, is_whole: true, ..State::default() };
     }
 
-    /// Something can't be read, and exchanges of any connection may be lost with it.
+    /// Handles an unreadable part of the capture, which may have contained records of any connection.
     pub(crate) fn lose(&mut self) {
         self.open.clear();
         self.answered.clear();
@@ -223,8 +222,8 @@ impl Sessions {
         }
     }
 
-    /// The same, of one connection. All that is known of it stays behind with its old serial.
-    fn lose_of(&mut self, connection: usize) {
+    /// Like `lose`, for one connection. Its new serial separates it from everything known so far.
+    fn lose_connection(&mut self, connection: usize) {
         let serial = self.next_serial();
         let state = &mut self.states[connection];
         *state = State { serial, is_whole: false, clock: None, ..state.clone() };
@@ -235,7 +234,7 @@ impl Sessions {
         self.serials
     }
 
-    /// Makes room for a connection whose beginning isn't known.
+    /// Adds the state of connections whose start is unknown.
     fn grow(&mut self, connection: usize) {
         while self.states.len() <= connection {
             let serial = self.next_serial();
@@ -243,8 +242,8 @@ impl Sessions {
         }
     }
 
-    /// The time of a record, where it can be trusted.
-    fn at(&mut self, record: &SessionRecord<'_>) -> Option<f64> {
+    /// The time of a record, if it is reliable.
+    fn reliable_time(&mut self, record: &SessionRecord<'_>) -> Option<f64> {
         self.grow(record.connection.index);
         let state = &mut self.states[record.connection.index];
         let time = record.time?;
@@ -302,7 +301,7 @@ impl Sessions {
         }
     }
 
-    /// Finds what `refs` is about.
+    /// Resolves `refs`.
     fn refer(&mut self, exchange: &mut Exchange<'_>, asker: Side) {
         let connection = exchange.record.connection;
         let state = &self.states[connection.index];
@@ -326,7 +325,7 @@ impl Sessions {
         } else {
             let named = self.sent.get_mut(state.serial, refs).copied();
             exchange.reference = match named {
-                // A message can't be about itself either, but that is no notification.
+                // `refs` may also name an earlier response, but that isn't a notification.
                 Some(true) if is_certain => Reference::Notification,
                 _ if is_certain => Reference::Unknown,
                 _ => Reference::Unclear,
@@ -351,7 +350,7 @@ impl Sessions {
         let State { serial, is_whole, .. } = self.states[exchange.record.connection.index];
         let is_known = is_whole && !self.operations.has_forgotten();
         let mut seen = BTreeSet::new();
-        // That a message names one twice is another matter.
+        // Another rule covers receipts that a message names twice.
         let receipts = receipts.into_iter().filter(|receipt| seen.insert(receipt.clone()));
         for receipt in receipts.take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
             let before = self.operations.remove(serial, &receipt);
@@ -361,18 +360,19 @@ impl Sessions {
                 _ if is_final => Stage::Ended,
                 _ if is_suspended => Stage::Suspended,
                 None => Stage::Open,
-                // A report on a suspended operation that doesn't say so needn't mean that it goes on.
+                // A progress report on a suspended operation may omit `suspended`, so the operation may still be
+                // suspended.
                 Some(operation) => operation.stage,
             };
-            let of = before.clone().unwrap_or_default();
-            let was_suspended = of.was_suspended || is_suspended || !is_known;
-            let size = receipt.len() + of.type_name.as_ref().map_or(0, String::len);
-            self.operations.insert(serial, &receipt, Operation { stage, was_suspended, ..of }, size);
+            let known = before.clone().unwrap_or_default();
+            let was_suspended = known.was_suspended || is_suspended || !is_known;
+            let size = receipt.len() + known.type_name.as_ref().map_or(0, String::len);
+            self.operations.insert(serial, &receipt, Operation { stage, was_suspended, ..known }, size);
             exchange.operations.push(Named { receipt, before, is_known });
         }
     }
 
-    /// A server's message has an id.
+    /// Records the id of a server's message.
     fn send(&mut self, exchange: &mut Exchange<'_>, is_notification: bool) {
         let connection = exchange.record.connection;
         let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else { return };
@@ -383,7 +383,7 @@ impl Sessions {
         }
     }
 
-    /// What a reply opens.
+    /// Records the operations that a response starts.
     fn receipts(&mut self, exchange: &mut Exchange<'_>) {
         let receipts: Vec<String> = match exchange.field("receipt") {
             Some(Tree::Text(receipt)) => vec![receipt.to_string()],
@@ -403,7 +403,7 @@ impl Sessions {
         }
     }
 
-    /// What a client made to go on, or to end.
+    /// Updates the operations that a client resumed or cancelled.
     fn resumed(&mut self, exchange: &mut Exchange<'_>) {
         if !matches!(exchange.type_name, Some("ASYNC-CANCEL" | "ASYNC-RESUME")) {
             return;
@@ -412,7 +412,7 @@ impl Sessions {
         for receipt in strings(exchange.field("success")).unwrap_or_default() {
             let operation = self.operations.get_mut(serial, &receipt);
             let before = operation.as_deref().cloned();
-            // It may have been suspended only after it was asked.
+            // It may have been suspended after the request.
             if let Some(operation) = operation.filter(|known| known.stage == Stage::Suspended) {
                 operation.stage = Stage::Released;
             }
@@ -424,12 +424,12 @@ impl Sessions {
         }
     }
 
-    /// Learns how the clocks of both sides stand to each other.
+    /// Determines the offset between the clocks.
     fn learn_time(&mut self, exchange: &mut Exchange<'_>) {
         let (Some(now), Some(time)) = (exchange.clock_reading(), exchange.time) else { return };
         let state = &mut self.states[exchange.record.connection.index];
         exchange.clock_move = exchange.clock.map(|before| ClockMove {
-            // An offset that both answers allow is no move.
+            // There is no change if both answers allow for the same offset.
             by: (now.0 - before.1).max(before.0 - now.1).max(0.0),
             since: time - state.clock_time,
             is_after_nothing: state.adjusted_by_nothing.is_some(),
@@ -440,7 +440,7 @@ impl Sessions {
     }
 }
 
-/// What a client resumes or cancels needn't wait any more.
+/// Marks the operations that a client resumes or cancels as released.
 fn release(operations: &mut Ids<Operation>, serial: u64, request: &SentRequest) {
     if !matches!(request.type_name.as_deref(), Some("ASYNC-RESUME" | "ASYNC-CANCEL")) {
         return;
@@ -487,19 +487,21 @@ impl SentRequest {
     }
 
     fn size(&self) -> usize {
-        let of_object = |object: &String| object.len() + 64;
-        let of_trial = self.trial.as_ref().map_or(0, |(_, how)| how.len());
-        MAX_ID + of_trial + self.objects.iter().chain(&self.filter).flatten().map(of_object).sum::<usize>()
+        let object_size = |object: &String| object.len() + 64;
+        let trial_size = self.trial.as_ref().map_or(0, |(_, how)| how.len());
+        MAX_ID
+            + trial_size
+            + self.objects.iter().chain(&self.filter).flatten().map(object_size).sum::<usize>()
     }
 }
 
-/// One of these that stands there twice.
+/// The first repeated text.
 fn repeated(texts: &[String]) -> Option<String> {
     let mut seen = BTreeSet::new();
     texts.iter().find(|text| !seen.insert(*text)).cloned()
 }
 
-/// The strings of a list; none where it is none, holds something else, or holds too much.
+/// The strings of a list. `None` if it isn't a list of strings, or exceeds the limits.
 fn strings(list: Option<&Tree<'_>>) -> Option<Vec<String>> {
     let Some(Tree::List(values)) = list else { return None };
     let short = |value: &Tree<'_>| Some(value.as_str()?.to_owned()).filter(|text| text.len() <= MAX_ID);

@@ -1,4 +1,4 @@
-//! Live connections: what Flockwave travels over, both ends.
+//! Live connections over the transports of Flockwave, both client and server side.
 //!
 //! | transport | a message is | client | server |
 //! |---|---|---|---|
@@ -7,7 +7,7 @@
 //! | HTTP | the body of a POST, or of its answer | `client` | `http` |
 //! | Socket.IO | the argument of an event `fw` | `client` | `engine`, `socketio` |
 //!
-//! Nothing here waits without a time limit, and nothing keeps more than [`MESSAGE_LIMIT`] of what comes in.
+//! All waits have a time limit, and no more than [`MESSAGE_LIMIT`] of received data is stored.
 //!
 //! ```
 //! use std::time::{Duration, Instant};
@@ -35,13 +35,12 @@ pub use self::client::{Client, Received, connect};
 pub use self::endpoint::{Carrier, Endpoint};
 pub use self::engine::Revision;
 
-/// The longest message that is taken, in bytes. The specification has no limit; what is longer than this was hardly
-/// meant as a message, and has to be kept whole to be read.
+/// The maximum size of a message, in bytes. The specification has no limit, but messages must be read into memory.
 pub const MESSAGE_LIMIT: usize = 16 << 20;
 
-/// Where the messages of HTTP one-shots go: the path that the reference server of the protocol has. The
-/// specification doesn't know this transport.
+/// The path for stateless HTTP, as in the reference server of the protocol. The specification doesn't describe this
+/// transport.
 pub(crate) const ONE_SHOT_PATH: &str = "/api/v1";
 
-/// Where Socket.IO is served: the path that its clients take where nothing else is said.
+/// The default path of Socket.IO.
 pub(crate) const SOCKET_IO_PATH: &str = "/socket.io/";

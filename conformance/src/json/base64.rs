@@ -1,14 +1,14 @@
-//! Base64 as rosbridge and testees write it: the standard alphabet with padding (RFC 4648, section 4).
+//! Base64 in the form that rosbridge and testees write: the standard alphabet with padding (RFC 4648, section 4).
 
 use data_encoding::BASE64;
 
-/// Bytes as text.
+/// Encodes bytes as base64.
 pub fn encode(bytes: &[u8]) -> String {
     BASE64.encode(bytes)
 }
 
-/// The bytes that a text stands for; none where it isn't base64. The library takes several such texts in a row for
-/// one, and refuses bits that are left over: neither is what is wanted here.
+/// Decodes base64, or returns `None` if the text is invalid. Unlike the library, it accepts only a single text, and
+/// ignores unused bits.
 pub fn decode(text: &str) -> Option<Vec<u8>> {
     let bytes = text.as_bytes();
     if !bytes.len().is_multiple_of(4) {
@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_vectors_of_the_rfc_are_read() {
+    fn decodes_the_test_vectors_of_the_rfc() {
         let vectors = [
             ("", ""),
             ("Zg==", "f"),

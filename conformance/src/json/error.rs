@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// The error of a text that is not JSON.
+/// The error for a text that isn't JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SyntaxError {
     /// The offset of the byte.
@@ -13,7 +13,7 @@ pub struct SyntaxError {
 
 impl fmt::Display for SyntaxError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "no JSON: {} at byte {}", self.problem, self.at)
+        write!(formatter, "invalid JSON: {} at byte {}", self.problem, self.at)
     }
 }
 

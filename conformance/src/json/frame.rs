@@ -1,39 +1,39 @@
-//! The end of a JSON value, found from brackets and quotation marks alone.
+//! Finds the end of a JSON value from brackets and quotation marks only.
 //!
-//! The bytes may come in pieces of any length, and may be invalid JSON: a reader of lines or streams finds the next value
-//! whatever is wrong with this one.
+//! The bytes may arrive in pieces of any length, and may be invalid JSON. A reader of lines or streams can find the
+//! next value after an invalid one.
 
-/// A state machine that follows the bytes of a value.
+/// A state machine that tracks the bytes of a value.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Frame {
     depth: u64,
     state: State,
-    /// True if the byte that ended the value isn't part of it.
+    /// True if the value ended before the last byte.
     is_before: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum State {
-    /// Nothing but space so far.
+    /// Only spaces so far.
     #[default]
     Fresh,
     /// Between strings.
     Plain,
-    /// A number or a word that nothing surrounds.
+    /// A number or word outside of brackets.
     Word,
     String,
-    /// Behind a backslash in a string.
+    /// After a backslash in a string.
     Escape,
 }
 
 impl Frame {
-    /// The number of these bytes that belong to the value, if it ends among them or before the first.
+    /// The number of these bytes that belong to the value, if it ends within or directly before them.
     pub(crate) fn end(&mut self, bytes: &[u8]) -> Option<usize> {
         let last = bytes.iter().position(|byte| self.step(*byte))?;
         Some(last + usize::from(!self.is_before))
     }
 
-    /// Follows a text whose brackets count wherever values end, and returns how many are open.
+    /// Tracks a text with several values. Returns the number of open brackets.
     pub(crate) fn follow(&mut self, text: &str) -> u64 {
         for byte in text.bytes() {
             if self.state == State::Word {
@@ -44,7 +44,7 @@ impl Frame {
         self.depth
     }
 
-    /// Takes the next byte. True if the value ends with this byte, or before it.
+    /// Processes the next byte. Returns true if the value ends with this byte, or before it.
     pub(crate) fn step(&mut self, byte: u8) -> bool {
         self.is_before = false;
         match self.state {
@@ -82,7 +82,7 @@ impl Frame {
         }
     }
 
-    /// True if nothing but spaces came so far.
+    /// True if there were only spaces so far.
     pub(crate) fn is_fresh(&self) -> bool {
         self.state == State::Fresh
     }
@@ -121,7 +121,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn pieces_come_to_the_same_as_single_bytes(text in "[\\[\\]{}\",:\\\\ a1\u{1}]{0,40}", at in 0_usize..40) {
+        fn finds_the_same_end_in_pieces(text in "[\\[\\]{}\",:\\\\ a1\u{1}]{0,40}", at in 0_usize..40) {
             let bytes = text.as_bytes();
             let mut frame = Frame::default();
             let steps = bytes.iter().position(|byte| frame.step(*byte));

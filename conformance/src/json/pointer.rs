@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-/// How much of a key is told.
+/// The maximum length of a key, in characters.
 const MAX_KEY: usize = 64;
 
-/// A JSON pointer (RFC 6901); keys that are very long are cut short.
+/// A JSON pointer (RFC 6901). Very long keys are shortened.
 pub(crate) fn pointer(keys: &[&str]) -> String {
     let mut pointer = String::new();
     for key in keys {

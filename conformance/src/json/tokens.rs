@@ -1,8 +1,9 @@
-//! The JSON tokenizer: it reads one text and lends its tokens, without copying them.
+//! The JSON tokenizer. Tokens borrow from the text.
 //!
-//! It accepts RFC 8259 plus `NaN`, `Infinity` and `-Infinity`, which get a token of their own. Readers of known shapes ask
-//! for the token they expect ([`Tokens::integer`], [`Tokens::takes_key`]); the others ask for any token. Functions that run
-//! for each value are marked `#[inline]` because their callers are in other modules.
+//! It accepts RFC 8259 and also `NaN`, `Infinity` and `-Infinity`, which are separate tokens. Readers of known
+//! structures call a function for the expected token ([`Tokens::integer`], [`Tokens::takes_key`]); other readers
+//! accept any token. Functions that run for each value are marked `#[inline]`, because their callers are in other
+//! modules.
 
 use std::borrow::Cow;
 
@@ -11,13 +12,13 @@ use super::error::SyntaxError;
 /// The maximum nesting depth, equal to that of `serde_json`.
 const MAX_DEPTH: usize = 127;
 
-/// The maximum number of digits of an integer that fits in 64 bits whatever its digits are.
+/// The maximum number of digits of an integer that always fits into 64 bits.
 const MAX_DIGITS: usize = 18;
 
-/// The error at the end of a text that stops too early.
-pub(crate) const TRUNCATED: &str = "it is cut off";
+/// The error at the end of an incomplete text.
+pub(crate) const TRUNCATED: &str = "unexpected end";
 
-/// The tokens that are not JSON although programs write them.
+/// The tokens that aren't JSON, although programs write them.
 const NOT_JSON: [&str; 3] = ["NaN", "Infinity", "-Infinity"];
 
 /// A position in a JSON text.
@@ -28,7 +29,7 @@ pub(crate) struct Tokens<'t> {
     depth: usize,
 }
 
-/// A value that holds no other values.
+/// A scalar value.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Token<'t> {
     /// `null`.
@@ -37,17 +38,18 @@ pub(crate) enum Token<'t> {
     Bool(bool),
     /// An integer of at most 64 bits.
     Int(i128),
-    /// Any other number, and its text.
+    /// Any other number, with its text.
     Float(f64, &'t str),
-    /// The text of a number that exceeds a 64-bit float.
+    /// The text of a number beyond the range of a 64-bit float.
     Huge(&'t str),
-    /// `NaN`, `Infinity` or `-Infinity`, which are not JSON.
+    /// `NaN`, `Infinity` or `-Infinity`, which aren't JSON.
     NotJson(&'static str),
     /// A string.
     Text(Cow<'t, str>),
 }
 
-/// The error of a reader that only accepts what it expects. Another reader finds out what is wrong, if anything.
+/// The error of readers that accept only what they expect. A slower reader then determines the problem, if there is
+/// one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Unclear;
 
@@ -58,7 +60,7 @@ impl From<SyntaxError> for Unclear {
 }
 
 impl<'t> Tokens<'t> {
-    /// The start of a text.
+    /// Creates a tokenizer at the start of a text.
     pub(crate) fn new(text: &'t str) -> Self {
         Self { text, at: 0, depth: 0 }
     }
@@ -77,13 +79,13 @@ impl<'t> Tokens<'t> {
         &self.text.as_bytes()[self.at..]
     }
 
-    /// An error at this position.
+    /// An error at the current position.
     pub(crate) fn error(&self, problem: &'static str) -> SyntaxError {
         let problem = if self.at >= self.text.len() { TRUNCATED } else { problem };
         SyntaxError { at: self.at, problem }
     }
 
-    /// Skips spaces, and returns the next byte without taking it.
+    /// Skips spaces, and returns the next byte without consuming it.
     #[inline]
     pub(crate) fn peek(&mut self) -> Option<u8> {
         loop {
@@ -95,7 +97,7 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// Takes this byte if it comes next.
+    /// Consumes this byte if it comes next.
     #[inline]
     pub(crate) fn takes(&mut self, byte: u8) -> bool {
         let is_next = self.peek() == Some(byte);
@@ -105,10 +107,10 @@ impl<'t> Tokens<'t> {
 
     /// Checks that only spaces follow.
     pub(crate) fn end(mut self) -> Result<(), SyntaxError> {
-        if self.peek().is_none() { Ok(()) } else { Err(self.error("something follows the value")) }
+        if self.peek().is_none() { Ok(()) } else { Err(self.error("unexpected data after the value")) }
     }
 
-    /// Reads an object. `read` takes each member with its key.
+    /// Reads an object. `read` consumes each member with its key.
     #[inline]
     pub(crate) fn object<E: From<SyntaxError>>(
         &mut self,
@@ -117,7 +119,7 @@ impl<'t> Tokens<'t> {
         self.enclosed([b'{', b'}'], "expected `,` or `}`", read)
     }
 
-    /// Reads an object. `read` gets the key of each member and takes its value.
+    /// Reads an object. `read` gets the key of each member and consumes its value.
     #[inline]
     pub(crate) fn members<E: From<SyntaxError>>(
         &mut self,
@@ -129,7 +131,7 @@ impl<'t> Tokens<'t> {
         })
     }
 
-    /// Reads an array. `read` takes each element.
+    /// Reads an array. `read` consumes each element.
     #[inline]
     pub(crate) fn list<E: From<SyntaxError>>(
         &mut self,
@@ -146,7 +148,7 @@ impl<'t> Tokens<'t> {
         mut read: impl FnMut(&mut Self) -> Result<(), E>,
     ) -> Result<(), E> {
         if self.peek() != Some(open) {
-            return Err(self.error("expected another value").into());
+            return Err(self.error("unexpected value").into());
         }
         if self.depth == MAX_DEPTH {
             return Err(self.error("values nest too deep").into());
@@ -162,7 +164,7 @@ impl<'t> Tokens<'t> {
         Ok(())
     }
 
-    /// Takes a comma, after which another item follows, or what closes the object or array.
+    /// Consumes the separator after an item. Returns true for a comma, and false for the closing bracket.
     #[inline]
     fn has_next(&mut self, close: u8, expected: &'static str) -> Result<bool, SyntaxError> {
         match self.peek() {
@@ -174,7 +176,7 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// A key and its colon.
+    /// Reads a key and its colon.
     pub(crate) fn key(&mut self) -> Result<Cow<'t, str>, SyntaxError> {
         if self.peek() != Some(b'"') {
             return Err(self.error("expected a key"));
@@ -188,7 +190,7 @@ impl<'t> Tokens<'t> {
         if self.takes(b':') { Ok(()) } else { Err(self.error("expected `:`")) }
     }
 
-    /// Takes this key and its colon if they come next, without escapes and spaces between them.
+    /// Consumes this key and its colon if they come next, without escapes and spaces.
     #[inline]
     pub(crate) fn takes_key(&mut self, name: &str) -> bool {
         self.peek();
@@ -200,7 +202,7 @@ impl<'t> Tokens<'t> {
         is_next
     }
 
-    /// Takes `null` if it comes next.
+    /// Consumes `null` if it comes next.
     #[inline]
     pub(crate) fn takes_null(&mut self) -> bool {
         let is_next = self.peek() == Some(b'n') && self.rest().starts_with(b"null");
@@ -208,7 +210,7 @@ impl<'t> Tokens<'t> {
         is_next
     }
 
-    /// A value that holds no other values.
+    /// Reads a scalar value.
     pub(crate) fn token(&mut self) -> Result<Token<'t>, SyntaxError> {
         match self.peek() {
             Some(b'"') => self.text().map(Token::Text),
@@ -217,7 +219,7 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// A string.
+    /// Reads a string.
     pub(crate) fn text(&mut self) -> Result<Cow<'t, str>, SyntaxError> {
         match self.plain_text() {
             Some(text) => Ok(Cow::Borrowed(text)),
@@ -225,7 +227,7 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// A string without escapes. The position stays if another value comes next.
+    /// Reads a string without escapes. The position doesn't change if another value comes next.
     #[inline]
     pub(crate) fn plain_text(&mut self) -> Option<&'t str> {
         if self.peek() != Some(b'"') {
@@ -247,11 +249,11 @@ impl<'t> Tokens<'t> {
         if self.peek() != Some(b'"') {
             return Err(self.error("expected a string"));
         }
-        let problem = "a string with a control character or a wrong escape";
+        let problem = "a control character or an invalid escape in a string";
         unescaped(self.quoted()?).map(Cow::Owned).ok_or(SyntaxError { at: start, problem })
     }
 
-    /// The text between the quotation marks of a string, escapes and all.
+    /// Reads a string, without its quotation marks and with escapes unchanged.
     fn quoted(&mut self) -> Result<&'t str, SyntaxError> {
         let start = self.at + 1;
         let mut end = start;
@@ -271,8 +273,8 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// An integer of at most 18 digits, without a fraction and an exponent. A caller that expects a comma or a bracket next
-    /// sees that the number is not longer.
+    /// Reads an integer of at most 18 digits, without a fraction or exponent. Callers expect a comma or a bracket
+    /// next, so they notice longer numbers.
     #[inline]
     pub(crate) fn integer(&mut self) -> Option<i64> {
         let is_negative = self.peek()? == b'-';
@@ -282,7 +284,7 @@ impl<'t> Tokens<'t> {
             value = value * 10 + i64::from(digit - b'0');
             length += 1;
         }
-        // Nothing may follow a leading 0; and -0 is a float.
+        // A leading 0 must not be followed by digits, and -0 is a float.
         if length == 0 || digits[0] == b'0' && (length > 1 || is_negative) {
             return None;
         }
@@ -290,7 +292,7 @@ impl<'t> Tokens<'t> {
         Some(if is_negative { -value } else { value })
     }
 
-    /// A number.
+    /// Reads a number.
     pub(crate) fn number(&mut self) -> Result<Token<'t>, SyntaxError> {
         let start = self.at;
         let is_part = |byte: &u8| matches!(byte, b'-' | b'+' | b'.' | b'0'..=b'9' | b'e' | b'E');
@@ -304,13 +306,13 @@ impl<'t> Tokens<'t> {
         let length = self.rest().iter().position(|byte| !is_part(byte)).unwrap_or(self.rest().len());
         let written = &self.text[self.at..self.at + length];
         if !is_number(written.as_bytes()) {
-            return Err(self.error("a number that isn't JSON's"));
+            return Err(self.error("invalid number"));
         }
         self.at += written.len();
         Ok(number(written))
     }
 
-    /// An array of values that hold no brackets, as it is written. The values are not read.
+    /// Reads an array without nested brackets, and returns its text. The values aren't checked.
     pub(crate) fn flat_list(&mut self) -> Option<&'t str> {
         if self.peek() != Some(b'[') {
             return None;
@@ -320,7 +322,7 @@ impl<'t> Tokens<'t> {
         Some(self.since(start))
     }
 
-    /// A word. Part of one at the end of the text is cut off.
+    /// Reads a word. An incomplete word at the end of the text counts as truncated.
     fn word(&mut self) -> Result<Token<'t>, SyntaxError> {
         let rest = self.rest();
         let json = [("null", Token::Null), ("true", Token::Bool(true)), ("false", Token::Bool(false))];
@@ -337,7 +339,7 @@ impl<'t> Tokens<'t> {
         Err(self.error("expected a value"))
     }
 
-    /// Takes any value of strict JSON, however deep it nests, and looks at nothing but its syntax.
+    /// Skips any value of strict JSON. It checks only the syntax and doesn't limit the depth.
     pub(crate) fn skip(&mut self) -> Result<(), Unclear> {
         let mut open = Vec::new();
         loop {
@@ -371,13 +373,13 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// Takes any key and its colon.
+    /// Skips any key and its colon.
     pub(crate) fn skip_key(&mut self) -> Result<(), Unclear> {
         self.skip_text()?;
         Ok(self.colon()?)
     }
 
-    /// Takes a string, which may hold half a surrogate pair: RFC 8259 has them in its grammar.
+    /// Skips a string. The grammar of RFC 8259 allows unpaired surrogates.
     fn skip_text(&mut self) -> Result<(), Unclear> {
         if self.plain_text().is_some() {
             return Ok(());
@@ -403,7 +405,7 @@ impl<'t> Tokens<'t> {
     }
 }
 
-/// The text of a string with escapes.
+/// Resolves the escapes of a string.
 fn unescaped(written: &str) -> Option<String> {
     if written.bytes().any(|byte| byte < b' ') {
         return None;
@@ -422,7 +424,7 @@ fn unescaped(written: &str) -> Option<String> {
     Some(text)
 }
 
-/// The character of an escape of one letter.
+/// The character of a single-letter escape.
 fn simple_escape(letter: u8) -> Option<char> {
     Some(match letter {
         b'"' | b'\\' | b'/' => letter.into(),
@@ -435,7 +437,7 @@ fn simple_escape(letter: u8) -> Option<char> {
     })
 }
 
-/// The character of an escape with `u` and four hex digits, or of a surrogate pair of two, and its length in bytes.
+/// The character of a `\u` escape or of a surrogate pair of two, and its length in bytes.
 fn code_point(escape: &str) -> Option<(char, usize)> {
     let unit = |at: usize| {
         let digits =
@@ -456,7 +458,7 @@ fn digits(text: &[u8]) -> usize {
     text.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(text.len())
 }
 
-/// True if a text is a number by RFC 8259, section 6.
+/// True if a text is a number according to RFC 8259, section 6.
 fn is_number(text: &[u8]) -> bool {
     let text = text.strip_prefix(b"-").unwrap_or(text);
     let (whole, mut rest) = text.split_at(digits(text));
@@ -472,7 +474,7 @@ fn is_number(text: &[u8]) -> bool {
     !whole.is_empty() && (whole == b"0" || whole[0] != b'0') && rest.is_empty()
 }
 
-/// The value of a text that is a number.
+/// The value of a number.
 fn number(written: &str) -> Token<'_> {
     let is_integer = written != "-0" && !written.contains(['.', 'e', 'E']);
     let fits = |value: &i128| (i64::MIN.into()..=u64::MAX.into()).contains(value);

@@ -1,5 +1,5 @@
-//! JSON as it is written: keys may be repeated, numbers keep their text, and tokens that are no JSON but that
-//! programs write have a place.
+//! A JSON tree that preserves the text: repeated keys, the digits of numbers, and tokens that aren't JSON although
+//! programs write them.
 
 use std::borrow::Cow;
 use std::fmt::{self, Write as _};
@@ -7,16 +7,16 @@ use std::fmt::{self, Write as _};
 use super::error::SyntaxError;
 use super::tokens::{Token, Tokens};
 
-/// How many values a tree has at most: each takes some dozen times the room of its text.
+/// The maximum number of values in a tree. Each takes dozens of times the memory of its text.
 const MAX_VALUES: usize = 1 << 20;
 
-/// How much of a value is shown.
+/// The maximum length of a displayed value, in characters.
 const MAX_SHOWN: usize = 40;
 
-/// How long an excerpt gets before it ends, in bytes: about a line.
+/// The maximum length of an excerpt, in bytes: about a line.
 const MAX_EXCERPT: usize = 120;
 
-/// A value of JSON.
+/// A JSON value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tree<'t> {
     /// `null`.
@@ -25,11 +25,11 @@ pub enum Tree<'t> {
     Bool(bool),
     /// An integer of at most 64 bits.
     Int(i128),
-    /// Any other number, and how it is written.
+    /// Any other number, with its text.
     Float(f64, &'t str),
-    /// A number that no float of 64 bits holds, as it is written.
+    /// The text of a number beyond the range of a 64-bit float.
     Huge(&'t str),
-    /// `NaN`, `Infinity` or `-Infinity`, which are no JSON.
+    /// `NaN`, `Infinity` or `-Infinity`, which aren't JSON.
     Token(&'t str),
     /// A string.
     Text(Cow<'t, str>),
@@ -54,7 +54,7 @@ impl<'t> From<Token<'t>> for Tree<'t> {
 }
 
 impl<'t> Tree<'t> {
-    /// Reads a text.
+    /// Parses a text.
     pub fn read(text: &'t str) -> Result<Self, SyntaxError> {
         let mut tokens = Tokens::new(text);
         let tree = value(&mut tokens, &mut 0)?;
@@ -62,13 +62,13 @@ impl<'t> Tree<'t> {
         Ok(tree)
     }
 
-    /// The value of a key, where this is an object; of a repeated one the first.
+    /// The value of a key, if this is an object. The first value of a repeated key counts.
     pub fn get(&self, key: &str) -> Option<&Self> {
         let Self::Object(members) = self else { return None };
         members.iter().find(|(known, _)| known == key).map(|(_, value)| value)
     }
 
-    /// As it is written, with what arrays and objects hold, cut short.
+    /// The text, including the contents of arrays and objects, shortened.
     pub fn excerpt(&self) -> String {
         let mut text = String::new();
         self.write(&mut text);
@@ -89,13 +89,13 @@ impl<'t> Tree<'t> {
         }
     }
 
-    /// Its text, where it is a string.
+    /// The text of a string.
     pub fn as_str(&self) -> Option<&str> {
         if let Self::Text(text) = self { Some(text) } else { None }
     }
 }
 
-/// As it is written, cut short; arrays and objects in words.
+/// Displays the shortened text. Arrays and objects are only described.
 impl fmt::Display for Tree<'_> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -111,7 +111,7 @@ impl fmt::Display for Tree<'_> {
     }
 }
 
-/// Writes values between marks, as many as an excerpt has room for.
+/// Writes values in brackets, as many as fit into an excerpt.
 fn enclosed<T>(text: &mut String, [open, close]: [char; 2], values: &[T], write: impl Fn(&mut String, &T)) {
     text.push(open);
     for (at, value) in values.iter().enumerate() {
@@ -126,7 +126,7 @@ fn enclosed<T>(text: &mut String, [open, close]: [char; 2], values: &[T], write:
     text.push(close);
 }
 
-/// The start of a text that may be long.
+/// The start of a text, if it is long.
 pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(MAX_SHOWN) {
         None => Cow::Borrowed(text),
@@ -134,12 +134,12 @@ pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Reads a value. `count` grows by the number of values in it.
+/// Parses a value. `count` grows by the number of values in it.
 fn value<'t>(tokens: &mut Tokens<'t>, count: &mut usize) -> Result<Tree<'t>, SyntaxError> {
     let first = tokens.peek();
     *count += 1;
     if *count > MAX_VALUES {
-        return Err(tokens.error("too many values to say what is wrong with them"));
+        return Err(tokens.error("too many values"));
     }
     match first {
         Some(b'{') => {

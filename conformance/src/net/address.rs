@@ -1,9 +1,9 @@
-//! Addresses of hosts.
+//! Network addresses.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// A host and a port of TCP: `localhost:7700`, `192.0.2.7:7700` or `[2001:db8::7]:7700`.
+/// A host and a TCP port: `localhost:7700`, `192.0.2.7:7700` or `[2001:db8::7]:7700`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Address {
     /// A name, or an address without brackets.
@@ -16,13 +16,13 @@ impl FromStr for Address {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (host, port) = text.rsplit_once(':').ok_or("no port: write HOST:PORT, such as localhost:7700")?;
+        let (host, port) = text.rsplit_once(':').ok_or("no port: expected HOST:PORT, e.g. localhost:7700")?;
         let port = port.parse().ok().filter(|port| *port != 0);
-        let port = port.ok_or("the port is no number from 1 to 65535")?;
+        let port = port.ok_or("expected a port from 1 to 65535")?;
         let host = match host.strip_prefix('[').and_then(|host| host.strip_suffix(']')) {
             Some(host) => host,
             None if host.contains(':') => {
-                return Err(format!("an address of IPv6 stands in brackets: write [{host}]:{port}"));
+                return Err(format!("an IPv6 address needs brackets: write [{host}]:{port}"));
             }
             None => host,
         };
@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_address_has_a_host_and_a_port() {
+    fn parses_and_prints_addresses() {
         for (text, host, port) in [
             ("localhost:7700", "localhost", 7700),
             ("192.0.2.7:1", "192.0.2.7", 1),
@@ -55,7 +55,7 @@ mod tests {
             assert_eq!((address.host.as_str(), address.port), (host, port));
             assert_eq!(address.to_string(), text);
         }
-        for (text, wrong) in [
+        for (text, expected) in [
             ("localhost", "no port"),
             ("localhost:", "1 to 65535"),
             ("localhost:0", "1 to 65535"),
@@ -65,7 +65,7 @@ mod tests {
             ("2001:db8::7:7700", "[2001:db8::7]:7700"),
         ] {
             let text = text.parse::<Address>().expect_err(text);
-            assert!(text.contains(wrong), "{text}");
+            assert!(text.contains(expected), "{text}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! A connection to somebody who listens: a testee, or a live server. Nothing here waits longer than it is told to.
+//! A connection to a testee or a live server. All waits have a time limit.
 
 use std::io;
 use std::net::{Shutdown, SocketAddr, TcpStream, ToSocketAddrs as _};
@@ -8,14 +8,14 @@ use std::time::{Duration, Instant};
 
 use super::Address;
 
-/// How often a testee is looked for that may be starting again.
+/// The interval between attempts to connect to a testee that may be restarting.
 const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
-/// An open connection. Dropping it closes it.
+/// An open connection, which is closed when dropped.
 pub(crate) struct Connection(TcpStream);
 
 impl Connection {
-    /// Connects to the first address of the host that takes connections.
+    /// Connects to the first address of the host that accepts the connection.
     pub(crate) fn open(address: &Address, until: Instant) -> io::Result<Self> {
         let mut failure = io::Error::new(io::ErrorKind::NotFound, "the host has no address");
         for found in resolve(address, until)? {
@@ -25,7 +25,7 @@ impl Connection {
             }
             match TcpStream::connect_timeout(&found, rest) {
                 Ok(stream) => {
-                    // Without this a small question may wait for the answer to the one before.
+                    // Otherwise, a small message may wait for the answer to the previous one.
                     stream.set_nodelay(true)?;
                     return Ok(Self(stream));
                 }
@@ -35,8 +35,8 @@ impl Connection {
         Err(failure)
     }
 
-    /// Connects, trying again while the connection is refused: whoever watches over a testee that crashed takes a
-    /// moment to start the next.
+    /// Connects, and retries while the connection is refused. A supervisor may need a moment to restart a testee that
+    /// crashed.
     pub(crate) fn open_again(address: &Address, until: Instant) -> io::Result<Self> {
         loop {
             match Self::open(address, until) {
@@ -48,14 +48,14 @@ impl Connection {
         }
     }
 
-    /// One more handle of it: one is for reading, one for writing.
+    /// Another handle, so that one can read and the other write.
     pub(crate) fn stream(&self) -> io::Result<TcpStream> {
         self.0.try_clone()
     }
 
-    /// Ends it, both ways.
+    /// Closes both directions.
     pub(crate) fn shut_down(&self) {
-        // It may have ended by itself.
+        // The peer may have closed it already.
         let _ = self.0.shutdown(Shutdown::Both);
     }
 }
@@ -66,7 +66,7 @@ impl Drop for Connection {
     }
 }
 
-/// The addresses of a host. The system's resolver knows no time limit, so a thread asks it, which nobody waits for.
+/// Resolves the addresses of a host. The system's resolver has no time limit, so a separate thread calls it.
 pub(crate) fn resolve(address: &Address, until: Instant) -> io::Result<Vec<SocketAddr>> {
     let (sender, found) = channel();
     let (host, port) = (address.host.clone(), address.port);

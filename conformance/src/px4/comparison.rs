@@ -1,4 +1,4 @@
-//! A format that a source states, beside the definition that it should equal.
+//! Compares a format in a capture with its definition.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -8,86 +8,86 @@ use uavspec_codegen::schema::shape_text;
 
 use crate::model::Detail;
 
-/// How a format stands to the definition.
+/// The result of comparing a format with its definition.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Comparison {
-    /// The same fields of the same types at the same places.
+    /// The fields have the same types and positions.
     Equal,
-    /// Something differs.
+    /// There are differences.
     Differs(Differences),
-    /// No definition is known for it.
+    /// There is no definition.
     Undefined,
 }
 
-/// What the places of fields are.
+/// The meaning of the position of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Order {
-    /// Where they lie in memory.
+    /// The offset in memory.
     Memory,
-    /// In which order they are declared, and so follow each other in CDR.
+    /// The order of declaration, which is also the order in CDR.
     Declared,
 }
 
-/// What differs between a format and the definition.
+/// The differences between a format and its definition.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Differences {
-    /// Fields that only the definition has, as `name (type)`.
+    /// The fields that only the definition has, as `name (type)`.
     pub missing: Vec<String>,
-    /// Fields that only the format has.
+    /// The fields that only the format has, as `name (type)`.
     pub extra: Vec<String>,
-    /// Fields of another type: `name (type, defined as type)`.
+    /// The fields with different types, as `name (type, defined as type)`.
     pub retyped: Vec<String>,
-    /// Whether the fields are the same and stand at other places.
+    /// True if the fields are equal but have different positions.
     pub is_moved: bool,
-    /// Names of nested messages that differ.
+    /// The names of fields with nested messages that differ.
     pub nested: Vec<String>,
-    /// Fields that the format lets away, and the definition doesn't.
+    /// The fields that are optional in the format but not in the definition.
     pub optional: Vec<String>,
 }
 
-/// Fields that are told at most of each kind.
+/// The maximum number of listed fields of each kind.
 const MAX_LISTED_ITEMS: usize = 8;
 
 impl Differences {
-    /// What is said of them.
+    /// The differences in the form for findings.
     pub(crate) fn detail(&self) -> Detail {
-        Detail::new(self.to_string()).expected("the fields of the definition").actual("other fields")
+        Detail::new(self.to_string()).expected("the fields of the definition").actual("different fields")
     }
 }
 
 impl fmt::Display for Differences {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut separator = "";
-        let mut list = |what: &str, fields: &[String]| {
+        let mut list = |label: &str, fields: &[String]| {
             if fields.is_empty() {
                 return Ok(());
             }
             let reported = fields[..fields.len().min(MAX_LISTED_ITEMS)].join(", ");
             let more = fields.len().saturating_sub(MAX_LISTED_ITEMS);
             let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-            write!(formatter, "{separator}{what} {reported}{more}")?;
+            write!(formatter, "{separator}{label} {reported}{more}")?;
             separator = "; ";
             Ok(())
         };
-        list("it lacks", &self.missing)?;
-        list("it also has", &self.extra)?;
-        list("of another type:", &self.retyped)?;
-        list("other contents of", &self.nested)?;
-        list("it doesn't require", &self.optional)?;
+        list("missing fields:", &self.missing)?;
+        list("additional fields:", &self.extra)?;
+        list("fields of a different type:", &self.retyped)?;
+        list("different nested messages:", &self.nested)?;
+        list("fields that aren't required:", &self.optional)?;
         if self.is_moved {
-            write!(formatter, "{separator}its fields lie at other places")?;
+            write!(formatter, "{separator}fields at different positions")?;
         }
         Ok(())
     }
 }
 
-/// Compares a format with the type of the definition, as they lie in memory.
+/// Compares the memory layout of a format with that of the definition.
 pub(crate) fn compare(format: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
     compare_in(Order::Memory, format, defined)
 }
 
-/// Compares a type that a source declares with that of the definition, as they follow each other in CDR. ROS 2
-/// knows `char` as `uint8`.
+/// Compares a declared type with the definition by the order of fields, which determines CDR. In ROS 2, `char` is
+/// `uint8`.
 pub(crate) fn compare_declared(declared: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
     compare_in(Order::Declared, declared, defined)
 }
@@ -101,16 +101,16 @@ fn compare_in(order: Order, format: MessageType<'_>, defined: MessageType<'_>) -
 }
 
 impl Order {
-    /// The fields in this order. Formats of logs come in the order of memory, definitions in any.
-    fn fields(self, of: MessageType<'_>) -> Vec<Placed<'_>> {
-        let mut fields: Vec<Placed<'_>> = of.layout().collect();
+    /// The fields in this order. Formats in logs are in memory order, and definitions in any order.
+    fn fields(self, message_type: MessageType<'_>) -> Vec<Placed<'_>> {
+        let mut fields: Vec<Placed<'_>> = message_type.layout().collect();
         if self == Self::Memory {
             fields.sort_unstable_by_key(|field| field.offset);
         }
         fields
     }
 
-    /// Whether all is the same.
+    /// True if there are no differences.
     fn is_equal(self, format: MessageType<'_>, defined: MessageType<'_>) -> bool {
         let is_same = |(left, right): (&Placed<'_>, &Placed<'_>)| {
             left.name == right.name
@@ -124,7 +124,7 @@ impl Order {
             && found.iter().zip(&expected).all(is_same)
     }
 
-    /// Whether two fields are of the same type, as far as a message is one.
+    /// True if two fields have the same type. Nested messages aren't compared.
     fn is_same_type(self, left: Placed<'_>, right: Placed<'_>) -> bool {
         match (left.element, right.element) {
             (PlacedElement::Message(_), PlacedElement::Message(_)) => left.shape == right.shape,
@@ -135,7 +135,7 @@ impl Order {
         }
     }
 
-    /// Whether two fields of the same type nest the same messages, if they do so.
+    /// True if two fields of the same type have equal nested messages, if any.
     fn is_same_content(self, left: Placed<'_>, right: Placed<'_>) -> bool {
         match (left.element, right.element) {
             (PlacedElement::Message(left), PlacedElement::Message(right)) => self.is_equal(left, right),
@@ -143,10 +143,10 @@ impl Order {
         }
     }
 
-    /// What differs between two that aren't equal.
+    /// The differences between two types that aren't equal.
     fn differences(self, format: MessageType<'_>, defined: MessageType<'_>) -> Differences {
-        let by_name = |of| -> BTreeMap<&str, Placed<'_>> {
-            MessageType::layout(of).map(|field| (field.name, field)).collect()
+        let by_name = |message_type| -> BTreeMap<&str, Placed<'_>> {
+            MessageType::layout(message_type).map(|field| (field.name, field)).collect()
         };
         let (found, expected) = (by_name(format), by_name(defined));
         let mut differences = Differences::default();
@@ -165,13 +165,13 @@ impl Order {
         }
         let extra = found.iter().filter(|(name, _)| !expected.contains_key(*name));
         differences.extra = extra.map(|(name, field)| format!("{name} ({})", type_text(*field))).collect();
-        // What else may differ than the fields themselves.
+        // If the fields are equal, only their positions can differ.
         differences.is_moved = differences == Differences::default();
         differences
     }
 }
 
-/// A type as ROS 2 sends it.
+/// The equivalent type in ROS 2.
 fn in_ros(ty: &str) -> String {
     match ty.strip_prefix("char") {
         Some(shape) => format!("uint8{shape}"),
@@ -179,7 +179,7 @@ fn in_ros(ty: &str) -> String {
     }
 }
 
-/// A type in the words of definitions; messages by what they are, as logs name them otherwise.
+/// The type in the notation of definitions. Logs name messages differently, so all are called `message`.
 fn type_text(field: Placed<'_>) -> String {
     let element = match field.element {
         PlacedElement::Scalar(scalar) => scalar.name().to_owned(),

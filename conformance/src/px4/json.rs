@@ -1,11 +1,12 @@
-//! What the JSON of a message has to be, and what is wrong with it where it isn't.
+//! Checks JSON messages against their definitions.
 //!
-//! A message that is written as those before it, but for its values, is compared with them (`template.rs`). Other
-//! text is read once, without a tree, by a reader that only says whether all is well ([`Plans::read`]). What
-//! isn't is read again into a [`Tree`], which keeps what other trees lose: repeated keys, numbers as they are
-//! written, and tokens that are no JSON, such as `NaN`. From the tree every breach is told
-//! ([`Plans::explain`]). Both ask the same functions of single values (`value.rs`), so they can hardly
-//! disagree, and a test with random damage holds them to it.
+//! A message that differs from an earlier one only in its values is compared with it (`template.rs`). Other texts
+//! take a fast path, which reads them in one pass without a tree and only confirms messages without findings
+//! ([`Plans::read`]).
+//!
+//! The rest is parsed into a [`Tree`], which preserves repeated keys, the text of numbers, and tokens that aren't
+//! JSON, such as `NaN`. All findings come from the tree ([`Plans::explain`]). Both paths use the same checks of
+//! single values (`value.rs`), and a test with random changes compares their results.
 
 mod clean;
 mod dialect;

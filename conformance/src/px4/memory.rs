@@ -1,8 +1,8 @@
-//! The check of payloads in memory, and of messages that were read from CDR into memory.
+//! Checks payloads in memory, including messages that were decoded from CDR.
 //!
-//! A plan is made once for each format. The capture states the format, the definition the constraints. Both apply to the
-//! fields that they have in common. A healthy message costs a few comparisons for each constrained field; only
-//! for other messages the violations are worked out.
+//! A plan is compiled once for each format. The capture provides the format and the definition provides the
+//! constraints. They apply to the fields that both have. Valid messages cost a few comparisons for each constrained
+//! field. Violations are examined in a second step.
 
 mod healthy;
 
@@ -19,34 +19,35 @@ use super::ValueRules;
 use super::values::{Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan};
 use crate::model::{Findings, Location, hexadecimal};
 
-/// Most steps of a plan: nested arrays of nested arrays could have any number.
+/// The maximum number of steps of a plan. Nested arrays can multiply the steps without limit.
 const MAX_STEPS: usize = 4_096;
 
-/// The checks of a format.
+/// The compiled checks of a format.
 #[derive(Debug)]
 pub(crate) struct Plan {
     rules: &'static ValueRules,
     steps: Vec<Step>,
-    /// The number of steps, those of elements of sequences included.
+    /// The number of steps, including those of sequence elements.
     size: usize,
-    /// The number of values of a message that each rule covers.
+    /// The number of values in a message that each rule covers.
     coverage: Coverage,
 }
 
-/// The values of a field, all of one kind.
+/// The values of a field, which have the same constraints.
 #[derive(Debug)]
 struct Step {
-    /// The field, as `events[2].id`; an array without an index. Within a sequence, relative to its element.
+    /// The path of the field, e.g. `events[2].id`, without the index of an array. In a sequence, it is relative to
+    /// the element.
     path: String,
-    /// The path without any index, behind the name of the topic: equal findings have it in common.
+    /// The name of the topic and the path without indices, which are the subject of findings.
     subject: String,
     offset: usize,
     count: usize,
     stride: usize,
     content: Content,
-    /// The field that says how many of its values are in use, if there is one.
+    /// The field with the number of used values, if there is one.
     count_of_values: Option<Counter>,
-    /// The entries of counted arrays that it lies in.
+    /// The entries of counted arrays that contain it.
     entries: Vec<Entry>,
 }
 
@@ -54,7 +55,7 @@ struct Step {
 #[derive(Debug)]
 enum Content {
     Values(Values),
-    /// The checks of each element of a sequence: the slot of the sequence lies at the offset of the step.
+    /// The checks of each element of a sequence. The slot of the sequence is at the offset of the step.
     Sequence(Vec<Step>),
 }
 
@@ -62,14 +63,14 @@ enum Content {
 #[derive(Debug)]
 struct Values {
     element: Element,
-    /// The number of bytes of a value.
+    /// The size of a value, in bytes.
     width: usize,
     restriction: Option<Box<Restriction>>,
     healthy: Healthy,
     definition: Option<Span>,
 }
 
-/// A field that says how many entries of an array are in use.
+/// A field with the number of used entries of an array.
 #[derive(Clone, Copy, Debug)]
 struct Counter {
     offset: usize,
@@ -86,7 +87,7 @@ struct Entry {
 /// A message nested in the message of the plan.
 #[derive(Clone, Copy)]
 struct Within<'w> {
-    /// The offset at which it starts.
+    /// The offset of its start.
     base: usize,
     path: &'w str,
     subject: &'w str,
@@ -105,8 +106,8 @@ struct Compiler<'c> {
 }
 
 impl Plan {
-    /// The plan for payloads laid out as `message_type`, which are messages of the definition `message`. Without a definition only
-    /// the constraints of types are checked. Findings name the topic.
+    /// Compiles a plan for payloads with the layout of `message_type`, which are messages of the definition
+    /// `message`. Without a definition, only the constraints of types apply. Findings name the topic.
     pub(crate) fn new(
         message_type: MessageType<'_>,
         message: Option<MessageId>,
@@ -126,7 +127,7 @@ impl Plan {
         Self { rules, steps, size: compiler.size, coverage: compiler.coverage }
     }
 
-    /// The space that it takes, in steps: one for each field that is checked.
+    /// The size of the plan in steps: one for each checked field.
     pub(crate) fn steps(&self) -> usize {
         self.size
     }
@@ -136,7 +137,7 @@ impl Plan {
         Run { payload, location, rules: self.rules, findings }.steps(&self.steps, 0, None);
     }
 
-    /// Counts what so many messages cover.
+    /// Adds the coverage of this number of messages.
     pub(crate) fn count(&self, messages: u64, findings: &mut Findings) {
         self.coverage.count(messages, findings);
     }
@@ -176,7 +177,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// A field of fixed size.
+    /// Adds a field of fixed size.
     fn field(
         &mut self,
         placed: Placed<'_>,
@@ -216,14 +217,15 @@ impl Compiler<'_> {
             let base = offset + index * placed.stride;
             let within = Within { base, path: &path, subject: &subject, entries: &entries };
             self.add(nested, nested_id(field), within, steps);
-            // All elements are alike, and there can be millions of them.
+            // All elements are equal, and there can be millions of them.
             if steps.len() == before {
                 break;
             }
         }
     }
 
-    /// A sequence: its elements are checked by separate steps. Their number is unknown, so they count for no coverage.
+    /// Adds a sequence, whose elements have separate steps. Their number is unknown, so they aren't part of the
+    /// coverage.
     fn sequence(
         &mut self,
         placed: Placed<'_>,
@@ -282,11 +284,11 @@ fn nested_id(field: Option<(&MessagePlan, &FieldPlan)>) -> Option<MessageId> {
     }
 }
 
-/// True if a field of a format is this field of the definition.
+/// True if a field of a format matches this field of the definition.
 fn is_same(placed: Placed<'_>, field: &FieldPlan, message: &MessagePlan) -> bool {
     match (placed.element, field.element) {
         (PlacedElement::Scalar(left), Element::Scalar(right)) => left == right && placed.shape == field.shape,
-        // A schema of ROS 2 doesn't tell text from numbers.
+        // A ROS 2 schema doesn't distinguish text from numbers.
         (PlacedElement::Scalar(Scalar::Char), Element::Text(length)) => {
             message.has_text && placed.shape == Shape::Array(length)
         }
@@ -306,7 +308,7 @@ fn count(shape: Shape) -> usize {
 }
 
 impl Counter {
-    /// The field that counts the entries of an array, in a message of the format `message_type` that starts at `base`.
+    /// The field that counts the entries of an array, in a message of type `message_type` at offset `base`.
     fn new(
         array: &FieldPlan,
         message: &MessagePlan,
@@ -323,7 +325,7 @@ impl Counter {
         }
     }
 
-    /// True if a message, which starts at `base`, uses the entry of this index.
+    /// True if the message at offset `base` uses the entry with this index.
     fn uses(self, index: usize, base: usize, payload: &[u8]) -> bool {
         let start = base + self.offset;
         let count = payload.get(start..start + self.scalar.size());
@@ -335,7 +337,7 @@ impl Counter {
 }
 
 impl Values {
-    /// The constraints on a field of the format `message_type`, for which the definition has this one.
+    /// The constraints on a field of `message_type` with this definition.
     fn new(
         placed: Placed<'_>,
         message_type: MessageType<'_>,
@@ -352,7 +354,7 @@ impl Values {
                 let (message, field) = field?;
                 let mut restriction = Box::new(field.restriction.clone()?);
                 let counted = field.counts.map(|array| &message.fields[array]);
-                // The array has the length of the format; another length than the definition's is no violation.
+                // The array has the length of the format, even if the definition has another one.
                 restriction.limits.count = counted.and_then(|array| most(&array.name, message_type));
                 (Element::Scalar(scalar), Some(restriction))
             }
@@ -373,7 +375,7 @@ impl Values {
     }
 }
 
-/// The number of entries that the array of a name can have in a format.
+/// The maximum number of entries of an array in a format.
 fn most(array: &str, message_type: MessageType<'_>) -> Option<u32> {
     let placed = message_type.layout().find(|placed| placed.name == array)?;
     match (placed.element, placed.shape) {
@@ -391,7 +393,7 @@ struct Run<'r> {
 }
 
 impl Run<'_> {
-    /// Checks the values of a message, or of an element of a sequence, that starts at `base`.
+    /// Checks the values of the message or sequence element at offset `base`.
     fn steps(&mut self, steps: &[Step], base: usize, trail: Option<&Trail<'_>>) {
         for step in steps {
             match &step.content {
@@ -428,7 +430,7 @@ impl Run<'_> {
         }
     }
 
-    /// Works out what a value that may be unhealthy violates, and reports it.
+    /// Reports the violation by a value that didn't pass the fast check, if there is one.
     fn explain(
         &mut self,
         step: &Step,
@@ -441,7 +443,7 @@ impl Run<'_> {
         let path = joined(&trail.map(Trail::path).unwrap_or_default(), &step.path);
         let path = if step.count > 1 { format!("{path}[{index}]") } else { path };
         let detail = violation.detail(&"", "");
-        // Without an index the subject says it all.
+        // Without an index, the subject contains the whole path.
         let detail = if path.contains('[') { detail.at(path) } else { detail.located(path) };
         let rule = violation.rule(self.rules);
         self.findings.report(rule, &step.subject, self.location, values.definition, || {
@@ -450,7 +452,7 @@ impl Run<'_> {
     }
 }
 
-/// The way to an element of a sequence.
+/// The path to an element of a sequence.
 #[derive(Clone, Copy)]
 struct Trail<'t> {
     outer: Option<&'t Trail<'t>>,
@@ -477,11 +479,11 @@ impl Entry {
 }
 
 impl Step {
-    /// True if a value counts: values beyond the entries in use are ignored.
+    /// True if a value is in use. Other values are ignored.
     fn is_in_use(&self, index: usize, values: &Values, base: usize, payload: &[u8]) -> bool {
-        // The letters of a text are one value.
-        let of_values = self.count_of_values.filter(|_| !matches!(values.element, Element::Text(_)));
-        of_values.is_none_or(|counter| counter.uses(index, base, payload))
+        // The characters of a text are one value.
+        let counter = self.count_of_values.filter(|_| !matches!(values.element, Element::Text(_)));
+        counter.is_none_or(|counter| counter.uses(index, base, payload))
             && self.entries.iter().all(|entry| entry.is_in_use(base, payload))
     }
 }

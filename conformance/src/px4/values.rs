@@ -1,7 +1,7 @@
-//! The constraints on single values, compiled once from the definitions: one checker for memory, CDR and JSON.
+//! The constraints on single values, compiled once from the definitions. Memory, CDR and JSON share them.
 //!
-//! An encoding only determines how a value is read. This module holds the constraints, the rule that states each of
-//! them, the texts of violations, and the number of values that each rule covers.
+//! An encoding only determines how a value is read. This module contains the constraints, their rules, the messages
+//! of violations, and the number of values that each rule covers.
 
 use std::fmt;
 
@@ -11,16 +11,16 @@ use uavspec_runtime::{Number, Rule as Demand, Scalar};
 
 use crate::model::{Detail, Findings, Rule};
 
-/// The rules on single values, which the checks of values report violations of.
+/// The rules on single values.
 #[derive(Debug)]
 pub(crate) struct ValueRules {
     /// A bool is 0 or 1.
     pub bool: &'static Rule,
     /// Text is UTF-8.
     pub text: &'static Rule,
-    /// A number meets a demand of its restriction.
+    /// A number satisfies a demand of its restriction.
     pub number: fn(Demand) -> &'static Rule,
-    /// A JSON object has each field of its message once, and no others.
+    /// A JSON object has each field of its message exactly once, and no others.
     pub members: &'static Rule,
     /// A JSON value has the type of its field.
     pub json_type: &'static Rule,
@@ -28,15 +28,15 @@ pub(crate) struct ValueRules {
     pub length: &'static Rule,
 }
 
-/// The encodings that values are checked in.
+/// The encodings of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
-    /// Payloads in memory, and messages that were read from CDR into memory.
+    /// Payloads in memory, including messages decoded from CDR.
     Memory,
     Json,
 }
 
-/// The constraints on the values of all messages of a schema.
+/// The constraints on the values of all messages in a schema.
 #[derive(Debug)]
 pub(crate) struct Plans {
     pub(super) rules: &'static ValueRules,
@@ -50,9 +50,9 @@ pub(crate) struct MessagePlan {
     pub(super) name: String,
     pub(super) fields: Vec<FieldPlan>,
     pub(super) span: Span,
-    /// True if the dialect tells text from numbers.
+    /// True if the dialect distinguishes text from numbers.
     pub(super) has_text: bool,
-    /// The number of values of a message in JSON that each rule covers; sequences count as one.
+    /// The number of values in a JSON message that each rule covers. A sequence counts as one value.
     coverage: Coverage,
 }
 
@@ -61,17 +61,17 @@ pub(crate) struct MessagePlan {
 pub(super) struct FieldPlan {
     pub(super) name: String,
     pub(super) element: Element,
-    /// The number of its elements; text is one.
+    /// The number of elements. A text is a single element.
     pub(super) shape: Shape,
     pub(super) restriction: Option<Restriction>,
-    /// The field that says how many of its entries are in use, if one does.
+    /// The field with the number of used entries, if there is one.
     pub(super) counted_by: Option<usize>,
-    /// The array that it counts the entries of, if it does.
+    /// The array whose used entries this field counts, if there is one.
     pub(super) counts: Option<usize>,
     pub(super) span: Span,
-    /// The offset in memory, from the start of its message; 0 if the message has no fixed size.
+    /// The offset from the start of the message in memory; 0 if the message has no fixed size.
     pub(super) offset: usize,
-    /// Bytes from one element to the next in memory.
+    /// The distance between elements in memory, in bytes.
     pub(super) stride: usize,
 }
 
@@ -91,7 +91,7 @@ pub(super) enum Element {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Constraint<'c> {
     pub(super) element: Element,
-    /// The number of elements that the value is one of.
+    /// The number of elements that the value belongs to.
     pub(super) shape: Shape,
     pub(super) restriction: Option<&'c Restriction>,
 }
@@ -99,19 +99,19 @@ pub(super) struct Constraint<'c> {
 /// A violation of a constraint.
 #[derive(Debug)]
 pub(super) enum Violation<'c> {
-    /// The byte of a bool is neither 0 nor 1.
+    /// A byte of a bool other than 0 and 1.
     Bool(u8),
-    /// A JSON value has another type than its field, or is out of the range of an integer type.
+    /// A JSON value with the wrong type, or out of the range of an integer type.
     Type,
-    /// A number is finite in JSON, and infinite in the type of its field.
+    /// A finite JSON number that is infinite in the type of its field.
     TooLarge(Scalar),
-    /// A number violates a demand of its restriction.
+    /// A number that violates a demand of its restriction.
     Number(Demand, Number, &'c Restriction),
-    /// An array, a sequence or a string in JSON has too many or too few parts.
-    Length { found: usize, of: &'static str, shape: Shape },
-    /// A text in JSON has a NUL, which would end it.
+    /// An array, sequence or string in JSON with the wrong length.
+    Length { found: usize, unit: &'static str, shape: Shape },
+    /// A NUL within a JSON text, which ends the text.
     Nul(usize),
-    /// The bytes of a text are UTF-8 only up to here.
+    /// Text with invalid UTF-8 at this byte.
     NotUtf8(usize),
 }
 
@@ -127,14 +127,14 @@ impl Coverage {
         }
     }
 
-    /// Adds the coverage of a nested message, which a message has so often.
+    /// Adds the coverage of a nested message that occurs `times` times.
     fn add_nested(&mut self, nested: &Self, times: u64) {
         for (rule, values) in &nested.0 {
             self.add(rule, values.saturating_mul(times));
         }
     }
 
-    /// Counts what so many messages cover.
+    /// Adds the coverage of this number of messages.
     pub(super) fn count(&self, messages: u64, findings: &mut Findings) {
         for (rule, values) in &self.0 {
             findings.cover(rule, values.saturating_mul(messages));
@@ -196,7 +196,7 @@ pub(super) fn check_text<'c>(bytes: &[u8]) -> Result<(), Violation<'c>> {
 }
 
 impl Violation<'_> {
-    /// The rule that states the constraint.
+    /// The rule with the constraint.
     pub(super) fn rule(&self, rules: &ValueRules) -> &'static Rule {
         match self {
             Self::Bool(_) => rules.bool,
@@ -207,15 +207,17 @@ impl Violation<'_> {
         }
     }
 
-    /// True if the value itself violates a rule, and not the way in which it is written: then only entries in use count.
+    /// True if the value itself violates a rule, as opposed to its notation. Such violations only count for entries
+    /// in use.
     pub(super) fn is_of_value(&self) -> bool {
         matches!(self, Self::Bool(_) | Self::Number(..) | Self::Nul(_) | Self::NotUtf8(_))
     }
 
-    /// The text of a finding. In JSON, `expected` describes the type of the field, and `found` is the value as written.
+    /// The text of a finding. For JSON, `expected` describes the type of the field, and `found` is the text of the
+    /// value.
     pub(super) fn detail(&self, expected: &dyn fmt::Display, found: &str) -> Detail {
         match self {
-            Self::Bool(byte) => Detail::new(format!("{byte} where a bool is 0 or 1"))
+            Self::Bool(byte) => Detail::new(format!("expected 0 or 1, found {byte}"))
                 .expected("0 or 1")
                 .actual(byte.to_string()),
             Self::Type => Detail::differs(expected, found),
@@ -226,16 +228,16 @@ impl Violation<'_> {
                     .actual(found)
             }
             Self::Number(demand, number, restriction) => Detail::number(*demand, *number, restriction),
-            Self::Length { found, of, shape } => {
+            Self::Length { found, unit, shape } => {
                 let expected = match shape {
-                    Shape::Array(length) => format!("{length} {of}"),
-                    Shape::Bounded(bound) => format!("at most {bound} {of}"),
-                    Shape::Single | Shape::Sequence => of.to_string(),
+                    Shape::Array(length) => format!("{length} {unit}"),
+                    Shape::Bounded(bound) => format!("at most {bound} {unit}"),
+                    Shape::Single | Shape::Sequence => unit.to_string(),
                 };
                 Detail::differs(expected, found)
             }
-            Self::Nul(at) => Detail::new(format!("a NUL at its byte {at}, which ends a text")),
-            Self::NotUtf8(at) => Detail::new(format!("no UTF-8 from its byte {at} on")).expected("UTF-8"),
+            Self::Nul(at) => Detail::new(format!("NUL at byte {at}, which ends the text")),
+            Self::NotUtf8(at) => Detail::new(format!("invalid UTF-8 at byte {at}")).expected("UTF-8"),
         }
     }
 }
@@ -255,7 +257,7 @@ impl Plans {
         &self.messages[id.0 as usize]
     }
 
-    /// Counts what so many messages in JSON cover.
+    /// Adds the coverage of this number of JSON messages.
     pub(crate) fn count(&self, id: MessageId, messages: u64, findings: &mut Findings) {
         self.get(id).coverage.count(messages, findings);
     }
@@ -278,7 +280,7 @@ impl Plans {
 }
 
 impl MessagePlan {
-    /// Compiles the constraints of a message, without its coverage in JSON.
+    /// Compiles the constraints of a message, except for its coverage in JSON.
     pub(super) fn new(message: &schema::Message, schema: &Schema) -> Self {
         Self {
             name: message.name.clone(),
@@ -322,19 +324,19 @@ impl FieldPlan {
         Constraint { element: self.element, shape: self.shape, restriction: self.restriction.as_ref() }
     }
 
-    /// True if it holds bytes, which rosbridge writes as base64.
+    /// True for an array of bytes, which rosbridge writes as base64.
     pub(super) fn is_byte_array(&self) -> bool {
         let is_byte = matches!(self.element, Element::Scalar(Scalar::UInt8 | Scalar::Byte | Scalar::Char));
         is_byte && self.shape != Shape::Single
     }
 }
 
-/// True if `char` is text: ROS 2 takes it for a number.
+/// True if `char` is text. In ROS 2, it is a number.
 fn has_text(message: &schema::Message, schema: &Schema) -> bool {
     schema.package_of(message).form == Form::Msg(Dialect::Px4)
 }
 
-/// The number in little-endian bytes.
+/// The number with these little-endian bytes.
 pub(super) fn number(scalar: Scalar, bytes: &[u8]) -> Option<Number> {
     let integer = match scalar {
         Scalar::Bool | Scalar::UInt8 | Scalar::Byte | Scalar::Char => i128::from(*bytes.first()?),

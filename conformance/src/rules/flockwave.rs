@@ -1,4 +1,4 @@
-//! The rules on Flockwave (`FW-…`), a file each, and the list of them.
+//! The Flockwave rules (`FW-…`), one per file, and the list of all rules.
 
 mod ack_01;
 mod ack_03;
@@ -68,6 +68,8 @@ mod err_07;
 mod err_08;
 mod err_09;
 mod err_10;
+#[cfg(test)]
+mod examples;
 mod inf_01;
 mod lines;
 mod listed_uavs;
@@ -162,7 +164,7 @@ use crate::flockwave::session::{Exchange, OPERATIONS, Reference, Role, Stage};
 use crate::json::Tree;
 use crate::model::{Detail, Level, Location, Rule, Status};
 
-/// The rules on Flockwave, by id.
+/// All Flockwave rules, sorted by id.
 pub static RULES: [&FlockwaveRule; 128] = [
     &ack_01::RULE,
     &ack_03::RULE,
@@ -294,64 +296,64 @@ pub static RULES: [&FlockwaveRule; 128] = [
     &wth_01::RULE,
 ];
 
-/// The rule of an id.
+/// Finds a rule by its id.
 pub fn rule(id: &str) -> Option<&'static FlockwaveRule> {
-    RULES.binary_search_by_key(&id, |of| of.rule.id).ok().map(|at| RULES[at])
+    RULES.binary_search_by_key(&id, |rule| rule.rule.id).ok().map(|at| RULES[at])
 }
 
-/// A rule on Flockwave.
+/// A Flockwave rule.
 #[derive(Debug)]
 pub struct FlockwaveRule {
-    /// What it says.
+    /// The texts and the level of the rule.
     pub rule: Rule,
     /// The code that finds violations.
     pub(crate) checks: &'static [Check],
-    /// The violations of body schemas that it reports in place of `FW-ENV-18`.
+    /// The body schema violations that the rule reports in place of `FW-ENV-18`.
     pub(crate) covers: &'static [Attribution],
     /// The bug of the reference server that violates it.
     pub(crate) bug: Bug,
-    /// The requests of a probe that show whether a server keeps it. Without a trial it shows in any session, or the
-    /// survey of the probe tries it on its way.
+    /// The probe requests that test the rule. Rules without a trial are tested by the survey of the probe or by any
+    /// session.
     pub(crate) trial: Option<Trial>,
-    /// Captures that violate it.
+    /// Captures that violate the rule.
     pub(crate) mutants: &'static [Mutant],
 }
 
-/// A check of a rule. Its kind says what it sees.
+/// A check of a rule. The kind of the check determines its input.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Check {
-    /// Sees a message of the server alone.
+    /// Checks a single message of the server.
     Message(fn(&Message<'_>, &mut RuleContext<'_>)),
-    /// Sees any record that is no status report, with the request and the operations that it belongs to.
+    /// Checks any record except status reports, with its request and operations.
     Exchange(fn(&Exchange<'_>, &mut RuleContext<'_>)),
-    /// Sees a status report in its session.
+    /// Checks a status report in its session.
     StatusReport(fn(&StatusReport<'_>, &mut RuleContext<'_>)),
-    /// Keeps a state over the session.
+    /// Checks the whole session and keeps a state.
     Session(fn() -> Box<dyn SessionCheck>),
 }
 
 /// A check that keeps a state over a session.
 pub(crate) trait SessionCheck {
-    /// Sees a record that is no status report.
+    /// Processes a record that is not a status report.
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>);
 
-    /// Sees a status report.
+    /// Processes a status report.
     fn status_report(&mut self, _report: &StatusReport<'_>, _context: &mut RuleContext<'_>) {}
 
-    /// Records may be missing here, since something is unreadable.
-    fn corruption(&mut self, _place: Location) {}
+    /// Handles unreadable data, where records may be missing.
+    fn corruption(&mut self, _location: Location) {}
 
-    /// The session ends.
+    /// Handles the end of the session.
     fn end(&mut self, _context: &mut RuleContext<'_>) {}
 }
 
-/// A capture that violates a rule: a small change of one that conforms.
+/// A capture that violates a rule: a conforming capture with a small change.
 #[derive(Debug)]
 pub(crate) struct Mutant {
-    /// The change.
+    /// A description of the change.
     pub name: &'static str,
-    /// Makes it.
+    /// Creates the capture.
     pub make: fn() -> Option<Vec<u8>>,
-    /// The other rules that it violates.
+    /// The other rules that the capture violates.
     pub also: &'static [&'static Rule],
 }

@@ -187,7 +187,7 @@ fn reports_deviations_with_location_and_expected_value() {
         [
             "/body/preset/a~1b/title: a string, found 7",
             "/body/preset/a~1b/format: one of `auto`, `rtcm2`, `rtcm3`, `ubx`, found \"paper\"",
-            "/body/preset/a~1b/sources/1: a string of 1 characters or more, found \"\"",
+            "/body/preset/a~1b/sources/1: a string of at least 1 characters, found \"\"",
             "/body/preset/a~1b/type: one of `builtin`, `dynamic`, `user`, found null",
             "/body/error/c: a string, found 1",
         ]
@@ -207,9 +207,9 @@ fn reports_deviations_with_location_and_expected_value() {
     assert_eq!(
         reported("WTH-AT", body),
         [
-            "/body/weather/position/0: an integer, -900000000 to 900000000 (latitude), found 91.5",
-            "/body/weather/humidity: an integer, 0 to 100, found 101",
-            "/body/weather/magneticVector: a list of 3, found 2 elements",
+            "/body/weather/position/0: an integer from -900000000 to 900000000 (latitude), found 91.5",
+            "/body/weather/humidity: an integer from 0 to 100, found 101",
+            "/body/weather/magneticVector: a list of 3 elements, found 2 elements",
         ]
     );
     let body = json!({ "type": "OBJ-CMD", "result": { "kite": { "type": "plain" } }, "wind": 3 });
@@ -217,7 +217,7 @@ fn reports_deviations_with_location_and_expected_value() {
         reported("OBJ-CMD", body),
         [
             "/body/result/kite/data: anything, found nothing",
-            "/body/wind: no field but `type`, `result`, `error`, `receipt`, found 3",
+            "/body/wind: only the fields `type`, `result`, `error`, `receipt`, found 3",
         ]
     );
 }

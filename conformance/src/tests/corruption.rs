@@ -126,7 +126,10 @@ fn reports_noise_from_the_start() {
     }
     for start in [&b"ULoG\x01\x12\x35\x01"[..], &[0; 20], &noise, b"\xff\xfe{\0}\0", b"\x01\x02"] {
         let error = check_capture(start, None, &definitions).expect_err("nothing that can be judged");
-        let expected = format!("byte 0: no ULog, no MCAP and no JSON: it begins with {:02x} ", start[0]);
+        let expected = format!(
+            "byte 0: unknown file type: expected ULog, MCAP or JSON, found the bytes {:02x} ",
+            start[0]
+        );
         assert!(error.to_string().starts_with(&expected), "{error}");
     }
     // What has one wrong byte may be damaged, and letters of other languages are none.

@@ -160,7 +160,7 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
         (
             "PX-JSON-01",
             replaced("\"mode\":7", "\"mode\":7,\"mode\":7"),
-            "Glider.mode: the field is there 2 times",
+            "Glider.mode: the field appears 2 times",
         ),
         ("PX-JSON-02", value("/is_landed", json!(1)), "Glider.is_landed: expected true or false, found 1"),
         (
@@ -201,7 +201,7 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
         (
             "PX-JSON-02",
             replaced("[0.5,null]", "[0.5,NaN]"),
-            "Glider.flaps: flaps[1]: expected a number, or null for NaN, found a bare NaN, which is no JSON",
+            "Glider.flaps: flaps[1]: expected a number, or null for NaN, found a bare NaN, which isn't JSON",
         ),
         (
             "PX-JSON-02",
@@ -221,7 +221,7 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
             value("/marks/1/height", json!(9001)),
             "Glider.marks.height: marks[1].height: 9001 is out of range, -500 to 9000",
         ),
-        ("PX-STR-01", value("/name", json!("D\0")), "Glider.name: a NUL at its byte 1"),
+        ("PX-STR-01", value("/name", json!("D\0")), "Glider.name: NUL at byte 1"),
         (
             "PX-STR-01",
             {
@@ -229,7 +229,7 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
                 changed["name"] = json!([68, 255, 0, 0]);
                 published("/glider", &changed)
             },
-            "glider.name: no UTF-8 from its byte 1 on",
+            "glider.name: invalid UTF-8 at byte 1",
         ),
         (
             "PX-TIME-01",

@@ -111,7 +111,7 @@ fn over_udp_one_answer_will_do() {
 #[test]
 fn an_error_in_the_place_of_a_body_is_no_service_either() {
     let session = over("tcp#2", |session| {
-        let id = session.tries(of("FW-TCP-03"), "after a line that is no JSON", ping());
+        let id = session.tries(of("FW-TCP-03"), "after a line that is not JSON", ping());
         session.answers(&id, json!({ "error": { "message": "No JSON" } }));
     });
     assert_eq!(violated_by(&session), [("FW-TCP-03", 1)]);
@@ -270,7 +270,7 @@ fn an_operation_that_is_suspended_meanwhile_may_be_resumed() {
     let session = over("tcp#2", |session| {
         session.command("r-1");
         let resume = json!({ "type": "ASYNC-RESUME", "ids": ["r-1"] });
-        let id = session.tries(of("FW-ASY-19"), "an operation that goes on", resume);
+        let id = session.tries(of("FW-ASY-19"), "a running operation", resume);
         session.notify(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {}, "suspended": true }));
         session.answers(&id, json!({ "body": { "type": "ASYNC-RESUME", "success": ["r-1"] } }));
     });

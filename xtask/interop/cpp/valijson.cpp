@@ -1,5 +1,5 @@
-// valijson, which knows drafts up to 7. It reads the jobs, and writes a line of JSON for each schema and each case:
-// xtask/interop/README.md describes both.
+// Adapter for valijson, which supports drafts up to 7. Reads jobs and writes one JSON line for each schema and case; see
+// xtask/interop/README.md.
 
 #include <cstdlib>
 #include <exception>
@@ -21,7 +21,7 @@ using Adapter = valijson::adapters::NlohmannJsonAdapter;
 
 namespace {
 
-// Writes at once, so that what was judged before a crash is known.
+// Flushes the line, so that verdicts before a crash are preserved.
 void write(const json &line) {
     std::cout << line.dump(-1, ' ', false, json::error_handler_t::replace) << std::endl;
 }
@@ -31,8 +31,8 @@ json read(const std::string &path) {
     return json::parse(file);
 }
 
-// What comes of one case.
-json judge(const valijson::Schema &schema, const std::string &text) {
+// The verdict on one case.
+json check(const valijson::Schema &schema, const std::string &text) {
     try {
         const json instance = json::parse(text);
         valijson::ValidationResults results;
@@ -67,7 +67,7 @@ void run(const json &job, const std::map<std::string, json> &documents) {
     write({{"job", number}});
     std::size_t index = 0;
     for (const auto &text : job.at("cases")) {
-        json verdict = judge(schema, text.get<std::string>());
+        json verdict = check(schema, text.get<std::string>());
         verdict["job"] = number;
         verdict["case"] = index++;
         write(verdict);
@@ -78,7 +78,7 @@ void run(const json &job, const std::map<std::string, json> &documents) {
 
 int main(int argc, char **argv) {
     if (argc < 2) {
-        std::cerr << "name the file with the jobs\n";
+        std::cerr << "usage: valijson FILE\n";
         return EXIT_FAILURE;
     }
     std::map<std::string, json> documents;

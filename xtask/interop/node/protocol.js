@@ -1,5 +1,5 @@
-// What all adapters of JavaScript share: they read the jobs, and write a line of JSON for each schema and each case.
-// xtask/interop/README.md describes both.
+// Shared code of the JavaScript adapters. They read jobs, and write one JSON line for each schema and case; see
+// xtask/interop/README.md.
 
 import { readFileSync, writeSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -7,12 +7,12 @@ import { createRequire } from "node:module";
 const require = createRequire(import.meta.url);
 
 /**
- * Runs all jobs of the file that the command line names.
+ * Runs all jobs in the file given on the command line.
  *
- * @param {string} name the package that does the work, whose version is written
- * @param {(documents: Map<string, Document>) => (schema: string, job: Job) => Judge | Promise<Judge>} prepare
- *   takes all documents by their address, and gives the function that compiles a schema, which in turn gives the
- *   function that judges the text of a case
+ * @param {string} name the tested package, whose version is written
+ * @param {(documents: Map<string, Document>) => (schema: string, job: Job) => Check | Promise<Check>} prepare
+ *   receives all documents by URL, and returns a function that compiles a schema; that function returns a function
+ *   that checks the text of a case
  */
 export async function serve(name, prepare) {
   const { documents, jobs } = readJobs();
@@ -23,7 +23,7 @@ export async function serve(name, prepare) {
   }
 }
 
-/** All jobs, and all documents with their path and text by their address. */
+/** Reads all jobs, and the path and text of all documents by URL. */
 export function readJobs() {
   const lines = readFileSync(process.argv[2], "utf8").split("\n").filter(Boolean).map((line) => JSON.parse(line));
   const documents = lines
@@ -32,53 +32,53 @@ export function readJobs() {
   return { documents: new Map(documents), jobs: lines.filter((line) => line.schema) };
 }
 
-/** The version of an installed package. Not all packages export their package.json, so it is read from the disk. */
+/** The version of an installed package. Read from the disk, because some packages don't export their package.json. */
 export function versionOf(name) {
   const folder = require.resolve.paths(name).map((path) => `${path}/${name}`);
   for (const path of folder) {
     try {
       return JSON.parse(readFileSync(`${path}/package.json`, "utf8")).version;
     } catch {
-      // It is in one of the other folders.
+      // Try the next folder.
     }
   }
   return "unknown";
 }
 
 async function run(job, compile) {
-  let judge;
+  let check;
   try {
-    judge = await compile(job.schema, job);
+    check = await compile(job.schema, job);
   } catch (error) {
     return write({ job: job.job, error: text(error) });
   }
   write({ job: job.job });
   for (const [index, instance] of job.cases.entries()) {
-    write({ job: job.job, case: index, ...(await verdict(judge, instance)) });
+    write({ job: job.job, case: index, ...(await verdict(check, instance)) });
   }
 }
 
-async function verdict(judge, instance) {
+async function verdict(check, instance) {
   try {
-    return await judge(instance);
+    return await check(instance);
   } catch (error) {
     return { error: text(error) };
   }
 }
 
-/** What an error says. */
+/** The message of an error. */
 export function text(error) {
   return String(error?.message ?? error).slice(0, 300);
 }
 
-/** Writes at once, so that what was judged before a crash is known. */
+/** Writes synchronously, so that verdicts before a crash are preserved. */
 export function write(line) {
   let rest = Buffer.from(`${JSON.stringify(line)}\n`);
   while (rest.length > 0) {
     try {
       rest = rest.subarray(writeSync(1, rest));
     } catch (error) {
-      // The pipe is full: the reader will empty it.
+      // The pipe is full; try again.
       if (error.code !== "EAGAIN") throw error;
     }
   }

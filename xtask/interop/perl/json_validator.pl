@@ -1,5 +1,5 @@
-# JSON::Validator for draft 2020-12. It reads the jobs, and writes a line of JSON for each schema and each case:
-# xtask/interop/README.md describes both.
+# Adapter for JSON::Validator with draft 2020-12. Reads jobs and writes one JSON line for each schema and case; see
+# xtask/interop/README.md.
 use strict;
 use warnings;
 
@@ -17,17 +17,17 @@ run($_) for grep { $_->{schema} } @lines;
 
 sub run {
   my $job   = shift;
-  my $judge = eval { compile($job->{schema}) };
-  return write_line({job => $job->{job}, error => brief($@)}) unless $judge;
+  my $check = eval { compile($job->{schema}) };
+  return write_line({job => $job->{job}, error => brief($@)}) unless $check;
   write_line({job => $job->{job}});
   my $index = 0;
   for my $text (@{$job->{cases}}) {
-    my $verdict = eval { $judge->($text) } || {error => brief($@)};
+    my $verdict = eval { $check->($text) } || {error => brief($@)};
     write_line({job => $job->{job}, case => $index++, %$verdict});
   }
 }
 
-# The function that judges the text of an instance.
+# Compiles the schema into a function that checks the text of an instance.
 sub compile {
   my $address = shift;
   my $validator = JSON::Validator->new;

@@ -1,6 +1,6 @@
-"""What all adapters of Python share: they read the jobs, and write a line of JSON for each schema and each case.
+"""Shared code of the Python adapters. They read jobs, and write one JSON line for each schema and case.
 
-xtask/interop/README.md describes both.
+See xtask/interop/README.md.
 """
 
 import json
@@ -9,18 +9,17 @@ from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 
-Judge = Callable[[str], dict]
-"""Judges the text of a case."""
+Check = Callable[[str], dict]
+"""Checks the text of a case."""
 
-Compile = Callable[[str], Judge]
-"""Compiles the schema of an address, or raises an error."""
+Compile = Callable[[str], Check]
+"""Compiles the schema with this URL, or raises an error."""
 
 
 def serve(name: str, prepare: Callable[[dict[str, str]], Compile]) -> None:
-    """Runs all jobs of the file that the command line names.
+    """Runs all jobs in the file given on the command line.
 
-    `name` is the package that does the work, whose version is written. `prepare` takes the texts of all documents by
-    their address.
+    `name` is the tested package, whose version is written. `prepare` receives the texts of all documents by URL.
     """
     documents, jobs = read_jobs()
     write({"version": version(name)})
@@ -30,7 +29,7 @@ def serve(name: str, prepare: Callable[[dict[str, str]], Compile]) -> None:
 
 
 def read_jobs() -> tuple[dict[str, str], list[dict]]:
-    """The texts of all documents by their address, and all jobs."""
+    """Reads the texts of all documents by URL, and all jobs."""
     with open(sys.argv[1], encoding="utf-8") as file:
         lines = [json.loads(line) for line in file]
     documents = {
@@ -40,27 +39,27 @@ def read_jobs() -> tuple[dict[str, str], list[dict]]:
 
 
 def run(job: dict, compile_schema: Compile) -> None:
-    """Writes what comes of one schema and its cases."""
+    """Writes the results of one schema and its cases."""
     try:
-        judge = compile_schema(job["schema"])
-    except Exception as error:  # whatever a tool raises is its result
+        check = compile_schema(job["schema"])
+    except Exception as error:  # an error is a result
         write({"job": job["job"], "error": brief(error)})
         return
     write({"job": job["job"]})
     for index, text in enumerate(job["cases"]):
         try:
-            verdict = judge(text)
+            verdict = check(text)
         except Exception as error:
             verdict = {"error": brief(error)}
         write({"job": job["job"], "case": index, **verdict})
 
 
 def brief(error: Exception) -> str:
-    """An error as a short text."""
+    """Formats an error as a short text."""
     return f"{type(error).__name__}: {error}"[:300]
 
 
 def write(line: dict) -> None:
-    """Writes at once, so that what was judged before a crash is known."""
+    """Flushes the line, so that verdicts before a crash are preserved."""
     sys.stdout.write(json.dumps(line) + "\n")
     sys.stdout.flush()

@@ -27,25 +27,25 @@ pub(crate) fn gather(repository: &Path, to: &Path) -> Result<Gathered, Vec<Strin
     for folder in GENERATED {
         copy(&repository.join("generated").join(folder), &to.join(folder))?;
     }
-    let mut mistakes = Vec::new();
+    let mut errors = Vec::new();
     let links = Links::of(repository);
     for chapter in by_hand() {
         match read(&repository.join(chapter.source)) {
             Ok(text) => {
-                let text = links.moved(&text, chapter, &mut mistakes);
+                let text = links.moved(&text, chapter, &mut errors);
                 write(&to.join(chapter.page), &text).map_err(failed)?;
             }
-            Err(mistake) => mistakes.push(mistake),
+            Err(error) => errors.push(error),
         }
     }
     for (name, text) in ADDITIONS {
         write(&to.join(name), text).map_err(failed)?;
     }
-    let reference = read(&repository.join("generated/docs/SUMMARY.md")).map_err(|mistake| vec![mistake])?;
+    let reference = read(&repository.join("generated/docs/SUMMARY.md")).map_err(|error| vec![error])?;
     let summary = summary(&reference);
     write(&to.join("SUMMARY.md"), &summary).map_err(failed)?;
-    if !mistakes.is_empty() {
-        return Err(mistakes);
+    if !errors.is_empty() {
+        return Err(errors);
     }
     let pages: Vec<&str> = summary.lines().filter_map(page).collect();
     let is_translated = |page: &&&str| read(&to.join(page)).is_ok_and(|text| text.contains(TRANSLATED));

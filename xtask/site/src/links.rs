@@ -21,8 +21,8 @@ impl<'r> Links<'r> {
 
     /// Returns a document with the links of the site. Links to files that the site doesn't have become plain text.
     ///
-    /// Links to files that don't exist, and links that don't contain their address, are added to `mistakes`.
-    pub(crate) fn moved(&self, text: &str, chapter: &Chapter, mistakes: &mut Vec<String>) -> String {
+    /// Links to files that don't exist, and links that don't contain their address, are added to `errors`.
+    pub(crate) fn moved(&self, text: &str, chapter: &Chapter, errors: &mut Vec<String>) -> String {
         let mut moved = String::with_capacity(text.len());
         let mut end = 0;
         for (event, range) in Parser::new_ext(text, Options::ENABLE_TABLES).into_offset_iter() {
@@ -32,13 +32,13 @@ impl<'r> Links<'r> {
             let line = || text[..range.start].matches('\n').count() + 1;
             let Some(at) = whole.rfind(&*dest_url) else {
                 let place = format!("{}:{}", chapter.source, line());
-                mistakes.push(format!("{place}: write the address in the link itself: `[…]({target})`"));
+                errors.push(format!("{place}: write the address in the link itself: `[…]({target})`"));
                 continue;
             };
             let path = joined(chapter.source, target.split('#').next().unwrap_or(target));
             if !self.repository.join(&path).exists() {
                 let place = format!("{}:{}", chapter.source, line());
-                mistakes.push(format!("{place}: link to a missing file: `{path}`"));
+                errors.push(format!("{place}: link to a missing file: `{path}`"));
                 continue;
             }
             moved.push_str(&text[end..range.start]);
@@ -108,9 +108,9 @@ mod tests {
 
     fn moved(text: &str) -> (String, Vec<String>) {
         let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let mut mistakes = Vec::new();
+        let mut errors = Vec::new();
         let introduction = &CHAPTERS[0].1[0];
-        (Links::of(&repository).moved(text, introduction, &mut mistakes), mistakes)
+        (Links::of(&repository).moved(text, introduction, &mut errors), errors)
     }
 
     #[test]
@@ -124,11 +124,11 @@ mod tests {
 
     #[test]
     fn reports_a_broken_link_with_its_line() {
-        let (_, mistakes) = moved("One line.\n\n[gone](definitions/gone.md)\n");
-        assert_eq!(mistakes, ["README.md:3: link to a missing file: `definitions/gone.md`"]);
-        let (_, mistakes) = moved("[tables]\n\n[tables]: definitions/README.md\n");
+        let (_, errors) = moved("One line.\n\n[gone](definitions/gone.md)\n");
+        assert_eq!(errors, ["README.md:3: link to a missing file: `definitions/gone.md`"]);
+        let (_, errors) = moved("[tables]\n\n[tables]: definitions/README.md\n");
         assert_eq!(
-            mistakes,
+            errors,
             ["README.md:1: write the address in the link itself: `[…](definitions/README.md)`"]
         );
     }

@@ -22,16 +22,16 @@ use self::gather::Gathered;
 /// The name of a file that marks a folder as a built site.
 const MARK: &str = ".uavspec-site";
 
-/// Build the documentation site, which needs no server and no network.
+/// Build the documentation site
 #[derive(Parser)]
 struct Arguments {
-    /// The folder of the repository.
+    /// Folder of the repository
     #[arg(long)]
     repository: PathBuf,
-    /// Folder for the site.
+    /// Folder for the site
     #[arg(long)]
     out: PathBuf,
-    /// Open the site in a browser.
+    /// Open the site in a browser
     #[arg(long)]
     open: bool,
 }
@@ -40,9 +40,9 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     match run(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(mistakes) => {
-            for mistake in &mistakes {
-                eprintln!("error: {mistake}");
+        Err(errors) => {
+            for error in &errors {
+                eprintln!("error: {error}");
             }
             ExitCode::from(2)
         }
@@ -51,13 +51,13 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), Vec<String>> {
     let started = Instant::now();
-    own(&arguments.out).map_err(|mistake| vec![mistake])?;
+    own(&arguments.out).map_err(|error| vec![error])?;
     let folder = tempfile::tempdir().map_err(|error| vec![format!("a temporary folder: {error}")])?;
     let gathered = gather::gather(&arguments.repository, folder.path())?;
     let built = build(folder.path(), &gathered, &arguments.out);
     // mdBook removes the mark as well.
     let marked = mark(&arguments.out);
-    built.and(marked).map_err(|mistake| vec![mistake])?;
+    built.and(marked).map_err(|error| vec![error])?;
     let index = arguments.out.join("index.html");
     let time = started.elapsed().as_millis();
     eprintln!("docs: {} pages in {} ({time} ms)", gathered.count, index.display());
@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(own(folder.path()), Ok(()), "its own");
         fs::remove_file(folder.path().join(MARK)).expect("the mark");
         fs::write(folder.path().join("flight.ulg"), "kept").expect("a file");
-        assert!(own(folder.path()).is_err_and(|mistake| mistake.contains("other than a site")));
+        assert!(own(folder.path()).is_err_and(|error| error.contains("other than a site")));
         assert!(folder.path().join("flight.ulg").is_file());
     }
 }

@@ -40,7 +40,7 @@ function filesBelow(folder, ending) {
 
 const address = (page) => pathToFileURL(path.join(site, page)).href;
 const messages = filesBelow(path.join(site, "vectors/px4"), ".vectors.json").map((file) => file.split(".")[0]);
-const LOOKED_AT = [
+const PAGES = [
   "index.html",
   ...filesBelow(path.join(site, "guide"), ".html").map((file) => `guide/${file}`),
   "docs/conformance/README.html",
@@ -56,7 +56,7 @@ const LOOKED_AT = [
   ...messages.map((message) => `docs/px4/${message}.html`),
 ];
 
-const HELD_TO_AXE = [
+const ACCESSIBLE_PAGES = [
   "index.html",
   "docs/flockwave/error-codes.html",
   "docs/flockwave/error-codes/errors.html",
@@ -88,7 +88,7 @@ async function open(width = 1440, colorScheme = "light") {
   page.on("pageerror", (error) => complaints.push(error.message));
   page.on("request", (request) => {
     if (!request.url().startsWith("file:") && !request.url().startsWith("data:")) {
-      complaints.push(`asks for ${request.url()}`);
+      complaints.push(`requests ${request.url()}`);
     }
   });
 }
@@ -98,7 +98,7 @@ describe("pages", () => {
     for (const scheme of ["light", "dark"]) {
       test(`open without errors and fit ${width} pixels, ${scheme}`, async () => {
         await open(width, scheme);
-        for (const name of LOOKED_AT) {
+        for (const name of PAGES) {
           await page.goto(address(name));
           await page.waitForSelector("main h1");
           const [content, shown] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
@@ -118,12 +118,12 @@ describe("pages", () => {
   test("pass the accessibility rules of axe", async () => {
     for (const scheme of ["light", "dark"]) {
       await open(1440, scheme);
-      for (const name of HELD_TO_AXE) {
+      for (const name of ACCESSIBLE_PAGES) {
         await page.goto(address(name));
         await page.evaluate(axe);
         const { violations } = await page.evaluate(() => globalThis.axe.run("main"));
-        const told = violations.map(({ id, nodes }) => `${id}: ${nodes.slice(0, 3).map((node) => node.html).join(" ")}`);
-        assert.deepEqual(told, [], `${name}, ${scheme}`);
+        const found = violations.map(({ id, nodes }) => `${id}: ${nodes.slice(0, 3).map((node) => node.html).join(" ")}`);
+        assert.deepEqual(found, [], `${name}, ${scheme}`);
       }
     }
   });
@@ -147,10 +147,10 @@ describe("pages", () => {
         }
         links += 1;
         const [file, id] = decodeURIComponent(target.replaceAll("&amp;", "&")).split("#");
-        const leads = file === "" ? name : path.posix.join(path.posix.dirname(name), file);
-        const isThere = fs.existsSync(path.join(site, leads));
-        const hasPlace = !id || !texts.has(leads) || idsOf(leads).has(id);
-        if (!isThere || !hasPlace) {
+        const linked = file === "" ? name : path.posix.join(path.posix.dirname(name), file);
+        const exists = fs.existsSync(path.join(site, linked));
+        const hasId = !id || !texts.has(linked) || idsOf(linked).has(id);
+        if (!exists || !hasId) {
           broken.push(`${name}: ${target}`);
         }
       }
@@ -386,11 +386,11 @@ describe("composing", () => {
   test("shows errors next to the control", async () => {
     await page.goto(address("docs/px4/FailsafeFlags.html"));
     const field = page.getByLabel("mode_req_attitude");
-    for (const [wrong, told] of [["-1", "out of range"], ["4294967296", "out of range"], ["many", "expected an integer"]]) {
+    for (const [wrong, expected] of [["-1", "out of range"], ["4294967296", "out of range"], ["many", "expected an integer"]]) {
       await field.fill(wrong);
       assert.equal(await field.getAttribute("aria-invalid"), "true");
       const described = (await field.getAttribute("aria-describedby")).split(" ").at(-1);
-      assert.match(await page.locator(`#${described}`).textContent(), new RegExp(told));
+      assert.match(await page.locator(`#${described}`).textContent(), new RegExp(expected));
     }
     assert.ok(await page.getByRole("button", { name: "Copy JSON" }).isDisabled());
     await field.fill("0x10");

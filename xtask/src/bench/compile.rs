@@ -1,4 +1,4 @@
-//! How long the compiler takes for what is generated from the whole of PX4.
+//! Measures compile times of the code generated from all PX4 messages.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use super::{cargo, derive};
 
-/// How often each compilation is timed; the median is printed.
+/// The number of runs per measurement; the median is printed.
 const RUNS: usize = 5;
 
-/// The features of the runtime that give messages more impls.
+/// The features of the runtime that add trait implementations to messages.
 pub(super) const FEATURES: [&str; 4] = ["defmt", "proptest", "schemars", "serde"];
 
 pub(super) fn run() -> Result<(), String> {
@@ -18,7 +18,7 @@ pub(super) fn run() -> Result<(), String> {
     let plain = root.join("target/bench-derive");
     let messages = generate(&root, &generated)?;
     derive::write(&generated.join("src/px4"), &plain)?;
-    println!("{messages} messages, seconds to check (median of {RUNS}, least to greatest)\n");
+    println!("{messages} messages, seconds for cargo check (median of {RUNS}, minimum to maximum)\n");
     println!("| features | generated | | plain structs with derives | |\n|---|---|---|---|---|");
     let all = FEATURES.join(",");
     for features in [""].into_iter().chain(FEATURES).chain([all.as_str()]) {
@@ -33,7 +33,7 @@ pub(super) fn run() -> Result<(), String> {
     Ok(())
 }
 
-/// Generates the crate and returns the number of its messages.
+/// Generates the crate and returns the number of messages.
 fn generate(root: &Path, folder: &Path) -> Result<usize, String> {
     let default = root.join("../shared/corpus");
     let messages = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from).join("px4/main/msg");
@@ -58,7 +58,7 @@ fn generate(root: &Path, folder: &Path) -> Result<usize, String> {
     Ok(generated.inputs.len() - 1)
 }
 
-/// Times the compilation of a crate alone, without incremental reuse.
+/// Times the compilation of one crate, without incremental compilation.
 fn time(folder: &Path, arguments: &[&str]) -> Result<String, String> {
     let at = |error: std::io::Error| format!("{}: {error}", folder.display());
     cargo(folder, arguments)?;

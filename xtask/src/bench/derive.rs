@@ -1,4 +1,4 @@
-//! The same messages as plain structs with the derives of the crates, to compare with.
+//! Writes plain structs with derives for the same messages, for comparison.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -32,7 +32,7 @@ const DERIVES: &str = r#"#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 "#;
 
-/// Writes a crate of the structs in `messages`, a folder of generated modules, to `folder`.
+/// Writes a crate with the structs of `messages`, a folder of generated modules, to `folder`.
 pub(super) fn write(messages: &Path, folder: &Path) -> Result<(), String> {
     let at = |error: std::io::Error| format!("{}: {error}", folder.display());
     let mut text = String::from("#![allow(ambiguous_glob_reexports)]\npub mod px4 {\n");
@@ -48,7 +48,7 @@ pub(super) fn write(messages: &Path, folder: &Path) -> Result<(), String> {
     fs::write(folder.join("src/lib.rs"), text).map_err(at)
 }
 
-/// The structs of a generated module, without what the crates' derives have no way to handle.
+/// The structs of a generated module, without items that the derives don't support.
 fn structs(module: &str) -> String {
     let mut text = String::new();
     let mut is_struct = false;
@@ -66,7 +66,7 @@ fn structs(module: &str) -> String {
     text
 }
 
-/// A field; serde has no arrays beyond 32 elements.
+/// A field. Arrays of more than 32 elements become vectors, because serde doesn't support them.
 fn plain(field: &str) -> String {
     let Some((name, ty)) = field.split_once(": ") else { return field.to_owned() };
     let ty = ty.trim_end_matches(',');

@@ -1,4 +1,4 @@
-//! Runs a tool's adapter, and reads what it says.
+//! Runs the adapter of a tool and reads its output.
 
 use std::fs::File;
 use std::io::{BufRead as _, BufReader, Read as _};
@@ -12,61 +12,61 @@ use serde::{Deserialize, Serialize};
 
 use super::job::Job;
 
-/// The longest line that is read: a version or a verdict with its message is far shorter.
+/// The maximum length of a line. A version or a verdict with its message is much shorter.
 const LONGEST_LINE: u64 = 1 << 16;
 
-/// How many lines may wait to be read.
+/// The maximum number of buffered lines.
 const WAITING_LINES: usize = 1024;
 
-/// How often a process that has said all is asked whether it has ended.
+/// The interval between checks for the end of a process that has closed its output.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// All that an adapter said.
+/// The output of an adapter.
 #[derive(Debug)]
 pub(super) struct Answers {
     pub(super) version: Option<String>,
-    /// What came of each job, in their order.
+    /// The answer to each job, in order.
     pub(super) jobs: Vec<Answer>,
     pub(super) end: End,
     pub(super) time: Duration,
 }
 
-/// What came of a job.
+/// The answer to a job.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Answer {
-    /// Nothing was said.
+    /// No answer.
     Nothing,
-    /// The tool can't use the schema.
+    /// The tool rejects the schema.
     NoSchema(String),
-    /// The verdict on each case.
+    /// The verdict on each case, if any.
     Verdicts(Vec<Option<Verdict>>),
 }
 
-/// What a tool makes of an instance.
+/// The verdict of a tool on an instance.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
     Valid,
-    /// It isn't valid, and why.
+    /// Invalid, with the reason.
     Invalid(String),
     /// The tool failed.
     Failed(String),
 }
 
-/// How an adapter ended.
+/// The end of an adapter's run.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum End {
-    /// By itself, with success.
+    /// The adapter exited successfully.
     Finished,
-    /// It failed to start, or ended with another status.
+    /// The adapter failed to start, or exited with an error.
     Crashed(String),
-    /// It took too long.
+    /// The adapter exceeded the time limit.
     Hung,
-    /// It said what no adapter may say.
+    /// The adapter printed an invalid line.
     Garbage(String),
 }
 
-/// A line of an adapter.
+/// A line of output.
 #[derive(Deserialize)]
 struct Line {
     version: Option<String>,
@@ -77,7 +77,7 @@ struct Line {
     message: Option<String>,
 }
 
-/// Runs an adapter for at most `limit`; what it writes besides goes to the file `log`.
+/// Runs an adapter for at most `limit`. Its standard error is written to the file `log`.
 pub(super) fn run(command: &mut Command, jobs: &[Job], log: &Path, limit: Duration) -> Answers {
     let started = Instant::now();
     let mut answers = Answers {
@@ -90,7 +90,7 @@ pub(super) fn run(command: &mut Command, jobs: &[Job], log: &Path, limit: Durati
         Err(error) => End::Crashed(error),
         Ok((mut child, lines)) => {
             let end = listen(&mut answers, jobs, &mut child, &lines, started + limit);
-            // Whatever it is still doing is of no use.
+            // Stop the adapter if it is still running.
             let _ = child.kill();
             let _ = child.wait();
             end
@@ -105,9 +105,9 @@ fn start(command: &mut Command, log: &Path) -> Result<(Child, Receiver<Vec<u8>>)
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(log);
     let program = command.get_program().to_string_lossy().into_owned();
     let mut child = command.spawn().map_err(|error| format!("{program}: {error}"))?;
-    let out = child.stdout.take().ok_or("no standard output")?;
+    let out = child.stdout.take().ok_or("the adapter has no standard output")?;
     let (sender, lines) = mpsc::sync_channel(WAITING_LINES);
-    // The thread isn't joined: something that the adapter started may hold the pipe open for ever.
+    // Don't join the thread: a child process of the adapter may keep the pipe open.
     thread::spawn(move || {
         let mut out = BufReader::new(out);
         loop {
@@ -158,29 +158,28 @@ impl Answers {
             return Ok(());
         };
         let (Some(job), Some(answer)) = (jobs.get(index), self.jobs.get_mut(index)) else {
-            return Err(format!("there is no job {index}"));
+            return Err(format!("unknown job {index}"));
         };
         let Some(case) = line.case else {
             if *answer != Answer::Nothing {
-                return Err(format!("job {index} for the second time"));
+                return Err(format!("duplicate job {index}"));
             }
             *answer =
                 line.error.map_or_else(|| Answer::Verdicts(vec![None; job.cases.len()]), Answer::NoSchema);
             return Ok(());
         };
         let Answer::Verdicts(verdicts) = answer else {
-            return Err(format!("a case of job {index}, whose schema isn't compiled"));
+            return Err(format!("a case of job {index} before its schema"));
         };
-        let verdict =
-            verdicts.get_mut(case).ok_or_else(|| format!("there is no case {case} of job {index}"))?;
+        let verdict = verdicts.get_mut(case).ok_or_else(|| format!("unknown case {case} of job {index}"))?;
         if verdict.is_some() {
-            return Err(format!("case {case} of job {index} for the second time"));
+            return Err(format!("duplicate case {case} of job {index}"));
         }
         *verdict = Some(match (line.valid, line.error) {
             (_, Some(error)) => Verdict::Failed(error),
             (Some(true), None) => Verdict::Valid,
             (Some(false), None) => Verdict::Invalid(line.message.unwrap_or_default()),
-            (None, None) => return Err(format!("no verdict on case {case} of job {index}")),
+            (None, None) => return Err(format!("case {case} of job {index} has no verdict")),
         });
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Installs what adapters need, below the target folder and without root, and says how they are started.
+//! Installs the requirements of adapters below the target folder, without root, and creates their commands.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -8,15 +8,15 @@ use std::process::{Command, Stdio};
 
 use super::tool::{Environment, Tool};
 
-/// What is installed.
+/// The installed environments.
 #[derive(Debug)]
 pub(super) struct Installation {
-    /// The folder with the adapters.
+    /// The folder of the adapters.
     source: PathBuf,
-    /// The folder that everything is installed into.
+    /// The folder of the installation.
     target: PathBuf,
     may_install: bool,
-    /// What came of each environment.
+    /// The result for each environment.
     outcomes: BTreeMap<Environment, Result<(), String>>,
 }
 
@@ -25,7 +25,7 @@ impl Installation {
         Self { source, target, may_install, outcomes: BTreeMap::new() }
     }
 
-    /// The command that runs the adapter of `tool`; or why it can't be run.
+    /// The command that runs the adapter of `tool`, or the reason why it can't run.
     pub(super) fn command(&mut self, tool: &Tool) -> Result<Command, String> {
         if !self.outcomes.contains_key(&tool.environment) {
             self.outcomes.insert(tool.environment, self.prepare(tool.environment));
@@ -37,7 +37,7 @@ impl Installation {
             Environment::Python => {
                 let mut found = command(self.target.join("python/venv/bin/python"), [adapter("python")]);
                 found.env("PYTHONPATH", self.source.join("python")).env("PYTHONDONTWRITEBYTECODE", "1");
-                // Adapters bear the names of their packages, which they import all the same.
+                // Adapters have the same names as the packages that they import.
                 found.env("PYTHONSAFEPATH", "1");
                 Ok(found)
             }
@@ -63,22 +63,21 @@ impl Installation {
                     "nlohmann/json.hpp",
                     "/dev/null",
                 ];
-                probe("g++", &check).map_err(|_| {
-                    "needs g++, libvalijson-dev and nlohmann-json3-dev (apt-get install them)".to_owned()
-                })
+                probe("g++", &check)
+                    .map_err(|_| "requires g++, libvalijson-dev and nlohmann-json3-dev".to_owned())
             }
             Environment::Perl => probe("perl", &["-MJSON::Validator", "-e", "1"])
-                .map_err(|_| "needs libjson-validator-perl (apt-get install it)".to_owned()),
+                .map_err(|_| "requires libjson-validator-perl".to_owned()),
         }
     }
 
-    /// Packages are found beside the adapters, so both go to the target folder.
+    /// Node looks for packages next to the adapters, so both are copied to the target folder.
     fn node(&self) -> Result<(), String> {
-        probe("node", &["--version"]).map_err(|error| format!("needs Node 20 or later: {error}"))?;
+        probe("node", &["--version"]).map_err(|error| format!("requires Node 20 or later: {error}"))?;
         let target = self.target.join("node");
         copy(&self.source.join("node"), &target)?;
         self.once(&target.join("package-lock.json"), &target.join("node_modules/installed"), || {
-            probe("npm", &["--version"]).map_err(|error| format!("needs npm: {error}"))?;
+            probe("npm", &["--version"]).map_err(|error| format!("requires npm: {error}"))?;
             let arguments = ["ci", "--no-audit", "--no-fund", "--ignore-scripts", "--omit=optional"];
             execute(command("npm", arguments).current_dir(&target))
         })
@@ -94,7 +93,7 @@ impl Installation {
         })
     }
 
-    /// Installs, unless that was done with the same lock file: a copy of it stands for what is installed.
+    /// Installs unless an installation with the same lock file exists. A copy of the lock file marks the installation.
     fn once(
         &self,
         lock: &Path,
@@ -106,9 +105,9 @@ impl Installation {
             return Ok(());
         }
         if !self.may_install {
-            return Err(format!("not installed as {} says", lock.display()));
+            return Err(format!("packages of {} are not installed", lock.display()));
         }
-        eprintln!("interop: installing what {} names", lock.display());
+        eprintln!("interop: installing packages of {}", lock.display());
         install()?;
         fs::write(installed, text).map_err(|error| format!("{}: {error}", installed.display()))
     }
@@ -147,7 +146,7 @@ fn command(program: impl AsRef<OsStr>, arguments: impl IntoIterator<Item = impl 
     command
 }
 
-/// Runs a command whose output is of no interest.
+/// Runs a command and ignores its output.
 fn probe(program: &str, arguments: &[&str]) -> Result<(), String> {
     output(program, arguments).map(|_| ())
 }
@@ -162,7 +161,7 @@ fn output(program: &str, arguments: &[&str]) -> Result<String, String> {
     }
 }
 
-/// Runs a command that installs. What it says goes to standard error; what comes of the tools is the output.
+/// Runs an installation command. Prints its output only if it fails.
 fn execute(command: &mut Command) -> Result<(), String> {
     let name = command.get_program().to_string_lossy().into_owned();
     let done = command.stdin(Stdio::null()).output().map_err(|error| format!("{name}: {error}"))?;
@@ -173,7 +172,7 @@ fn execute(command: &mut Command) -> Result<(), String> {
     Err(format!("{name}: {}", done.status))
 }
 
-/// Copies the files of a folder, but no packages that somebody installed there.
+/// Copies the files of a folder, except installed packages.
 fn copy(from: &Path, to: &Path) -> Result<(), String> {
     let at = |error: std::io::Error| format!("{}: {error}", from.display());
     fs::create_dir_all(to).map_err(at)?;

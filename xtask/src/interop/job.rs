@@ -1,4 +1,4 @@
-//! What is asked of every tool: the cases of the vectors, against the published schemas.
+//! The jobs for each tool: the cases of the vectors, with the published schemas.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use serde_json::{Value, json};
 
-/// How a schema is named to a tool.
+/// The way to refer to a schema.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Form {
-    /// By its own address; it refers to other files.
+    /// By its own URL. The schema refers to other files.
     Files,
-    /// By its place in the bundle of its package, which refers to no other file.
+    /// By its location in the bundle of its package, which refers to no other file.
     Bundle,
 }
 
@@ -32,29 +32,29 @@ impl Form {
 pub(super) struct Job {
     pub(super) form: Form,
     pub(super) package: String,
-    /// The type, after its package.
+    /// The type, with its package.
     pub(super) name: String,
-    /// The address of the schema.
+    /// The URL of the schema.
     pub(super) schema: String,
     pub(super) cases: Vec<Case>,
 }
 
-/// An instance, and what is true of it.
+/// An instance and the expected result.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Case {
     pub(super) id: String,
-    /// The instance exactly as the vectors have it: tools read numbers by themselves.
+    /// The instance exactly as in the vectors, because tools parse numbers differently.
     pub(super) text: String,
-    /// Whether the schema takes it.
+    /// True if the schema accepts it.
     pub(super) is_valid: bool,
-    /// The rule that it breaks, where no schema can say so.
+    /// The violated rule, if a schema can't express it.
     pub(super) beyond: Option<String>,
 }
 
-/// All that tools are asked, and the documents that they need for it.
+/// All jobs, and the documents that they require.
 #[derive(Debug)]
 pub(super) struct Jobs {
-    /// Where each schema is, by its address.
+    /// The paths of the schemas, by URL.
     documents: BTreeMap<String, PathBuf>,
     pub(super) list: Vec<Job>,
 }
@@ -87,7 +87,7 @@ struct Test {
 }
 
 impl Jobs {
-    /// Reads what is generated in `folder`.
+    /// Reads the generated files in `folder`.
     pub(super) fn read(folder: &Path) -> Result<Self, String> {
         let mut documents = BTreeMap::new();
         let mut bundles = BTreeMap::new();
@@ -107,7 +107,7 @@ impl Jobs {
             let (package, name) = vectors
                 .name
                 .split_once('/')
-                .ok_or_else(|| format!("{}: `type` names no package", path.display()))?;
+                .ok_or_else(|| format!("{}: `type` contains no package", path.display()))?;
             let cases = cases(folder, &path, vectors.cases)?;
             let job = |form, schema| Job {
                 form,
@@ -121,7 +121,7 @@ impl Jobs {
                 let definition = name_of(&path).trim_end_matches(".vectors.json");
                 if definitions.get(definition).is_none() {
                     return Err(format!(
-                        "{address} doesn't define `{definition}`, of which {name} has vectors"
+                        "{address} doesn't define `{definition}`, which {name} has vectors for"
                     ));
                 }
                 list.push(job(Form::Bundle, format!("{address}#/$defs/{definition}")));
@@ -129,12 +129,15 @@ impl Jobs {
         }
         list.sort_by(|left, right| (left.form, &left.name).cmp(&(right.form, &right.name)));
         if list.is_empty() {
-            return Err(format!("{}: no vectors; `cargo xtask codegen` makes them", folder.display()));
+            return Err(format!(
+                "{}: no vectors; generate them with `cargo xtask codegen`",
+                folder.display()
+            ));
         }
         Ok(Self { documents, list })
     }
 
-    /// The file that adapters read, a line for each document and each job.
+    /// The input file of adapters, with a line for each document and each job.
     pub(super) fn text(&self) -> String {
         let documents =
             self.documents.iter().map(|(address, path)| json!({ "document": address, "path": path }));
@@ -145,7 +148,7 @@ impl Jobs {
         documents.chain(jobs).map(|line| format!("{line}\n")).collect()
     }
 
-    /// How many cases break each rule that no schema can express.
+    /// The number of cases that violate each rule that schemas can't express.
     pub(super) fn beyond_schemas(&self) -> BTreeMap<String, usize> {
         let mut rules = BTreeMap::new();
         for case in self.list.iter().filter(|job| job.form == Form::Files).flat_map(|job| &job.cases) {
@@ -157,8 +160,8 @@ impl Jobs {
     }
 }
 
-/// The cases that have JSON. What the schema makes of each stands in the form of the JSON Schema Test Suite; of what
-/// isn't there, since some tools can't tell it, the vectors themselves know.
+/// The cases with JSON. The expected results come from the files in the format of the JSON Schema Test Suite. Cases
+/// that these files omit, because tools disagree on them, use the result of the vectors.
 fn cases(folder: &Path, path: &Path, vectors: Vec<Vector>) -> Result<Vec<Case>, String> {
     let root = folder.join("vectors");
     let relative = path.strip_prefix(&root).map_err(|error| error.to_string())?;
@@ -182,7 +185,7 @@ fn cases(folder: &Path, path: &Path, vectors: Vec<Vector>) -> Result<Vec<Case>, 
     Ok(vectors.into_iter().filter_map(case).collect())
 }
 
-/// The files below `folder` whose names end so, sorted.
+/// The files below `folder` with this ending, sorted.
 fn files(folder: &Path, ending: &str) -> Result<Vec<PathBuf>, String> {
     let at = |error: std::io::Error| format!("{}: {error}", folder.display());
     let mut found = Vec::new();

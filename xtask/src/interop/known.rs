@@ -1,4 +1,4 @@
-//! Disagreements that are known, with who is right and why: `xtask/interop/disagreements.toml`.
+//! Known disagreements and their explanations: `xtask/interop/disagreements.toml`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -9,42 +9,42 @@ use serde::Deserialize;
 use super::job::Form;
 use super::tally::{Disagreement, Does, Tally};
 
-/// All that is known.
+/// The content of the file.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Known {
-    /// What tools see in another way.
+    /// Explained disagreements.
     #[serde(default)]
     pub(super) disagreement: Vec<Entry>,
-    /// What no schema can say.
+    /// Rules that schemas can't express.
     #[serde(default)]
     pub(super) beyond: Vec<Beyond>,
 }
 
-/// A disagreement, explained.
+/// An explained disagreement.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Entry {
     pub(super) id: String,
     pub(super) tools: Vec<String>,
     pub(super) does: Does,
-    /// In what form the schemas are; in both, where it doesn't say.
+    /// The form of the schemas; `None` for both.
     pub(super) form: Option<Form>,
-    /// Patterns of `package/Type#case`, or of `package/Type` where whole schemas are meant. `*` stands for anything.
+    /// Glob patterns of `package/Type#case`, or of `package/Type` for whole schemas.
     pub(super) places: Vec<String>,
     pub(super) right: Right,
-    /// What it is judged by.
+    /// The section of the specification.
     pub(super) section: String,
     pub(super) reason: String,
 }
 
-/// Who is right.
+/// The correct party.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Right {
-    /// The schema and the vectors say what is true, and the tool doesn't.
+    /// The schema and the vectors are correct, and the tool is not.
     Schema,
-    /// The specification leaves it to the tool.
+    /// The specification allows both.
     Both,
 }
 
@@ -56,50 +56,50 @@ pub(super) struct Beyond {
     pub(super) reason: String,
 }
 
-/// What is left when all explanations are taken into account.
+/// The disagreements, classified by their explanations.
 #[derive(Debug, Default)]
-pub(super) struct Judgement {
-    /// How many disagreements of each tool each entry explains.
+pub(super) struct Classification {
+    /// The number of explained disagreements, by tool and explanation.
     pub(super) explained: BTreeMap<String, BTreeMap<String, usize>>,
-    /// What nothing explains, by tool.
+    /// The unexplained disagreements, by tool.
     pub(super) unexplained: BTreeMap<String, Vec<Disagreement>>,
-    /// Explanations of nothing.
+    /// Explanations that apply to no disagreement.
     pub(super) stale: Vec<String>,
 }
 
 impl Known {
-    /// Reads the file; `tools` are the names that entries may have.
+    /// Reads the file. `tools` are the valid names of tools.
     pub(super) fn read(path: &Path, tools: &BTreeSet<&str>) -> Result<Self, String> {
         let at = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         let text = std::fs::read_to_string(path).map_err(|error| at(&error))?;
         let known: Self = toml::from_str(&text).map_err(|error| at(&error))?;
-        let mistakes = known.mistakes(tools);
-        if mistakes.is_empty() { Ok(known) } else { Err(at(&mistakes.join("; "))) }
+        let errors = known.errors(tools);
+        if errors.is_empty() { Ok(known) } else { Err(at(&errors.join("; "))) }
     }
 
-    fn mistakes(&self, tools: &BTreeSet<&str>) -> Vec<String> {
-        let mut mistakes = Vec::new();
+    fn errors(&self, tools: &BTreeSet<&str>) -> Vec<String> {
+        let mut errors = Vec::new();
         let mut ids = BTreeSet::new();
         for entry in &self.disagreement {
             if !ids.insert(&entry.id) {
-                mistakes.push(format!("two entries are called `{}`", entry.id));
+                errors.push(format!("duplicate entry `{}`", entry.id));
             }
             let unknown = entry.tools.iter().filter(|tool| !tools.contains(tool.as_str()));
-            mistakes.extend(unknown.map(|tool| format!("`{}`: there is no tool `{tool}`", entry.id)));
+            errors.extend(unknown.map(|tool| format!("`{}`: unknown tool `{tool}`", entry.id)));
             let patterns = entry.places.iter().filter_map(|place| Glob::new(place).err());
-            mistakes.extend(patterns.map(|error| format!("`{}`: {error}", entry.id)));
+            errors.extend(patterns.map(|error| format!("`{}`: {error}", entry.id)));
         }
-        mistakes
+        errors
     }
 
-    /// Explains what tools that ran disagree in. The first entry that fits explains a disagreement. An entry has to
-    /// explain something of each of its tools that ran, and each of its patterns something of one of them.
-    pub(super) fn judge(&self, tallies: &BTreeMap<String, Tally>) -> Judgement {
-        let mut judgement = Judgement::default();
+    /// Classifies the disagreements of the tools that ran. The first matching entry explains a disagreement. An entry
+    /// must explain at least one disagreement of each of its tools that ran, and each of its patterns at least one.
+    pub(super) fn classify(&self, tallies: &BTreeMap<String, Tally>) -> Classification {
+        let mut classification = Classification::default();
         let entries: Vec<Matcher<'_>> = self.disagreement.iter().map(Matcher::new).collect();
         let mut used_patterns = BTreeSet::new();
         for (tool, tally) in tallies {
-            let explained = judgement.explained.entry(tool.clone()).or_default();
+            let explained = classification.explained.entry(tool.clone()).or_default();
             for disagreement in &tally.disagreements {
                 let found =
                     entries.iter().find_map(|entry| Some((entry, entry.explains(tool, disagreement)?)));
@@ -107,47 +107,51 @@ impl Known {
                     *explained.entry(entry.id.clone()).or_default() += 1;
                     used_patterns.insert((entry.id.as_str(), pattern));
                 } else {
-                    judgement.unexplained.entry(tool.clone()).or_default().push(disagreement.clone());
+                    classification.unexplained.entry(tool.clone()).or_default().push(disagreement.clone());
                 }
             }
         }
         for entry in &self.disagreement {
-            let mut ran =
-                entry.tools.iter().filter_map(|tool| Some((tool, judgement.explained.get(tool)?))).peekable();
+            let mut ran = entry
+                .tools
+                .iter()
+                .filter_map(|tool| Some((tool, classification.explained.get(tool)?)))
+                .peekable();
             if ran.peek().is_none() {
                 continue;
             }
-            let idle: Vec<&str> = ran
+            let unused: Vec<&str> = ran
                 .filter(|(_, found)| !found.contains_key(&entry.id))
                 .map(|(tool, _)| tool.as_str())
                 .collect();
-            judgement
-                .stale
-                .extend(idle.iter().map(|tool| format!("`{}` explains nothing of {tool}", entry.id)));
-            let needless = entry.places.iter().enumerate();
-            let needless =
-                needless.filter(|(index, _)| !used_patterns.contains(&(entry.id.as_str(), *index)));
-            judgement
-                .stale
-                .extend(needless.map(|(_, place)| format!("`{}`: `{place}` explains nothing", entry.id)));
+            classification.stale.extend(
+                unused.iter().map(|tool| format!("`{}` explains no disagreement of {tool}", entry.id)),
+            );
+            let unused = entry.places.iter().enumerate();
+            let unused = unused.filter(|(index, _)| !used_patterns.contains(&(entry.id.as_str(), *index)));
+            classification.stale.extend(
+                unused.map(|(_, place)| format!("`{}`: `{place}` explains no disagreement", entry.id)),
+            );
         }
-        judgement
+        classification
     }
 
-    /// What is wrong with the list of rules that schemas can't express, given those that are broken so.
+    /// Compares the list of rules that schemas can't express with `rules`, and returns the errors.
     pub(super) fn check_beyond(&self, rules: &BTreeMap<String, usize>) -> Vec<String> {
         let listed: BTreeSet<&str> = self.beyond.iter().map(|entry| entry.rule.as_str()).collect();
         let missing = rules.keys().filter(|rule| !listed.contains(rule.as_str()));
-        let missing =
-            missing.map(|rule| format!("schemas take cases that break {rule}, and no `[[beyond]]` says why"));
-        let needless = listed.iter().filter(|rule| !rules.contains_key(**rule));
+        let missing = missing
+            .map(|rule| format!("schemas accept violations of {rule}, which has no entry in `[[beyond]]`"));
+        let unused = listed.iter().filter(|rule| !rules.contains_key(**rule));
         missing
-            .chain(needless.map(|rule| format!("`[[beyond]]` names {rule}, which no case breaks so")))
+            .chain(
+                unused.map(|rule| format!("`[[beyond]]` contains {rule}, but schemas reject all violations")),
+            )
             .collect()
     }
 }
 
-/// An entry with its patterns, made ready.
+/// An entry with compiled patterns.
 struct Matcher<'k> {
     entry: &'k Entry,
     places: Vec<Option<GlobMatcher>>,

@@ -1,4 +1,4 @@
-//! What came of the latest run of each tool: `xtask/interop/results.json`, which the page is made of.
+//! The results of the latest run of each tool, in `xtask/interop/results.json`.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -10,27 +10,27 @@ use super::adapter::End;
 use super::job::Form;
 use super::tally::{Count, Tally};
 
-/// The results of all tools that ever ran.
+/// The results of all tools.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
 pub(super) struct Record {
-    /// How many cases break each rule that no schema can express.
+    /// The number of cases that violate each rule that schemas can't express.
     pub(super) beyond: BTreeMap<String, usize>,
     pub(super) tools: BTreeMap<String, ToolRecord>,
 }
 
-/// The results of a tool, without what differs from machine to machine.
+/// The results of a tool, without machine-dependent values.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
 pub(super) struct ToolRecord {
     pub(super) version: String,
     pub(super) end: String,
-    /// By form and package.
+    /// The counts by form and package.
     pub(super) counts: BTreeMap<Form, BTreeMap<String, Count>>,
-    /// How many disagreements each entry explains.
+    /// The number of disagreements that each entry explains.
     pub(super) explained: BTreeMap<String, usize>,
 }
 
 impl Record {
-    /// Reads the file; where there is none, nothing is known.
+    /// Reads the file. Returns an empty record if it doesn't exist.
     pub(super) fn read(path: &Path) -> Result<Self, String> {
         match fs::read_to_string(path) {
             Ok(text) => serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display())),
@@ -45,7 +45,7 @@ impl Record {
         format!("{text}\n")
     }
 
-    /// Replaces what is known of a tool.
+    /// Replaces the results of a tool.
     pub(super) fn set(&mut self, tool: &str, tally: &Tally, explained: BTreeMap<String, usize>) {
         let mut counts: BTreeMap<Form, BTreeMap<String, Count>> = BTreeMap::new();
         for ((form, package), count) in &tally.counts {

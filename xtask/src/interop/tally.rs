@@ -1,4 +1,4 @@
-//! What a tool said, beside what is true.
+//! Comparison of a tool's verdicts with the expected results.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -10,7 +10,7 @@ use super::adapter::{Answer, Answers, End, Verdict};
 use super::job::{Case, Form, Job};
 use super::tool::{Kind, Tool};
 
-/// The outcome of a tool's run.
+/// The result of a tool's run.
 #[derive(Debug)]
 pub(super) struct Tally {
     pub(super) version: Option<String>,
@@ -19,47 +19,48 @@ pub(super) struct Tally {
     pub(super) disagreements: Vec<Disagreement>,
 }
 
-/// How often a tool agreed, over the cases of a package in one form.
+/// The results for the cases of a package in one form.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
 pub(super) struct Count {
-    /// Schemas that it could use, or make code of that compiles.
+    /// The number of schemas that the tool could use. For generators, the generated code must compile.
     pub(super) schemas: usize,
-    /// Schemas that it couldn't.
+    /// The number of schemas that the tool could not use.
     pub(super) schemas_failed: usize,
     pub(super) agreed: usize,
     pub(super) disagreed: usize,
-    /// Cases that it said nothing of, mostly since it couldn't use their schema.
+    /// The number of cases without a verdict, usually because the tool could not use their schema.
     pub(super) not_run: usize,
-    /// Invalid cases that a generator's code refuses. It needn't: types can't say everything.
+    /// The number of invalid cases that generated code rejects. It may accept them, because types can't express all
+    /// constraints.
     pub(super) refused: usize,
-    /// Invalid cases that it takes.
+    /// The number of invalid cases that generated code accepts.
     pub(super) taken: usize,
 }
 
-/// Something that a tool sees in another way.
+/// A disagreement of a tool.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Disagreement {
     pub(super) form: Form,
-    /// The type; after `#` the case, if it is about one.
+    /// The type, followed by `#` and the case if the disagreement concerns one.
     pub(super) place: String,
     pub(super) does: Does,
-    /// The tool's own words.
+    /// The message of the tool.
     pub(super) message: String,
 }
 
-/// What a tool does that it shouldn't do.
+/// The kind of disagreement.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Does {
-    /// It takes an invalid instance.
+    /// The tool accepts an invalid instance.
     Takes,
-    /// It refuses a valid instance.
+    /// The tool rejects a valid instance.
     Refuses,
-    /// It fails on an instance.
+    /// The tool fails on an instance.
     Fails,
-    /// It can't use a schema.
+    /// The tool rejects a schema.
     RefusesSchema,
-    /// It says nothing of cases whose schema it has compiled, or of a schema.
+    /// The tool gives no answer on a schema, or on a case of a compiled schema.
     SaysNothing,
 }
 
@@ -67,10 +68,10 @@ impl fmt::Display for Does {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
             Self::Takes => "accepts invalid instances",
-            Self::Refuses => "refuses valid instances",
+            Self::Refuses => "rejects valid instances",
             Self::Fails => "fails on instances",
             Self::RefusesSchema => "can't use the schema",
-            Self::SaysNothing => "says nothing",
+            Self::SaysNothing => "gives no answer",
         })
     }
 }
@@ -88,7 +89,7 @@ impl AddAssign for Count {
 }
 
 impl Tally {
-    /// Compares answers with what is true of the cases. Jobs of a form that the tool can't be given are left out.
+    /// Compares answers with the expected results. Ignores jobs in a form that the tool doesn't support.
     pub(super) fn of(tool: &Tool, jobs: &[Job], answers: Answers) -> Self {
         let mut tally = Self {
             version: answers.version,
@@ -96,8 +97,8 @@ impl Tally {
             counts: BTreeMap::new(),
             disagreements: Vec::new(),
         };
-        let is_given = |job: &Job| tool.form.is_none_or(|form| form == job.form);
-        for (job, answer) in jobs.iter().zip(answers.jobs).filter(|(job, _)| is_given(job)) {
+        let is_supported = |job: &Job| tool.form.is_none_or(|form| form == job.form);
+        for (job, answer) in jobs.iter().zip(answers.jobs).filter(|(job, _)| is_supported(job)) {
             tally.add(tool.kind, job, answer);
         }
         tally
@@ -116,23 +117,23 @@ impl Tally {
         let mut disagree = |place: String, does, message| {
             self.disagreements.push(Disagreement { form: job.form, place, does, message });
         };
-        // Of generated code only valid instances are a matter.
-        let matters = |case: &&Case| kind == Kind::Validator || case.is_valid;
+        // Disagreements of generated code count only for valid instances.
+        let is_relevant = |case: &&Case| kind == Kind::Validator || case.is_valid;
         let verdicts = match answer {
             Answer::Verdicts(verdicts) => verdicts,
             Answer::NoSchema(error) => {
                 count.schemas_failed += 1;
-                count.not_run += job.cases.iter().filter(matters).count();
+                count.not_run += job.cases.iter().filter(is_relevant).count();
                 return disagree(job.name.clone(), Does::RefusesSchema, error);
             }
             Answer::Nothing => {
-                count.not_run += job.cases.iter().filter(matters).count();
+                count.not_run += job.cases.iter().filter(is_relevant).count();
                 return disagree(job.name.clone(), Does::SaysNothing, String::new());
             }
         };
         count.schemas += 1;
         for (case, verdict) in job.cases.iter().zip(verdicts) {
-            if !matters(&case) {
+            if !is_relevant(&case) {
                 match verdict {
                     Some(Verdict::Valid) => count.taken += 1,
                     Some(_) => count.refused += 1,

@@ -1,4 +1,4 @@
-//! The comparison, with adapters made up for it: nothing has to be installed.
+//! Tests with fake adapters, which require no installation.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -10,17 +10,17 @@ use tempfile::TempDir;
 
 use super::adapter::{self, Answer, Answers, End, Verdict};
 use super::job::{Case, Form, Job, Jobs};
-use super::known::{Judgement, Known};
+use super::known::{Classification, Known};
 use super::page;
 use super::record::Record;
 use super::tally::{Count, Does, Tally};
 use super::tool::{self, Tool};
-use super::{Places, canonical};
+use super::{Paths, canonical};
 
-/// Far more than any script here takes.
+/// Much longer than any script takes.
 const LONG: Duration = Duration::from_secs(120);
 
-const SAYS_ALL: &str = r#"
+const ANSWERS: &str = r#"
 echo '{"version": "1.2.3"}'
 echo '{"job": 0}'
 echo '{"job": 0, "case": 0, "valid": true}'
@@ -33,7 +33,7 @@ fn case(id: &str, is_valid: bool) -> Case {
     Case { id: id.to_owned(), text: "{}".to_owned(), is_valid, beyond: None }
 }
 
-/// Two jobs: of three cases, one of them invalid, and of one.
+/// Two jobs: one with three cases, including an invalid one, and one with one case.
 fn jobs() -> Vec<Job> {
     let job = |name: &str, cases| Job {
         form: Form::Files,
@@ -54,7 +54,7 @@ fn tool(kind: &str, more: &str) -> Tool {
     toml::from_str(&text).expect("a tool")
 }
 
-/// Runs a script of the shell in place of an adapter.
+/// Runs a shell script as an adapter.
 fn run(script: &str, limit: Duration) -> Answers {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut command = Command::new("sh");
@@ -71,8 +71,8 @@ fn total(tally: &Tally) -> Count {
 
 #[test]
 #[cfg(unix)]
-fn verdicts_are_compared_with_what_is_true() {
-    let tally = tally("validator", SAYS_ALL);
+fn compares_verdicts_with_expected_results() {
+    let tally = tally("validator", ANSWERS);
     assert_eq!((tally.version.as_deref(), &tally.end), (Some("1.2.3"), &End::Finished));
     let count =
         Count { schemas: 1, schemas_failed: 1, agreed: 1, disagreed: 2, not_run: 1, refused: 0, taken: 0 };
@@ -88,8 +88,8 @@ fn verdicts_are_compared_with_what_is_true() {
 
 #[test]
 #[cfg(unix)]
-fn of_generators_only_valid_instances_are_a_matter() {
-    let tally = tally("generator", SAYS_ALL);
+fn ignores_invalid_instances_that_generated_code_accepts() {
+    let tally = tally("generator", ANSWERS);
     let count =
         Count { schemas: 1, schemas_failed: 1, agreed: 1, disagreed: 1, not_run: 1, refused: 0, taken: 1 };
     assert_eq!(total(&tally), count);
@@ -98,14 +98,14 @@ fn of_generators_only_valid_instances_are_a_matter() {
 
 #[test]
 #[cfg(unix)]
-fn jobs_of_a_form_that_a_tool_cant_be_given_are_left_out() {
-    let tally = Tally::of(&tool("validator", "form = \"bundle\""), &jobs(), run(SAYS_ALL, LONG));
+fn ignores_jobs_in_an_unsupported_form() {
+    let tally = Tally::of(&tool("validator", "form = \"bundle\""), &jobs(), run(ANSWERS, LONG));
     assert!(tally.counts.is_empty() && tally.disagreements.is_empty());
 }
 
 #[test]
 #[cfg(unix)]
-fn what_was_said_before_a_crash_counts() {
+fn counts_answers_before_a_crash() {
     let script = "echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 0, \"valid\": true}'; exit 3";
     let tally = tally("validator", script);
     assert!(matches!(&tally.end, End::Crashed(status) if status.contains('3')), "{:?}", tally.end);
@@ -117,7 +117,7 @@ fn what_was_said_before_a_crash_counts() {
 
 #[test]
 #[cfg(unix)]
-fn a_tool_that_hangs_is_stopped() {
+fn stops_an_adapter_that_hangs() {
     for script in ["exec sleep 600", "exec >&-; exec sleep 600"] {
         let answers = run(script, Duration::from_millis(200));
         assert_eq!(answers.end, End::Hung, "{script}");
@@ -127,19 +127,16 @@ fn a_tool_that_hangs_is_stopped() {
 
 #[test]
 #[cfg(unix)]
-fn a_tool_that_speaks_garbage_is_stopped() {
+fn stops_an_adapter_that_prints_invalid_lines() {
     let garbage = [
         ("echo hello", "line 1: "),
         ("echo '{}'", "line 1: neither a version nor a job"),
-        ("echo '{\"job\": 2}'", "line 1: there is no job 2"),
-        ("echo '{\"job\": 0, \"case\": 0, \"valid\": true}'", "line 1: a case of job 0, whose schema"),
-        ("echo '{\"job\": 0}'; echo '{\"job\": 0}'", "line 2: job 0 for the second time"),
-        (
-            "echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 3, \"valid\": true}'",
-            "line 2: there is no case 3",
-        ),
-        ("echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 0}'", "line 2: no verdict"),
-        // One line without an end.
+        ("echo '{\"job\": 2}'", "line 1: unknown job 2"),
+        ("echo '{\"job\": 0, \"case\": 0, \"valid\": true}'", "line 1: a case of job 0 before its schema"),
+        ("echo '{\"job\": 0}'; echo '{\"job\": 0}'", "line 2: duplicate job 0"),
+        ("echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 3, \"valid\": true}'", "line 2: unknown case 3"),
+        ("echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 0}'", "line 2: case 0 of job 0 has no verdict"),
+        // A line without an end.
         ("cat /dev/zero", "line 1: "),
     ];
     for (script, expected) in garbage {
@@ -161,19 +158,19 @@ fn a_tool_that_speaks_garbage_is_stopped() {
 }
 
 #[test]
-fn a_program_that_isnt_there_is_a_crash() {
+fn a_missing_program_is_a_crash() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut command = Command::new(folder.path().join("no-such-adapter"));
     let answers = adapter::run(&mut command, &jobs(), &folder.path().join("log.txt"), LONG);
     assert!(matches!(answers.end, End::Crashed(_)));
 }
 
-/// What is left when `entries` explain what the tools `fake` and `other` disagree in, which is the same.
+/// Classifies the disagreements of the tools `fake` and `other`, which are identical, with `entries`.
 #[cfg(unix)]
-fn judge(entries: &str) -> Judgement {
+fn classify(entries: &str) -> Classification {
     let known: Known = toml::from_str(entries).expect("entries");
-    let both = ["fake", "other"].map(|name| (name.to_owned(), tally("validator", SAYS_ALL)));
-    known.judge(&BTreeMap::from(both))
+    let both = ["fake", "other"].map(|name| (name.to_owned(), tally("validator", ANSWERS)));
+    known.classify(&BTreeMap::from(both))
 }
 
 fn entry(id: &str, tools: &str, does: &str, places: &str) -> String {
@@ -185,48 +182,48 @@ fn entry(id: &str, tools: &str, does: &str, places: &str) -> String {
 
 #[test]
 #[cfg(unix)]
-fn every_disagreement_has_to_be_explained() {
+fn every_disagreement_must_be_explained() {
     let both = r#"["fake", "other"]"#;
     let takes = entry("speed", both, "takes", r#"["demo/*#speed-*"]"#);
     let fails = entry("length", both, "fails", r#"["demo/Wind#storm"]"#);
     let schema = entry("references", r#"["other"]"#, "refuses-schema", r#"["demo/Mark"]"#);
-    let judgement = judge(&[takes, fails, schema].concat());
-    assert_eq!(judgement.stale, Vec::<String>::new());
+    let classification = classify(&[takes, fails, schema].concat());
+    assert_eq!(classification.stale, Vec::<String>::new());
     let left: Vec<_> =
-        judgement.unexplained.iter().map(|(tool, found)| (tool.as_str(), found.len())).collect();
+        classification.unexplained.iter().map(|(tool, found)| (tool.as_str(), found.len())).collect();
     assert_eq!(left, [("fake", 1)]);
-    assert_eq!(judgement.explained["other"]["references"], 1);
+    assert_eq!(classification.explained["other"]["references"], 1);
 }
 
 #[test]
 #[cfg(unix)]
-fn an_explanation_of_nothing_is_a_mistake() {
-    let idle = entry("speed", r#"["fake"]"#, "refuses", r#"["demo/*#speed-*"]"#);
+fn an_unused_explanation_is_an_error() {
+    let unused = entry("speed", r#"["fake"]"#, "refuses", r#"["demo/*#speed-*"]"#);
     assert_eq!(
-        judge(&idle).stale,
-        ["`speed` explains nothing of fake", "`speed`: `demo/*#speed-*` explains nothing"]
+        classify(&unused).stale,
+        ["`speed` explains no disagreement of fake", "`speed`: `demo/*#speed-*` explains no disagreement"]
     );
     let wide = entry("speed", r#"["fake"]"#, "takes", r#"["demo/*#speed-*", "demo/*#height-*"]"#);
-    assert_eq!(judge(&wide).stale, ["`speed`: `demo/*#height-*` explains nothing"]);
-    // In the shadow of another.
+    assert_eq!(classify(&wide).stale, ["`speed`: `demo/*#height-*` explains no disagreement"]);
+    // The first entry hides the second one.
     let second = entry("again", r#"["fake"]"#, "takes", r#"["demo/Wind#*"]"#);
-    assert_eq!(judge(&[wide.replace(", \"demo/*#height-*\"", ""), second].concat()).stale.len(), 2);
+    assert_eq!(classify(&[wide.replace(", \"demo/*#height-*\"", ""), second].concat()).stale.len(), 2);
     let elsewhere = entry("speed", r#"["fake"]"#, "takes", r#"["demo/*"]"#)
         .replace("places", "form = \"bundle\"\nplaces");
-    assert_eq!(judge(&elsewhere).stale.len(), 2);
-    // Of tools that don't run, nothing is known.
-    assert_eq!(judge(&idle.replace("\"fake\"", "\"absent\"")).stale, Vec::<String>::new());
+    assert_eq!(classify(&elsewhere).stale.len(), 2);
+    // Entries of tools that didn't run are not checked.
+    assert_eq!(classify(&unused.replace("\"fake\"", "\"absent\"")).stale, Vec::<String>::new());
 }
 
 #[test]
-fn mistakes_in_the_list_are_told_all_at_once() {
+fn all_errors_in_the_list_are_reported() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("disagreements.toml");
     let text =
         [entry("a", r#"["fake", "unknown"]"#, "takes", r#"["{"]"#), entry("a", "[]", "takes", "[]")].concat();
     fs::write(&path, text).expect("a file");
-    let error = Known::read(&path, &BTreeSet::from(["fake"])).expect_err("mistakes");
-    for part in ["two entries are called `a`", "there is no tool `unknown`", "`a`: error parsing glob"] {
+    let error = Known::read(&path, &BTreeSet::from(["fake"])).expect_err("errors");
+    for part in ["duplicate entry `a`", "unknown tool `unknown`", "`a`: error parsing glob"] {
         assert!(error.contains(part), "{error}");
     }
 }
@@ -239,7 +236,7 @@ fn rules_beyond_schemas_are_listed_exactly() {
     assert_eq!(known.check_beyond(&rules("G-1")).len(), 2);
 }
 
-/// A folder as the generator writes it.
+/// A folder with files as the generator writes them.
 fn generated() -> TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let write = |path: &str, text: &str| {
@@ -269,7 +266,7 @@ fn generated() -> TempDir {
 }
 
 #[test]
-fn jobs_are_the_cases_with_json_in_both_forms() {
+fn jobs_contain_the_cases_with_json_in_both_forms() {
     let folder = generated();
     let jobs = Jobs::read(folder.path()).expect("jobs");
     let schemas: Vec<&str> = jobs.list.iter().map(|job| job.schema.as_str()).collect();
@@ -280,7 +277,7 @@ fn jobs_are_the_cases_with_json_in_both_forms() {
     assert_eq!(schemas, expected);
     let cases: Vec<(&str, &str, bool)> =
         jobs.list[0].cases.iter().map(|case| (case.id.as_str(), case.text.as_str(), case.is_valid)).collect();
-    // Numbers stay as they are written, also where they are none that this program could hold.
+    // Numbers are preserved as written, even if this program can't represent them.
     let expected =
         [("calm", "{\"speed\":1.0}", true), ("odd", "18446744073709551616", true), ("huge", "1e999", false)];
     assert_eq!(cases, expected);
@@ -290,27 +287,27 @@ fn jobs_are_the_cases_with_json_in_both_forms() {
 }
 
 #[test]
-fn a_bundle_that_lacks_a_type_is_a_mistake() {
+fn a_bundle_without_a_type_is_an_error() {
     let folder = generated();
     let bundle = folder.path().join("schemas/demo.bundle.schema.json");
     fs::write(bundle, r#"{"$id": "https://example.com/demo.bundle.schema.json", "$defs": {}}"#)
         .expect("a file");
-    let error = Jobs::read(folder.path()).expect_err("a mistake");
+    let error = Jobs::read(folder.path()).expect_err("an error");
     assert!(error.contains("doesn't define `Wind`"), "{error}");
 }
 
 #[test]
 #[cfg(unix)]
-fn the_page_shows_what_was_recorded() {
+fn the_page_shows_the_recorded_results() {
     let known: Known =
         toml::from_str(&entry("speed", r#"["fake", "other"]"#, "takes", r#"["demo/*#speed-*"]"#))
             .expect("an entry");
     let tools = [tool("validator", "")];
-    let found = tally("validator", SAYS_ALL);
-    let judgement = known.judge(&BTreeMap::from([("fake".to_owned(), tally("validator", SAYS_ALL))]));
+    let found = tally("validator", ANSWERS);
+    let classification = known.classify(&BTreeMap::from([("fake".to_owned(), tally("validator", ANSWERS))]));
     let mut record = Record::default();
     assert!(page::text(&tools, &known, &record).contains("fake (not run), other (not run)"));
-    record.set("fake", &found, judgement.explained["fake"].clone());
+    record.set("fake", &found, classification.explained["fake"].clone());
     let page = page::text(&tools, &known, &record);
     for part in ["| fake 1.2.3 | sh | 7 | 1 of 4 (1 of 2 schemas) |", "fake (1), other (not run)"] {
         assert!(page.contains(part), "{page}");
@@ -320,22 +317,22 @@ fn the_page_shows_what_was_recorded() {
 }
 
 #[test]
-fn the_page_of_the_documentation_is_what_the_record_says() {
-    let places = Places::new();
-    let tools = tool::read(&places.source().join("tools.toml")).expect("tools");
+fn the_documentation_page_matches_the_record() {
+    let paths = Paths::new();
+    let tools = tool::read(&paths.source().join("tools.toml")).expect("tools");
     let names = tools.iter().map(|tool| tool.name.as_str()).collect();
-    let known = Known::read(&places.source().join("disagreements.toml"), &names).expect("entries");
-    let record = Record::read(&places.record()).expect("a record");
+    let known = Known::read(&paths.source().join("disagreements.toml"), &names).expect("entries");
+    let record = Record::read(&paths.record()).expect("a record");
     let read = |path: &Path| fs::read_to_string(path).expect("a file");
     let advice = "run `cargo xtask interop`";
-    assert!(read(&places.page()) == page::text(&tools, &known, &record), "{advice}");
-    assert!(read(&places.contents()) == page::CONTENTS, "{advice}");
+    assert!(read(&paths.page()) == page::text(&tools, &known, &record), "{advice}");
+    assert!(read(&paths.contents()) == page::CONTENTS, "{advice}");
     assert!(tools.iter().all(|tool| record.tools.contains_key(&tool.name)), "{advice}");
 }
 
 #[test]
-fn lock_files_name_no_hosts() {
-    let source = canonical(&Places::new().source()).expect("a folder");
+fn lock_files_contain_no_hosts() {
+    let source = canonical(&Paths::new().source()).expect("a folder");
     for path in ["node/package-lock.json", "python/requirements.txt"] {
         let text = fs::read_to_string(source.join(path)).expect("a lock file");
         assert!(!text.contains("\"resolved\"") && !text.contains("index-url"), "{path}");

@@ -1,4 +1,4 @@
-//! The tools, as `xtask/interop/tools.toml` lists them.
+//! The list of tools in `xtask/interop/tools.toml`.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -7,39 +7,39 @@ use serde::Deserialize;
 
 use super::job::Form;
 
-/// A tool that takes JSON Schemas.
+/// A tool that supports JSON Schema.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Tool {
-    /// The name that it is called by here.
+    /// The name.
     pub(super) name: String,
     pub(super) kind: Kind,
     pub(super) language: String,
-    /// The latest draft of JSON Schema that it knows.
+    /// The latest supported draft of JSON Schema.
     pub(super) draft: String,
     pub(super) environment: Environment,
-    /// The adapter: a file of the environment's folder, or a package of the Rust workspace.
+    /// The adapter: a file in the environment's folder, or a package of the Rust workspace.
     pub(super) adapter: String,
-    /// The only form of schemas that it can be given, where it can't be given both.
+    /// The only supported form of schemas, or `None` for both.
     pub(super) form: Option<Form>,
-    /// Whether it is part of the quick run.
+    /// True if it is part of the quick run.
     #[serde(default)]
     pub(super) is_quick: bool,
-    /// What it is set to, and what its adapter does with it.
+    /// The settings of the tool, and the function of its adapter.
     pub(super) note: String,
 }
 
-/// What a tool does with a schema.
+/// The kind of a tool.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Kind {
-    /// It tells valid instances from others.
+    /// Checks instances.
     Validator,
-    /// It makes code that reads valid instances.
+    /// Generates code that reads valid instances.
     Generator,
 }
 
-/// What an adapter runs in.
+/// The environment of an adapter.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Environment {
@@ -56,14 +56,14 @@ struct Table {
     tool: Vec<Tool>,
 }
 
-/// Reads the table.
+/// Reads the list.
 pub(super) fn read(path: &Path) -> Result<Vec<Tool>, String> {
     let at = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
     let text = std::fs::read_to_string(path).map_err(|error| at(&error))?;
     let Table { tool: tools } = toml::from_str(&text).map_err(|error| at(&error))?;
     let mut names = BTreeSet::new();
     match tools.iter().find(|tool| !names.insert(&tool.name)) {
-        Some(tool) => Err(at(&format!("two tools are called `{}`", tool.name))),
+        Some(tool) => Err(at(&format!("duplicate tool `{}`", tool.name))),
         None => Ok(tools),
     }
 }

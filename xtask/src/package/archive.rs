@@ -1,4 +1,4 @@
-//! Archives that depend on nothing but their content.
+//! Reproducible archives.
 
 use std::io::{Cursor, Write as _};
 
@@ -8,20 +8,20 @@ use zip::{CompressionMethod, DateTime, System, ZipWriter};
 
 use super::content::File;
 
-/// Everybody may read, the owner may write.
+/// Readable by all, writable by the owner.
 const MODE: u32 = 0o644;
 
-/// How hard to try: packages are made rarely and loaded often.
+/// The compression level. Packages are built rarely and downloaded often.
 const LEVEL: u32 = 9;
 
-/// The moment that all files of tape archives are of: the one that npm gives them, 26 October 1985, 08:15. Archives of
-/// other forms, which are made from these, know no time before 1980.
+/// The time of all files in tar archives, 26 October 1985, 08:15, as in npm's archives. It is after 1980, so that the
+/// archives can be converted to formats that don't support earlier times.
 const TIME: u64 = 499_162_500;
 
-/// What gzip writes for a system that it doesn't know.
+/// The operating system "unknown" in the gzip header.
 const UNKNOWN_SYSTEM: u8 = 255;
 
-/// A compressed tape archive.
+/// Creates a compressed tar archive.
 pub(super) fn tar_gz(files: &[File]) -> Result<Vec<u8>, String> {
     let compressed =
         GzBuilder::new().mtime(0).operating_system(UNKNOWN_SYSTEM).write(Vec::new(), Compression::new(LEVEL));
@@ -42,7 +42,7 @@ pub(super) fn tar_gz(files: &[File]) -> Result<Vec<u8>, String> {
     compressed.finish().map_err(|error| error.to_string())
 }
 
-/// A zip archive. All files are of 1980, which is where its calendar begins.
+/// Creates a zip archive. All files have the earliest possible time, in 1980.
 pub(super) fn zip(files: &[File]) -> Result<Vec<u8>, String> {
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)

@@ -1,4 +1,4 @@
-//! What goes into the packages, whichever they are: texts that come from the definitions, licences, and a manifest.
+//! The common content of the packages: generated texts, licences and a manifest.
 
 use std::path::Path;
 
@@ -7,17 +7,17 @@ use uavspec_codegen::emit::{OutputFile, json_schema, python, typescript, vectors
 use uavspec_codegen::load::read_definitions_translated;
 
 use super::metadata::VERSION;
-use crate::told;
+use crate::message_of;
 
-/// Endings of files that the manifest lists without them.
+/// Endings of files, which the manifest omits.
 const BUNDLE: &str = ".bundle.schema.json";
 const SCHEMA: &str = ".schema.json";
 const VECTORS: &str = ".vectors.json";
 
-/// The schema of files of vectors, which stands beside them.
+/// The schema of vector files, in the same folder.
 const VECTORS_SCHEMA: &str = "vectors.schema.json";
 
-/// A file of a package, by its path in it.
+/// A file in a package, with its path.
 #[derive(Clone)]
 pub(super) struct File {
     pub(super) path: String,
@@ -25,32 +25,32 @@ pub(super) struct File {
 }
 
 impl File {
-    /// A file whose lines end in the same way on each machine, whatever a checkout made of them.
+    /// Creates a file with LF line endings, independent of the checkout.
     pub(super) fn new(path: impl Into<String>, text: &str) -> Self {
         Self { path: path.into(), text: text.replace("\r\n", "\n") }
     }
 }
 
-/// What both packages hold.
+/// The common content of both packages.
 pub(super) struct Content {
-    /// Modules for JavaScript, with their types.
+    /// JavaScript modules and their types.
     pub(super) javascript: Vec<File>,
-    /// Modules for Python.
+    /// Python modules.
     pub(super) python: Vec<File>,
-    /// Schemas and vectors, and the manifest that lists them.
+    /// Schemas, vectors and the manifest.
     pub(super) data: Vec<File>,
     /// The licences.
     pub(super) licences: Vec<File>,
 }
 
 impl Content {
-    /// Makes all of it from the definitions in the repository at `root`.
+    /// Generates the content from the definitions in the repository at `root`.
     pub(super) fn of(root: &Path) -> Result<Self, String> {
         let (_, schema, translations) = read_definitions_translated(root.join("definitions/uavspec.toml"))
-            .map_err(|failure| told(&failure))?;
+            .map_err(|failure| message_of(&failure))?;
         let schemas = json_schema::emit(&schema, &json_schema::Options::default());
         let vectors = vectors::emit(&schema, &vectors::Options::default());
-        // The same cases once more, for runners of the JSON Schema Test Suite.
+        // Omit the files in the format of the JSON Schema Test Suite, which contain the same cases.
         let is_own = |file: &&OutputFile| file.path.ends_with(VECTORS) || file.path == VECTORS_SCHEMA;
         let vectors: Vec<&OutputFile> = vectors.iter().filter(is_own).collect();
         let mut data = vec![File::new("manifest.json", &manifest(&schemas, &vectors)?)];
@@ -73,7 +73,7 @@ fn files(emitted: &[OutputFile]) -> Vec<File> {
     emitted.iter().map(|file| File::new(file.path.clone(), &file.text)).collect()
 }
 
-/// The names of all schemas, bundles and vectors.
+/// Lists the names of all schemas, bundles and vectors.
 fn manifest(schemas: &[OutputFile], vectors: &[&OutputFile]) -> Result<String, String> {
     let names = |files: &mut dyn Iterator<Item = &OutputFile>, ending: &str| -> Vec<Value> {
         files.filter_map(|file| file.path.strip_suffix(ending)).map(Value::from).collect()
@@ -88,7 +88,7 @@ fn manifest(schemas: &[OutputFile], vectors: &[&OutputFile]) -> Result<String, S
     pretty(&manifest)
 }
 
-/// JSON as people read it, with a line break at its end.
+/// Formats JSON with indentation and a newline at the end.
 pub(super) fn pretty(value: &Value) -> Result<String, String> {
     serde_json::to_string_pretty(value).map(|text| text + "\n").map_err(|error| error.to_string())
 }

@@ -1,4 +1,4 @@
-//! What both registries are told.
+//! Metadata for both registries.
 
 /// The name of the packages.
 pub(super) const NAME: &str = "uavspec";
@@ -9,13 +9,13 @@ pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// The licence, as an SPDX expression.
 pub(super) const LICENSE: &str = env!("CARGO_PKG_LICENSE");
 
-/// Where the sources are; empty where the workspace doesn't say.
+/// The URL of the repository; empty if the workspace has none.
 pub(super) const REPOSITORY: &str = env!("CARGO_PKG_REPOSITORY");
 
-/// What the packages are, in a line.
+/// The description, in one line.
 pub(super) const DESCRIPTION: &str =
     "Types, JSON Schemas, test vectors and error codes of PX4 messages and the Flockwave protocol";
 
-/// What they are found by.
+/// The keywords.
 pub(super) const KEYWORDS: [&str; 9] =
     ["drone", "uav", "px4", "uorb", "ros2", "flockwave", "skybrush", "json-schema", "test-vectors"];

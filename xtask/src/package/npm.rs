@@ -1,5 +1,5 @@
-//! The package for npm: ECMAScript modules and `CommonJS` with their types, and the data as files of their own, so that
-//! bundlers take what is used.
+//! Builds the npm package: ECMAScript and `CommonJS` modules with their types. Data is in separate files, so that
+//! bundlers include only the required ones.
 
 use serde_json::{Map, Value, json};
 
@@ -8,13 +8,13 @@ use super::archive::tar_gz;
 use super::content::{Content, File, pretty};
 use super::metadata::{DESCRIPTION, KEYWORDS, LICENSE, NAME, REPOSITORY, VERSION};
 
-/// The folder that npm wants everything to be in.
+/// The root folder of npm archives.
 const FOLDER: &str = "package";
 
-/// The entry that the package itself is.
+/// The entry point of the package.
 const INDEX: &str = "index";
 
-/// The package.
+/// Builds the package.
 pub(super) fn package(content: &Content) -> Result<Package, String> {
     let mut files = content.javascript.clone();
     files.extend([
@@ -34,7 +34,7 @@ pub(super) fn package(content: &Content) -> Result<Package, String> {
 }
 
 fn package_json(files: &[File]) -> Value {
-    // A module without types is there for the others alone.
+    // Modules without types are internal.
     let modules = files.iter().filter_map(|file| file.path.strip_suffix(".d.cts"));
     let mut entries: Vec<(String, Value)> = modules.map(|name| (entry(name), conditions(name))).collect();
     entries.sort_by(|(left, _), (right, _)| left.cmp(right));
@@ -55,7 +55,7 @@ fn package_json(files: &[File]) -> Value {
     manifest["type"] = "module".into();
     manifest["sideEffects"] = false.into();
     manifest["engines"] = json!({ "node": ">=18" });
-    // For tools that don't look at `exports`.
+    // For tools that ignore `exports`.
     manifest["main"] = format!("./{INDEX}.cjs").into();
     manifest["types"] = format!("./{INDEX}.d.cts").into();
     manifest["exports"] = Value::Object(exports);
@@ -66,7 +66,7 @@ fn entry(name: &str) -> String {
     if name == INDEX { ".".to_owned() } else { format!("./{name}") }
 }
 
-/// Each kind of module has types of its own, or else TypeScript takes it for the other.
+/// The exports of a module. ECMAScript and `CommonJS` modules require separate type declarations.
 fn conditions(name: &str) -> Value {
     json!({
         "import": { "types": format!("./{name}.d.ts"), "default": format!("./{name}.js") },

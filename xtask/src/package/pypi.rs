@@ -1,5 +1,4 @@
-//! The packages for `PyPI`: a wheel, which is installed as it is, and a source distribution, from which flit makes the
-//! same wheel.
+//! Builds the packages for `PyPI`: a wheel, and a source distribution from which flit builds the same wheel.
 
 use data_encoding::BASE64URL_NOPAD;
 use serde_json::Value;
@@ -10,13 +9,13 @@ use super::archive::{tar_gz, zip};
 use super::content::{Content, File};
 use super::metadata::{DESCRIPTION, KEYWORDS, LICENSE, NAME, REPOSITORY, VERSION};
 
-/// The least version of Python, where `list[int]` can stand in expressions.
+/// The minimum version of Python, which supports `list[int]` in expressions.
 const REQUIRES_PYTHON: &str = ">=3.9";
 
-/// What versions of Python before 3.11 need: their `typing` has no `NotRequired`.
+/// A dependency for Python before 3.11, whose `typing` has no `NotRequired`.
 const DEPENDENCY: &str = "typing_extensions>=4.6; python_version < \"3.11\"";
 
-/// The first version of flit that knows licence expressions, and none that may break.
+/// The first version of flit that supports licence expressions, and the next incompatible version.
 const BACKEND: &str = "flit_core>=3.12,<4";
 
 const CLASSIFIERS: [&str; 6] = [
@@ -30,7 +29,7 @@ const CLASSIFIERS: [&str; 6] = [
 
 const README: &str = include_str!("pypi/README.md");
 
-/// The wheel and the source distribution.
+/// Builds the wheel and the source distribution.
 pub(super) fn packages(content: &Content) -> Result<[Package; 2], String> {
     let version = python_version(VERSION)?;
     let mut modules = content.python.clone();
@@ -77,7 +76,7 @@ fn source_distribution(content: &Content, modules: &[File], version: &str) -> Re
     Ok(Package { file_name: format!("{NAME}-{version}.tar.gz"), count: files.len(), bytes: tar_gz(&files)? })
 }
 
-/// The checksum of each file but of the list itself.
+/// The checksums of all files except the list itself.
 fn record(files: &[File], own_path: &str) -> String {
     let line = |file: &File| {
         let checksum = BASE64URL_NOPAD.encode(&Sha256::digest(file.text.as_bytes()));
@@ -86,12 +85,12 @@ fn record(files: &[File], own_path: &str) -> String {
     files.iter().map(line).collect::<String>() + &csv(own_path) + ",,\n"
 }
 
-/// A cell, between quotes where it has to be.
+/// Formats a cell, in quotes if required.
 fn csv(cell: &str) -> String {
     if cell.contains([',', '"']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
 }
 
-/// Core metadata, version 2.4.
+/// The core metadata, version 2.4.
 fn metadata(content: &Content, version: &str) -> String {
     let mut lines = vec![
         "Metadata-Version: 2.4".to_owned(),
@@ -110,9 +109,9 @@ fn metadata(content: &Content, version: &str) -> String {
     lines.join("\n") + "\n\n" + README
 }
 
-/// The same for the tool that builds the source distribution.
+/// The metadata for the build tool of the source distribution.
 fn pyproject(version: &str) -> String {
-    // Basic strings of TOML are written as those of JSON.
+    // TOML basic strings have the syntax of JSON strings.
     let text = |text: &str| Value::from(text).to_string();
     let list = |texts: &[&str]| texts.iter().map(|found| text(found)).collect::<Vec<_>>().join(", ");
     let urls = if REPOSITORY.is_empty() {
@@ -149,7 +148,7 @@ dependencies = [{dependencies}]
     )
 }
 
-/// A version as PEP 440 writes it: `1.2.0-rc.1` is `1.2.0rc1`.
+/// Converts a version to PEP 440: `1.2.0-rc.1` becomes `1.2.0rc1`.
 fn python_version(version: &str) -> Result<String, String> {
     let Some((release, pre)) = version.split_once('-') else { return Ok(version.to_owned()) };
     let kinds = [("alpha", "a"), ("beta", "b"), ("rc", "rc")];
@@ -160,7 +159,7 @@ fn python_version(version: &str) -> Result<String, String> {
     });
     found.ok_or_else(|| {
         format!(
-            "PyPI knows no version {version}\n  help: give the workspace a version such as {release} or {release}-rc.1"
+            "PyPI does not support the version {version}\n  help: use a version such as {release} or {release}-rc.1"
         )
     })
 }
@@ -170,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn versions_before_a_release_are_written_as_python_does() {
+    fn converts_prereleases_to_pep_440() {
         for (version, expected) in [
             ("1.2.3", "1.2.3"),
             ("1.2.0-rc.1", "1.2.0rc1"),
@@ -179,12 +178,12 @@ mod tests {
         ] {
             assert_eq!(python_version(version).as_deref(), Ok(expected));
         }
-        let error = python_version("1.0.0-nightly").expect_err("a refusal");
+        let error = python_version("1.0.0-nightly").expect_err("an error");
         assert!(error.contains("1.0.0-rc.1"), "{error}");
     }
 
     #[test]
-    fn a_record_has_the_checksum_of_each_file() {
+    fn the_record_contains_the_checksum_of_each_file() {
         let files = [File::new("a,b", "abc")];
         let known = "ungWv48Bz-pBQUDeXa4iI7ADYaOWF3qctBD_YfIAFa0";
         assert_eq!(record(&files, "RECORD"), format!("\"a,b\",sha256={known},3\nRECORD,,\n"));

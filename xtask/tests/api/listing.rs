@@ -1,8 +1,8 @@
 //! Lists the public items of a crate from its sources.
 //!
-//! The list names items; it shows neither signatures nor implementations of traits. Items that macros
-//! define are absent. An item of a private module is listed under each path that re-exports it; a re-export of an item
-//! that has a public path already is one line.
+//! The list contains items without signatures and trait implementations. Items defined by macros are absent. An item of
+//! a private module is listed under each path that re-exports it. A re-export of an item with another public path is
+//! one line.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -18,9 +18,9 @@ pub(super) struct Crate {
 
 struct Module {
     items: Vec<Item>,
-    /// True if the module and all modules around it are `pub`.
+    /// True if the module and all its parents are `pub`.
     public: bool,
-    /// The conditions of the module and of all modules around it.
+    /// The conditions of the module and all its parents.
     conditions: Vec<String>,
 }
 
@@ -39,7 +39,7 @@ impl Crate {
         this
     }
 
-    /// Adds a module and the modules within it, whose files are in `folder`.
+    /// Adds a module and its submodules, whose files are in `folder`.
     fn add(&mut self, path: &str, mut module: Module, folder: &Path) {
         for item in &mut module.items {
             let Item::Mod(inner) = item else { continue };
@@ -71,7 +71,7 @@ impl Crate {
         listing.lines.into_iter().map(|(_, line)| line).collect()
     }
 
-    /// The path of the definition that `path` names in `module`; none if another crate defines it.
+    /// The path of the definition that `path` refers to in `module`, or `None` if another crate defines it.
     fn resolve(&self, module: &str, path: &[String]) -> Option<String> {
         let Some((first, rest)) = path.split_first() else { return Some(module.to_owned()) };
         let next = match first.as_str() {
@@ -83,7 +83,7 @@ impl Crate {
         self.resolve(&next, rest)
     }
 
-    /// The path of the definition with this name in a module, which may import it.
+    /// The path of the definition with this name in a module, including imported names.
     fn look_up(&self, module: &str, name: &str) -> Option<String> {
         let items = &self.modules.get(module)?.items;
         if items.iter().filter_map(parts).any(|(_, _, _, ident)| ident == name) {
@@ -91,7 +91,7 @@ impl Crate {
         }
         let uses =
             items.iter().filter_map(|item| if let Item::Use(item) = item { Some(&item.tree) } else { None });
-        // `use name::…` in a module without `name` means another crate.
+        // `use name::…` in a module without `name` refers to another crate.
         let target = uses.flat_map(leaves).find(|(target, alias)| alias == name && target[0] != name)?.0;
         self.resolve(module, &target)
     }
@@ -100,12 +100,12 @@ impl Crate {
 /// The list of a crate's public items.
 struct Listing<'c> {
     of: &'c Crate,
-    /// Each line with the path that it is sorted by.
+    /// The lines, each with its sort key.
     lines: BTreeSet<(String, String)>,
 }
 
 impl Listing<'_> {
-    /// Adds a line for an item at the path `shown`, unless its attributes hide it. Returns all its conditions.
+    /// Adds a line for an item with the path `shown`, unless its attributes hide it. Returns all its conditions.
     fn line(&mut self, kind: &str, shown: &str, outer: &[String], own: &[Attribute]) -> Option<Vec<String>> {
         let all = conditions(outer, own)?;
         let suffix: String = all.iter().map(|condition| format!(" ({condition})")).collect();
@@ -122,7 +122,7 @@ impl Listing<'_> {
                 Item::Use(item) if is_public(&item.vis) => {
                     let Some(outer) = conditions(&outer, &item.attrs) else { continue };
                     for (target, name) in leaves(&item.tree) {
-                        assert_ne!(name, "*", "a glob re-export hides what is public: {}", target.join("::"));
+                        assert_ne!(name, "*", "glob re-exports are not supported: {}", target.join("::"));
                         self.reexport(module, &target, shown, &name, &outer);
                     }
                 }
@@ -159,7 +159,7 @@ impl Listing<'_> {
         }
     }
 
-    /// Lists an item of `module`, if it is public, under the path `outside`, and all that belongs to it.
+    /// Lists a public item of `module` under the path `outside`, with its members.
     fn item(&mut self, module: &str, item: &Item, outside: &str, alias: Option<&str>, outer: &[String]) {
         let Some((kind, attributes, visibility, ident)) = parts(item) else { return };
         if !is_public(visibility) {
@@ -234,14 +234,14 @@ impl Listing<'_> {
     }
 }
 
-/// The items of the module whose folder has this path, from its file.
+/// The items of the module with this folder path, from its file.
 fn items(folder: &Path) -> Vec<Item> {
     let files: [PathBuf; 2] = [folder.with_extension("rs"), folder.join("mod.rs")];
     let text = files.iter().find_map(|file| fs::read_to_string(file).ok());
     syn::parse_file(&text.unwrap_or_else(|| panic!("no file for {}", folder.display()))).expect("Rust").items
 }
 
-/// The conditions of an item, after those around it; none if it is hidden or for tests alone.
+/// The conditions of an item, appended to those of its parents, or `None` if it is hidden or test-only.
 fn conditions(outer: &[String], attributes: &[Attribute]) -> Option<Vec<String>> {
     let mut own = Vec::new();
     for attribute in attributes {
@@ -281,7 +281,7 @@ fn parts(item: &Item) -> Option<(&'static str, &[Attribute], &Visibility, &Ident
     })
 }
 
-/// The imported paths, each with the name that it gets.
+/// The imported paths, each with its local name.
 fn leaves(tree: &UseTree) -> Vec<(Vec<String>, String)> {
     match tree {
         UseTree::Path(path) => {

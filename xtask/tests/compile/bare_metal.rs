@@ -1,5 +1,5 @@
-//! What firmware without an allocator does with messages: this crate links nothing but `core`, and as a
-//! static library it would not build if anything asked for an allocator.
+//! Firmware without an allocator. The crate links only `core`, so as a static library it would not build if the code
+//! required an allocator.
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -13,8 +13,7 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     loop {}
 }
 
-/// Takes a payload from uORB and gives the message on in CDR: how many bytes, or 0 where the payload is
-/// none or says nothing that a ground station should know.
+/// Converts a uORB payload to CDR. Returns the number of bytes, or 0 if the payload is invalid or not urgent.
 pub extern "C" fn forward(payload: &[u8; FailsafeFlags::SIZE], out: &mut [u8; 89]) -> usize {
     let Ok(view) = FailsafeFlags::view(payload) else { return 0 };
     if !is_urgent(view) {

@@ -1,4 +1,4 @@
-//! Does with every message of the corpus what its argument says; the list of all follows at the end.
+//! Processes every message of the corpus as its argument says. The list of messages is appended to this file.
 
 use std::fmt::Debug;
 use std::io::stdin;
@@ -34,8 +34,7 @@ fn bytes(hex: &str) -> Vec<u8> {
     (0..hex.len()).step_by(2).map(digits).collect()
 }
 
-/// Checks that the JSON of a message and its CDR in both byte orders become each other, and gives the JSON
-/// as it is written.
+/// Checks that the JSON and the CDR in both byte orders convert to each other. Returns the written JSON.
 fn convert<T: Message + Serialize + DeserializeOwned>(text: &str, bytes: [&[u8]; 2]) -> String {
     let value: T = serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"));
     let text = serde_json::to_string(&value).expect("JSON");
@@ -44,7 +43,7 @@ fn convert<T: Message + Serialize + DeserializeOwned>(text: &str, bytes: [&[u8];
         let read = T::from_cdr_strict(bytes).unwrap_or_else(|error| panic!("{error}: {text}"));
         assert_eq!(serde_json::to_string(&read).expect("JSON"), text, "{order:?}");
         for end in 0..bytes.len() {
-            // What is cut off may be the alignment at the end of nothing else.
+            // The end may be only alignment.
             let error = T::from_cdr(&bytes[..end]).err().unwrap_or_else(|| panic!("{end} bytes suffice: {text}"));
             assert!(error.offset <= end, "{error}");
         }
@@ -57,7 +56,7 @@ fn convert<T: Message + Serialize + DeserializeOwned>(text: &str, bytes: [&[u8];
     text
 }
 
-/// The same for a message of fixed size; its memory form is held to the rest, also through its view.
+/// Like `convert`, for a message of fixed size. Also checks the memory form and the view.
 fn convert_fixed<T: UorbMessage + Serialize + DeserializeOwned>(text: &str, bytes: [&[u8]; 2]) -> String {
     let text = convert::<T>(text, bytes);
     let value: T = serde_json::from_str(&text).expect("the same");
@@ -77,7 +76,7 @@ fn schema<T: JsonSchema>() -> String {
     serde_json::to_string(&schema_for!(T)).expect("JSON")
 }
 
-/// Values are valid and survive CDR and JSON, and invalid ones violate the stated rule.
+/// Checks that generated values are valid and survive CDR and JSON, and that invalid values violate the stated rule.
 fn strategies<T: Message + Arbitrary + Serialize + DeserializeOwned + Debug>(runner: &mut TestRunner) {
     let strategy = any::<T>();
     for _ in 0..30 {
@@ -101,7 +100,7 @@ fn strategies<T: Message + Arbitrary + Serialize + DeserializeOwned + Debug>(run
 fn main() {
     let rows = rows();
     match std::env::args().nth(1).as_deref() {
-        // A type, its CDR in both byte orders, and its JSON.
+        // Each line contains a type, its CDR in both byte orders, and its JSON.
         Some("convert") => {
             for line in stdin().lines() {
                 let line = line.expect("a line");
@@ -117,6 +116,6 @@ fn main() {
             let mut runner = TestRunner::deterministic();
             rows.iter().for_each(|row| (row.strategies)(&mut runner));
         }
-        _ => panic!("what shall be done?"),
+        _ => panic!("unknown task"),
     }
 }

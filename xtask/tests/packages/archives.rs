@@ -1,4 +1,4 @@
-//! What is in the archives, read without npm and Python.
+//! Tests of the content of archives, without npm and Python.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -11,10 +11,10 @@ use zip::ZipArchive;
 
 use super::tools::package;
 
-/// The texts of an archive by path.
+/// The files of an archive, by path.
 type Files = BTreeMap<String, String>;
 
-/// The packages: of npm, the wheel, the source distribution.
+/// The packages: npm archive, wheel and source distribution.
 fn packages() -> [Files; 3] {
     [tape(&package(".tgz")), wheel(&package("-py3-none-any.whl")), tape(&package(".tar.gz"))]
 }
@@ -30,7 +30,7 @@ fn tape(path: &Path) -> Files {
         assert_eq!(found, (Some(0o644), Some(0), Some(0), Some(499_162_500)), "{path}");
         let mut text = String::new();
         entry.read_to_string(&mut text).expect("UTF-8");
-        assert!(files.insert(path.clone(), text).is_none(), "{path} is there twice");
+        assert!(files.insert(path.clone(), text).is_none(), "duplicate file {path}");
     }
     files
 }
@@ -52,10 +52,10 @@ fn wheel(path: &Path) -> Files {
 }
 
 #[test]
-fn archives_hold_what_they_should() {
+fn archives_have_the_expected_content() {
     let [npm, wheel, source] = packages();
     for (path, text) in npm.iter().chain(&wheel).chain(&source) {
-        assert!(!text.contains('\r'), "{path} has line ends of another system");
+        assert!(!text.contains('\r'), "{path} contains carriage returns");
     }
     let manifest: Value = serde_json::from_str(&npm["package/package.json"]).expect("JSON");
     assert_eq!(
@@ -67,11 +67,11 @@ fn archives_hold_what_they_should() {
     assert!(targets.len() >= 20, "{targets:?}");
     for target in targets {
         let path = target.replacen('.', "package", 1);
-        let is_there = match path.strip_suffix('*') {
+        let exists = match path.strip_suffix('*') {
             Some(folder) => npm.keys().any(|path| path.starts_with(folder)),
             None => npm.contains_key(&path),
         };
-        assert!(is_there, "{target} is exported, and absent");
+        assert!(exists, "{target} is exported, but missing");
     }
 
     let version = env!("CARGO_PKG_VERSION");
@@ -82,7 +82,7 @@ fn archives_hold_what_they_should() {
     assert!(listed.iter().all(|path| wheel.contains_key(*path)), "{listed:?}");
     assert_eq!(wheel[&format!("{information}/METADATA")], source[&format!("uavspec-{version}/PKG-INFO")]);
 
-    // The data is the same, and that of the repository.
+    // All archives contain the data of the repository.
     let generated = Path::new(env!("CARGO_MANIFEST_DIR")).join("../generated");
     for path in [
         "schemas/px4/Event.schema.json",
@@ -114,7 +114,7 @@ fn leaves<'v>(value: &'v Value, into: &mut Vec<&'v str>) {
 }
 
 #[test]
-fn a_folder_that_cannot_be_written_is_named() {
+fn reports_an_unwritable_folder() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("file");
     fs::write(&path, "").expect("a file");
@@ -123,7 +123,7 @@ fn a_folder_that_cannot_be_written_is_named() {
         .arg(&path)
         .output()
         .expect("xtask runs");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("file: ") && said.contains("--out"), "{said}");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{errors}");
+    assert!(errors.contains("file: ") && errors.contains("--out"), "{errors}");
 }

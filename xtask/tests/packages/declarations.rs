@@ -1,5 +1,5 @@
-//! Modules of any definitions satisfy type checkers, and the declared types take just the values that are valid, as far
-//! as types can tell.
+//! Tests that modules of any definitions pass type checkers, and that the declared types accept exactly the valid
+//! values, as far as types can express it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::labels;
 use super::tools::{node_tool, python_with_tools, repository, run, write, xtask};
 
-/// Definitions that have to be read with care: names, texts and values that mean something in either language.
+/// Definitions with names, texts and values that have a meaning in one of the languages.
 const ODD: [(&str, &str); 3] = [
     (
         "None.msg",
@@ -28,7 +28,7 @@ const ODD: [(&str, &str); 3] = [
     ),
 ];
 
-/// Folders with definitions: what to call them, their dialect, and where they are.
+/// Folders with definitions: name, dialect and path.
 fn definitions(own: &Path) -> Vec<(String, &'static str, PathBuf)> {
     for (name, text) in ODD {
         write(&own.join(name), text);
@@ -56,7 +56,7 @@ fn definitions(own: &Path) -> Vec<(String, &'static str, PathBuf)> {
     found
 }
 
-/// The corpus of real definitions, where there is one.
+/// The corpus of real definitions, if available.
 fn corpus() -> Option<PathBuf> {
     let default = repository().join("../shared/corpus");
     let found = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from);
@@ -65,11 +65,11 @@ fn corpus() -> Option<PathBuf> {
     }
     let is_required = std::env::var_os("UAVSPEC_REQUIRE_CORPUS").is_some_and(|value| value != "0");
     assert!(!is_required, "{} is required but absent", found.display());
-    eprintln!("left out: the corpus is absent; set UAVSPEC_CORPUS to it to check more");
+    eprintln!("skipped: the corpus is absent; set UAVSPEC_CORPUS to its path");
     None
 }
 
-/// Emits the modules of all definitions into folders of their names.
+/// Emits the modules of all definitions, each into a folder with its name.
 fn emit(kind: &str, into: &Path, own: &Path) -> usize {
     let definitions = definitions(own);
     for (name, dialect, path) in &definitions {
@@ -88,11 +88,11 @@ fn emit(kind: &str, into: &Path, own: &Path) -> usize {
             "--emit",
             kind,
         ]);
-        fs::rename(out.join(kind), into.join(name)).expect("a folder of its own");
+        fs::rename(out.join(kind), into.join(name)).expect("a separate folder");
     }
     let translated = own.with_file_name("translated");
     labels::emit(&translated, &format!("{kind} = \"out\""));
-    fs::rename(translated.join("out"), into.join("translated")).expect("a folder of its own");
+    fs::rename(translated.join("out"), into.join("translated")).expect("a separate folder");
     definitions.len() + 1
 }
 
@@ -110,7 +110,7 @@ fn files(folder: &Path, ending: &str) -> Vec<String> {
     found
 }
 
-/// Copies the files that end so to another folder.
+/// Copies the files with this ending to another folder.
 fn copy(from: &Path, ending: &str, to: &Path) {
     for path in files(from, ending) {
         let below = Path::new(&path).strip_prefix(from).expect("a path below the folder");
@@ -118,7 +118,7 @@ fn copy(from: &Path, ending: &str, to: &Path) {
     }
 }
 
-/// Has the compiler of TypeScript look at all files at once, and gives what it finds.
+/// Checks all files with the TypeScript compiler.
 fn check_typescript(folder: &Path) {
     let compiler = node_tool("typescript/bin/tsc");
     let mut arguments =
@@ -130,7 +130,7 @@ fn check_typescript(folder: &Path) {
 }
 
 #[test]
-#[ignore = "needs Node, npm and the network"]
+#[ignore = "requires Node, npm and the network"]
 fn typescript_of_any_definitions_type_checks() {
     let folder = tempfile::tempdir().expect("a folder");
     let into = folder.path().join("typescript");
@@ -140,7 +140,7 @@ fn typescript_of_any_definitions_type_checks() {
 }
 
 #[test]
-#[ignore = "needs Python, Node, npm and the network"]
+#[ignore = "requires Python, Node, npm and the network"]
 fn python_of_any_definitions_type_checks_and_runs() {
     let folder = tempfile::tempdir().expect("a folder");
     let into = folder.path().join("python");
@@ -162,15 +162,15 @@ fn python_of_any_definitions_type_checks_and_runs() {
 
 /// A case of the vectors.
 struct Case {
-    /// The type, in both languages.
+    /// The name of the type in both languages.
     ty: [String; 2],
     json: Value,
-    /// None where the types can't tell.
+    /// `None` if types can't express it.
     is_accepted: Option<bool>,
     has_further_fields: bool,
 }
 
-/// Vectors of every message and type: the valid ones, and of the others those that types can tell.
+/// The valid vectors of every message and type, and those invalid ones that types can detect.
 fn cases() -> Vec<Case> {
     let folder = repository().join("generated/vectors");
     let mut cases = Vec::new();
@@ -197,7 +197,7 @@ fn cases() -> Vec<Case> {
     cases
 }
 
-/// What a type of the vectors is called in TypeScript and in Python.
+/// The name of a type in TypeScript and in Python.
 fn type_names(package: &str, name: &str) -> [String; 2] {
     if name == "ErrorList" {
         return ["flockwave.ErrorCode[]".to_owned(), "list[int]".to_owned()];
@@ -216,13 +216,13 @@ fn type_names(package: &str, name: &str) -> [String; 2] {
 }
 
 #[test]
-#[ignore = "needs Node, npm and the network"]
-fn valid_values_are_of_the_types_of_typescript() {
+#[ignore = "requires Node, npm and the network"]
+fn typescript_types_accept_valid_values() {
     let folder = tempfile::tempdir().expect("a folder");
     let generated = repository().join("generated/typescript");
     copy(&generated, ".ts", folder.path());
     let cases = cases();
-    // Fields beyond those of a type are let pass where a type parameter stands for the type of the value.
+    // TypeScript allows further fields if a type parameter represents the type of the value.
     let mut text = "import type { flockwave, px4 } from \"./index.js\";\n\
                     declare function is<T>(): <V extends T>(value: V) => void;\n"
         .to_owned();
@@ -241,17 +241,17 @@ fn valid_values_are_of_the_types_of_typescript() {
 }
 
 #[test]
-#[ignore = "needs Python and the network"]
-fn valid_values_are_of_the_types_of_python() {
+#[ignore = "requires Python and the network"]
+fn python_types_accept_valid_values() {
     let folder = tempfile::tempdir().expect("a folder");
     let package = folder.path().join("uavspec");
     copy(&repository().join("generated/python"), ".py", &package);
     let mut text = "from uavspec import flockwave, px4\n\n".to_owned();
     let mut counts = [0, 0];
-    // Further fields are no mistake in JSON, but type checkers take them for a slip of the pen.
+    // Further fields are valid in JSON, but type checkers report them.
     for (index, case) in cases().iter().filter(|case| !case.has_further_fields).enumerate() {
         let Some(is_accepted) = case.is_accepted else { continue };
-        // A `bool` is an `int` in Python.
+        // In Python, a `bool` is an `int`.
         if !is_accepted && contains_boolean(&case.json) {
             continue;
         }
@@ -260,7 +260,7 @@ fn valid_values_are_of_the_types_of_python() {
         text.push_str(&line);
         counts[usize::from(is_accepted)] += 1;
     }
-    assert!(counts[0] > 200 && counts[1] > 2_000, "{counts:?} invalid and valid ones");
+    assert!(counts[0] > 200 && counts[1] > 2_000, "numbers of invalid and valid cases: {counts:?}");
     write(&folder.path().join("values.py"), &text);
     run(python_with_tools(), &["-m", "mypy", "--strict", "values.py"], folder.path());
 }
@@ -274,7 +274,7 @@ fn contains_boolean(json: &Value) -> bool {
     }
 }
 
-/// A value as Python writes it.
+/// A value in Python syntax.
 fn literal(json: &Value) -> String {
     match json {
         Value::Null => "None".to_owned(),

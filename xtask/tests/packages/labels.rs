@@ -1,4 +1,5 @@
-//! Labels say the same in both languages, also where tags are keywords and flags need all bits.
+//! Tests that labels are identical in both languages, including languages whose tags are keywords, and flags with all
+//! bits.
 
 use std::path::Path;
 
@@ -14,7 +15,7 @@ const TOW: &str = "# A tow\n\nuint64 timestamp # [us] Time since system start\n\
 
 const ERRORS: &str = "# Errors\n\n## Warnings (64-127)\n\n| Code | Abbreviation | Description |\n|---|---|---|\n| 66 | WINCH | Rope slack |\n";
 
-/// Languages with what they say: key, text of the definition, translation.
+/// Languages and their texts: key, text of the definition, translation.
 const TRANSLATIONS: [(&str, &[[&str; 3]]); 3] = [
     ("is", &[["gliders/Glider.mode", "What it does", "Hvað hún gerir"]]),
     (
@@ -29,7 +30,7 @@ const TRANSLATIONS: [(&str, &[[&str; 3]]); 3] = [
     ("fa", &[["winch/error-code/66", "Rope slack", "طناب شل می\u{200c}شود"]]),
 ];
 
-/// Writes definitions with their translations to `folder`, and makes `output` of them: a table of a configuration.
+/// Writes definitions with translations to `folder`, and generates `output`, a table of the configuration.
 pub(crate) fn emit(folder: &Path, output: &str) {
     write(&folder.join("msg/Glider.msg"), GLIDER);
     write(&folder.join("msg/Tow.msg"), TOW);
@@ -49,7 +50,7 @@ pub(crate) fn emit(folder: &Path, output: &str) {
     xtask(&["codegen", "--config", &config.display().to_string()]);
 }
 
-/// What a program asks for, as JavaScript.
+/// The queries of a program in JavaScript.
 const PROGRAM: &str = r#"for (const known of languages) console.log(known.tag, known.name, known.isRightToLeft);
 for (const tags of [["pt_BR.UTF-8"], ["IS-is"], ["pt", "fa"], ["tlh"], []]) {
   const labels = await language(...tags);
@@ -63,7 +64,7 @@ for (const tags of [["pt_BR.UTF-8"], ["IS-is"], ["pt", "fa"], ["tlh"], []]) {
 }
 "#;
 
-/// The same as Python.
+/// Equivalent queries in Python.
 const PYTHON: &str = r#"from gliders.labels import language, languages
 
 for known in languages:
@@ -79,7 +80,7 @@ for tags in [["pt_BR.UTF-8"], ["IS-is"], ["pt", "fa"], ["tlh"], []]:
     print(labels.text("gliders/Glider::MARK_FIRST"), str(labels.text("toString") is None).lower())
 "#;
 
-/// What both print.
+/// The output of both programs.
 const PRINTED: &str = r#"en English false
 fa فارسی true
 is is false
@@ -123,7 +124,7 @@ First "mark" */ passed true
 
 #[test]
 #[ignore = "needs Node"]
-fn labels_are_those_of_the_language_in_javascript() {
+fn labels_in_javascript_match_the_language() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     emit(folder, "typescript = { path = \"out\", form = \"compiled\" }");
@@ -138,8 +139,8 @@ fn labels_are_those_of_the_language_in_javascript() {
 }
 
 #[test]
-#[ignore = "needs Python and the network"]
-fn labels_are_those_of_the_language_in_python() {
+#[ignore = "requires Python and the network"]
+fn labels_in_python_match_the_language() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     emit(folder, "python = \"gliders\"");
@@ -148,8 +149,8 @@ fn labels_are_those_of_the_language_in_python() {
 }
 
 #[test]
-#[ignore = "needs Node, and Python and the network"]
-fn a_language_is_loaded_when_it_is_asked_for() {
+#[ignore = "requires Node, Python and the network"]
+fn languages_are_loaded_lazily() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     emit(folder, "typescript = { path = \"out\", form = \"compiled\" }\npython = \"gliders\"");

@@ -1,18 +1,18 @@
-//! Packages that are installed do what their READMEs say: each example is run, and prints the text below it.
+//! Tests that the examples in the READMEs of installed packages run, and print the text below them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::tools::{environment, install, node_tool, package, python_with_tools, run, write};
 
-/// An example and what it prints.
+/// An example and its output.
 struct Example {
     language: String,
     code: String,
     printed: String,
 }
 
-/// The fenced blocks that a block of plain text follows.
+/// The fenced blocks that are followed by a block of plain text.
 fn examples(readme: &str) -> Vec<Example> {
     let mut blocks = Vec::new();
     let mut lines = readme.lines();
@@ -33,8 +33,8 @@ fn examples(readme: &str) -> Vec<Example> {
 }
 
 #[test]
-#[ignore = "needs Node and npm"]
-fn the_readme_of_the_npm_package_is_true() {
+#[ignore = "requires Node and npm"]
+fn the_readme_of_the_npm_package_is_correct() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     write(&folder.join("package.json"), "{ \"private\": true }\n");
@@ -66,7 +66,7 @@ fn the_readme_of_the_npm_package_is_true() {
     }
 }
 
-/// The path of the package whose name ends so, as programs take it.
+/// The path of the package with this ending, as a program argument.
 fn path_of(ending: &str) -> String {
     package(ending).display().to_string()
 }
@@ -75,7 +75,7 @@ fn is_module_source(path: &str) -> bool {
     Path::new(path).extension().is_some_and(|ending| ending == "mts")
 }
 
-/// Compiles sources in each way in which TypeScript finds packages; what Node runs is left behind.
+/// Compiles sources with each module resolution of TypeScript. The output is used by Node.
 fn compile(folder: &Path, sources: &[String]) {
     let compiler = node_tool("typescript/bin/tsc");
     let (modern, common): (Vec<&str>, Vec<&str>) =
@@ -85,9 +85,9 @@ fn compile(folder: &Path, sources: &[String]) {
         arguments.extend(["--module", module, "--moduleResolution", resolution]);
         arguments.extend(&modern);
         match resolution {
-            // Bundlers have no `import … = require`.
+            // Bundlers don't support `import … = require`.
             "bundler" => arguments.push("--skipLibCheck"),
-            // The declarations of the package are looked at as a whole in the last run alone, as that takes long.
+            // Check all declarations of the package only in the last run, because it takes long.
             "nodenext" => arguments.extend([&["--skipLibCheck"], &common[..]].concat()),
             _ => arguments.extend(&common),
         }
@@ -95,7 +95,7 @@ fn compile(folder: &Path, sources: &[String]) {
     }
 }
 
-/// Programs that import and require each entry, and use its types.
+/// Writes programs that import and require each entry point, and use its types.
 fn write_entries(folder: &Path) {
     let uses = "const known: boolean = flockwave.errorCode(1).isKnown;\nconst low: 1 = px4.BatteryStatusBatteryWarning.LOW;\n\
                 const bundles: readonly string[] = data.manifest().bundles;\n\
@@ -120,7 +120,7 @@ fn write_entries(folder: &Path) {
     write(&folder.join("entries.cts"), &(cjs + uses));
 }
 
-/// Runs the examples of an installed package, and has them and the package type-checked.
+/// Runs the examples of an installed package, and type-checks them and the package.
 fn check_python(python: &Path, folder: &Path) {
     let place = "import importlib.metadata as m; print(m.distribution('uavspec').locate_file(''))";
     let site = PathBuf::from(run(python, &["-c", place], folder).trim());
@@ -130,7 +130,7 @@ fn check_python(python: &Path, folder: &Path) {
         folder,
     );
     let examples = examples(&readme);
-    assert!(examples.len() > 3, "an example a section: {readme}");
+    assert!(examples.len() > 3, "expected an example in each section: {readme}");
     for (index, example) in examples.iter().enumerate() {
         assert_eq!(example.language, "python");
         let source = format!("example_{index}.py");
@@ -143,12 +143,12 @@ fn check_python(python: &Path, folder: &Path) {
     arguments.extend(sources.iter().map(String::as_str));
     run(python_with_tools(), &arguments, folder);
     let package = site.join("uavspec");
-    assert!(package.join("py.typed").exists(), "{} says that it has types", package.display());
+    assert!(package.join("py.typed").exists(), "{} must contain py.typed", package.display());
 }
 
 #[test]
-#[ignore = "needs Python and the network"]
-fn the_readme_of_the_wheel_is_true() {
+#[ignore = "requires Python and the network"]
+fn the_readme_of_the_wheel_is_correct() {
     let folder = tempfile::tempdir().expect("a folder");
     let python = environment(folder.path());
     install(&python, &["--no-index", &path_of("-py3-none-any.whl")]);
@@ -156,8 +156,8 @@ fn the_readme_of_the_wheel_is_true() {
 }
 
 #[test]
-#[ignore = "needs Python and the network"]
-fn the_readme_of_the_source_distribution_is_true() {
+#[ignore = "requires Python and the network"]
+fn the_readme_of_the_source_distribution_is_correct() {
     let folder = tempfile::tempdir().expect("a folder");
     let python = environment(folder.path());
     install(&python, &[&path_of(".tar.gz")]);

@@ -1,4 +1,4 @@
-//! Node, Python and type checkers.
+//! Runs Node, Python and type checkers.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
-/// Runs a program and gives what it prints; fails with all that it says if it fails.
+/// Runs a program and returns its standard output. Panics with all output if it fails.
 #[track_caller]
 pub(crate) fn run(program: impl AsRef<OsStr>, arguments: &[&str], folder: &Path) -> String {
     let program = program.as_ref();
@@ -16,8 +16,8 @@ pub(crate) fn run(program: impl AsRef<OsStr>, arguments: &[&str], folder: &Path)
         .output()
         .unwrap_or_else(|error| panic!("{}: {error}", program.display()));
     let printed = String::from_utf8_lossy(&output.stdout).replace("\r\n", "\n");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{} {arguments:?}\n{printed}{said}", program.display());
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{} {arguments:?}\n{printed}{errors}", program.display());
     printed
 }
 
@@ -31,13 +31,13 @@ pub(crate) fn repository() -> PathBuf {
     fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).expect("the repository")
 }
 
-/// Writes a file, and the folders above it.
+/// Writes a file and creates its folders.
 pub(crate) fn write(path: &Path, text: &str) {
     fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
     fs::write(path, text).expect("a file");
 }
 
-/// The path of the package whose name ends so. All are made once, for all tests.
+/// The path of the package with this ending. All packages are built once for all tests.
 pub(crate) fn package(ending: &str) -> PathBuf {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     let folder = FOLDER.get_or_init(|| {
@@ -48,7 +48,7 @@ pub(crate) fn package(ending: &str) -> PathBuf {
     folder.join(format!("uavspec-{}{ending}", env!("CARGO_PKG_VERSION")))
 }
 
-/// A folder with the type checkers of npm.
+/// The folder with the type checkers from npm.
 pub(crate) fn node_tools() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
@@ -59,12 +59,12 @@ pub(crate) fn node_tools() -> &'static Path {
     })
 }
 
-/// The script of a type checker of npm.
+/// The script of a type checker from npm.
 pub(crate) fn node_tool(path: &str) -> String {
     node_tools().join(path).display().to_string()
 }
 
-/// Python with the type checkers of `PyPI`.
+/// The Python interpreter with the type checkers from `PyPI`.
 pub(crate) fn python_with_tools() -> &'static Path {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
     PYTHON.get_or_init(|| {
@@ -77,13 +77,13 @@ pub(crate) fn python_with_tools() -> &'static Path {
     })
 }
 
-/// A new virtual environment in `folder`, with nothing in it; gives its Python.
+/// Creates an empty virtual environment in `folder`, and returns its Python interpreter.
 pub(crate) fn environment(folder: &Path) -> PathBuf {
     run(python_with_tools(), &["-m", "venv", "--without-pip", "environment"], folder);
     program_of(folder)
 }
 
-/// Installs a package into the environment of `python`, with the pip of another.
+/// Installs a package into the environment of `python`, with the pip of another environment.
 pub(crate) fn install(python: &Path, arguments: &[&str]) {
     let python = python.display().to_string();
     let pip = ["-m", "pip", "--python", &python, "install", "--quiet", "--disable-pip-version-check"];
@@ -94,14 +94,14 @@ fn program_of(folder: &Path) -> PathBuf {
     folder.join(if cfg!(windows) { "environment/Scripts/python.exe" } else { "environment/bin/python" })
 }
 
-/// A folder below `target/` in which `install` was run with these files, once for each state of them.
+/// A folder below `target/` in which `install` ran once for the current content of these files.
 fn installed(name: &str, files: &[&str], install: impl FnOnce(&Path)) -> PathBuf {
     let pins = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/packages");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("type-checkers").join(name);
-    let wanted: String =
+    let versions: String =
         files.iter().map(|file| fs::read_to_string(pins.join(file)).expect("a list of versions")).collect();
     let mark = folder.join("installed");
-    if fs::read_to_string(&mark).is_ok_and(|found| found == wanted) {
+    if fs::read_to_string(&mark).is_ok_and(|found| found == versions) {
         return folder;
     }
     if folder.exists() {
@@ -111,6 +111,6 @@ fn installed(name: &str, files: &[&str], install: impl FnOnce(&Path)) -> PathBuf
         write(&folder.join(file), &fs::read_to_string(pins.join(file)).expect("a list of versions"));
     }
     install(&folder);
-    fs::write(mark, wanted).expect("a file");
+    fs::write(mark, versions).expect("a file");
     folder
 }

@@ -1,10 +1,10 @@
-//! What tests of the command line have in common.
+//! Shared helpers of the command-line tests.
 
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Writes a file of a workspace, and the folders that it needs.
+/// Writes a file of a workspace and creates its folders.
 pub(crate) fn write(folder: impl AsRef<Path>, path: &str, text: &str) {
     let path = folder.as_ref().join(path);
     fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");

@@ -52,7 +52,7 @@ pub(super) fn field(schema: &Schema, message: &Message, field: &Field) -> String
     facts.extend(group.map(|group| format!("group: {}", group.summary)));
     facts.extend(unit(field.unit.as_deref()));
     facts.extend(field.constraints.iter().filter_map(|found| found.fact(str::to_owned, str::to_owned)));
-    facts.extend(field.attributes().map(|(attribute, text)| attribute.said(text)));
+    facts.extend(field.attributes().map(|(attribute, text)| attribute.to_text(text)));
     let counted = field.counts.and_then(|array| message.fields.get(array));
     facts.extend(counted.map(|array| format!("counts the entries in use of {}", array.name)));
     let is_float = matches!(field.ty.element, Element::Scalar(scalar) if scalar.is_float());
@@ -72,7 +72,7 @@ pub(super) fn constant(constant: &Constant) -> String {
     let lines: Vec<String> = parameters
         .map(|(index, found)| {
             let said = found.constraints.iter().filter(|found| !found.is_special());
-            let said = said.filter_map(Constraint::said);
+            let said = said.filter_map(Constraint::valid_values);
             let facts: Vec<String> = unit(found.unit.as_deref()).into_iter().chain(said).collect();
             let facts = if facts.is_empty() { String::new() } else { format!(" ({})", facts.join("; ")) };
             format!("- parameter {}: {}{facts}", index + 1, found.description)
@@ -86,8 +86,8 @@ pub(super) fn limits(limits: &Limits) -> Vec<String> {
     let int = |value: u32| Value::Int(value.into());
     let length = Range { low: limits.least.map(int), high: limits.most.map(int) };
     let mut facts: Vec<String> = unit(limits.unit.as_deref()).into_iter().collect();
-    facts.extend(limits.range.as_ref().and_then(Range::said).map(|range| format!("range: {range}")));
-    facts.extend(length.said().map(|length| format!("length: {length}")));
+    facts.extend(limits.range.as_ref().and_then(Range::to_text).map(|range| format!("range: {range}")));
+    facts.extend(length.to_text().map(|length| format!("length: {length}")));
     facts.extend(limits.is_unique.then(|| "no element stands in it twice".to_owned()));
     facts.extend(limits.pattern.as_ref().map(|pattern| format!("pattern: {pattern}")));
     facts.extend(limits.format.as_ref().map(|format| format!("format: {format}")));

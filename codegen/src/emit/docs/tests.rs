@@ -270,8 +270,8 @@ fn errors_of_the_readers_are_on_one_page() {
     let files = rules();
     let page = text_of(&files, "rules/reading.md");
     for expected in [
-        "\n## `invalid-utf8`\n\n- error: the byte 0x&#123;byte} is not UTF-8\n- help: save the file as UTF-8\n",
-        "\n## `missing-name`\n\n- error: <code>&#123;type name&#125;</code> stands alone\n",
+        "\n## `invalid-utf8`\n\n- error: byte 0x&#123;byte} is not valid UTF-8\n- help: save the file as UTF-8\n",
+        "\n## `missing-name`\n\n- error: expected a name after <code>&#123;type name&#125;</code>\n",
         "\n- [`annotation-near-miss`](annotation-near-miss.md)\n",
     ] {
         assert!(page.contains(expected), "{expected}\nis not in\n{page}");

@@ -338,7 +338,7 @@ impl Parts<'_> {
             }),
         }
         facts.extend(field.constraints.iter().filter_map(|found| found.fact(prose::code, prose::inline)));
-        facts.extend(field.attributes().map(|(attribute, text)| attribute.said(&prose::inline(text))));
+        facts.extend(field.attributes().map(|(attribute, text)| attribute.to_text(&prose::inline(text))));
         if let Some(array) = field.counts {
             facts.push(format!("counts the entries in use of [`{0}`](Self::{0})", self.fields[array]));
         }

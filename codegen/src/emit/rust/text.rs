@@ -24,7 +24,8 @@ pub(super) fn constant_text(constant: &Constant) -> String {
                 .map(prose::inline)
                 .unwrap_or_default();
             let said = parameter.constraints.iter().filter(|found| !found.is_special());
-            let said: String = said.filter_map(Constraint::said).map(|said| format!(" ({said})")).collect();
+            let said: String =
+                said.filter_map(Constraint::valid_values).map(|said| format!(" ({said})")).collect();
             let _ = write!(
                 text,
                 "\n| {} | {unit} | {}{said} |",

@@ -6,22 +6,22 @@ use uavspec_runtime::{Number, Scalar};
 
 use crate::value::Value;
 
-/// A kind of constraint. All stages treat constraints alike, by the contents of this row.
+/// A kind of constraint. All stages handle every constraint by the data in this struct.
 pub struct ConstraintKind {
-    /// The name, as in `[@range 0, 1]`. The printed model and the keys of translations use it, too.
+    /// The name, as in `[@range 0, 1]`; also used in the printed model and in translation keys.
     pub name: &'static str,
-    /// The form, as messages show it.
+    /// The syntax, as shown in messages.
     pub form: &'static str,
-    /// The words of the documentation, with `{value}` for a stated value. Translations of the generator's words have
-    /// an entry for them.
+    /// The text in the documentation, in which `{value}` is a placeholder. Translations of the generator's texts
+    /// contain it.
     pub words: &'static str,
-    /// The keyword of JSON Schemas.
+    /// The keyword in JSON Schemas.
     pub keyword: &'static str,
-    /// Reads the text after the name: the stated values, and the words that follow. None if it is malformed.
+    /// Parses the text after the name into the argument and the explanation. Returns `None` if it is malformed.
     pub(crate) read: for<'s> fn(&'s str) -> Option<(Argument<'s>, &'s str)>,
-    /// Lays out the text after the name.
+    /// Formats the text after the name.
     pub(crate) lay_out: fn(&str) -> String,
-    /// The effect on the values.
+    /// The effect on valid values.
     pub(crate) effect: Effect,
 }
 
@@ -41,26 +41,26 @@ impl Eq for ConstraintKind {}
 
 /// The effect of a constraint on the values of a field.
 pub(crate) enum Effect {
-    /// The stated value is valid even if other constraints exclude it. It has a special meaning.
+    /// The stated value is valid and has a special meaning, even if other constraints exclude it.
     Allows {
         /// The title of the value in JSON Schemas.
         title: &'static str,
-        /// The name and the words of its test case.
+        /// The name and description of its test case.
         sample: (&'static str, &'static str),
     },
     /// Only some values are valid.
     Narrows {
-        /// The demands on values of a type.
+        /// The requirements on values of a type.
         demands: fn(&Stated, Scalar) -> Vec<Demand>,
-        /// Numbers that are worth a test case.
+        /// Numbers for test cases.
         samples: fn(&Stated, Scalar) -> Vec<Probe>,
     },
 }
 
-/// The runtime's form of constraints, without lists.
+/// The runtime's constraint, without lists.
 type Numbers = uavspec_runtime::Constraint<'static>;
 
-/// A demand on numbers: a method of the runtime's `Constraint` and its argument.
+/// A requirement on numbers: a method of the runtime's `Constraint` and its argument.
 pub(crate) struct Demand {
     /// The name of the method, for generated code.
     pub(crate) method: &'static str,
@@ -70,15 +70,15 @@ pub(crate) struct Demand {
     pub(crate) number: Number,
 }
 
-/// A number that is worth a test case.
+/// A number for a test case.
 pub(crate) struct Probe {
-    /// The end of the id of the case.
+    /// The end of the case's id.
     pub(crate) name: &'static str,
-    /// The number in words.
+    /// The description of the number.
     pub(crate) words: &'static str,
     /// The number, or its neighbour.
     pub(crate) number: Number,
-    /// True for the next value of the type above the number, false for the one below.
+    /// The neighbour to test: `Some(true)` for the next greater value of the type, `Some(false)` for the next smaller.
     pub(crate) up: Option<bool>,
 }
 
@@ -91,18 +91,18 @@ pub enum Argument<'s> {
     Name(&'s str),
 }
 
-/// Inclusive bounds; an absent one is none.
+/// Inclusive bounds; `None` means unbounded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
-    /// Least value.
+    /// The minimum.
     pub low: Option<Value>,
-    /// Greatest value.
+    /// The maximum.
     pub high: Option<Value>,
 }
 
 impl Range {
-    /// The bounds in words; none if there are none.
-    pub(crate) fn said(&self) -> Option<String> {
+    /// The bounds as text, or `None` if both are absent.
+    pub(crate) fn to_text(&self) -> Option<String> {
         match (&self.low, &self.high) {
             (Some(low), Some(high)) => Some(format!("{low} to {high}")),
             (Some(low), None) => Some(format!("{low} or more")),
@@ -111,7 +111,7 @@ impl Range {
         }
     }
 
-    /// True if it ends before it starts.
+    /// True if the lower bound is greater than the upper bound.
     pub(crate) fn is_reversed(&self) -> bool {
         let number = |bound: &Option<Value>| bound.as_ref().and_then(Value::as_f64);
         number(&self.low).zip(number(&self.high)).is_some_and(|(low, high)| low > high)
@@ -130,7 +130,7 @@ pub enum Stated {
 }
 
 impl Stated {
-    /// The value, if it is one.
+    /// The value, unless this is a range or empty.
     pub fn value(&self) -> Option<&Value> {
         match self {
             Self::Value(value) => Some(value),
@@ -138,7 +138,7 @@ impl Stated {
         }
     }
 
-    /// All values that it names.
+    /// All stated values.
     pub(crate) fn values(&self) -> impl Iterator<Item = &Value> {
         let (first, second) = match self {
             Self::Range(Range { low, high }) => (low.as_ref(), high.as_ref()),
@@ -149,19 +149,19 @@ impl Stated {
     }
 }
 
-/// A constraint on the values of a field, or of a parameter of a command.
+/// A constraint on the values of a field or a command parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraint {
     /// The kind.
     pub kind: &'static ConstraintKind,
     /// The stated values.
     pub stated: Stated,
-    /// The words on when it applies; may be empty.
+    /// The explanation of when it applies; may be empty.
     pub text: String,
 }
 
 impl Constraint {
-    /// The demands on values of a type.
+    /// The requirements on values of a type.
     pub(crate) fn demands(&self, scalar: Scalar) -> Vec<Demand> {
         match self.kind.effect {
             Effect::Narrows { demands, .. } => demands(&self.stated, scalar),
@@ -169,25 +169,25 @@ impl Constraint {
         }
     }
 
-    /// True if it allows a value that has a special meaning.
+    /// True if it allows a value with a special meaning.
     pub(crate) fn is_special(&self) -> bool {
         matches!(self.kind.effect, Effect::Allows { .. })
     }
 
-    /// The valid values in words; none if all are valid.
-    pub fn said(&self) -> Option<String> {
+    /// The valid values as text, or `None` if all are valid.
+    pub fn valid_values(&self) -> Option<String> {
         match &self.stated {
-            Stated::Range(range) => range.said(),
+            Stated::Range(range) => range.to_text(),
             Stated::Value(value) => Some(self.kind.words.replace("{value}", &value.to_string())),
             Stated::Empty => Some(self.kind.words.to_owned()),
         }
     }
 
-    /// A fact for documentation; `code` marks up values and `prose` the words of the definition.
+    /// The constraint as a fact in the documentation. `code` formats values, `prose` formats text of the definition.
     pub(crate) fn fact(&self, code: fn(&str) -> String, prose: fn(&str) -> String) -> Option<String> {
         if !self.is_special() {
             let label = if matches!(self.stated, Stated::Range(_)) { "range: " } else { "" };
-            return self.said().map(|said| format!("{label}{said}"));
+            return self.valid_values().map(|values| format!("{label}{values}"));
         }
         let value = self.stated.value().map_or_else(|| "empty".to_owned(), |value| code(&value.to_string()));
         let when = if self.text.is_empty() { String::new() } else { format!(" ({})", prose(&self.text)) };

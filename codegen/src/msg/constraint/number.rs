@@ -1,11 +1,11 @@
-//! The numbers of constraints.
+//! Numbers in constraints.
 
 use uavspec_runtime::{Number, Scalar};
 
 use crate::msg::literal::{LiteralError, parse_scalar};
 use crate::value::Value;
 
-/// Names of the limits of C's integer types, which definitions use as invalid values and bounds.
+/// Names of the limits of C integer types, which definitions use as invalid values and bounds.
 const LIMITS: [(&str, Scalar); 8] = [
     ("UINT8_MAX", Scalar::UInt8),
     ("UINT16_MAX", Scalar::UInt16),
@@ -17,7 +17,7 @@ const LIMITS: [(&str, Scalar); 8] = [
     ("INT64_MAX", Scalar::Int64),
 ];
 
-/// Reads a number as annotations write it: an integer, a float, the name of a limit, or a multiple of pi.
+/// Parses a number in an annotation: an integer, a float, the name of a limit, or a multiple of pi.
 pub(super) fn parse(text: &str) -> Result<Value, LiteralError> {
     if let Some((_, scalar)) = LIMITS.iter().find(|(name, _)| *name == text) {
         let (_, greatest) = scalar.integer_bounds().ok_or(LiteralError::Form)?;
@@ -37,30 +37,30 @@ pub(super) fn parse(text: &str) -> Result<Value, LiteralError> {
         .or_else(|_| parse_scalar(text, Scalar::Float64))
 }
 
-/// A value as a field of type `scalar` holds it.
-pub(crate) fn held(value: &Value, scalar: Scalar) -> Option<Number> {
+/// The value as stored in a field of type `scalar`.
+pub(crate) fn stored(value: &Value, scalar: Scalar) -> Option<Number> {
     let number = value.number()?;
     match value.as_f64() {
-        #[allow(clippy::cast_possible_truncation)] // rounding is what this is about
+        #[allow(clippy::cast_possible_truncation)] // rounding is intended
         Some(value) if scalar == Scalar::Float32 => Some(Number::Float(f64::from(value as f32))),
         Some(value) if scalar == Scalar::Float64 => Some(Number::Float(value)),
         _ => Some(number),
     }
 }
 
-/// The least and the greatest form of `number` in JSON, as written from a field of type `scalar`.
+/// The smallest and greatest JSON form of `number` that a field of type `scalar` can produce.
 ///
-/// A `float32` isn't exactly pi: it is written widened to 64 bits (3.1415927410125732) or in its
-/// shortest form (3.1415927), and both are greater than pi.
+/// A `float32` can't represent pi exactly. Writers widen it to 64 bits (3.1415927410125732) or use its shortest form
+/// (3.1415927); both are greater than pi.
 pub(crate) fn spread(number: Number, scalar: Scalar) -> (Number, Number) {
-    /// The greatest `float32` in the shortest form that reads back as it.
+    /// The greatest `float32`, in its shortest form.
     const MAX_FLOAT32: f64 = 3.402_823_5e38;
     let exact = number.as_f64();
     let is_inexact = scalar == Scalar::Float32 && exact.abs() < MAX_FLOAT32;
     if !is_inexact {
         return (number, number);
     }
-    #[allow(clippy::cast_possible_truncation)] // rounding is what this is about
+    #[allow(clippy::cast_possible_truncation)] // rounding is intended
     let rounded = exact as f32;
     let widened = f64::from(rounded);
     let shortest = rounded.to_string().parse().unwrap_or(widened);

@@ -19,7 +19,7 @@ pub static RANGE: ConstraintKind = ConstraintKind {
     effect: Effect::Narrows { demands, samples },
 };
 
-/// Reads bounds with a comma between them.
+/// Parses two bounds separated by a comma.
 pub(crate) fn read(argument: &str) -> Option<Range> {
     let (low, high) = argument.split_once(',')?;
     let (low, high) = (bound(low).ok()?, bound(high).ok()?);
@@ -27,7 +27,7 @@ pub(crate) fn read(argument: &str) -> Option<Range> {
         .then_some(Range { low, high })
 }
 
-/// Reads a bound: none if it is absent or infinite. A label in parentheses may follow it.
+/// Parses a bound, with an optional label in parentheses. Returns `None` if it is absent or infinite.
 fn bound(text: &str) -> Result<Option<Value>, LiteralError> {
     let number = text.split_once('(').map_or(text, |(number, _)| number).trim();
     if number.is_empty() {
@@ -56,9 +56,9 @@ fn demands(stated: &Stated, scalar: Scalar) -> Vec<Demand> {
 fn samples(stated: &Stated, scalar: Scalar) -> Vec<Probe> {
     let ends = demands(stated, scalar).into_iter().flat_map(|Demand { method, number, .. }| {
         let (end, beyond) = if method == "from" {
-            (("range-low", "the least of its range"), ("below-range", "just below its range", false))
+            (("range-low", "the minimum of its range"), ("below-range", "just below its range", false))
         } else {
-            (("range-high", "the greatest of its range"), ("above-range", "just above its range", true))
+            (("range-high", "the maximum of its range"), ("above-range", "just above its range", true))
         };
         [
             Probe { name: end.0, words: end.1, number, up: None },

@@ -5,7 +5,7 @@ use super::number::parse;
 use crate::msg::kind::is_identifier;
 use crate::msg::words::split_word;
 
-/// The value that says that there is no data.
+/// The value that represents missing data.
 pub static INVALID: ConstraintKind = ConstraintKind {
     name: "invalid",
     form: "[@invalid value]",
@@ -15,11 +15,11 @@ pub static INVALID: ConstraintKind = ConstraintKind {
     lay_out,
     effect: Effect::Allows {
         title: "No data",
-        sample: ("no-data", "the value that says that there is no data"),
+        sample: ("no-data", "the value that represents missing data"),
     },
 };
 
-/// The value that says that a set point doesn't apply.
+/// The value of a set point that is not controlled.
 pub static UNCONTROLLED: ConstraintKind = ConstraintKind {
     name: "uncontrolled",
     form: "[@uncontrolled value]",
@@ -29,7 +29,7 @@ pub static UNCONTROLLED: ConstraintKind = ConstraintKind {
     lay_out,
     effect: Effect::Allows {
         title: "Not controlled",
-        sample: ("not-controlled", "the value that says that it isn't controlled"),
+        sample: ("not-controlled", "the value of a set point that is not controlled"),
     },
 };
 
@@ -44,7 +44,7 @@ fn read(argument: &str) -> Option<(Argument<'_>, &str)> {
     Some((value, text))
 }
 
-/// A value, and the words on when it applies, which are documentation and keep their spaces.
+/// Formats a value and the explanation that follows it, whose spaces are preserved.
 fn lay_out(argument: &str) -> String {
     match split_word(argument) {
         (word, "") => word.to_owned(),

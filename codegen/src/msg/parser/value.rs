@@ -2,7 +2,7 @@
 
 use uavspec_runtime::Scalar;
 
-use super::{Broken, LineParser};
+use super::{Invalid, LineParser};
 use crate::diagnostic::Problem;
 use crate::msg::ast::{Constant, ConstantType, Element, Field, Name, Shape, Type};
 use crate::msg::kind::Dialect;
@@ -12,7 +12,7 @@ use crate::value::Value;
 
 impl<'s> LineParser<'s, '_> {
     /// Reads the value of a constant.
-    pub(super) fn constant(&mut self, ty: &Type<'s>, name: Name<'s>) -> Result<Constant<'s>, Broken> {
+    pub(super) fn constant(&mut self, ty: &Type<'s>, name: Name<'s>) -> Result<Constant<'s>, Invalid> {
         self.check_style(name, true);
         let constant_type = match (ty.element, ty.shape) {
             (Element::Scalar(scalar), Shape::Single) => ConstantType::Scalar(scalar),
@@ -22,7 +22,7 @@ impl<'s> LineParser<'s, '_> {
                 return Err(self.report(Problem::ConstantType { type_name }, ty.span));
             }
         };
-        self.skip_blanks();
+        self.skip_spaces();
         let start = self.at;
         let value = match constant_type {
             ConstantType::Scalar(scalar) => {
@@ -40,7 +40,7 @@ impl<'s> LineParser<'s, '_> {
     }
 
     /// Reads a quoted string, or the text up to a comment.
-    fn string(&mut self) -> Result<String, Broken> {
+    fn string(&mut self) -> Result<String, Invalid> {
         if !self.rest().starts_with(['"', '\'']) {
             return Ok(self.word(|c| c != '#').trim_end().to_owned());
         }
@@ -49,7 +49,7 @@ impl<'s> LineParser<'s, '_> {
         Ok(quoted)
     }
 
-    fn quoted(&mut self) -> Result<String, Broken> {
+    fn quoted(&mut self) -> Result<String, Invalid> {
         let start = self.at;
         let Some(quoted) = literal::parse_quoted(self.rest()) else {
             let span = self.span.part(start..self.line.len());
@@ -67,7 +67,7 @@ impl<'s> LineParser<'s, '_> {
         Ok(quoted.value)
     }
 
-    fn scalar(&mut self, text: &str, span: Span, scalar: Scalar) -> Result<Value, Broken> {
+    fn scalar(&mut self, text: &str, span: Span, scalar: Scalar) -> Result<Value, Invalid> {
         let type_name = scalar.name().to_owned();
         match literal::parse_scalar(text, scalar) {
             Ok(value) => {
@@ -80,7 +80,7 @@ impl<'s> LineParser<'s, '_> {
                     };
                     let hint = match &instead {
                         Some(instead) => format!("write `{instead}`"),
-                        None => "it cuts every constant to an integer".to_owned(),
+                        None => "PX4 truncates every constant to an integer".to_owned(),
                     };
                     self.report_with(Problem::NotPortable { text: text.to_owned(), instead }, span, hint);
                 }
@@ -97,8 +97,8 @@ impl<'s> LineParser<'s, '_> {
         }
     }
 
-    /// Reads the rest of a field: nothing, or a default in ROS 2.
-    pub(super) fn field(&mut self, ty: Type<'s>, name: Name<'s>) -> Result<Field<'s>, Broken> {
+    /// Reads the rest of a field: empty, or a default value in ROS 2.
+    pub(super) fn field(&mut self, ty: Type<'s>, name: Name<'s>) -> Result<Field<'s>, Invalid> {
         if self.is_at_end() {
             return Ok(Field { ty, name, default: None });
         }
@@ -107,7 +107,7 @@ impl<'s> LineParser<'s, '_> {
             let text = self.word(|c| c != '#').trim_end();
             let span = self.span.part(start..start + text.len());
             let problem = Problem::UnexpectedText { text: text.to_owned() };
-            let hint = format!("{}; px4 has no default values", problem.hint());
+            let hint = format!("{}; PX4 has no default values", problem.hint());
             return Err(self.report_with(problem, span, hint));
         }
         let default = match ty.shape {
@@ -118,7 +118,7 @@ impl<'s> LineParser<'s, '_> {
         Ok(Field { ty, name, default: Some(default) })
     }
 
-    fn default_value(&mut self, element: Element<'s>, within: fn(char) -> bool) -> Result<Value, Broken> {
+    fn default_value(&mut self, element: Element<'s>, within: fn(char) -> bool) -> Result<Value, Invalid> {
         let start = self.at;
         match element {
             Element::Scalar(scalar) => {
@@ -137,7 +137,11 @@ impl<'s> LineParser<'s, '_> {
                     let span = self.span.part(start..self.at);
                     let type_name = format!("string<={}", bound.unwrap_or(0));
                     let problem = Problem::InvalidLiteral { text, type_name };
-                    return Err(self.report_with(problem, span, format!("it has {length} characters")));
+                    return Err(self.report_with(
+                        problem,
+                        span,
+                        format!("the value has {length} characters"),
+                    ));
                 }
                 Ok(Value::Text(text))
             }
@@ -145,33 +149,33 @@ impl<'s> LineParser<'s, '_> {
                 let text = self.word(within).trim_end().to_owned();
                 let span = self.span.part(start..start + text.len());
                 let problem = Problem::InvalidLiteral { text, type_name: name.to_owned() };
-                Err(self.report_with(problem, span, "a field that is a message has no default"))
+                Err(self.report_with(problem, span, "a field of a message type cannot have a default value"))
             }
         }
     }
 
-    /// `[a, b, …]`.
-    fn default_list(&mut self, element: Element<'s>, shape: Shape) -> Result<Value, Broken> {
+    /// Parses `[a, b, …]`.
+    fn default_list(&mut self, element: Element<'s>, shape: Shape) -> Result<Value, Invalid> {
         let start = self.at;
         let mut values = Vec::new();
         if !self.rest().starts_with('[') {
             let text = self.word(|c| c != '#').trim_end().to_owned();
             let span = self.span.part(start..start + text.len());
-            return Err(self.no_list(text, span));
+            return Err(self.not_a_list(text, span));
         }
         self.at += 1;
-        self.skip_blanks();
+        self.skip_spaces();
         while !self.rest().starts_with(']') {
             if self.is_at_end() {
                 let text = self.line[start..self.at].trim_end().to_owned();
                 let span = self.span.part(start..self.at);
-                return Err(self.no_list(text, span));
+                return Err(self.not_a_list(text, span));
             }
             values.push(self.default_value(element, |c| !matches!(c, '#' | ',' | ']'))?);
-            self.skip_blanks();
+            self.skip_spaces();
             if self.rest().starts_with(',') {
                 self.at += 1;
-                self.skip_blanks();
+                self.skip_spaces();
             } else if !self.rest().starts_with(']') {
                 self.expect_end()?;
             }
@@ -182,7 +186,7 @@ impl<'s> LineParser<'s, '_> {
             Shape::Array(length) if found != length as usize => length,
             Shape::Bounded(length) if found > length as usize => length,
             _ => {
-                self.skip_blanks();
+                self.skip_spaces();
                 return Ok(Value::List(values));
             }
         };
@@ -194,7 +198,7 @@ impl<'s> LineParser<'s, '_> {
         })
     }
 
-    fn no_list(&mut self, text: String, span: Span) -> Broken {
+    fn not_a_list(&mut self, text: String, span: Span) -> Invalid {
         let problem = Problem::InvalidLiteral { text, type_name: "array".to_owned() };
         self.report_with(problem, span, "write the elements in brackets: `[1, 2]`")
     }

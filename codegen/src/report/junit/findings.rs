@@ -1,9 +1,9 @@
-//! Findings as cases.
+//! Findings as test cases.
 //!
-//! Each finding is a case that failed, of the class `command.rule`: Jenkins groups by class and GitLab shows
-//! the class as the suite. Its name says file and message but no line, since both recognise a case by class
-//! and name, and a finding isn't a new one where lines have moved. Notes fail nothing. A rule without
-//! findings is a case that passed, so that there is always one.
+//! Each finding is a failed case with the class `command.rule`: Jenkins groups by class, and GitLab displays the class
+//! as the suite. The name consists of the file and the message, without the line, because both tools identify a case by
+//! class and name, and a finding that moved is not new. Notes don't fail. A rule without findings is a passed case, so
+//! there is at least one case.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -12,11 +12,11 @@ use super::suite::{Case, Outcome, Reason, Suite, one_line, write as write_suites
 use crate::diagnostic::Level;
 use crate::report::model::{Entry, Report};
 
-/// Longest message in the name of a case, in characters: names stand in lists.
+/// The maximum length of a message in the name of a case, in characters.
 const MAX_NAME: usize = 200;
 
-/// What a case is called that found nothing.
-const NOTHING: &str = "nothing found";
+/// The name of a case without findings.
+const NO_FINDINGS: &str = "no findings";
 
 pub(in crate::report) fn write(report: &Report) -> String {
     let cases = found(report).into_iter().chain(passed(report)).collect();
@@ -24,7 +24,7 @@ pub(in crate::report) fn write(report: &Report) -> String {
     write_suites(&format!("uavspec {}", report.command), &[suite])
 }
 
-/// A case for each finding.
+/// One case for each finding.
 fn found(report: &Report) -> Vec<Case> {
     let mut seen: BTreeMap<(&str, String), usize> = BTreeMap::new();
     let mut cases = Vec::with_capacity(report.entries.len());
@@ -32,7 +32,7 @@ fn found(report: &Report) -> Vec<Case> {
         let mut name = name(entry);
         let count = seen.entry((&entry.rule, name.clone())).and_modify(|count| *count += 1).or_insert(1);
         if *count > 1 {
-            // Of cases of the same name only one would be shown.
+            // Of several cases with one name, tools display only one.
             let _ = write!(name, " ({count})");
         }
         cases.push(case(report.command, entry, name));
@@ -40,14 +40,14 @@ fn found(report: &Report) -> Vec<Case> {
     cases
 }
 
-/// A case for each rule that found nothing; one for the command, where there is none else.
+/// One case for each rule without findings, or one for the command if there are no other cases.
 fn passed(report: &Report) -> Vec<Case> {
     let found: BTreeSet<&str> = report.entries.iter().map(|entry| &*entry.rule).collect();
     if report.rules.is_empty() && found.is_empty() {
-        return vec![Case::passed(report.command, NOTHING)];
+        return vec![Case::passed(report.command, NO_FINDINGS)];
     }
     let rules = report.rules.iter().map(|rule| &*rule.id).filter(|rule| !found.contains(rule));
-    rules.map(|rule| Case::passed(class(report.command, rule), NOTHING)).collect()
+    rules.map(|rule| Case::passed(class(report.command, rule), NO_FINDINGS)).collect()
 }
 
 fn class(command: &str, rule: &str) -> String {
@@ -76,7 +76,7 @@ fn name(entry: &Entry) -> String {
     format!("{}: {message}{category}", one_line(&entry.place.path))
 }
 
-/// All that is known of a finding.
+/// The full text of a finding.
 fn text(entry: &Entry) -> String {
     let category = entry.category.map(|category| format!(" ({category})")).unwrap_or_default();
     let level = entry.level.name();

@@ -1,61 +1,61 @@
-//! Suites of cases, and their XML.
+//! Test suites and their XML.
 
 use quick_junit::{NonSuccessKind, TestCase, TestCaseStatus, TestSuite};
 
 use crate::report::model::Place;
 
-/// Cases that belong together.
+/// A suite of cases.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Suite {
-    /// What they are of.
+    /// The name.
     pub name: String,
-    /// The cases; readers tell them apart by class and name.
+    /// The cases, identified by class and name.
     pub cases: Vec<Case>,
 }
 
-/// A case.
+/// A test case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Case {
-    /// What groups it with others, such as `check.PX-RANGE-01`.
+    /// The group, such as `check.PX-RANGE-01`.
     pub class: String,
-    /// Its name, on one line.
+    /// The name, on one line.
     pub name: String,
-    /// What came of it.
+    /// The outcome.
     pub outcome: Outcome,
-    /// What else is to be said of it; may be empty.
+    /// The standard output; may be empty.
     pub output: String,
-    /// What it said on standard error; may be empty.
+    /// The standard error; may be empty.
     pub errors: String,
-    /// Where it is about something in a file.
+    /// The location, if the case concerns a file.
     pub place: Option<Place>,
 }
 
-/// What came of a case.
+/// The outcome of a case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// All is well.
+    /// The case passed.
     Passed,
-    /// Something isn't as it should be.
+    /// The case failed.
     Failed(Reason),
-    /// It couldn't be tried.
+    /// The case could not run.
     Error(Reason),
-    /// It wasn't tried, and why.
+    /// The case was skipped, for this reason.
     Skipped(String),
 }
 
-/// Why a case didn't pass.
+/// The reason why a case didn't pass.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Reason {
-    /// What kind of failure it is, such as the id of a rule.
+    /// The kind of failure, such as the id of a rule.
     pub kind: String,
-    /// What is the matter, in short.
+    /// A short description.
     pub message: String,
-    /// All that is known of it.
+    /// A full description.
     pub text: String,
 }
 
 impl Case {
-    /// A case that passed.
+    /// Creates a passed case.
     pub fn passed(class: impl Into<String>, name: impl Into<String>) -> Self {
         Self {
             class: class.into(),
@@ -93,7 +93,7 @@ impl Case {
             case.set_system_err(visible(&self.errors));
         }
         if let Some(place) = &self.place {
-            // GitLab and others lead to the file by this.
+            // GitLab and others link to the file with this attribute.
             case.extra.insert("file".into(), visible(&place.path).into());
             if let Some(line) = place.region.line() {
                 case.extra.insert("line".into(), line.to_string().into());
@@ -103,7 +103,7 @@ impl Case {
     }
 }
 
-/// Suites as a document, which has a name.
+/// The XML document of the suites.
 pub fn write(name: &str, suites: &[Suite]) -> String {
     let mut whole = quick_junit::Report::new(name);
     for suite in suites {
@@ -115,13 +115,12 @@ pub fn write(name: &str, suites: &[Suite]) -> String {
     whole.to_string().unwrap_or_default()
 }
 
-/// A text on one line, as attributes want it.
+/// Puts a text on one line, as attributes require.
 pub(super) fn one_line(text: &str) -> String {
     visible(&text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// A text of characters that XML can hold. The library would drop some of the others silently, and with them
-/// what a message is about.
+/// Replaces characters that XML doesn't allow. The library would drop some of them silently.
 pub(super) fn visible(text: &str) -> String {
     text.chars()
         .map(|character| match character {

@@ -1,25 +1,25 @@
-//! Codes of which only one stands for the same event, by how grave it is.
+//! Alternative codes for the same event, of different severities.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
 
-/// How many alternatives a code may name. There are four severities, and the largest set known has
-/// three codes; without a limit a hostile page could make the sets grow with its square.
+/// The maximum number of alternatives in one description. There are four severities, and the largest known set has
+/// three codes. Without a limit, a malicious page could make the sets grow quadratically.
 const MAX_NAMED: usize = 16;
 
-/// What the descriptions name, before it is made mutual.
+/// The alternatives in descriptions, before they are made mutual.
 #[derive(Default)]
 pub(super) struct Alternatives {
-    /// For each code the alternatives that its own description names, and where.
+    /// The alternatives in the description of each code, with their locations.
     named: BTreeMap<u32, BTreeMap<u32, Span>>,
-    /// Where a description names one more than it may.
+    /// The location of the first alternative above the limit.
     too_many: BTreeMap<u32, Span>,
 }
 
 impl Alternatives {
-    /// Notes that the description of `code` names `other` at `span`.
+    /// Records that the description of `code` lists `other` at `span`.
     pub(super) fn add(&mut self, code: u32, other: u32, span: Span) {
         let named = self.named.entry(code).or_default();
         if named.len() < MAX_NAMED || named.contains_key(&other) {
@@ -29,7 +29,7 @@ impl Alternatives {
         }
     }
 
-    /// What is wrong with them: most often that two codes don't name each other.
+    /// Reports one-sided alternatives and descriptions with too many alternatives.
     pub(super) fn check(&self, known: &BTreeMap<u32, Option<Span>>) -> Vec<Diagnostic> {
         let too_many = |code| Problem::TooManyAlternatives { code, max: MAX_NAMED };
         let mut diagnostics: Vec<Diagnostic> =
@@ -38,21 +38,20 @@ impl Alternatives {
             for (other, span) in others {
                 let names_back = self.named.get(other).is_some_and(|back| back.contains_key(code));
                 let is_mutual = names_back || self.too_many.contains_key(other);
-                // A row that can't be read may well name this one.
+                // A row that can't be read may list this code.
                 let Some(definition) = known.get(other).copied().flatten().filter(|_| !is_mutual) else {
                     continue;
                 };
                 let problem = Problem::OneSidedAlternative { code: *code, other: *other };
-                let label = format!("{other} doesn't name {code}");
+                let label = format!("{other} does not list {code}");
                 diagnostics.push(Diagnostic::new(problem, *span).with_related(definition, label));
             }
         }
         diagnostics
     }
 
-    /// For each code its alternatives. A code and those that it names are all alternatives of each
-    /// other. Sets of different codes are not joined: where they overlap but differ, a reference is
-    /// wrong in one of them, and joining would spread it to all.
+    /// The alternatives of each code. All codes in one description are alternatives of each other. Sets of different
+    /// descriptions are not merged, because an error in one of them would spread to the others.
     pub(super) fn closed(&self) -> BTreeMap<u32, BTreeSet<u32>> {
         let mut closed: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
         for (code, others) in &self.named {

@@ -1,33 +1,33 @@
-//! What descriptions of error codes say in passing: other codes, alternatives, versions.
+//! Extracts references, alternatives and versions from the descriptions of error codes.
 
 use std::ops::Range;
 
-/// A code that a description refers to.
+/// A reference to a code in a description.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Reference {
-    /// Its digits in the description.
+    /// The range of its digits in the description.
     pub(super) range: Range<usize>,
-    /// Whether it is to be used in place of the described code.
+    /// True if the code is an alternative to the described code.
     pub(super) is_alternative: bool,
 }
 
-/// Words before "code" that make it a code of something else.
+/// Words before "code" that refer to other kinds of codes.
 const FOREIGN: &[&str] = &["exit", "http", "key", "response", "result", "return", "status"];
 
-/// Words that a condition has between "use" and its first word: "use this error code only if".
+/// Words between "use" and the condition: "use this error code only if".
 const OBJECT: &[&str] = &["code", "error", "it", "one", "only", "that", "the", "this", "warning"];
 
-/// First words of a condition.
+/// The first words of a condition.
 const CONDITION: &[&str] =
     &["if", "for", "in", "on", "unless", "until", "when", "whenever", "where", "while"];
 
-/// Words before and in a version: "since version 2.10 of the specification".
+/// Words in and before a version: "since version 2.10 of the specification".
 const VERSION_WORDS: &[&str] = &["flockwave", "protocol", "release", "spec", "specification", "version"];
 
-/// The codes that `description` refers to: "code 131", "codes 66, 134 or 199".
+/// Finds the codes that `description` refers to: "code 131", "codes 66, 134 or 199".
 ///
-/// Those in "use … only if …; otherwise use code N" are alternatives: after a condition, what a
-/// clause behind a semicolon says to use, and in any case what is to be used otherwise.
+/// References in "use … only if …; otherwise use code N" are alternatives. They follow "use" in a clause that starts
+/// with "otherwise", or after a condition and a semicolon.
 pub(super) fn references(description: &str) -> Vec<Reference> {
     let lower = description.to_ascii_lowercase();
     let tokens = tokens(&lower);
@@ -50,7 +50,7 @@ pub(super) fn references(description: &str) -> Vec<Reference> {
     references
 }
 
-/// The version after "since": "since specification 2.10".
+/// Finds the version after "since": "since specification 2.10".
 pub(super) fn since(description: &str) -> Option<&str> {
     let lower = description.to_ascii_lowercase();
     let tokens = tokens(&lower);
@@ -62,20 +62,20 @@ pub(super) fn since(description: &str) -> Option<&str> {
     })
 }
 
-/// Numbers with dots between: a number alone may count anything.
+/// True for numbers separated by dots. A single number may count something else.
 fn is_version(text: &str) -> bool {
     let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
     text.contains('.') && text.split('.').all(is_number)
 }
 
-/// Where in a sentence the reader is.
+/// The parser state within a sentence.
 #[derive(Default)]
 struct Clause {
-    /// Whether the description has said when to use its code.
+    /// True after a condition for the use of the described code.
     is_conditional: bool,
-    /// Whether this clause says what to use in other cases.
+    /// True in a clause about other cases.
     is_choice: bool,
-    /// Whether it has come to the word "use".
+    /// True after the word "use" in such a clause.
     has_use: bool,
 }
 
@@ -97,17 +97,17 @@ fn starts_condition(tokens: &[Token<'_>]) -> bool {
     first.is_some_and(|first| is_word(&first.kind, CONDITION))
 }
 
-/// Whether the word after `before` is that of "exit code" or "HTTP error code".
+/// True for words such as "exit code" and "HTTP error code", given the tokens before "code".
 fn is_foreign(before: &[Token<'_>]) -> bool {
     let noun = before.iter().rev().take(2).find(|token| token.kind != Kind::Word("error"));
     noun.is_some_and(|noun| is_word(&noun.kind, FOREIGN))
 }
 
-/// Takes the numbers that `rest` starts with: "134", "66, 134 and 199", "66 or code 134".
+/// Consumes the list of numbers at the start of `rest`: "134", "66, 134 and 199", "66 or code 134".
 fn list(rest: &mut &[Token<'_>], is_plural: bool) -> Vec<Range<usize>> {
     let mut numbers = Vec::new();
     while let [number, after @ ..] = *rest {
-        // In "code 131, 3 seconds later" the second number counts something else.
+        // In "code 131, 3 seconds later", the second number is not a code.
         let counts = matches!(after, [Token { kind: Kind::Word(word), .. }, ..] if !is_joint(word));
         let is_doubtful = !is_plural && !numbers.is_empty() && counts;
         if number.kind != Kind::Number || starts_range(after) || is_doubtful {
@@ -122,13 +122,13 @@ fn list(rest: &mut &[Token<'_>], is_plural: bool) -> Vec<Range<usize>> {
     numbers
 }
 
-/// "64 to 127" names a range, and none of its codes.
+/// True for a range such as "64 to 127", which refers to no single code.
 fn starts_range(tokens: &[Token<'_>]) -> bool {
     matches!(tokens, [dash, end, ..] if end.kind == Kind::Number
         && (dash.kind == Kind::Dash || is_word(&dash.kind, &["to", "through"])))
 }
 
-/// `tokens` without what joins the numbers of a list: `,`, `or`, `and code`.
+/// Skips the separators of a list: `,`, `or`, `and code`.
 fn skip_joints<'t, 's>(tokens: &'t [Token<'s>]) -> &'t [Token<'s>] {
     let is_joint = |token: &Token<'_>| match token.kind {
         Kind::Comma => true,
@@ -157,9 +157,9 @@ struct Token<'s> {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Kind<'s> {
-    /// Letters and digits, with what joins them: `e.g`, `2.10`, `user-defined`, `64-127`.
+    /// Letters and digits with inner punctuation: `e.g`, `2.10`, `user-defined`, `64-127`.
     Word(&'s str),
-    /// Nothing but digits.
+    /// Digits only.
     Number,
     Comma,
     Dash,
@@ -194,12 +194,12 @@ fn word(text: &str) -> Kind<'_> {
     if text.bytes().all(|byte| byte.is_ascii_digit()) { Kind::Number } else { Kind::Word(text) }
 }
 
-/// A full stop after `e.g` ends no sentence.
+/// True if the previous word is an abbreviation such as `e.g`, whose full stop doesn't end a sentence.
 fn is_abbreviation(tokens: &[Token<'_>]) -> bool {
     matches!(tokens.last(), Some(Token { kind: Kind::Word(word), .. }) if word.contains('.'))
 }
 
-/// Length of the word that `text` starts with.
+/// The length of the word at the start of `text`.
 fn word_len(text: &str) -> usize {
     let mut len = 0;
     loop {
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn references_are_lists_after_the_word_code() {
+    fn finds_lists_of_codes_after_the_word_code() {
         for (text, expected) in [
             ("See code 131.", &["131"][..]),
             ("Codes 134 or 199 are worse", &["134", "199"]),
@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn alternatives_are_what_to_use_otherwise() {
+    fn finds_alternatives_after_a_condition() {
         for (text, expected) in [
             (
                 "Fuel low. Use this error code only if there is enough (e.g. for the way home); otherwise use code 5 or 6. See code 7.",
@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn versions_have_dots() {
+    fn finds_versions_with_dots() {
         for text in [
             "Leak (since 2.10).",
             "Leak. Since specification 2.10",

@@ -1,18 +1,18 @@
-//! Types that hold themselves with nothing to end it.
+//! Detects infinitely nested types.
 
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::schema::json_type::{Definition, Expression, JsonType, Member};
 
-/// So many cycles are reported; where there are more, they have much in common.
+/// The maximum number of reported cycles.
 const MAX_REPORTED: usize = 20;
 
-/// A type stands for no more types than this, through all names in it.
-const MAX_MEANT: usize = 256;
+/// The maximum number of types that one type may be an alias or union of, through all referenced names.
+const MAX_ALTERNATIVES: usize = 256;
 
-/// A path longer than twice this is shown by its ends.
+/// The number of names at each end of a displayed path; the middle of longer paths is omitted.
 const MAX_PATH_END: usize = 8;
 
-/// Reports types whose values never end, and names that stand for themselves. `first` is the id of the first type.
+/// Reports types without finite values, and names that are defined by themselves. `first` is the id of the first type.
 pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     let mut diagnostics = cycles(types, first, |definition| match definition {
         Definition::Object(object) => needed_by_members(&object.fields),
@@ -21,9 +21,9 @@ pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
         Definition::Named(found) => needed(&found.ty),
     });
     if diagnostics.is_empty() {
-        // `A` is `null or A`: a value that ends, but there is no telling by what a reader should go.
+        // `A` is `null or A` has finite values, but a recursive definition.
         diagnostics = cycles(types, first, |definition| match definition {
-            Definition::Named(found) => meant(&found.ty),
+            Definition::Named(found) => alternatives_of(&found.ty),
             _ => Vec::new(),
         });
     }
@@ -33,16 +33,18 @@ pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     diagnostics
 }
 
-/// Reports names that stand for names, and those for others, until they are too many. There is no cycle among them.
+/// Reports types with too many alternatives, through all referenced names. There are no cycles at this point.
 fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
-    // By type, for how many it stands; 0 where that isn't known yet.
+    // The number of alternatives of each type; 0 if not yet known.
     let mut sizes = vec![0_usize; types.len()];
     for start in 0..types.len() {
         let mut open = vec![start];
         while let Some(at) = open.last().copied() {
             let steps: Vec<usize> = match &types[at].definition {
-                Definition::Named(found) => meant(&found.ty).iter().map(|id| (id - first) as usize).collect(),
+                Definition::Named(found) => {
+                    alternatives_of(&found.ty).iter().map(|id| (id - first) as usize).collect()
+                }
                 _ => Vec::new(),
             };
             let unknown: Vec<usize> = steps.iter().copied().filter(|step| sizes[*step] == 0).collect();
@@ -55,14 +57,14 @@ fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
                 continue;
             }
             sizes[at] = steps.iter().map(|step| sizes[*step]).fold(1, usize::saturating_add);
-            if sizes[at] > MAX_MEANT {
+            if sizes[at] > MAX_ALTERNATIVES {
                 let problem = Problem::TooManyParts {
                     name: types[at].name.clone(),
-                    what: "alternatives, with those of the names in it",
-                    max: MAX_MEANT,
+                    what: "alternatives, including those of referenced types",
+                    max: MAX_ALTERNATIVES,
                 };
                 diagnostics.push(Diagnostic::new(problem, types[at].span));
-                // What stands for it isn't to blame.
+                // Don't report the types that refer to this one.
                 sizes[at] = 1;
             }
         }
@@ -74,7 +76,7 @@ fn needed_by_members(members: &[Member]) -> Vec<u32> {
     members.iter().filter(|member| member.is_required).flat_map(|member| needed(&member.typed.ty)).collect()
 }
 
-/// The types of which any value holds one.
+/// The types that are part of every value of the expression.
 fn needed(expression: &Expression) -> Vec<u32> {
     match expression {
         Expression::Named(id) => vec![id.0],
@@ -86,16 +88,16 @@ fn needed(expression: &Expression) -> Vec<u32> {
     }
 }
 
-/// The types whose values are values of this, too.
-fn meant(expression: &Expression) -> Vec<u32> {
+/// The types of which the expression is an alias or union.
+fn alternatives_of(expression: &Expression) -> Vec<u32> {
     match expression {
         Expression::Named(id) => vec![id.0],
-        Expression::Either(alternatives) => alternatives.iter().flat_map(meant).collect(),
+        Expression::Either(alternatives) => alternatives.iter().flat_map(alternatives_of).collect(),
         _ => Vec::new(),
     }
 }
 
-/// A diagnostic for each cycle that steps from a type to others make.
+/// Reports each cycle in the graph of `steps`, which returns the types that a definition refers to.
 fn cycles(types: &[JsonType], first: u32, steps: impl Fn(&Definition) -> Vec<u32>) -> Vec<Diagnostic> {
     let steps: Vec<Vec<usize>> = types
         .iter()
@@ -105,7 +107,7 @@ fn cycles(types: &[JsonType], first: u32, steps: impl Fn(&Definition) -> Vec<u32
     let mut is_done = vec![false; types.len()];
     let mut is_open = vec![false; types.len()];
     for start in 0..types.len() {
-        // The types from `start` to here, each with the number of its steps that were taken.
+        // The types from `start` to the current one, each with the number of visited successors.
         let mut path: Vec<(usize, usize)> = Vec::new();
         if !is_done[start] {
             path.push((start, 0));
@@ -142,7 +144,7 @@ fn report(types: &[JsonType], cycle: impl Iterator<Item = usize>) -> Diagnostic 
     }
     let mut diagnostic = Diagnostic::new(Problem::EndlessType { path: names.join(" → ") }, found[0].span);
     for other in found.iter().skip(1).take(MAX_PATH_END) {
-        diagnostic = diagnostic.with_related(other.span, "by way of this");
+        diagnostic = diagnostic.with_related(other.span, "through this type");
     }
     diagnostic
 }

@@ -1,11 +1,11 @@
-//! What kinds of values an expression has, through the names in it.
+//! The kinds of values of an expression, including those of referenced types.
 
 use std::collections::{HashMap, HashSet};
 
 use crate::schema::json_type::ERROR_LIST;
 use crate::table::type_table::{Body, Expression, ExpressionKind, TypeDefinition};
 
-/// Kinds of values, as far as annotations tell them apart.
+/// Kinds of values that annotations distinguish.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Kinds {
     pub(super) has_number: bool,
@@ -13,10 +13,10 @@ pub(super) struct Kinds {
     pub(super) has_list: bool,
 }
 
-/// The types of a package by name.
+/// The types of a package, by name.
 pub(super) type ByName<'t, 'p> = HashMap<&'p str, &'t TypeDefinition<'p>>;
 
-/// The kinds of the values themselves; with `is_within` those of all that lists and maps hold instead.
+/// The kinds of the values of an expression. With `is_within`, includes the elements of lists and maps.
 pub(super) fn kinds(expression: &Expression, by_name: &ByName<'_, '_>, is_within: bool) -> Kinds {
     let mut kinds = Kinds::default();
     let mut seen = HashSet::new();

@@ -1,21 +1,21 @@
-//! `AsciiDoc`'s markup within a line, down to its text.
+//! Converts inline `AsciiDoc` markup to plain text.
 
 use crate::table::text::TextBuilder;
 
 /// A line and its position.
 pub(super) type Line<'s> = (usize, &'s str);
 
-/// What attributes stand for that people use to write a character in a cell.
+/// Attributes for special characters in cells, and their values.
 const ATTRIBUTES: [(&str, &str); 6] =
     [("{vbar}", "|"), ("{nbsp}", " "), ("{sp}", " "), ("{empty}", ""), ("{plus}", "+"), ("{asterisk}", "*")];
 
-/// How links start. Their text follows in brackets.
+/// The starts of links. The link text follows in brackets.
 const LINKS: [&str; 5] = ["link:", "xref:", "https://", "http://", "mailto:"];
 
 /// Marks of bold, italic and monospaced text.
 const MARKS: [char; 3] = ['*', '_', '`'];
 
-/// Adds the text of `stretches` of the page, each with its position, to `builder`.
+/// Adds the text of `stretches`, each with its position on the page, to `builder`.
 pub(super) fn push(stretches: &[Line<'_>], builder: &mut TextBuilder) {
     let mut tokens = Vec::new();
     for (at, text) in stretches {
@@ -36,13 +36,13 @@ struct Token<'s> {
 
 #[derive(Clone, Copy)]
 struct Mark {
-    /// Its place in [`MARKS`], and whether it is doubled: those pair with their like alone.
+    /// The index in [`MARKS`], and true for a doubled mark. Only equal kinds form a pair.
     kind: (usize, bool),
     can_open: bool,
     can_close: bool,
 }
 
-/// Empties the tokens that mark text. A mark without its counterpart is text itself.
+/// Removes paired marks. An unpaired mark is ordinary text.
 fn drop_pairs(tokens: &mut [Token<'_>]) {
     let mut open = [[None; 2]; MARKS.len()];
     for index in 0..tokens.len() {
@@ -62,16 +62,16 @@ fn drop_pairs(tokens: &mut [Token<'_>]) {
 
 struct Scanner<'s, 't> {
     text: &'s str,
-    /// Position of the text in the page.
+    /// The position of the text on the page.
     page_at: usize,
-    /// Position in the text.
+    /// The position in the text.
     at: usize,
     tokens: &'t mut Vec<Token<'s>>,
 }
 
 impl<'s> Scanner<'s, '_> {
     fn scan(mut self) {
-        // The last of each closing bracket: past it no search for one can succeed.
+        // After the last closing bracket, no search for one can succeed.
         let last = |bracket| self.text.rfind(bracket).unwrap_or(0);
         let (last_bracket, last_angle) = (last("]"), last(">>"));
         while let Some(c) = self.rest().chars().next() {
@@ -93,7 +93,7 @@ impl<'s> Scanner<'s, '_> {
         &self.text[self.at..]
     }
 
-    /// Takes the next `len` bytes for text.
+    /// Adds the next `len` bytes as text.
     fn text(&mut self, len: usize) {
         self.tokens.push(Token { at: self.page_at + self.at, text: &self.rest()[..len], mark: None });
         self.at += len;
@@ -105,17 +105,17 @@ impl<'s> Scanner<'s, '_> {
         let before = self.text[..self.at].chars().next_back();
         let after = self.rest()[len..].chars().next();
         let is_word = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
-        let is_blank = |c: Option<char>| c.is_none_or(char::is_whitespace);
+        let is_space = |c: Option<char>| c.is_none_or(char::is_whitespace);
         let kind = (MARKS.iter().position(|known| *known == mark).unwrap_or(0), is_double);
-        let can_open = is_double || (!is_word(before) && !is_blank(after));
-        let can_close = is_double || (!is_blank(before) && !is_word(after));
+        let can_open = is_double || (!is_word(before) && !is_space(after));
+        let can_close = is_double || (!is_space(before) && !is_word(after));
         self.text(len);
         if let Some(token) = self.tokens.last_mut() {
             token.mark = Some(Mark { kind, can_open, can_close });
         }
     }
 
-    /// `<<anchor,text>>`, or `<<anchor>>`, which is its own text.
+    /// Reads `<<anchor,text>>`, or `<<anchor>>`, whose text is the anchor.
     fn reference(&mut self) {
         let Some(end) = self.rest().find(">>") else { return self.text(2) };
         let inner = &self.rest()[2..end];
@@ -132,7 +132,7 @@ impl<'s> Scanner<'s, '_> {
         self.at += name.len();
     }
 
-    /// A word, or a link, of which the text in brackets stays: `link:page.html[text]`.
+    /// Reads a word or a link such as `link:page.html[text]`, and keeps only the link text.
     fn word(&mut self, last_bracket: usize) {
         let rest = self.rest();
         let is_link = LINKS.iter().any(|start| rest.starts_with(start));
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn markup_goes_and_text_stays() {
+    fn removes_markup_and_keeps_text() {
         for (written, read) in [
             ("*a* _b c_ `d`, **e**f __g__", "a b c d, ef g"),
             ("*a\nb* c", "a b c"),

@@ -6,18 +6,18 @@ use uavspec_runtime::{ErrorClass, Severity};
 
 use crate::diagnostic::Problem;
 
-/// The codes that a heading sets apart for the table below it.
+/// The codes that a heading reserves for the table below.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Block {
-    /// The heading without its range.
+    /// The heading without the range.
     pub title: String,
-    /// The class that all its codes are of.
+    /// The class of all codes.
     pub class: ErrorClass,
-    /// First and last code.
+    /// The first and the last code.
     pub codes: RangeInclusive<u32>,
 }
 
-/// What headings call the classes: in lower case and the singular, white space for hyphens.
+/// The names of classes in headings, in lower case and singular, with spaces instead of hyphens.
 const CLASS_NAMES: &[(&str, ErrorClass)] = &[
     ("no error", ErrorClass::NoError),
     ("info", ErrorClass::Informational),
@@ -51,7 +51,7 @@ const CLASS_NAMES: &[(&str, ErrorClass)] = &[
 ];
 
 impl Block {
-    /// Reads a heading. Its name and its range have to agree; one of them is enough.
+    /// Parses a heading, which contains a name, a range or both. They must agree.
     pub(super) fn parse(heading: &str) -> Result<Self, Problem> {
         let range = find_range(heading);
         let title = range.as_ref().map_or(heading, |range| heading[..range.start].trim_end_matches(is_joint));
@@ -77,8 +77,8 @@ impl Block {
     }
 }
 
-/// Codes from 256 should keep the severity of their low byte, so a vendor may well head a part of a
-/// block by the severity that all its codes have.
+/// True if the class matches the severity of all codes in the range. Codes from 256 on keep the severity of their low
+/// byte, so vendors may group them by severity.
 fn is_severity_of(class: ErrorClass, range: &HeadingRange) -> bool {
     let is_vendor = range.first > *ErrorClass::Fatal.codes().end();
     let is_one_severity = range.first >> 6 == range.last >> 6;
@@ -92,7 +92,7 @@ fn is_severity_of(class: ErrorClass, range: &HeadingRange) -> bool {
     is_vendor && is_one_severity && Severity::of(range.first) == severity
 }
 
-/// The class of which `title` is nothing but the name.
+/// The class whose name is exactly `title`.
 fn class_named(title: &str) -> Option<ErrorClass> {
     let words = title.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
     let words: Vec<String> = words.map(|word| word.to_lowercase().trim_end_matches('s').to_owned()).collect();
@@ -102,20 +102,20 @@ fn class_named(title: &str) -> Option<ErrorClass> {
 
 /// A range of codes in a heading.
 struct HeadingRange {
-    /// Where in the heading it starts.
+    /// The start position in the heading.
     start: usize,
     first: u32,
     last: u32,
-    /// As it is written.
+    /// The range as written.
     text: String,
 }
 
-/// Whether `heading` gives a range, which only headings of error-code tables do.
+/// True if `heading` contains a range, which only headings of error-code tables do.
 pub(super) fn has_range(heading: &str) -> bool {
     find_range(heading).is_some()
 }
 
-/// What may stand between a title and its range.
+/// True for characters between a title and its range.
 fn is_joint(c: char) -> bool {
     c.is_whitespace() || matches!(c, '(' | '[' | ',' | ':' | ';' | '-' | '–' | '—')
 }
@@ -136,7 +136,8 @@ fn find_range(heading: &str) -> Option<HeadingRange> {
     })
 }
 
-/// `64-127`, `32768 and above` or `0`, and what follows it: nothing, or a closing parenthesis.
+/// Parses `64-127`, `32768 and above` or `0`, and returns the rest, which is empty or starts with a closing
+/// parenthesis.
 fn range(text: &str) -> Option<(u32, u32, &str)> {
     let (first, rest) = number(text)?;
     let after = rest.trim_start();
@@ -160,7 +161,7 @@ fn number(text: &str) -> Option<(u32, &str)> {
     Some((parse_code(digits)?, rest))
 }
 
-/// A range of codes as headings write it: `64-127`, `32768 and above`, `0`.
+/// Formats a range of codes as in headings: `64-127`, `32768 and above`, `0`.
 pub(crate) fn range_text(range: &RangeInclusive<u32>) -> String {
     match (*range.start(), *range.end()) {
         (first, u32::MAX) => format!("{first} and above"),
@@ -169,7 +170,7 @@ pub(crate) fn range_text(range: &RangeInclusive<u32>) -> String {
     }
 }
 
-/// A code in decimal. A sign, a leading zero or another base would be read differently elsewhere.
+/// Parses a decimal code. Rejects signs and leading zeros, which other tools may interpret differently.
 pub(crate) fn parse_code(text: &str) -> Option<u32> {
     let is_plain = text.bytes().all(|byte| byte.is_ascii_digit()) && (text == "0" || !text.starts_with('0'));
     text.parse().ok().filter(|_| is_plain)
@@ -180,7 +181,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn headings_name_a_class_a_range_or_both() {
+    fn headings_contain_a_class_a_range_or_both() {
         for (heading, title, class, codes) in [
             ("No error (code 0)", "No error", ErrorClass::NoError, 0..=0),
             ("Informational messages", "Informational messages", ErrorClass::Informational, 1..=63),
@@ -224,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn name_and_range_have_to_agree() {
+    fn name_and_range_must_agree() {
         for (heading, name, found, expected) in [
             ("Warnings (codes 64-128)", "warning", "64-128", "64-127"),
             ("Warnings (codes 128-191)", "warning", "128-191", "64-127"),

@@ -8,10 +8,11 @@ const OBJECT: [&str; 4] = ["Field", "Required", "Type", "Description"];
 /// The columns of a tuple.
 const TUPLE: [&str; 5] = ["Index", "Element", "Required", "Type", "Description"];
 
-/// The columns of a set, which has no other: in prose such columns stand beside many.
+/// The only columns of a set. Many tables in prose contain these and other columns.
 const SET: [&str; 2] = ["Value", "Description"];
 
-/// Where the columns of a type table are. Those of objects and tuples stand in any order, also beside others.
+/// The positions of the columns of a type table. The columns of objects and tuples may be in any order, with other
+/// columns between them.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Columns {
     Object { name: usize, required: usize, ty: usize, description: usize },
@@ -19,15 +20,15 @@ pub(super) enum Columns {
     Set,
 }
 
-/// What the header of a table makes of it.
+/// The kind of a table header.
 pub(super) enum Header {
     /// A type table.
     Known(Columns),
-    /// Nearly one with these columns.
+    /// Almost a type table with these columns.
     Near(&'static [&'static str]),
 }
 
-/// What the header of a table makes of it; nothing where the table is prose.
+/// The kind of the header of a table, or `None` for a table in prose.
 pub(super) fn header_of(table: &Table) -> Option<Header> {
     let at = |name: &str| position(&table.header, |column| column.eq_ignore_ascii_case(name));
     let required = at("Required").zip(at("Type")).zip(at("Description"));
@@ -47,10 +48,10 @@ pub(super) fn header_of(table: &Table) -> Option<Header> {
     near(table).map(Header::Near)
 }
 
-/// The columns that were surely meant: of objects and tuples all but one are there, or nearly so.
+/// The intended columns, if all columns of an object or a tuple except one are present or misspelled.
 fn near(table: &Table) -> Option<&'static [&'static str]> {
     let is_near = |column: &str, name: &str| {
-        // Longer texts are no slip of a name, and comparing takes time with the product of the lengths.
+        // Longer texts are not misspelled names, and the cost of the comparison is the product of the lengths.
         column.len() <= 2 * name.len()
             && strsim::damerau_levenshtein(&column.to_ascii_lowercase(), &name.to_ascii_lowercase())
                 <= 1 + name.len() / 5
@@ -60,10 +61,10 @@ fn near(table: &Table) -> Option<&'static [&'static str]> {
     if all_but_one(&TUPLE) {
         return Some(&TUPLE);
     }
-    // Without its own name for what it lists a table is one of many in prose.
+    // Many tables in prose have the other columns, so the column `Field` is required.
     (all_but_one(&OBJECT) && has(&&OBJECT[0])).then_some(&OBJECT)
 }
 
-fn position(header: &[Cell], is_meant: impl Fn(&str) -> bool) -> Option<usize> {
-    header.iter().position(|cell| is_meant(cell.text.as_str()))
+fn position(header: &[Cell], is_match: impl Fn(&str) -> bool) -> Option<usize> {
+    header.iter().position(|cell| is_match(cell.text.as_str()))
 }

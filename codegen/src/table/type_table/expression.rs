@@ -1,4 +1,4 @@
-//! Type expressions: `list of Name or null`.
+//! Parses type expressions such as `list of Name or null`.
 //!
 //! ```text
 //! expression = term { "or" term }
@@ -14,27 +14,27 @@ use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
 use crate::table::text::Text;
 
-/// Deeper expressions are no types that people write.
+/// The maximum nesting depth.
 const MAX_DEPTH: usize = 16;
 
-/// A type has no more alternatives than this: each is compared with the others.
+/// The maximum number of alternatives of a type, because each is compared with the others.
 const MAX_ALTERNATIVES: usize = 32;
 
-/// A type as it is written.
+/// A parsed type expression.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Expression {
-    /// What it says.
+    /// The kind.
     pub kind: ExpressionKind,
-    /// Where.
+    /// The location.
     pub span: Span,
 }
 
-/// What a type expression says.
+/// The kind of a type expression.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum ExpressionKind {
     /// Any JSON value.
     Any,
-    /// `null` alone.
+    /// `null`.
     Null,
     /// `true` or `false`.
     Boolean,
@@ -46,9 +46,9 @@ pub(crate) enum ExpressionKind {
     String,
     /// A type of the package.
     Named(String),
-    /// A JSON array whose elements are alike.
+    /// A JSON array of elements of one type.
     List(Box<Expression>),
-    /// A JSON object whose values are alike and whose keys are ids.
+    /// A JSON object whose keys are ids and whose values have one type.
     Map(Box<Expression>),
     /// One of several types.
     Either(Vec<Expression>),
@@ -56,7 +56,7 @@ pub(crate) enum ExpressionKind {
     OneOf(Vec<String>),
 }
 
-/// Names of the types that need no definition.
+/// The built-in types.
 const BUILT_IN: [(&str, ExpressionKind); 6] = [
     ("any", ExpressionKind::Any),
     ("null", ExpressionKind::Null),
@@ -66,10 +66,10 @@ const BUILT_IN: [(&str, ExpressionKind); 6] = [
     ("string", ExpressionKind::String),
 ];
 
-/// What ends the type at the start of a paragraph.
+/// Characters that end the type at the start of a paragraph.
 const ENDS: [char; 5] = [',', '.', ':', ';', '['];
 
-/// Reads the expression that a cell holds.
+/// Parses the expression in a cell.
 pub(super) fn read(cell: &Text, diagnostics: &mut Vec<Diagnostic>) -> Option<Expression> {
     match parse(cell, 0..cell.as_str().len()) {
         Ok(expression) => Some(expression),
@@ -82,7 +82,8 @@ pub(super) fn read(cell: &Text, diagnostics: &mut Vec<Diagnostic>) -> Option<Exp
     }
 }
 
-/// Reads the expression that a paragraph begins with, and where what is said of it begins. Prose begins with none.
+/// Parses the expression at the start of a paragraph, and returns the start of the description. Returns `None` for
+/// prose.
 pub(super) fn read_start(paragraph: &Text) -> Option<(Expression, usize)> {
     let text = paragraph.as_str();
     let end = text.find(ENDS).unwrap_or(text.len());
@@ -93,7 +94,7 @@ pub(super) fn read_start(paragraph: &Text) -> Option<(Expression, usize)> {
     Some((expression, if is_bracket { end } else { end + 1 }))
 }
 
-/// Whether a word is a number; `inf` and `nan`, which Rust reads as such, are words in JSON.
+/// True if a word is a JSON number. Rust also parses `inf` and `nan` as numbers, which are words in JSON.
 pub(crate) fn is_number(word: &str) -> bool {
     word.contains(|c: char| c.is_ascii_digit()) && word.parse::<f64>().is_ok()
 }
@@ -120,7 +121,7 @@ fn parse(text: &Text, range: Range<usize>) -> Result<Expression, Failure> {
     }
 }
 
-/// Words, texts in quotes, and each of `(`, `)` and `,` by itself.
+/// Splits the text into words, quoted texts, and the characters `(`, `)` and `,`.
 fn tokens(text: &str, range: Range<usize>) -> Vec<Token<'_>> {
     let mut tokens = Vec::new();
     let mut at = range.start;
@@ -158,7 +159,7 @@ impl<'t> Parser<'t> {
         loop {
             let alternative = self.term(depth)?;
             if alternatives.len() >= MAX_ALTERNATIVES {
-                let hint = "give some of the alternatives a heading of their own";
+                let hint = "define some of the alternatives as separate types";
                 return Err(Failure { range: 0..self.end, hint: Some(hint) });
             }
             alternatives.push(alternative);
@@ -173,10 +174,7 @@ impl<'t> Parser<'t> {
     fn term(&mut self, depth: usize) -> Result<Expression, Failure> {
         let token = self.next()?;
         if depth > MAX_DEPTH {
-            return Err(Failure {
-                range: token.range,
-                hint: Some("give the inner type a heading of its own"),
-            });
+            return Err(Failure { range: token.range, hint: Some("define the inner type separately") });
         }
         let start = self.text.part(token.range.clone());
         if token.text == "(" {
@@ -216,13 +214,12 @@ impl<'t> Parser<'t> {
             let token = self.next()?;
             let quoted = token.text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
             if quoted.is_none() && is_number(token.text) {
-                let hint =
-                    "the constants of `one of` are strings: put a number between quotes, or define a set";
+                let hint = "the constants of `one of` are strings; put numbers in quotes, or define a set";
                 return Err(Failure { range: token.range, hint: Some(hint) });
             }
             let text = quoted.unwrap_or(token.text);
             if !known.insert(text) {
-                return Err(Failure { range: token.range, hint: Some("it is listed twice: remove one") });
+                return Err(Failure { range: token.range, hint: Some("remove the duplicate constant") });
             }
             constants.push(text.to_owned());
             if self.take(",").is_none() {
@@ -248,7 +245,7 @@ impl<'t> Parser<'t> {
     }
 }
 
-/// Whether a text can be the name of a type: one word in `PascalCase`.
+/// True if a text is a valid type name: one word in `PascalCase`.
 pub(super) fn is_type_name(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_uppercase())
         && text.bytes().all(|byte| byte.is_ascii_alphanumeric())
@@ -266,7 +263,7 @@ mod tests {
         builder.finish(0..source.len())
     }
 
-    /// The expression with parentheses wherever they could stand.
+    /// The expression, fully parenthesized.
     fn shown(expression: &Expression) -> String {
         match &expression.kind {
             ExpressionKind::Named(name) => name.clone(),
@@ -281,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn or_binds_least() {
+    fn or_has_the_lowest_precedence() {
         for (source, expected) in [
             ("string", "string"),
             ("list of Mark or null", "(list(Mark)|null)"),
@@ -300,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_type_is_refused() {
+    fn rejects_invalid_types() {
         let deep = format!("{}string", "list of ".repeat(100));
         for source in [
             "",
@@ -328,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn a_paragraph_begins_with_a_type_or_is_prose() {
+    fn a_paragraph_starts_with_a_type_or_is_prose() {
         let end = |source: &str| read_start(&text(source)).map(|(found, end)| (shown(&found), end));
         assert_eq!(end("integer, [ms] Time"), Some(("integer".to_owned(), 8)));
         assert_eq!(end("string [@length 1, 2] Id"), Some(("string".to_owned(), 7)));

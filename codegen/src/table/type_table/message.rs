@@ -1,4 +1,4 @@
-//! Messages: a heading with the subheadings `Request`, `Response` and `Notification`.
+//! Reads messages: a heading with the subheadings `Request`, `Response` and `Notification`.
 
 use std::fmt;
 
@@ -9,28 +9,28 @@ use crate::source::Span;
 use crate::table::page::{Heading, Page, Table};
 use crate::table::text::Text;
 
-/// How the paragraph begins that names what answers a request.
+/// The start of the paragraph that lists the messages that answer a request.
 const ANSWER: &str = "Answer:";
 
-/// How the paragraph begins that stands in the place of a table without rows.
+/// The start of the paragraph that replaces an empty table.
 const NO_FIELDS: &str = "no fields beside";
 
-/// Which way a message goes, and whether it is asked for.
+/// The kind of a message, by sender and purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Direction {
-    /// From a client, which expects an answer.
+    /// From a client that expects an answer.
     Request,
-    /// The answer.
+    /// The answer to a request.
     Response,
-    /// From a server that wasn't asked.
+    /// An unsolicited message from a server.
     Notification,
 }
 
 impl Direction {
-    /// All of them, in the order in which they are listed.
+    /// All directions, in the order of lists.
     pub const ALL: [Self; 3] = [Self::Request, Self::Response, Self::Notification];
 
-    /// Its name as files and identifiers bear it.
+    /// The name in files and identifiers.
     pub fn name(self) -> &'static str {
         match self {
             Self::Request => "request",
@@ -39,7 +39,7 @@ impl Direction {
         }
     }
 
-    /// Its name as headings bear it.
+    /// The name in headings.
     pub fn title(self) -> &'static str {
         match self {
             Self::Request => "Request",
@@ -55,42 +55,42 @@ impl fmt::Display for Direction {
     }
 }
 
-/// A message as it is written.
+/// A message as written.
 #[derive(Debug)]
 pub(crate) struct MessageDefinition<'p> {
-    /// Its type, which the field `type` of its body holds.
+    /// The message type, which is also the value of the field `type` of its body.
     pub name: &'p str,
     /// The heading.
     pub span: Span,
-    /// The paragraphs under the heading, but for that of the answers.
+    /// The paragraphs under the heading, except the list of answers.
     pub paragraphs: Vec<&'p Text>,
-    /// Its shape for each direction that it has.
+    /// The parts, one for each direction.
     pub parts: Vec<PartDefinition<'p>>,
 }
 
-/// The shape of a message for a direction.
+/// The part of a message for one direction.
 #[derive(Debug)]
 pub(crate) struct PartDefinition<'p> {
     /// The direction.
     pub direction: Direction,
     /// The subheading.
     pub span: Span,
-    /// The paragraphs under the subheading, but for that of the answers; where there is a table, those above it.
+    /// The paragraphs under the subheading and above the table, except the list of answers.
     pub paragraphs: Vec<&'p Text>,
     /// The paragraphs below the table.
     pub remarks: Vec<&'p Text>,
-    /// The types of the responses to a request, where it says so.
+    /// The types of the responses to a request, if listed.
     pub answers: Vec<(&'p str, Span)>,
-    /// Its fields but for `type`.
+    /// The fields except `type`.
     pub fields: Vec<Member<'p>>,
 }
 
-/// The headings of a message.
+/// The indices of the headings of a message.
 #[derive(Debug)]
 pub(super) struct Headings {
-    /// That of its type.
+    /// The heading of the message.
     message: usize,
-    /// Those of its parts.
+    /// The subheadings of its parts.
     parts: Vec<(Direction, usize)>,
 }
 
@@ -106,11 +106,11 @@ impl Headings {
     }
 }
 
-/// The headings of all messages of a page. Without a table, or a word that there are no fields, under any of its
-/// subheadings, a heading is none of a message: others ask and answer, too.
+/// The headings of all messages of a page. A heading is a message only if any of its subheadings has a table of fields
+/// or a paragraph that it has no fields; other pages use such subheadings too.
 pub(super) fn headings(page: &Page) -> Vec<Headings> {
     let mut messages: Vec<Headings> = Vec::new();
-    // The headings above, each of a lower level than the next.
+    // The enclosing headings, from the outermost.
     let mut above: Vec<usize> = Vec::new();
     for (index, heading) in page.headings.iter().enumerate() {
         while above.last().is_some_and(|last| page.headings[*last].level >= heading.level) {
@@ -127,18 +127,18 @@ pub(super) fn headings(page: &Page) -> Vec<Headings> {
         }
         above.push(index);
     }
-    let mut says_fields = vec![false; page.headings.len()];
+    let mut has_fields = vec![false; page.headings.len()];
     for table in page.tables.iter().filter(|table| columns_of(table).is_some()) {
-        if let Some(says) = table.heading.and_then(|heading| says_fields.get_mut(heading)) {
-            *says = true;
+        if let Some(has_fields) = table.heading.and_then(|heading| has_fields.get_mut(heading)) {
+            *has_fields = true;
         }
     }
     for paragraph in page.paragraphs.iter().filter(|paragraph| has_no_fields(&paragraph.text)) {
-        if let Some(says) = paragraph.heading.and_then(|heading| says_fields.get_mut(heading)) {
-            *says = true;
+        if let Some(has_fields) = paragraph.heading.and_then(|heading| has_fields.get_mut(heading)) {
+            *has_fields = true;
         }
     }
-    messages.retain(|message| message.parts.iter().any(|(_, part)| says_fields[*part]));
+    messages.retain(|message| message.parts.iter().any(|(_, part)| has_fields[*part]));
     messages
 }
 
@@ -154,7 +154,7 @@ fn has_no_fields(text: &Text) -> bool {
     start.is_some_and(|start| start.eq_ignore_ascii_case(NO_FIELDS))
 }
 
-/// Whether a text can be the type of a message: words of letters and digits, with hyphens between them.
+/// True if a text is a valid message type: words of letters and digits, separated by hyphens.
 fn is_message_name(text: &str) -> bool {
     let is_word = |word: &str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_alphanumeric());
     text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.split('-').all(is_word)
@@ -170,14 +170,14 @@ impl<'p> Reader<'p> {
             if let Some(first) = parts.iter().find(|known| known.direction == *direction) {
                 let problem = Problem::DuplicateType { name: format!("{name}, {direction}") };
                 self.diagnostics
-                    .push(Diagnostic::new(problem, part.span).with_related(first.span, "the first one"));
+                    .push(Diagnostic::new(problem, part.span).with_related(first.span, "first definition"));
                 continue;
             }
             parts.push(part);
         }
         parts.sort_by_key(|part| part.direction);
         if !is_message_name(name) {
-            let hint = "a message is called by letters and digits, with hyphens between words: `UAV-INF`";
+            let hint = "name a message with letters and digits, and hyphens between words: `UAV-INF`";
             let problem = Problem::TypeName { heading: name.to_owned() };
             self.diagnostics.push(Diagnostic::new(problem, span).with_hint(hint));
             return None;
@@ -206,7 +206,7 @@ impl<'p> Reader<'p> {
         if let Some((second, _)) = tables.next() {
             let problem = Problem::DuplicateType { name: format!("{name}, {direction}") };
             self.diagnostics
-                .push(Diagnostic::new(problem, second.span).with_hint("put all fields into one table"));
+                .push(Diagnostic::new(problem, second.span).with_hint("put all fields in one table"));
         }
         let (above, remarks) = match table {
             Some((table, _)) => self.around(index, table),
@@ -233,12 +233,12 @@ impl<'p> Reader<'p> {
     }
 }
 
-/// The paragraphs that name what answers a request, and all others.
+/// Splits paragraphs into lists of answers and others.
 fn apart(paragraphs: Vec<&Text>) -> (Vec<&Text>, Vec<&Text>) {
     paragraphs.into_iter().partition(|text| text.as_str().starts_with(ANSWER))
 }
 
-/// The types that a paragraph names after its first word.
+/// The types in a list of answers.
 fn answers(text: &Text) -> Vec<(&str, Span)> {
     let mut found = Vec::new();
     let mut at = ANSWER.len();

@@ -1,4 +1,4 @@
-//! Descriptions in the tables of a page: their annotations and the rest.
+//! Reads the annotations in descriptions of tables.
 
 use std::ops::Range;
 
@@ -7,12 +7,12 @@ use crate::msg::annotation::{self, Note};
 use crate::source::Span;
 use crate::table::text::Text;
 
-/// What to say of an annotation that pages don't have.
-const KNOWN: &str = "it stays part of the text; known are range, length, unique, pattern and format";
+/// The hint for an annotation that pages don't support.
+const KNOWN: &str = "it stays part of the text; known annotations: range, length, unique, pattern, format";
 
-/// Reads the annotations of what `text` says from the position `from` on.
+/// Reads the annotations of `text` from the position `from` on.
 pub(super) fn read_note<'p>(text: &'p Text, from: usize, diagnostics: &mut Vec<Diagnostic>) -> Note<'p> {
-    // The reader counts from the start of what it is given; where that was written is known here.
+    // Convert positions in the plain text to source locations.
     let place = |span: Span| {
         let part: Range<usize> = from + span.start as usize..from + span.end as usize;
         text.part(part)
@@ -27,9 +27,9 @@ pub(super) fn read_note<'p>(text: &'p Text, from: usize, diagnostics: &mut Vec<D
         match &mut diagnostic.problem {
             Problem::UnknownAnnotation { .. } => diagnostic.with_hint(KNOWN),
             Problem::AnnotationAfterText { head, .. } => {
-                // Where it should stand is known in the text, which may be written with other marks.
+                // The source may contain markup, so the plain text doesn't determine where to insert a fix.
                 *head = None;
-                diagnostic.with_hint("annotations come first in a description")
+                diagnostic.with_hint("put annotations at the start of the description")
             }
             _ => diagnostic,
         }

@@ -1,4 +1,4 @@
-//! Definitions of types, and the reader of a page.
+//! Reads the types of a page.
 
 use super::columns::Columns;
 use super::expression::{self, Expression, is_type_name};
@@ -9,22 +9,22 @@ use crate::source::Span;
 use crate::table::page::{Heading, Page, Row, Table};
 use crate::table::text::Text;
 
-/// A type as it is written.
+/// A type as written.
 #[derive(Debug)]
 pub(crate) struct TypeDefinition<'p> {
-    /// Its name.
+    /// The name.
     pub name: &'p str,
     /// The heading.
     pub span: Span,
-    /// The paragraphs between the heading and the table; those of a named type stand in its note.
+    /// The paragraphs between the heading and the table; empty for a named type, whose paragraphs are notes.
     pub paragraphs: Vec<&'p Text>,
     /// The paragraphs below the table.
     pub remarks: Vec<&'p Text>,
-    /// What it is.
+    /// The definition.
     pub body: Body<'p>,
 }
 
-/// What a definition says beneath its heading.
+/// The definition of a type.
 #[derive(Debug)]
 pub(crate) enum Body<'p> {
     /// A JSON object.
@@ -33,11 +33,11 @@ pub(crate) enum Body<'p> {
     Tuple(Vec<Member<'p>>),
     /// A set of values.
     Set(Vec<Entry<'p>>),
-    /// Another type, with a meaning and perhaps a range.
+    /// An alias of another type, with a description and optional restrictions.
     Named {
-        /// The other type.
+        /// The aliased type.
         ty: Expression,
-        /// What is said of it, a note for each paragraph.
+        /// The notes, one for each paragraph.
         notes: Vec<Note<'p>>,
     },
 }
@@ -45,33 +45,33 @@ pub(crate) enum Body<'p> {
 /// A field of an object, or an element of a tuple.
 #[derive(Debug)]
 pub(crate) struct Member<'p> {
-    /// Its name.
+    /// The name.
     pub name: &'p str,
-    /// The cell of its name.
+    /// The cell with the name.
     pub span: Span,
-    /// Whether it may not be left out.
+    /// True if it is required.
     pub is_required: bool,
-    /// Its type; none where that can't be read.
+    /// The type, or `None` if it is invalid.
     pub ty: Option<Expression>,
-    /// Its description.
+    /// The description.
     pub note: Note<'p>,
 }
 
 /// A value of a set.
 #[derive(Debug)]
 pub(crate) struct Entry<'p> {
-    /// The value as it is written.
+    /// The value as written.
     pub value: &'p str,
     /// The cell of the value.
     pub span: Span,
-    /// What it means.
+    /// The description.
     pub description: &'p str,
 }
 
 pub(super) struct Reader<'p> {
     pub(super) page: &'p Page,
     pub(super) diagnostics: Vec<Diagnostic>,
-    /// By heading, whether a table under it defines something.
+    /// True for each heading with a table that defines a type.
     pub(super) is_defined: Vec<bool>,
 }
 
@@ -83,7 +83,7 @@ impl<'p> Reader<'p> {
     pub(super) fn report_near_miss(&mut self, table: &Table, columns: &[&str]) {
         let header: Vec<&str> = table.header.iter().map(|cell| cell.text.as_str()).collect();
         let (Some(first), Some(last)) = (table.header.first(), table.header.last()) else { return };
-        let problem = Problem::NearTypeTable { header: header.join(" | "), meant: columns.join(" | ") };
+        let problem = Problem::NearTypeTable { header: header.join(" | "), expected: columns.join(" | ") };
         self.report(problem, first.text.span().to(last.text.span()));
     }
 
@@ -98,7 +98,7 @@ impl<'p> Reader<'p> {
         else {
             self.diagnostics.push(
                 Diagnostic::new(Problem::MissingHeading, table.span)
-                    .with_hint("the heading names the type that the table defines"),
+                    .with_hint("add a heading with the name of the type"),
             );
             return None;
         };
@@ -109,8 +109,8 @@ impl<'p> Reader<'p> {
         }
         if std::mem::replace(&mut self.is_defined[index], true) {
             let diagnostic = Diagnostic::new(Problem::DuplicateType { name: name.to_owned() }, table.span)
-                .with_related(heading.text.span(), "the heading of both tables")
-                .with_hint("give each table a heading of its own");
+                .with_related(heading.text.span(), "heading of both tables")
+                .with_hint("give each table a separate heading");
             self.diagnostics.push(diagnostic);
             return None;
         }
@@ -124,7 +124,7 @@ impl<'p> Reader<'p> {
         found.iter().map(|paragraph| &paragraph.text).collect()
     }
 
-    /// The paragraphs under a heading, those above `table` and those below it.
+    /// The paragraphs under a heading, split into those above and those below `table`.
     pub(super) fn around(&self, heading: usize, table: &Table) -> (Vec<&'p Text>, Vec<&'p Text>) {
         self.paragraphs(heading).into_iter().partition(|text| text.span() < table.span)
     }
@@ -155,7 +155,7 @@ impl<'p> Reader<'p> {
             if cell.is_empty() || cell.as_str().contains(char::is_whitespace) {
                 let problem = Problem::InvalidName { name: cell.as_str().to_owned() };
                 self.diagnostics.push(
-                    Diagnostic::new(problem, cell.span()).with_hint("a name is one word, as JSON has it"),
+                    Diagnostic::new(problem, cell.span()).with_hint("write the name as one word, as in JSON"),
                 );
                 continue;
             }
@@ -191,7 +191,7 @@ impl<'p> Reader<'p> {
         entries
     }
 
-    /// Whether a row has a cell for each column.
+    /// True if a row has one cell for each column. Otherwise reports an error.
     pub(super) fn is_whole(&mut self, row: &Row, table: &Table) -> bool {
         if let Some(cell) = row.cells.iter().find(|cell| cell.is_merged) {
             self.report(Problem::MergedCell, cell.text.span());
@@ -203,7 +203,7 @@ impl<'p> Reader<'p> {
         }
         let mut diagnostic = Diagnostic::new(Problem::TableShape { expected, found }, row.span);
         if found > expected {
-            diagnostic = diagnostic.with_hint("a pipe that belongs to a text is written `\\|`");
+            diagnostic = diagnostic.with_hint("`|`");
         }
         self.diagnostics.push(diagnostic);
         false
@@ -224,7 +224,7 @@ impl<'p> Reader<'p> {
         is("yes")
     }
 
-    /// The type that a heading without a table names, if its first paragraph says one.
+    /// The type that a heading without a table defines, if its first paragraph starts with a type.
     pub(super) fn named_type(&mut self, index: usize) -> Option<TypeDefinition<'p>> {
         let heading: &'p Heading = &self.page.headings[index];
         let paragraphs = self.paragraphs(index);
@@ -239,7 +239,7 @@ impl<'p> Reader<'p> {
     }
 }
 
-/// Those of `items`, which stand in the order of the page, that have `heading` above them.
+/// The `items` directly under `heading`. The items must be in page order.
 pub(super) fn under<T>(items: &[T], heading: usize, heading_of: impl Fn(&T) -> Option<usize>) -> &[T] {
     let start = items.partition_point(|item| heading_of(item) < Some(heading));
     let len = items[start..].partition_point(|item| heading_of(item) == Some(heading));

@@ -1,43 +1,43 @@
-//! Frames of zstd (RFC 8878), unpacked as they are read. Frames may follow each other: `cat` makes such files of
-//! several, and so do packers that use all processors, or that let readers jump.
+//! Decompresses zstd frames (RFC 8878) as they are read. Several frames may follow each other: `cat`, parallel
+//! compressors and seekable formats create such files.
 
 use std::io::{self, BufRead, ErrorKind, Read};
 
 use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
 use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
 
-/// How a frame begins.
+/// The first bytes of a frame.
 pub(crate) const MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
-/// How a frame begins that is to be skipped, but for the lower half of its first byte, which is free.
+/// The first bytes of a skippable frame. The lower half of the first byte is arbitrary.
 const SKIPPED: [u8; 4] = [0x50, 0x2a, 0x4d, 0x18];
 
-/// Whether bytes begin as a frame does, be it one that is skipped.
+/// True if bytes start with a frame, which may be skippable.
 pub(super) fn is_frame(start: &[u8]) -> bool {
     let is_skipped = || matches!(start, [first, rest @ ..] if first & 0xf0 == SKIPPED[0] && rest.starts_with(&SKIPPED[1..]));
     start.starts_with(&MAGIC) || is_skipped()
 }
 
-/// Reads what frames hold, one after the other. What is no frame, and a frame that is cut off, is an error.
+/// Decompresses consecutive frames. Other data and truncated frames are errors.
 pub(crate) struct Frames<R> {
-    packed: R,
+    input: R,
     decoder: FrameDecoder,
 }
 
 impl<R: BufRead> Frames<R> {
-    pub(crate) fn new(packed: R) -> Self {
-        Self { packed, decoder: FrameDecoder::new() }
+    pub(crate) fn new(input: R) -> Self {
+        Self { input, decoder: FrameDecoder::new() }
     }
 
-    /// The rest of what is packed.
+    /// The rest of the compressed input.
     pub(crate) fn into_inner(self) -> R {
-        self.packed
+        self.input
     }
 
-    /// Starts the next frame, and passes over those that are to be skipped; whether there is one.
+    /// Starts the next frame after any skippable frames. Returns true if there is one.
     fn start(&mut self) -> io::Result<bool> {
-        while !self.packed.fill_buf()?.is_empty() {
-            match self.decoder.reset(&mut self.packed) {
+        while !self.input.fill_buf()?.is_empty() {
+            match self.decoder.reset(&mut self.input) {
                 Ok(()) => return Ok(true),
                 Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame {
                     length,
@@ -50,18 +50,18 @@ impl<R: BufRead> Frames<R> {
     }
 
     fn skip(&mut self, length: u64) -> io::Result<()> {
-        let skipped = io::copy(&mut self.packed.by_ref().take(length), &mut io::sink())?;
+        let skipped = io::copy(&mut self.input.by_ref().take(length), &mut io::sink())?;
         if skipped < length {
-            return Err(io::Error::new(ErrorKind::UnexpectedEof, "a frame of zstd is cut off"));
+            return Err(io::Error::new(ErrorKind::UnexpectedEof, "a zstd frame is truncated"));
         }
         Ok(())
     }
 
-    /// Compares the checksum of a frame that is over, where it has one.
+    /// Verifies the checksum of a completed frame, if it has one.
     fn verify(&self) -> io::Result<()> {
         let (stated, found) = (self.decoder.get_checksum_from_data(), self.decoder.get_calculated_checksum());
         if stated.is_some() && stated != found {
-            let text = "the checksum of a frame of zstd is not that of what it holds";
+            let text = "the content of a zstd frame doesn't match its checksum";
             return Err(io::Error::new(ErrorKind::InvalidData, text));
         }
         Ok(())
@@ -83,7 +83,7 @@ impl<R: BufRead> Read for Frames<R> {
             }
             if !self.decoder.is_finished() {
                 let room = BlockDecodingStrategy::UptoBytes(out.len());
-                self.decoder.decode_blocks(&mut self.packed, room).map_err(io::Error::other)?;
+                self.decoder.decode_blocks(&mut self.input, room).map_err(io::Error::other)?;
             }
         }
     }
@@ -95,9 +95,9 @@ mod tests {
 
     use super::*;
 
-    fn unpacked(packed: &[u8]) -> io::Result<Vec<u8>> {
+    fn decompressed(input: &[u8]) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
-        Frames::new(packed).read_to_end(&mut bytes)?;
+        Frames::new(input).read_to_end(&mut bytes)?;
         Ok(bytes)
     }
 
@@ -106,30 +106,30 @@ mod tests {
     }
 
     #[test]
-    fn frames_follow_each_other() {
+    fn reads_consecutive_frames() {
         let (first, second) = (b"one ".repeat(50_000), b"two".repeat(7));
         let skipped = b"\x5a\x2a\x4d\x18\x03\0\0\0abc".to_vec();
         let packed = [skipped.clone(), zstd(&first), skipped.clone(), zstd(b""), zstd(&second), skipped];
-        assert_eq!(unpacked(&packed.concat()).expect("frames"), [&first[..], &second].concat());
-        assert_eq!(unpacked(b"").expect("no frame"), b"");
+        assert_eq!(decompressed(&packed.concat()).expect("frames"), [&first[..], &second].concat());
+        assert_eq!(decompressed(b"").expect("no frame"), b"");
     }
 
     #[test]
-    fn reports_data_after_a_frame() {
+    fn reports_invalid_data_after_a_frame() {
         let packed = zstd(b"text");
         for rest in
             [&b"no frame"[..], &[0; 8], &MAGIC[..2], &zstd(b"more")[..7], b"\x50\x2a\x4d\x18\x09\0\0\0abc"]
         {
-            assert!(unpacked(&[&packed[..], rest].concat()).is_err(), "{}", rest.escape_ascii());
+            assert!(decompressed(&[&packed[..], rest].concat()).is_err(), "{}", rest.escape_ascii());
         }
     }
 
     #[test]
-    fn a_checksum_is_compared() {
+    fn reports_a_wrong_checksum() {
         let mut packed = zstd(&b"wind ".repeat(1_000));
-        // It is the last of a frame.
+        // The checksum ends the frame.
         *packed.last_mut().expect("bytes") ^= 1;
-        let error = unpacked(&packed).expect_err("another checksum");
+        let error = decompressed(&packed).expect_err("a wrong checksum");
         assert_eq!(error.kind(), ErrorKind::InvalidData, "{error}");
     }
 }

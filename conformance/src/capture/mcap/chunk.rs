@@ -1,10 +1,10 @@
-//! A chunk, and the records in it.
+//! A chunk and its records.
 
 use std::io::{self, Read};
 
 use mcap::records::op;
 
-use super::sound::{self, HEAD, MAX_RECORD, can_be, has_its_parts};
+use super::sound::{self, HEAD, MAX_RECORD, can_be, has_parts};
 use super::unpack::Unpacker;
 use super::window::Window;
 
@@ -14,17 +14,17 @@ pub(super) struct Chunk {
     pub(super) offset: u64,
     pub(super) size: u64,
     pub(super) checksum: u32,
-    /// Bytes behind its records.
+    /// The number of bytes after its records.
     pub(super) added: u64,
     pub(super) records: Records,
 }
 
-/// Where the records of a chunk are.
+/// The location of a chunk's records.
 #[derive(Debug)]
 pub(super) enum Records {
-    /// In the file, from this offset on.
+    /// Uncompressed, from this offset of the file.
     Plain(u64),
-    /// Packed; whether the file ended before they did.
+    /// Compressed; true if the file ended within them.
     Packed(Box<Window<Unpacker>>, bool),
 }
 
@@ -34,7 +34,7 @@ impl Chunk {
     }
 }
 
-/// What comes next in a chunk.
+/// The next item of a chunk.
 pub(super) enum Next {
     Record { opcode: u8, length: usize },
     Passed,
@@ -43,7 +43,7 @@ pub(super) enum Next {
     End,
 }
 
-/// Takes the next record of a chunk of which so many bytes are left.
+/// Reads the next record of a chunk that has `left` bytes left.
 pub(super) fn next_record<R: Read>(window: &mut Window<R>, left: u64) -> io::Result<Next> {
     if left == 0 {
         return Ok(Next::End);
@@ -64,11 +64,11 @@ pub(super) fn next_record<R: Read>(window: &mut Window<R>, left: u64) -> io::Res
             (true, false) => Next::Passed,
         });
     }
-    // No longer than the limit, which fits.
+    // This fits, since the length is within the limit.
     let length = usize::try_from(length).unwrap_or(usize::MAX - HEAD);
     window.require(HEAD + length)?;
     let Some(body) = window.ahead().get(HEAD..HEAD + length) else { return Ok(Next::Corrupt) };
-    if !can_be(opcode, length as u64) || !has_its_parts(opcode, body, false) {
+    if !can_be(opcode, length as u64) || !has_parts(opcode, body, false) {
         return Ok(Next::Corrupt);
     }
     window.advance(HEAD + length);

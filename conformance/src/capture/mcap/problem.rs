@@ -1,122 +1,122 @@
-//! What can't be read.
+//! Problems in an MCAP file.
 
 use std::fmt;
 
 use crate::model::Extent;
 use crate::text::Grouped;
 
-/// What is wrong with a file, beside what its messages say.
+/// A problem in an MCAP file, apart from the contents of messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub(crate) enum Problem {
-    /// It doesn't begin with the magic.
+    /// The magic at the start is missing.
     NoMagic,
-    /// Another record than its header comes first.
+    /// The first record isn't the header.
     NoHeader,
-    /// It ends within a record.
+    /// The file ends within a record.
     Truncated {
-        /// How many bytes the record still claims.
+        /// The number of missing bytes of the record.
         missing: u64,
     },
-    /// It ends without its footer and the magic behind it.
+    /// The footer and the magic at the end are missing.
     NoEnd,
-    /// Something follows its end.
+    /// There is data after the end.
     AfterEnd {
-        /// How many bytes.
+        /// The number of bytes.
         length: u64,
     },
-    /// No record begins here; the next one that is sound was searched.
+    /// There is no valid record here, so the reader searched for the next one.
     Skipped {
-        /// What stands here instead.
+        /// The reason why it is invalid.
         found: Malformed,
-        /// How many bytes lie before the next record, or the end.
+        /// The number of bytes before the next record or the end.
         length: u64,
     },
-    /// A record can't be read, and was passed over.
+    /// A record with invalid content was skipped.
     Unreadable {
-        /// Its opcode.
+        /// The opcode.
         opcode: u8,
     },
-    /// A record in a chunk is longer than a reader holds, and was passed over.
+    /// A record in a chunk exceeds the size limit and was skipped.
     TooLong {
-        /// Its opcode.
+        /// The opcode.
         opcode: u8,
-        /// How long it says that it is.
+        /// The stated length.
         length: u64,
     },
-    /// A chunk is packed in a way that isn't known; it was passed over.
+    /// A chunk has an unknown compression and was skipped.
     Packing {
-        /// Its name.
+        /// The name of the compression.
         name: String,
     },
-    /// A chunk can't be unpacked any further.
+    /// The rest of a chunk can't be decompressed.
     Unpack {
-        /// How many bytes came out of it.
+        /// The number of decompressed bytes.
         unpacked: u64,
-        /// What is wrong.
+        /// The error.
         error: String,
     },
-    /// A chunk doesn't hold as many bytes as its header says.
+    /// The size of a chunk differs from its header.
     ChunkSize {
-        /// How many its header says.
+        /// The size in the header.
         stated: u64,
-        /// How many there are; at least so many where `is_more`.
+        /// The actual size; a minimum if `is_more`.
         found: u64,
-        /// Whether there are more than stated.
+        /// True if it is larger than stated.
         is_more: bool,
     },
-    /// A record in a chunk claims more than is left of the chunk, or no record is there.
+    /// There is no valid record within the chunk.
     InChunk {
-        /// How many bytes of the chunk lie before it.
+        /// The offset in the chunk.
         at: u64,
     },
-    /// The checksum of a chunk isn't that of its records.
+    /// The checksum of a chunk is wrong.
     ChunkChecksum {
-        /// What its header says.
+        /// The checksum in the header.
         stated: u32,
-        /// That of its records.
+        /// The checksum of the records.
         found: u32,
     },
-    /// The checksum of all up to the end of the data isn't that of the bytes.
+    /// The checksum of the data section is wrong.
     DataChecksum {
-        /// What the file says.
+        /// The checksum in the file.
         stated: u32,
-        /// That of the bytes.
+        /// The checksum of the bytes.
         found: u32,
     },
 }
 
-/// What stands where a record should.
+/// The reason why there is no valid record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Malformed {
-    /// A record with an opcode and a length that don't go together.
+    /// The length is impossible for the opcode.
     Length {
-        /// Its opcode.
+        /// The opcode.
         opcode: u8,
-        /// How long it says that it is.
+        /// The stated length.
         length: u64,
     },
-    /// A record that is longer than what is left.
+    /// The record is longer than the rest of the file.
     Beyond {
-        /// Its opcode.
+        /// The opcode.
         opcode: u8,
-        /// How long it says that it is.
+        /// The stated length.
         length: u64,
     },
-    /// A record whose parts don't agree with its length.
+    /// The parts of the record don't match its length.
     Parts {
-        /// Its opcode.
+        /// The opcode.
         opcode: u8,
     },
-    /// A record that nothing sound follows.
+    /// No valid record follows.
     Follower {
-        /// Its opcode.
+        /// The opcode.
         opcode: u8,
     },
 }
 
 impl Problem {
-    /// How much of the file can be read that has it.
+    /// The extent to which a file with this problem can be read.
     pub(crate) fn extent(&self) -> Extent {
         match self {
             Self::Truncated { .. } | Self::NoEnd => Extent::EndsEarly,
@@ -139,56 +139,59 @@ impl Problem {
 impl fmt::Display for Problem {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoMagic => formatter.write_str("the file doesn't begin as MCAP does"),
-            Self::NoHeader => formatter.write_str("the file has no header at its start"),
+            Self::NoMagic => formatter.write_str("the file doesn't start with the magic bytes of MCAP"),
+            Self::NoHeader => formatter.write_str("the file doesn't start with a header record"),
             Self::Truncated { missing } => {
-                write!(formatter, "the file ends within a record, {} bytes too early", Grouped(*missing))
+                write!(
+                    formatter,
+                    "the file is truncated within a record: {} bytes are missing",
+                    Grouped(*missing)
+                )
             }
             Self::NoEnd => formatter
-                .write_str("the file ends without a footer: it was cut off, or what wrote it didn't finish"),
+                .write_str("the file ends without a footer: it is truncated, or its writer didn't finish"),
             Self::AfterEnd { length } => {
                 write!(formatter, "{} bytes follow the end of the file", Grouped(*length))
             }
             Self::Skipped { found, length } => {
-                write!(formatter, "{found}; {} bytes passed over", Grouped(*length))
+                write!(formatter, "{found}; skipped {} bytes", Grouped(*length))
             }
-            Self::Unreadable { opcode } => write!(
-                formatter,
-                "{} that can't be read: a text in it is no UTF-8, or a key is there twice",
-                Kind(*opcode)
-            ),
+            Self::Unreadable { opcode } => {
+                write!(formatter, "{} is unreadable: it has invalid UTF-8 or a duplicate key", Kind(*opcode))
+            }
             Self::TooLong { opcode, length } => {
-                write!(formatter, "{} of {} bytes, passed over", Kind(*opcode), Grouped(*length))
+                write!(
+                    formatter,
+                    "skipped {} of {} bytes, which exceeds the limit",
+                    Kind(*opcode),
+                    Grouped(*length)
+                )
             }
             Self::Packing { name } => write!(
                 formatter,
-                "a chunk packed with `{}`, where zstd, lz4 or nothing are known",
+                "a chunk has the unknown compression `{}`: expected zstd, lz4 or none",
                 name.escape_debug()
             ),
             Self::Unpack { unpacked, error } => {
-                write!(
-                    formatter,
-                    "a chunk that can't be unpacked after {} bytes: {error}",
-                    Grouped(*unpacked)
-                )
+                write!(formatter, "a chunk can't be decompressed after {} bytes: {error}", Grouped(*unpacked))
             }
             Self::ChunkSize { stated, found, is_more } => write!(
                 formatter,
-                "a chunk with {}{} bytes, where its header says {}",
+                "a chunk has {}{} bytes, but its header says {}",
                 if *is_more { "more than " } else { "" },
                 Grouped(*found),
                 Grouped(*stated)
             ),
             Self::InChunk { at } => {
-                write!(formatter, "a chunk in which no record begins after {} bytes", Grouped(*at))
+                write!(formatter, "a chunk has no valid record after {} bytes", Grouped(*at))
             }
             Self::ChunkChecksum { stated, found } => write!(
                 formatter,
-                "a chunk with the checksum {found:08x}, where its header says {stated:08x}: what it holds was changed"
+                "a chunk has the checksum {found:08x}, but its header says {stated:08x}: its content was changed"
             ),
             Self::DataChecksum { stated, found } => write!(
                 formatter,
-                "data with the checksum {found:08x}, where the file says {stated:08x}: something before was changed"
+                "the data has the checksum {found:08x}, but the file says {stated:08x}: its content was changed"
             ),
         }
     }
@@ -201,19 +204,24 @@ impl fmt::Display for Malformed {
                 write!(formatter, "{} can't have {} bytes", Kind(*opcode), Grouped(*length))
             }
             Self::Beyond { opcode, length } => {
-                write!(formatter, "{} of {} bytes, more than are left", Kind(*opcode), Grouped(*length))
+                write!(
+                    formatter,
+                    "{} of {} bytes is longer than the rest of the file",
+                    Kind(*opcode),
+                    Grouped(*length)
+                )
             }
             Self::Parts { opcode } => {
-                write!(formatter, "{} whose parts don't agree with its length", Kind(*opcode))
+                write!(formatter, "{} has parts that don't match its length", Kind(*opcode))
             }
             Self::Follower { opcode } => {
-                write!(formatter, "{} that no record follows where its length ends", Kind(*opcode))
+                write!(formatter, "{} isn't followed by a valid record", Kind(*opcode))
             }
         }
     }
 }
 
-/// A kind of records, in words.
+/// The name of a kind of records.
 struct Kind(u8);
 
 impl fmt::Display for Kind {
@@ -232,7 +240,7 @@ impl fmt::Display for Kind {
             op::METADATA => "metadata",
             op::SUMMARY_OFFSET => "an offset of the summary",
             op::DATA_END => "an end of data",
-            opcode => return write!(formatter, "a record of the unknown kind {opcode:#04x}"),
+            opcode => return write!(formatter, "a record of unknown kind {opcode:#04x}"),
         })
     }
 }

@@ -1,4 +1,4 @@
-//! Goes through a file, record by record.
+//! Reads a file record by record.
 
 use std::collections::VecDeque;
 use std::io::{self, Read};
@@ -9,26 +9,26 @@ use mcap::records::{Record, op};
 use super::chunk::{Chunk, Next, Records, next_record};
 use super::problem::Malformed;
 use super::sound::{
-    self, ChunkHead, HEAD, MAX_CHUNK_HEAD, can_be, can_follow, has_its_parts, is_attachment, is_sound,
+    self, ChunkHead, HEAD, MAX_CHUNK_HEAD, can_be, can_follow, has_parts, is_attachment, is_sound,
 };
 use super::unpack::{Packing, Unpacker};
 use super::window::Window;
 use super::{Event, Item, MAGIC, Problem};
 
-/// How far the next sound record is looked for at a time: messages that are longer are no places to go on from.
+/// The step of the search for the next valid record, in bytes. Longer messages aren't found by a search.
 const LOOKAHEAD: usize = 64 * 1024;
 
-/// Reads a file from its start to its end.
+/// Reads a file from start to end.
 #[derive(Debug)]
 pub(crate) struct Reader<R> {
     file: Window<R>,
     stage: Stage,
-    /// The chunk in which the cursor is.
+    /// The chunk that contains the cursor.
     chunk: Option<Chunk>,
-    /// What is to be told before anything else.
+    /// The problems to return before the next record.
     problems: VecDeque<(u64, Problem)>,
     declared: Declared,
-    /// Room for packed chunks.
+    /// A reusable buffer for compressed chunks.
     room: Vec<u8>,
 }
 
@@ -40,7 +40,7 @@ enum Stage {
     End,
 }
 
-/// The channels that were declared, by id.
+/// The ids of declared channels.
 #[derive(Debug)]
 struct Declared(Box<[u64; 1 << 10]>);
 
@@ -54,7 +54,7 @@ impl Declared {
     }
 }
 
-/// A record, the last thing before a cursor.
+/// A record that ends at the cursor.
 #[derive(Clone, Copy, Debug)]
 struct Found {
     offset: u64,
@@ -64,13 +64,13 @@ struct Found {
 }
 
 impl<R: Read> Reader<R> {
-    /// The longest record that is lent, in bytes.
+    /// The maximum length of a returned record, in bytes.
     pub(crate) const MAX_RECORD: u64 = sound::MAX_RECORD;
 
-    /// The most bytes of a packed chunk.
+    /// The maximum size of a compressed chunk, in bytes.
     pub(crate) const MAX_PACKED: u64 = 256 << 20;
 
-    /// A reader of what `input` holds, from its first byte on.
+    /// Creates a reader at the first byte of `input`.
     pub(crate) fn new(input: R) -> Self {
         Self {
             file: Window::new(input),
@@ -82,14 +82,14 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// How many bytes were read.
+    /// The number of bytes read.
     pub(crate) fn bytes(&self) -> u64 {
         self.file.offset()
     }
 
-    /// The next record that says something of messages or is one, or the next problem; nothing at the end.
+    /// The next problem or relevant record: header, schema, channel or message. `None` at the end.
     ///
-    /// An error is one of reading; the reader may be asked again after it.
+    /// Fails if the input can't be read. The caller may try again.
     #[allow(clippy::should_implement_trait)] // an iterator lends nothing
     pub(crate) fn next(&mut self) -> io::Result<Option<Item<'_>>> {
         loop {
@@ -117,7 +117,7 @@ impl<R: Read> Reader<R> {
         let unreadable = Item { offset, event: Event::Problem(Problem::Unreadable { opcode }) };
         let event = match mcap::parse_record(opcode, body) {
             Ok(Record::Header(header)) => Event::Header { profile: header.profile, library: header.library },
-            // The text of a schema is borrowed from the record, which is borrowed from here.
+            // The text of a schema borrows from the record.
             Ok(Record::Schema { header, data: std::borrow::Cow::Borrowed(text) }) => {
                 Event::Schema { id: header.id, name: header.name, encoding: header.encoding, text }
             }
@@ -154,7 +154,7 @@ impl<R: Read> Reader<R> {
         Ok(None)
     }
 
-    /// The next record of the file itself.
+    /// Reads the next record outside of chunks.
     fn in_file(&mut self) -> io::Result<Option<Found>> {
         self.file.require(HEAD)?;
         let offset = self.file.offset();
@@ -177,24 +177,30 @@ impl<R: Read> Reader<R> {
                     self.search(offset, Malformed::Parts { opcode })?;
                     return Ok(None);
                 }
-                self.pass(offset, HEAD as u64 + length)?;
+                self.skip(offset, HEAD as u64 + length)?;
             }
-            // It is as long as it can be, so there is nothing to overflow.
-            _ => return self.whole(offset, opcode, usize::try_from(length).unwrap_or(usize::MAX - HEAD)),
+            // The length was checked, so this doesn't overflow.
+            _ => {
+                return self.buffered_record(
+                    offset,
+                    opcode,
+                    usize::try_from(length).unwrap_or(usize::MAX - HEAD),
+                );
+            }
         }
         Ok(None)
     }
 
-    /// A record that is held whole, so that what follows it can be looked at.
-    fn whole(&mut self, offset: u64, opcode: u8, length: usize) -> io::Result<Option<Found>> {
+    /// Reads a record into the buffer completely, so that the bytes after it can be checked.
+    fn buffered_record(&mut self, offset: u64, opcode: u8, length: usize) -> io::Result<Option<Found>> {
         let end = HEAD + length;
         self.file.require(end + HEAD)?;
         let ahead = self.file.ahead();
         let problem = match (ahead.get(HEAD..end), ahead.get(end..)) {
             (Some(body), Some(rest)) => {
-                let is_lost_footer =
+                let lacks_end_magic =
                     opcode == op::FOOTER && rest.len() >= MAGIC.len() && !rest.starts_with(&MAGIC);
-                if is_lost_footer || !has_its_parts(opcode, body, false) {
+                if lacks_end_magic || !has_parts(opcode, body, false) {
                     Some(Malformed::Parts { opcode })
                 } else if opcode != op::FOOTER && !can_follow(rest) {
                     Some(Malformed::Follower { opcode })
@@ -214,14 +220,14 @@ impl<R: Read> Reader<R> {
                     self.report(offset, Problem::Skipped { found: problem, length: next as u64 });
                     return Ok(None);
                 }
-                // The doubt goes to what follows.
+                // The record itself is plausible; the bytes after it are checked next.
                 (None, Malformed::Follower { .. }) => {}
                 (None, _) if is_whole => {
                     self.search(offset, problem)?;
                     return Ok(None);
                 }
                 (None, _) => {
-                    self.pass(offset, end as u64)?;
+                    self.skip(offset, end as u64)?;
                     return Ok(None);
                 }
             }
@@ -240,7 +246,7 @@ impl<R: Read> Reader<R> {
         Ok(is_wanted.then_some(Found { offset, opcode, length, is_packed: false }))
     }
 
-    /// Compares the checksum of all before the end of the data; 0 says nothing.
+    /// Verifies the checksum of everything before the end of the data. A checksum of 0 means that there is none.
     fn check_data(&mut self, offset: u64) {
         let stated = self.file.ahead()[HEAD..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
         let found = self.file.checksum();
@@ -249,7 +255,7 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// The file ends where a record could begin.
+    /// Reports that the file ends without a footer.
     fn ends_early(&mut self, offset: u64) -> io::Result<()> {
         let left = self.file.skip(u64::MAX)?;
         if left > 0 {
@@ -261,7 +267,7 @@ impl<R: Read> Reader<R> {
         Ok(())
     }
 
-    /// Behind the footer.
+    /// Reads the bytes after the footer.
     fn end(&mut self) -> io::Result<()> {
         self.file.require(MAGIC.len())?;
         let offset = self.file.offset();
@@ -279,8 +285,8 @@ impl<R: Read> Reader<R> {
         Ok(())
     }
 
-    /// Passes over bytes that belong to the record at `offset`.
-    fn pass(&mut self, offset: u64, length: u64) -> io::Result<()> {
+    /// Skips bytes of the record at `offset`.
+    fn skip(&mut self, offset: u64, length: u64) -> io::Result<()> {
         let passed = self.file.skip(length)?;
         if passed < length {
             self.report(offset, Problem::Truncated { missing: length - passed });
@@ -289,16 +295,16 @@ impl<R: Read> Reader<R> {
         Ok(())
     }
 
-    /// Passes over bytes up to the next record that is sound, or to the end.
+    /// Skips to the next valid record, or to the end.
     fn search(&mut self, offset: u64, found: Malformed) -> io::Result<()> {
         let start = self.file.offset();
         self.file.require(1)?;
-        // What stands here isn't sound.
+        // The bytes at the cursor aren't a valid record.
         let mut from = self.file.ahead().len().min(1);
         loop {
             self.file.require(LOOKAHEAD)?;
             let ahead = self.file.ahead();
-            // So much is kept that what begins there can be looked at, unless nothing more comes.
+            // Keep enough bytes to check records that start there, unless the file ends.
             let until = if self.file.is_at_end() { ahead.len() } else { ahead.len() - LOOKAHEAD / 2 };
             let next = (from..until).find(|at| is_sound(&ahead[*at..], |id| self.declared.has(id)));
             let (is_over, passed) = (self.file.is_at_end(), next.unwrap_or(until));
@@ -313,13 +319,13 @@ impl<R: Read> Reader<R> {
         Ok(())
     }
 
-    /// Goes into a chunk of so many bytes.
+    /// Opens a chunk of `length` bytes.
     fn open(&mut self, offset: u64, length: u64) -> io::Result<()> {
         self.file.require(HEAD + MAX_CHUNK_HEAD)?;
         let body = &self.file.ahead()[HEAD..];
         let Some(head) = ChunkHead::read(body, length) else {
             if self.file.is_at_end() && (self.file.ahead().len() as u64) < HEAD as u64 + length {
-                return self.pass(offset, HEAD as u64 + length);
+                return self.skip(offset, HEAD as u64 + length);
             }
             return self.search(offset, Malformed::Parts { opcode: op::CHUNK });
         };
@@ -330,7 +336,7 @@ impl<R: Read> Reader<R> {
         if packing.is_none() && !head.packing.is_empty() {
             let name = String::from_utf8_lossy(&head.packing).into_owned();
             self.report(offset, Problem::Packing { name });
-            return self.pass(offset, HEAD as u64 + length);
+            return self.skip(offset, HEAD as u64 + length);
         }
         self.file.advance(HEAD + head.length);
         self.file.start_part();
@@ -338,7 +344,7 @@ impl<R: Read> Reader<R> {
         let records = match packing {
             None => Records::Plain(self.file.offset()),
             Some(packing) => {
-                // No more than the limit, which fits.
+                // This fits, since the size is within the limit.
                 let packed = usize::try_from(packed).unwrap_or(usize::MAX);
                 let mut room = mem::take(&mut self.room);
                 let taken = self.file.take(packed, &mut room)?;
@@ -353,7 +359,7 @@ impl<R: Read> Reader<R> {
         Ok(())
     }
 
-    /// The next record of the chunk in which the cursor is.
+    /// Reads the next record of the current chunk.
     fn in_chunk(&mut self) -> io::Result<Option<Found>> {
         let Some(chunk) = &mut self.chunk else { return Ok(None) };
         let (chunk_offset, size, is_packed) = (chunk.offset, chunk.size, chunk.is_packed());
@@ -368,7 +374,7 @@ impl<R: Read> Reader<R> {
                     Ok(next) => (next, chunk_offset),
                     Err(error) => {
                         let unpacked = window.offset() + window.ahead().len() as u64;
-                        // What is missing was told already.
+                        // The missing bytes have been reported already.
                         if !*is_truncated {
                             let error = error.to_string();
                             self.problems.push_back((chunk_offset, Problem::Unpack { unpacked, error }));
@@ -393,7 +399,7 @@ impl<R: Read> Reader<R> {
         Ok(None)
     }
 
-    /// No record comes next in the chunk, although something should.
+    /// Handles a chunk without a valid record at the cursor.
     fn corrupt_chunk(&mut self) -> io::Result<()> {
         let Some(chunk) = &mut self.chunk else { return Ok(()) };
         let (offset, size) = (chunk.offset, chunk.size);
@@ -417,7 +423,7 @@ impl<R: Read> Reader<R> {
                 let is_truncated = self.file.is_at_end() && (ahead.len() as u64) < left;
                 let is_next = |at: &usize| is_sound(&ahead[*at..], |id| self.declared.has(id));
                 if is_truncated && !(1..ahead.len()).any(|at| is_next(&at)) {
-                    return self.pass(offset, left);
+                    return self.skip(offset, left);
                 }
                 let (opcode, length) = sound::head(ahead).unwrap_or_default();
                 self.search(self.file.offset(), Malformed::Beyond { opcode, length })
@@ -425,7 +431,7 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// Goes behind a chunk that was read to its end.
+    /// Leaves a chunk whose records were all read, and verifies its checksum.
     fn close(&mut self) -> io::Result<()> {
         let Some(chunk) = &mut self.chunk else { return Ok(()) };
         let (offset, stated) = (chunk.offset, chunk.checksum);
@@ -433,7 +439,7 @@ impl<R: Read> Reader<R> {
             Records::Plain(_) => self.file.part_checksum(),
             Records::Packed(window, _) => {
                 let found = window.part_checksum();
-                // What doesn't unpack behind the last record holds no record.
+                // Data after the last record that can't be decompressed contains no records.
                 if window.require(1).is_ok() && !window.ahead().is_empty() {
                     let size = chunk.size;
                     let problem = Problem::ChunkSize { stated: size, found: size, is_more: true };
@@ -448,12 +454,12 @@ impl<R: Read> Reader<R> {
         self.leave()
     }
 
-    /// Goes behind the records of a chunk, and keeps its room.
+    /// Moves behind the current chunk, and keeps its buffer.
     fn leave(&mut self) -> io::Result<()> {
         let Some(chunk) = self.chunk.take() else { return Ok(()) };
         if let Records::Packed(window, _) = chunk.records {
             self.room = window.into_input().into_room();
         }
-        if self.stage == Stage::End { Ok(()) } else { self.pass(chunk.offset, chunk.added) }
+        if self.stage == Stage::End { Ok(()) } else { self.skip(chunk.offset, chunk.added) }
     }
 }

@@ -1,28 +1,28 @@
-//! Whether bytes can be a record, told by lengths that have to agree.
+//! Checks by means of lengths that bytes can be a record.
 
 use mcap::records::op;
 
 use super::MAGIC;
 
-/// Bytes before what a record holds: its opcode and its length.
+/// The size of a record header: an opcode and a length.
 pub(super) const HEAD: usize = 9;
 
-/// The longest record that is held whole: a large image takes half of it.
+/// The maximum length of a record in the buffer, in bytes. A large image needs half of it.
 pub(super) const MAX_RECORD: u64 = 64 << 20;
 
-/// Bytes of a chunk before the name of its packing, and behind it.
+/// The sizes of the fixed parts of a chunk, before and after the name of its compression.
 const CHUNK_FIXED: (usize, usize) = (28, 8);
 
-/// The longest name of a packing that is believed.
+/// The maximum plausible length of the name of a compression, in bytes.
 const MAX_PACKING: usize = 64;
 
-/// Most bytes that a later version may add to a chunk behind its records.
+/// The maximum number of bytes after the records of a chunk, which later versions may add.
 const MAX_ADDED: u64 = 4_096;
 
-/// Bytes of a message before its payload.
+/// The size of a message before its payload, in bytes.
 const MESSAGE_FIXED: u64 = 22;
 
-/// Bytes of the footer.
+/// The size of the footer, in bytes.
 const FOOTER: u64 = 20;
 
 /// The opcode and the length of a record.
@@ -31,41 +31,41 @@ pub(super) fn head(ahead: &[u8]) -> Option<(u8, u64)> {
     Some((*opcode, u64::from_le_bytes(*rest.first_chunk()?)))
 }
 
-/// Whether a record of a kind can have a length.
+/// True if a record of a kind can have this length.
 pub(super) fn can_be(opcode: u8, length: u64) -> bool {
     match opcode {
         0 => false,
         op::FOOTER => length == FOOTER,
         op::DATA_END => length == 4,
         op::MESSAGE => (MESSAGE_FIXED..=MAX_RECORD).contains(&length),
-        // These are read in parts, or passed over.
+        // These are read in parts, or skipped.
         op::CHUNK | op::ATTACHMENT => length <= u64::MAX >> 1,
         _ => length <= MAX_RECORD,
     }
 }
 
-/// What the start of a chunk says.
+/// The header of a chunk.
 #[derive(Debug)]
 pub(super) struct ChunkHead {
-    /// Bytes of its records, unpacked.
+    /// The decompressed size of its records, in bytes.
     pub(super) size: u64,
-    /// Their checksum; 0 where it says none.
+    /// Their checksum; 0 if there is none.
     pub(super) checksum: u32,
-    /// How it is packed; nothing where it isn't.
+    /// The name of the compression; empty if there is none.
     pub(super) packing: Vec<u8>,
-    /// Bytes before its records.
+    /// The size of this header, in bytes.
     pub(super) length: usize,
-    /// Bytes of its records as they stand there.
+    /// The size of its records in the file, in bytes.
     pub(super) packed: u64,
-    /// Bytes behind its records.
+    /// The number of bytes after its records.
     pub(super) added: u64,
 }
 
-/// The most bytes that the start of a chunk takes.
+/// The maximum size of a chunk header, in bytes.
 pub(super) const MAX_CHUNK_HEAD: usize = CHUNK_FIXED.0 + 4 + MAX_PACKING + CHUNK_FIXED.1;
 
 impl ChunkHead {
-    /// Reads the start of a chunk of so many bytes; nothing where its lengths don't agree.
+    /// Parses the header of a chunk of `length` bytes. Returns `None` if its lengths contradict each other.
     pub(super) fn read(body: &[u8], length: u64) -> Option<Self> {
         let mut parts = Parts(body);
         parts.take(16)?;
@@ -88,7 +88,7 @@ impl ChunkHead {
     }
 }
 
-/// Whether the start of an attachment agrees with its length: its data and a checksum follow.
+/// True if the header of an attachment matches its length, which includes the data and a checksum.
 pub(super) fn is_attachment(start: &[u8], length: u64) -> bool {
     let mut parts = Parts(start);
     let data =
@@ -97,11 +97,10 @@ pub(super) fn is_attachment(start: &[u8], length: u64) -> bool {
     data.and_then(|data| data.checked_add(head)?.checked_add(4)) == Some(length)
 }
 
-/// Whether the parts of a record agree with its length. More may follow them in later versions, unless
-/// `is_exact`.
-pub(super) fn has_its_parts(opcode: u8, body: &[u8], is_exact: bool) -> bool {
+/// True if the parts of a record match its length. Later versions may append more parts, unless `is_exact`.
+pub(super) fn has_parts(opcode: u8, body: &[u8], is_exact: bool) -> bool {
     let mut parts = Parts(body);
-    let are_there = match opcode {
+    let parts_found = match opcode {
         op::HEADER => parts.text().and_then(|()| parts.text()),
         op::SCHEMA => {
             let names = parts.take(2).and_then(|_| parts.text()).and_then(|()| parts.text());
@@ -118,12 +117,12 @@ pub(super) fn has_its_parts(opcode: u8, body: &[u8], is_exact: bool) -> bool {
         op::METADATA => parts.text().and_then(|()| parts.texts()),
         _ => return true,
     };
-    are_there.is_some() && (parts.0.is_empty() || !is_exact)
+    parts_found.is_some() && (parts.0.is_empty() || !is_exact)
 }
 
-/// Whether a record surely begins here, as far as bytes can say so. `is_declared` says which channels there are.
+/// True if a record starts here, as far as its bytes can show. `is_declared` is true for known channels.
 ///
-/// There are kinds of which this can't be said; those are no places to go on from.
+/// Some kinds of records can't be recognised, so a search never stops at them.
 pub(super) fn is_sound(ahead: &[u8], is_declared: impl Fn(u16) -> bool) -> bool {
     let Some((opcode, length)) = head(ahead) else { return false };
     let is_of_kind = matches!(
@@ -146,22 +145,22 @@ pub(super) fn is_sound(ahead: &[u8], is_declared: impl Fn(u16) -> bool) -> bool 
         op::FOOTER => rest.starts_with(&MAGIC),
         op::MESSAGE => channel().is_some_and(is_declared) && can_follow(rest),
         op::DATA_END => can_follow(rest),
-        _ => has_its_parts(opcode, body, true),
+        _ => has_parts(opcode, body, true),
     }
 }
 
-/// Whether a record can begin here; nothing speaks against the end of what is known.
+/// True if a record can start here. The end of the known bytes is no contradiction.
 pub(super) fn can_follow(ahead: &[u8]) -> bool {
     match head(ahead) {
         Some((opcode, length)) => {
-            // Kinds from 0x80 on are for everyone's own use.
+            // Opcodes from 0x80 on are for private records.
             (opcode <= op::DATA_END || opcode >= 0x80) && can_be(opcode, length) && length >> 40 == 0
         }
         None => ahead.is_empty(),
     }
 }
 
-/// Takes a record to pieces.
+/// Splits a record into its parts.
 struct Parts<'b>(&'b [u8]);
 
 impl<'b> Parts<'b> {
@@ -179,13 +178,13 @@ impl<'b> Parts<'b> {
         Some(u64::from_le_bytes(*self.take(8)?.first_chunk()?))
     }
 
-    /// A text behind its length.
+    /// Skips a text with its length prefix.
     fn text(&mut self) -> Option<()> {
         let length = self.u32()?;
         self.take(length as usize).map(|_| ())
     }
 
-    /// Pairs of texts behind the length of them all.
+    /// Skips pairs of texts that have a common length prefix.
     fn texts(&mut self) -> Option<()> {
         let length = self.u32()?;
         let mut pairs = Parts(self.take(length as usize)?);

@@ -1,4 +1,4 @@
-//! Chunks unpacked as they are read.
+//! Decompresses chunks as they are read.
 
 use std::io::{self, Cursor, Read};
 
@@ -6,7 +6,7 @@ use lz4_flex::frame::FrameDecoder as Lz4;
 
 use crate::capture::input::zstd::Frames as Zstd;
 
-/// How a chunk is packed.
+/// The compression of a chunk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Packing {
     Zstd,
@@ -14,7 +14,7 @@ pub(super) enum Packing {
 }
 
 impl Packing {
-    /// That of the name in the header of a chunk, which is not empty.
+    /// The compression with this name in a chunk header, which isn't empty.
     pub(super) fn from_name(name: &[u8]) -> Option<Self> {
         match name {
             b"zstd" => Some(Self::Zstd),
@@ -24,10 +24,10 @@ impl Packing {
     }
 }
 
-/// The bytes of a packed chunk.
+/// The bytes of a compressed chunk.
 type Packed = Cursor<Vec<u8>>;
 
-/// Reads what a packed chunk holds. Frames may follow each other.
+/// Decompresses a chunk, which may have several frames.
 pub(super) enum Unpacker {
     Zstd(Box<Zstd<Packed>>),
     Lz4(Box<Lz4<Packed>>),
@@ -42,7 +42,7 @@ impl Unpacker {
         }
     }
 
-    /// Gives back the room of the packed bytes.
+    /// Returns the buffer of the compressed bytes for reuse.
     pub(super) fn into_room(self) -> Vec<u8> {
         match self {
             Self::Zstd(decoder) => decoder.into_inner().into_inner(),
@@ -80,7 +80,7 @@ fn read_lz4(decoder: &mut Lz4<Packed>, out: &mut [u8]) -> io::Result<usize> {
         if read > 0 || out.is_empty() || is_used_up(decoder.get_ref()) {
             return Ok(read);
         }
-        // The frame is over. Another gets a decoder of its own: one decoder relies on its frames being alike.
+        // The frame is complete. A new decoder reads the next one, since frames may differ.
         let packed = std::mem::take(decoder.get_mut());
         *decoder = Lz4::new(packed);
     }
@@ -95,7 +95,7 @@ mod tests {
 
     use super::*;
 
-    fn unpacked(packing: Packing, packed: Vec<u8>) -> io::Result<Vec<u8>> {
+    fn decompressed(packing: Packing, packed: Vec<u8>) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         Unpacker::new(packing, packed).read_to_end(&mut bytes)?;
         Ok(bytes)
@@ -108,26 +108,26 @@ mod tests {
     }
 
     #[test]
-    fn frames_follow_each_other() {
+    fn reads_consecutive_frames() {
         let (first, second) = (b"one ".repeat(50_000), b"two".repeat(7));
         let both = [&first[..], &second].concat();
         let zstd = |bytes: &[u8]| compress_to_vec(bytes, CompressionLevel::Fastest);
         let skipped = b"\x50\x2a\x4d\x18\x03\0\0\0abc".to_vec();
         let packed = [skipped.clone(), zstd(&first), skipped.clone(), zstd(&second), skipped].concat();
-        assert_eq!(unpacked(Packing::Zstd, packed).expect("frames"), both);
-        assert_eq!(unpacked(Packing::Lz4, [lz4(&first), lz4(&second)].concat()).expect("frames"), both);
+        assert_eq!(decompressed(Packing::Zstd, packed).expect("frames"), both);
+        assert_eq!(decompressed(Packing::Lz4, [lz4(&first), lz4(&second)].concat()).expect("frames"), both);
         for packing in [Packing::Zstd, Packing::Lz4] {
-            assert_eq!(unpacked(packing, Vec::new()).expect("no frame"), b"");
+            assert_eq!(decompressed(packing, Vec::new()).expect("no frame"), b"");
         }
     }
 
     #[test]
-    fn what_is_no_frame_is_refused() {
+    fn rejects_invalid_and_truncated_frames() {
         let text = b"wind ".repeat(50_000);
         let zstd = compress_to_vec(&text[..], CompressionLevel::Fastest);
         for (packing, packed) in [(Packing::Zstd, zstd), (Packing::Lz4, lz4(&text))] {
-            assert!(unpacked(packing, b"neither this nor that".to_vec()).is_err(), "{packing:?}");
-            let found = unpacked(packing, packed[..packed.len() / 2].to_vec());
+            assert!(decompressed(packing, b"neither this nor that".to_vec()).is_err(), "{packing:?}");
+            let found = decompressed(packing, packed[..packed.len() / 2].to_vec());
             assert!(found.is_err() || found.is_ok_and(|found| text.starts_with(&found)), "{packing:?}");
         }
     }

@@ -1,26 +1,26 @@
-//! A buffer that slides over what is read, and grows for records that are longer.
+//! A buffer that slides over the input, and grows for long records.
 
 use std::io::{self, ErrorKind, Read};
 
 use crc32fast::Hasher;
 
-/// Bytes of the buffer at first: more than most records take.
+/// The initial size of the buffer, in bytes. Few records are longer.
 const CAPACITY: usize = 64 * 1024;
 
 #[derive(Debug)]
 pub(super) struct Window<R> {
     input: R,
     buffer: Vec<u8>,
-    /// Where in the buffer the cursor is.
+    /// The index of the cursor in the buffer.
     start: usize,
-    /// Where in the buffer the bytes end that were read.
+    /// The index in the buffer after the last byte read.
     end: usize,
-    /// Where in the input the cursor is.
+    /// The offset of the cursor in the input.
     offset: u64,
     is_at_end: bool,
-    /// The checksum of all before the cursor.
+    /// The checksum of everything before the cursor.
     whole: Hasher,
-    /// The checksum of what lies between a call of [`start_part`](Self::start_part) and the cursor.
+    /// The checksum of the bytes between the last [`start_part`](Self::start_part) and the cursor.
     part: Hasher,
 }
 
@@ -38,9 +38,9 @@ impl<R: Read> Window<R> {
         }
     }
 
-    /// Reads until `count` bytes are behind the cursor, if there are so many.
+    /// Reads until at least `count` bytes follow the cursor, or the input ends.
     ///
-    /// The buffer grows with what comes, not with what is asked for.
+    /// The buffer grows with the available data, not with `count`.
     pub(super) fn require(&mut self, count: usize) -> io::Result<()> {
         while self.end - self.start < count && !self.is_at_end {
             if self.end == self.buffer.len() {
@@ -48,7 +48,7 @@ impl<R: Read> Window<R> {
             }
             match self.input.read(&mut self.buffer[self.end..]) {
                 Ok(0) => self.is_at_end = true,
-                // No implementation should claim more than the room that it had; none is believed.
+                // A faulty reader could return more than the size of its buffer.
                 Ok(read) => self.end = self.buffer.len().min(self.end + read),
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) => return Err(error),
@@ -57,8 +57,8 @@ impl<R: Read> Window<R> {
         Ok(())
     }
 
-    /// Moves what is kept to the front where that is worth it, else takes more room: so bytes are moved no more
-    /// often than they are read.
+    /// Moves the data to the front if that frees half of the buffer, otherwise grows the buffer. Bytes are therefore
+    /// moved once on average.
     fn make_room(&mut self, count: usize) {
         if self.start > self.buffer.len() / 2 {
             self.buffer.copy_within(self.start..self.end, 0);
@@ -70,7 +70,7 @@ impl<R: Read> Window<R> {
         }
     }
 
-    /// Passes over bytes, without holding them; how many there were.
+    /// Skips bytes without storing them. Returns their number.
     pub(super) fn skip(&mut self, count: u64) -> io::Result<u64> {
         let mut left = count;
         while left > 0 {
@@ -85,7 +85,7 @@ impl<R: Read> Window<R> {
         Ok(count - left)
     }
 
-    /// Takes bytes out into `out`; how many there were.
+    /// Moves bytes to `out`. Returns their number.
     pub(super) fn take(&mut self, count: usize, out: &mut Vec<u8>) -> io::Result<usize> {
         out.clear();
         while out.len() < count {
@@ -102,17 +102,17 @@ impl<R: Read> Window<R> {
 }
 
 impl<R> Window<R> {
-    /// What was read and is behind the cursor.
+    /// The bytes in the buffer after the cursor.
     pub(super) fn ahead(&self) -> &[u8] {
         &self.buffer[self.start..self.end]
     }
 
-    /// The last `count` bytes before the cursor, since the last call of [`require`](Self::require).
+    /// The last `count` bytes before the cursor. They must have been read since the last [`require`](Self::require).
     pub(super) fn behind(&self, count: usize) -> &[u8] {
         &self.buffer[self.start - count..self.start]
     }
 
-    /// Moves the cursor over bytes that were read.
+    /// Moves the cursor over bytes in the buffer.
     pub(super) fn advance(&mut self, count: usize) {
         let passed = &self.buffer[self.start..self.start + count];
         self.whole.update(passed);
@@ -121,27 +121,27 @@ impl<R> Window<R> {
         self.offset += count as u64;
     }
 
-    /// What was read from, without what was read of it.
+    /// The input, without the bytes that were read.
     pub(super) fn into_input(self) -> R {
         self.input
     }
 
-    /// Where in the input the cursor is.
+    /// The offset of the cursor in the input.
     pub(super) fn offset(&self) -> u64 {
         self.offset
     }
 
-    /// Whether nothing follows what was read.
+    /// True if the input has no more bytes.
     pub(super) fn is_at_end(&self) -> bool {
         self.is_at_end
     }
 
-    /// The checksum of all before the cursor.
+    /// The checksum of everything before the cursor.
     pub(super) fn checksum(&self) -> u32 {
         self.whole.clone().finalize()
     }
 
-    /// Lets the checksum of a part begin at the cursor.
+    /// Restarts the checksum of a part at the cursor.
     pub(super) fn start_part(&mut self) {
         self.part = Hasher::new();
     }
@@ -156,7 +156,7 @@ impl<R> Window<R> {
 mod tests {
     use super::*;
 
-    /// Lends a few bytes at a time.
+    /// Returns a few bytes at a time.
     struct Slow<'b>(&'b [u8]);
 
     impl Read for Slow<'_> {
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_keep_their_order_while_the_window_slides_and_grows() {
+    fn preserves_bytes_while_sliding_and_growing() {
         let bytes: Vec<u8> = (0..=250).cycle().take(10 * CAPACITY).collect();
         let mut window = Window::new(Slow(&bytes));
         let mut position = 0;
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_passed_over_or_taken_counts() {
+    fn includes_skipped_and_taken_bytes_in_checksums() {
         let bytes: Vec<u8> = (0..=250).cycle().take(5 * CAPACITY).collect();
         let mut window = Window::new(Slow(&bytes));
         let mut out = Vec::new();
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn asking_for_much_takes_no_room() {
+    fn a_large_request_does_not_grow_the_buffer() {
         let mut window = Window::new(&b"short"[..]);
         window.require(usize::MAX).expect("a slice");
         assert_eq!((window.ahead(), window.buffer.len()), (&b"short"[..], CAPACITY));

@@ -1,21 +1,21 @@
-//! The kinds of messages, by the letter in their header.
+//! The kinds of messages, identified by the letter in the header.
 
-/// Bytes of a header: the size of the payload as `uint16`, and the kind.
+/// The size of a header: the size of the payload as `uint16`, and the kind.
 pub(super) const HEADER: usize = 3;
 
-/// Most bytes of a message with its header.
+/// The maximum size of a message with its header, in bytes.
 pub(super) const LARGEST: usize = HEADER + u16::MAX as usize;
 
-/// The magic of a sync message, which is all of its payload.
+/// The magic of a sync message, which is its whole payload.
 pub(super) const SYNC: [u8; 8] = [0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12];
 
-/// Each known kind with the least size of its payload, and the most that is usual.
+/// The known kinds, each with the minimum and the largest usual size of its payload.
 ///
-/// Least: a format is a name of one character and a colon, the entries have the length of a key and `t k`,
-/// and the others a fixed part and a text that may be empty. A message of less can't be read.
+/// Minimum: a format has a name of one character and a colon. Entries have the length of a key and `t k`. The others
+/// have a fixed part and a text that may be empty. Shorter messages are invalid.
 ///
-/// Usual: what PX4 writes, with room to spare. A message of more is believed after a closer look. Flag bits
-/// are usual only at the start, where nothing is asked.
+/// Usual: sizes that PX4 writes, with a margin. Larger messages are accepted after closer inspection. Flag bits are
+/// usual only at the start, where this isn't checked.
 const KINDS: [(u8, u16, u16); 13] = [
     (b'B', 40, 0),
     (b'F', 2, 8_192),
@@ -32,7 +32,7 @@ const KINDS: [(u8, u16, u16); 13] = [
     (b'O', 2, 2),
 ];
 
-/// [`KINDS`] by kind. Where the kind is unknown, the least is more than any size.
+/// [`KINDS`] indexed by kind. Unknown kinds have a minimum that no size reaches.
 static SIZES: [(u32, u16); 256] = {
     let mut table = [(u32::MAX, 0); 256];
     let mut row = 0;
@@ -44,7 +44,7 @@ static SIZES: [(u32, u16); 256] = {
     table
 };
 
-/// The head of a message.
+/// The header of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Header {
     pub(super) size: u16,
@@ -52,31 +52,31 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// The header that `bytes` start with.
+    /// Parses the header at the start of `bytes`.
     #[inline]
     pub(super) fn read(bytes: &[u8]) -> Option<Self> {
         let [low, high, kind] = *bytes.first_chunk()?;
         Some(Self { size: u16::from_le_bytes([low, high]), kind })
     }
 
-    /// Bytes of the whole message.
+    /// The size of the whole message, in bytes.
     #[inline]
     pub(super) fn total(self) -> usize {
         HEADER + usize::from(self.size)
     }
 
-    /// Whether the kind is known and the size large enough for it.
+    /// True if the kind is known and the size is large enough for it.
     #[inline]
-    pub(super) fn is_believable(self) -> bool {
+    pub(super) fn is_plausible(self) -> bool {
         u32::from(self.size) >= SIZES[usize::from(self.kind)].0
     }
 
-    /// Whether messages of this kind have such sizes in most logs.
+    /// True if messages of this kind usually have such a size.
     pub(super) fn is_usual(self) -> bool {
-        self.is_believable() && self.size <= SIZES[usize::from(self.kind)].1
+        self.is_plausible() && self.size <= SIZES[usize::from(self.kind)].1
     }
 
-    /// Whether the kind is known, whatever the size.
+    /// True if the kind is known, whatever the size.
     pub(super) fn is_known(self) -> bool {
         SIZES[usize::from(self.kind)].0 != u32::MAX
     }

@@ -1,4 +1,4 @@
-//! What a log says about its data.
+//! Tracks the formats and subscriptions of a log, which its data depends on.
 
 use std::collections::BTreeMap;
 
@@ -10,28 +10,28 @@ use super::log_problem::{LogProblem, MAX_FORMATS, MAX_TEXT};
 use super::message::Event;
 use super::reader::Item;
 
-/// Most bytes of formats that are made into types, counted again each time. It is enough for a log that sends
-/// each of PX4's 261 formats just before its data; a log that is made to take long takes two seconds.
+/// The maximum total size of compiled formats, in bytes; each compilation counts. It suffices for a log that writes
+/// each of PX4's 261 formats just before its data. A malicious log can cause two seconds of work.
 const MAX_COMPILED: usize = 16 << 20;
 
-/// The formats and subscriptions of a log, as far as it was read.
+/// The formats and subscriptions of a log, up to the current item.
 #[derive(Debug)]
 pub struct Log {
-    /// In the order in which they came; the ids of their types are the indices.
+    /// In order of appearance. The ids of their types are the indices.
     formats: Vec<Format>,
     by_name: BTreeMap<Box<str>, usize>,
     types: Types,
-    /// How many of the formats have types.
+    /// The number of formats that have types.
     known: usize,
-    /// Bytes of formats that were made into types.
+    /// The total size of compiled formats, in bytes.
     compiled: usize,
-    /// Bytes of formats and topics.
+    /// The total size of formats and topics, in bytes.
     text: usize,
-    /// By id; none where it was never subscribed.
+    /// By id; `None` if the id was never subscribed.
     subscriptions: Vec<Option<Box<Subscription>>>,
-    /// Data that came before any subscription of its id.
+    /// Data before the first subscription of its id.
     orphans: BTreeMap<u16, Orphans>,
-    /// Whether the definitions have ended.
+    /// True after the end of the definitions section.
     is_in_data: bool,
     is_limit_reported: bool,
 }
@@ -41,7 +41,7 @@ struct Format {
     offset: u64,
     fields: Box<str>,
     name: Box<str>,
-    /// What was told about it.
+    /// The problem that was reported.
     reported: Option<FormatProblem>,
 }
 
@@ -51,18 +51,18 @@ struct Orphans {
     count: u64,
 }
 
-/// What data of an id is.
+/// A subscription: the topic of the data with an id.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Subscription {
     /// The id.
     pub id: u16,
-    /// The topic, which is the name of its format.
+    /// The topic, which is also the name of its format.
     pub topic: String,
-    /// Which instance of the topic.
+    /// The instance of the topic.
     pub multi_id: u8,
-    /// Where it was subscribed.
+    /// The offset of the subscription.
     pub offset: u64,
-    /// Whether it wasn't unsubscribed.
+    /// True until it is unsubscribed.
     pub is_active: bool,
     binding: Binding,
 }
@@ -70,7 +70,7 @@ pub struct Subscription {
 /// The type of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Binding {
-    /// There is none, as long as there are so many formats and types.
+    /// There was no type with this number of formats and types.
     None {
         formats: usize,
         known: usize,
@@ -82,18 +82,18 @@ enum Binding {
     },
 }
 
-/// Data whose type is known and whose size is right.
+/// Data of a known type and of the right size.
 #[derive(Clone, Copy, Debug)]
 pub struct Record<'l> {
-    /// What it is.
+    /// The subscription.
     pub subscription: &'l Subscription,
-    /// Its type.
+    /// The type.
     pub message_type: MessageType<'l>,
-    /// The message as it lies in memory, perhaps without the padding at its end.
+    /// The message in memory layout. The padding at its end may be missing.
     pub payload: &'l [u8],
 }
 
-/// Takes what is wrong, and where.
+/// Receives problems and their offsets.
 type OnProblem<'t> = &'t mut dyn FnMut(u64, LogProblem);
 
 impl Default for Log {
@@ -114,8 +114,8 @@ impl Default for Log {
 }
 
 impl Log {
-    /// Takes the next item of a reader, and calls `on_problem` with what is wrong, and where. A record, if the item
-    /// is data that can be read.
+    /// Processes the next item of a reader, and calls `on_problem` with each problem and its offset. Returns a record
+    /// if the item is valid data.
     #[inline]
     pub fn take<'l>(
         &'l mut self,
@@ -130,28 +130,28 @@ impl Log {
         }
     }
 
-    /// Ends the log: tells what is wrong with formats that nothing needed.
+    /// Ends the log, and reports problems of formats that weren't needed.
     pub fn finish(&mut self, on_problem: &mut dyn FnMut(u64, LogProblem)) {
         self.compile(on_problem);
     }
 
-    /// The types of the formats, in [`ULOG_PACKAGE`](uavspec_codegen::dynamic::ULOG_PACKAGE), as far as they
-    /// were needed.
+    /// The types of the formats, in [`ULOG_PACKAGE`](uavspec_codegen::dynamic::ULOG_PACKAGE), as far as they were
+    /// needed.
     pub fn types(&self) -> &Types {
         &self.types
     }
 
-    /// Names and fields of the formats, in the order in which they came.
+    /// The names and fields of the formats, in order of appearance.
     pub fn formats(&self) -> impl ExactSizeIterator<Item = (&str, &str)> {
         self.formats.iter().map(|format| (&*format.name, &*format.fields))
     }
 
-    /// What data of an id is at this place of the log.
+    /// The current subscription of an id.
     pub fn subscription(&self, id: u16) -> Option<&Subscription> {
         self.subscriptions.get(usize::from(id))?.as_deref()
     }
 
-    /// All subscriptions, by id; of each the newest.
+    /// The latest subscription of each id, in order of ids.
     pub fn subscriptions(&self) -> impl Iterator<Item = &Subscription> {
         self.subscriptions.iter().flatten().map(|subscription| &**subscription)
     }
@@ -167,7 +167,7 @@ impl Log {
         if self.type_of(id).is_none() {
             self.bind(offset, id, on_problem);
         }
-        let (of, size) = self.type_of(id)?;
+        let (type_id, size) = self.type_of(id)?;
         let found = payload.len();
         if found != size.padded && found != size.no_padding {
             let Size { padded, no_padding } = size;
@@ -175,10 +175,10 @@ impl Log {
             return None;
         }
         let subscription = self.subscription(id)?;
-        Some(Record { subscription, message_type: self.types.get(of), payload })
+        Some(Record { subscription, message_type: self.types.get(type_id), payload })
     }
 
-    /// The type of the data of an id, if that is subscribed and has one.
+    /// The type of the data of an id, if the id is subscribed and has a type.
     #[inline]
     fn type_of(&self, id: u16) -> Option<(MessageId, Size)> {
         let subscription = self.subscription(id).filter(|subscription| subscription.is_active)?;
@@ -188,7 +188,7 @@ impl Log {
         }
     }
 
-    /// Finds the type of the data of an id, or tells why there is none.
+    /// Finds the type of the data of an id, or reports why there is none.
     #[cold]
     fn bind(&mut self, offset: u64, id: u16, on_problem: OnProblem<'_>) {
         self.end_definitions(on_problem);
@@ -270,7 +270,7 @@ impl Log {
         if self.formats.len() == MAX_FORMATS {
             return on_problem(offset, LogProblem::TooManyFormats);
         }
-        // A name is kept twice.
+        // A name is stored twice.
         if !self.add_text(fields.len() + 2 * name.len()) {
             return on_problem(offset, LogProblem::TooMuchText);
         }
@@ -303,13 +303,13 @@ impl Log {
             return on_problem(offset, LogProblem::TooMuchText);
         }
         let topic = topic.to_owned();
-        // Stale from the start, so that the first data looks for the type.
+        // The binding is stale from the start, so the first data message resolves the type.
         let binding = Binding::None { formats: usize::MAX, known: usize::MAX, is_missing: true };
         self.subscriptions[slot] =
             Some(Box::new(Subscription { id, topic, multi_id, offset, is_active: true, binding }));
     }
 
-    /// Whether there is room for so much text.
+    /// Reserves space for a text. Returns false if the limit is reached.
     fn add_text(&mut self, size: usize) -> bool {
         let has_room = self.text + size <= MAX_TEXT;
         if has_room {
@@ -325,7 +325,7 @@ impl Log {
         }
     }
 
-    /// Makes types of all formats. Those that had types keep their ids.
+    /// Compiles all formats to types. Existing types keep their ids.
     fn compile(&mut self, on_problem: OnProblem<'_>) {
         let Some(newest) = self.formats.last().filter(|_| self.known < self.formats.len()) else { return };
         let size: usize = self.formats.iter().map(|format| format.name.len() + format.fields.len()).sum();

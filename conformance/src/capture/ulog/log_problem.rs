@@ -1,73 +1,72 @@
-//! What can be wrong with data, formats and subscriptions.
+//! Problems of data, formats and subscriptions.
 
 use std::fmt;
 
 use uavspec_codegen::dynamic::{FormatError, FormatProblem};
 
-/// Most formats that are kept. PX4 has 261 messages; there are 65,536 ids of data, but no such logs.
+/// The maximum number of formats. PX4 has 261 messages; a log could use 65,536 ids, but none does.
 pub(super) const MAX_FORMATS: usize = 8_192;
 
-/// Most bytes of formats and topics that are kept. The formats of real logs take 22 to 32 kB. Types take up
-/// to fifty times the room of their text, so memory is bounded at some 50 MB for a log that is made to take
-/// much.
+/// The maximum total size of formats and topics, in bytes. The formats of real logs take 22 to 32 kB. Types take up
+/// to fifty times the size of their text, so a malicious log uses at most about 50 MB of memory.
 pub(super) const MAX_TEXT: usize = 1 << 20;
 
-/// What is wrong with the data of a log, or with what is said about it.
+/// A problem with the data of a log, or with its formats and subscriptions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LogProblem {
-    /// A format can't be used.
+    /// A format is invalid.
     Format {
-        /// Its name.
+        /// The name.
         name: String,
-        /// What is wrong.
+        /// The problem.
         problem: FormatProblem,
     },
-    /// A format came again with other fields; the first one is used.
+    /// A format is repeated with other fields; the first one is used.
     FormatChanged {
-        /// Its name.
+        /// The name.
         name: String,
     },
-    /// A format came after the definitions had ended. It is used all the same.
+    /// A format appears after the definitions section. It is used nevertheless.
     LateFormat {
-        /// Its name.
+        /// The name.
         name: String,
     },
-    /// There are more formats than are kept; this one and those after it aren't used.
+    /// There are too many formats; this one and later ones are ignored.
     TooManyFormats,
-    /// Formats and topics take more room than is kept; this one isn't used.
+    /// The formats and topics are too large; this one is ignored.
     TooMuchText,
-    /// Formats came late so often that the types are no longer made anew; those from here on aren't used.
+    /// Formats appear late too often, so types are no longer compiled; later formats are ignored.
     TooManyLateFormats,
-    /// An id was subscribed again, to the same topic.
+    /// An id is subscribed again to the same topic.
     Resubscribed {
         /// The id.
         id: u16,
     },
-    /// An id was subscribed again, to another topic, which is used from here on.
+    /// An id is subscribed again to another topic, which is used from here on.
     Redefined {
         /// The id.
         id: u16,
-        /// Topic and instance until now.
+        /// The previous topic and instance.
         before: (String, u8),
-        /// Topic and instance from here on.
+        /// The new topic and instance.
         after: (String, u8),
     },
-    /// Data of an id came before its subscription.
+    /// Data of an id appears before its subscription.
     LateSubscription {
         /// The id.
         id: u16,
-        /// How many messages; each was told.
+        /// The number of messages; each one is also reported.
         count: u64,
-        /// Offset of the first one.
+        /// The offset of the first one.
         first: u64,
     },
-    /// An id was unsubscribed that wasn't subscribed.
+    /// An id is unsubscribed without a subscription.
     NotSubscribed {
         /// The id.
         id: u16,
     },
-    /// Data of an id that isn't subscribed, or not yet.
+    /// Data of an id without a previous subscription.
     UnknownId {
         /// The id.
         id: u16,
@@ -77,25 +76,25 @@ pub enum LogProblem {
         /// The id.
         id: u16,
     },
-    /// Data of a topic that has no format.
+    /// Data of a topic without a format.
     MissingFormat {
-        /// Its id.
+        /// The id.
         id: u16,
     },
-    /// Data of a topic whose format can't be used.
+    /// Data of a topic with an invalid format.
     UnusableFormat {
-        /// Its id.
+        /// The id.
         id: u16,
     },
-    /// Data that is neither as long as its format nor as that without the padding at its end.
+    /// Data whose size differs from its format, with or without the padding at the end.
     DataSize {
-        /// Its id.
+        /// The id.
         id: u16,
-        /// Bytes of the format.
+        /// The size of the format, in bytes.
         padded: usize,
-        /// Bytes of the format without the padding at its end.
+        /// The size of the format without the padding at the end, in bytes.
         no_padding: usize,
-        /// Bytes of the data.
+        /// The size of the data, in bytes.
         found: usize,
     },
 }
@@ -109,39 +108,41 @@ impl fmt::Display for LogProblem {
             }
             Self::FormatChanged { name } => write!(
                 formatter,
-                "format `{}` came before with other fields; the first one is used",
+                "format `{}` is repeated with other fields; the first one is used",
                 name.escape_debug()
             ),
             Self::LateFormat { name } => {
-                write!(formatter, "format `{}` comes after the definitions", name.escape_debug())
+                write!(formatter, "format `{}` appears after the definitions section", name.escape_debug())
             }
             Self::TooManyFormats => {
-                write!(formatter, "there are more than {MAX_FORMATS} formats; the others aren't used")
+                write!(formatter, "there are more than {MAX_FORMATS} formats; the others are ignored")
             }
             Self::TooMuchText => {
-                write!(formatter, "formats and topics take more than {MAX_TEXT} bytes; this one isn't used")
+                write!(formatter, "formats and topics take more than {MAX_TEXT} bytes; this one is ignored")
             }
-            Self::TooManyLateFormats => {
-                formatter.write_str("formats come late too often; those from here on aren't used")
-            }
+            Self::TooManyLateFormats => formatter
+                .write_str("too many formats appear after the definitions section; later ones are ignored"),
             Self::Resubscribed { id } => write!(formatter, "id {id} is subscribed again"),
             Self::Redefined { id, before, after } => write!(
                 formatter,
-                "id {id} was `{}` {} and is `{}` {} from here on",
+                "id {id} changes from `{}` {} to `{}` {}",
                 before.0.escape_debug(),
                 before.1,
                 after.0.escape_debug(),
                 after.1
             ),
             Self::LateSubscription { id, count, first } => {
-                write!(formatter, "{count} messages of id {id} came before its subscription, from {first} on")
+                write!(
+                    formatter,
+                    "{count} messages of id {id} precede its subscription, the first one at byte {first}"
+                )
             }
             Self::NotSubscribed { id } => write!(formatter, "id {id} is unsubscribed, but wasn't subscribed"),
             Self::UnknownId { id } => write!(formatter, "data of id {id}, which isn't subscribed"),
             Self::Unsubscribed { id } => write!(formatter, "data of id {id}, which was unsubscribed"),
             Self::MissingFormat { id } => write!(formatter, "data of id {id}, whose topic has no format"),
             Self::UnusableFormat { id } => {
-                write!(formatter, "data of id {id}, whose format can't be used")
+                write!(formatter, "data of id {id}, whose format is invalid")
             }
             Self::DataSize { id, padded, no_padding, found } if padded == no_padding => {
                 write!(formatter, "expected {padded} bytes of data of id {id}, found {found}")

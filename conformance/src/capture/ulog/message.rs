@@ -1,131 +1,131 @@
-//! Messages, and how they are read from their payloads.
+//! The messages of a log, and the parser of their payloads.
 
 use std::str;
 
 use super::kind::SYNC;
 use super::problem::{Malformation, Problem};
 
-/// What a log says at one place, or what is wrong there.
+/// A message of a log, or a problem.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Event<'b> {
     /// The start of the file.
     Start {
-        /// Version of the format: 0 or 1.
+        /// The version of the format: 0 or 1.
         version: u8,
-        /// When logging began, in microseconds of the vehicle's clock.
+        /// The start of logging, in µs of the vehicle's clock.
         timestamp: u64,
     },
-    /// `B`: what a reader must understand, and where data was appended.
+    /// `B`: features that readers must support, and the offsets of appended data.
     FlagBits {
-        /// Bits that a reader may ignore. The lowest: there are default parameters.
+        /// Bits that readers may ignore. The lowest bit: there are default parameters.
         compatible: [u8; 8],
-        /// Bits that a reader must know. The lowest: data was appended.
+        /// Bits that readers must support. The lowest bit: data was appended.
         incompatible: [u8; 8],
-        /// Offsets in the file at which data was appended; 0 where none was.
+        /// The offsets of appended data in the file; 0 if unused.
         appended: [u64; 3],
     },
     /// `F`: the fields of a type.
     Format {
-        /// Name of the type.
+        /// The name of the type.
         name: &'b str,
-        /// Its fields, as `uint64_t timestamp;float[3] xyz;`.
+        /// The fields, e.g. `uint64_t timestamp;float[3] xyz;`.
         fields: &'b str,
     },
-    /// `I`: something about the system or the log.
+    /// `I`: information about the system or the log.
     Information {
-        /// What.
+        /// The key.
         key: &'b str,
-        /// Type of the value, as `char[8]`.
+        /// The type of the value, e.g. `char[8]`.
         ty: &'b str,
-        /// Little-endian, as long as the type says unless a problem follows.
+        /// The value, little-endian. Its size matches the type, unless a problem follows.
         value: &'b [u8],
     },
-    /// `M`: one of several values of a key, or a part of one.
+    /// `M`: one of several values of a key, or a part of a value.
     MultiInformation {
-        /// Whether the value goes on with the last one of this key.
+        /// True if this continues the previous value of the key.
         is_continued: bool,
-        /// What.
+        /// The key.
         key: &'b str,
-        /// Type of the value.
+        /// The type of the value.
         ty: &'b str,
-        /// As in [`Information`](Self::Information).
+        /// The value, as in [`Information`](Self::Information).
         value: &'b [u8],
     },
-    /// `P`: the value of a parameter, at the start or when it changed.
+    /// `P`: the value of a parameter, at the start or after a change.
     Parameter {
-        /// Its name.
+        /// The name.
         key: &'b str,
         /// `int32_t` or `float`.
         ty: &'b str,
-        /// As in [`Information`](Self::Information).
+        /// The value, as in [`Information`](Self::Information).
         value: &'b [u8],
     },
-    /// `Q`: the value that a parameter has by default.
+    /// `Q`: the default value of a parameter.
     DefaultParameter {
-        /// Bits. The lowest: of the firmware; the next: of the airframe.
+        /// The kinds of the default. The lowest bit: firmware; the next bit: airframe.
         defaults: u8,
-        /// Its name.
+        /// The name.
         key: &'b str,
         /// `int32_t` or `float`.
         ty: &'b str,
-        /// As in [`Information`](Self::Information).
+        /// The value, as in [`Information`](Self::Information).
         value: &'b [u8],
     },
-    /// `A`: data of a topic comes under an id from here on.
+    /// `A`: subscribes an id to a topic, from here on.
     Subscription {
-        /// Which instance of the topic.
+        /// The instance of the topic.
         multi_id: u8,
         /// The id of its data.
         id: u16,
-        /// The topic, which is the name of its format too.
+        /// The topic, which is also the name of its format.
         name: &'b str,
     },
-    /// `R`: no more data comes under an id.
+    /// `R`: ends the subscription of an id.
     Unsubscription {
         /// The id.
         id: u16,
     },
     /// `D`: a message of a topic.
     Data {
-        /// Under which id its topic was subscribed.
+        /// The id of its subscription.
         id: u16,
-        /// The message as it lies in memory.
+        /// The message in memory layout.
         payload: &'b [u8],
     },
     /// `L` and `C`: a line of text.
     Logging {
-        /// As in syslog, an ASCII digit: `0` is an emergency, `7` is for debugging.
+        /// The syslog level as an ASCII digit: `0` is an emergency, `7` is for debugging.
         level: u8,
-        /// Where the text is from (`C` only).
+        /// The source of the text (`C` only).
         tag: Option<u16>,
-        /// When, in microseconds.
+        /// The time, in µs.
         timestamp: u64,
-        /// The text, up to the first byte that isn't UTF-8.
+        /// The text, up to the first invalid byte of UTF-8.
         text: &'b str,
     },
-    /// `S`: a mark to find after damage.
+    /// `S`: a mark for recovery from corruption.
     Synchronisation,
     /// `O`: messages were lost, since writing was too slow.
     Dropout {
-        /// How long.
+        /// The duration.
         milliseconds: u16,
     },
-    /// A message of a kind that isn't known.
+    /// A message of an unknown kind.
     Unknown {
         /// The letter of the kind.
         kind: u8,
-        /// All of it.
+        /// The whole payload.
         payload: &'b [u8],
     },
-    /// Something is wrong here.
+    /// A problem at this location.
     Problem(Problem),
 }
 
-/// A message, and what is odd about it.
+/// A message, and a problem that doesn't prevent its use.
 pub(super) type Parsed<'b> = (Event<'b>, Option<Malformation>);
 
-/// Reads the payload of a message of any kind. An error where nothing of it can be used.
+/// Parses the payload of a message of any kind. Fails if no part of it is usable.
 pub(super) fn parse(kind: u8, payload: &[u8]) -> Result<Parsed<'_>, Malformation> {
     let mut rest = Payload { rest: payload, size: payload.len() };
     let event = match kind {
@@ -140,21 +140,21 @@ pub(super) fn parse(kind: u8, payload: &[u8]) -> Result<Parsed<'_>, Malformation
         }
         b'I' => {
             let ((ty, key), value) = rest.entry()?;
-            return Ok((Event::Information { key, ty, value }, odd_value(ty, value)));
+            return Ok((Event::Information { key, ty, value }, value_defect(ty, value)));
         }
         b'M' => {
             let is_continued = rest.u8()? != 0;
             let ((ty, key), value) = rest.entry()?;
-            return Ok((Event::MultiInformation { is_continued, key, ty, value }, odd_size(ty, value)));
+            return Ok((Event::MultiInformation { is_continued, key, ty, value }, size_defect(ty, value)));
         }
         b'P' => {
             let ((ty, key), value) = rest.entry()?;
-            return Ok((Event::Parameter { key, ty, value }, odd_value(ty, value)));
+            return Ok((Event::Parameter { key, ty, value }, value_defect(ty, value)));
         }
         b'Q' => {
             let defaults = rest.u8()?;
             let ((ty, key), value) = rest.entry()?;
-            return Ok((Event::DefaultParameter { defaults, key, ty, value }, odd_value(ty, value)));
+            return Ok((Event::DefaultParameter { defaults, key, ty, value }, value_defect(ty, value)));
         }
         b'A' => {
             Event::Subscription { multi_id: rest.u8()?, id: rest.u16()?, name: rest.text().and_then(named)? }
@@ -174,29 +174,29 @@ fn logging(kind: u8, mut rest: Payload<'_>) -> Result<Parsed<'_>, Malformation> 
     let level = rest.u8()?;
     let tag = if kind == b'C' { Some(rest.u16()?) } else { None };
     let timestamp = rest.u64()?;
-    let (text, odd) = match str::from_utf8(rest.rest) {
+    let (text, defect) = match str::from_utf8(rest.rest) {
         Ok(text) => (text, None),
         Err(error) => {
             let valid = str::from_utf8(&rest.rest[..error.valid_up_to()]).unwrap_or_default();
             (valid, Some(Malformation::NotUtf8 { at: rest.position() + error.valid_up_to() }))
         }
     };
-    Ok((Event::Logging { level, tag, timestamp, text }, odd))
+    Ok((Event::Logging { level, tag, timestamp, text }, defect))
 }
 
 fn named(name: &str) -> Result<&str, Malformation> {
     if name.is_empty() { Err(Malformation::NoName) } else { Ok(name) }
 }
 
-/// What is odd about the value of an information or a parameter.
-fn odd_value(ty: &str, value: &[u8]) -> Option<Malformation> {
+/// The problem with the value of an information or parameter, if there is one.
+fn value_defect(ty: &str, value: &[u8]) -> Option<Malformation> {
     let is_text = ty.starts_with("char[") && str::from_utf8(value).is_err();
-    odd_size(ty, value).or_else(|| is_text.then_some(Malformation::ValueNotUtf8))
+    size_defect(ty, value).or_else(|| is_text.then_some(Malformation::ValueNotUtf8))
 }
 
-/// Whether a value has another size than its type; other types than basic ones have any. The parts of a
-/// value may be cut within a character, so their text isn't looked at.
-fn odd_size(ty: &str, value: &[u8]) -> Option<Malformation> {
+/// Reports a value whose size differs from its type. Non-basic types can have any size. Text in parts of a value
+/// isn't checked, since a part may end within a character.
+fn size_defect(ty: &str, value: &[u8]) -> Option<Malformation> {
     let (element, count) = match ty.split_once('[') {
         None => (ty, 1),
         Some((element, count)) => (element, count.strip_suffix(']')?.parse::<u64>().ok()?),
@@ -213,7 +213,7 @@ fn odd_size(ty: &str, value: &[u8]) -> Option<Malformation> {
     (expected != found as u64).then_some(Malformation::ValueSize { expected, found })
 }
 
-/// A payload that is read from its start.
+/// A cursor over a payload.
 #[derive(Clone, Copy)]
 struct Payload<'b> {
     rest: &'b [u8],
@@ -241,7 +241,7 @@ impl<'b> Payload<'b> {
         self.take().map(u64::from_le_bytes)
     }
 
-    /// All that is left.
+    /// The rest as text.
     fn text(&self) -> Result<&'b str, Malformation> {
         self.utf8(self.rest)
     }
@@ -251,7 +251,7 @@ impl<'b> Payload<'b> {
             .map_err(|error| Malformation::NotUtf8 { at: self.position() + error.valid_up_to() })
     }
 
-    /// A key with its type, and all that is left as its value.
+    /// Parses a key with its type. The rest is its value.
     fn entry(&mut self) -> Result<((&'b str, &'b str), &'b [u8]), Malformation> {
         let length = usize::from(self.u8()?);
         let room = self.rest.len();
@@ -262,7 +262,7 @@ impl<'b> Payload<'b> {
         Ok((key, value))
     }
 
-    /// Where in the payload the rest starts.
+    /// The offset of the rest in the payload.
     fn position(&self) -> usize {
         self.size - self.rest.len()
     }

@@ -1,146 +1,145 @@
-//! What can be wrong with a log.
+//! Problems in the bytes of a log.
 
 use std::fmt;
 
 use crate::model::Extent;
 
-/// What is wrong with the bytes of a log. The offset of its item is that of the header or of the first byte
-/// that it is about.
+/// A problem in the bytes of a log. The offset of its item is that of the message header, or of the first affected
+/// byte.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Problem {
-    /// The file is no `ULog`; nothing follows.
+    /// The file isn't a `ULog`. Reading stops.
     ForeignMagic([u8; 7]),
-    /// The file has fewer than the 16 bytes of its header; nothing follows.
+    /// The file is shorter than its 16-byte header. Reading stops.
     ShortHeader {
-        /// How many it has.
+        /// The number of bytes.
         found: usize,
     },
-    /// The version is newer than 1. Reading goes on.
+    /// The version is newer than 1. Reading continues.
     NewerVersion(u8),
-    /// The first message isn't `B`. Logs of version 0 have none.
+    /// The first message isn't `B`. Logs of version 0 have no `B`.
     NoFlagBits {
         /// The version of the log.
         version: u8,
     },
-    /// A `B` that isn't the first message. It has no effect.
+    /// A `B` that isn't the first message is ignored.
     FlagBitsNotFirst,
-    /// `B` is longer than the 40 bytes that are known; the others have no effect.
+    /// `B` is longer than the 40 known bytes; the others are ignored.
     FlagBitsLonger {
-        /// Bytes of its payload.
+        /// The size of the payload, in bytes.
         size: usize,
     },
-    /// A bit is set that only those may ignore who know it; nothing follows.
+    /// A bit is set that readers may not ignore. Reading stops.
     UnknownIncompatible([u8; 8]),
-    /// The offset of appended data has no effect: it isn't behind the one before, or the bit that belongs to
-    /// it isn't set.
+    /// An offset of appended data is ignored: it doesn't follow the previous one, or the corresponding bit isn't set.
     AppendedOffset(u64),
-    /// The log ends before the data that was appended there.
+    /// The log ends before this offset of appended data.
     AppendedBeyondEnd(u64),
     /// The log ends within the header of a message.
     EndsInHeader {
-        /// Bytes that are there.
+        /// The number of existing bytes.
         found: usize,
     },
     /// The log ends within the payload of a message.
     EndsInPayload {
-        /// Kind of the message.
+        /// The kind of the message.
         kind: u8,
-        /// Bytes of its payload.
+        /// The size of the payload, in bytes.
         size: usize,
-        /// Bytes that are there.
+        /// The number of existing bytes.
         found: usize,
     },
-    /// A message was cut off where data was appended, and is dropped. Reading goes on with that data.
+    /// A message is truncated where data was appended, and is skipped. Reading continues with the appended data.
     Straddles {
-        /// Where the appended data begins.
+        /// The offset of the appended data.
         appended: u64,
     },
-    /// Messages of a kind that isn't known. They are lent, and this is told after the first one.
+    /// Messages of an unknown kind. They are returned; only the first one is reported.
     UnknownKind(u8),
-    /// Bytes that are no messages, or of messages whose size can't be right, up to `to`.
+    /// Bytes that aren't messages, or messages of an impossible size.
     Skipped {
-        /// Offset of the first byte that is read again.
+        /// The offset at which reading continues.
         to: u64,
-        /// What is there.
+        /// The reason why reading continues there.
         resync: Resync,
     },
-    /// Nothing of a message can be used, so it is dropped.
+    /// A message is unusable and is skipped.
     Malformed {
-        /// Its kind.
+        /// The kind.
         kind: u8,
-        /// Bytes of its payload.
+        /// The size of the payload, in bytes.
         size: usize,
-        /// What is wrong.
+        /// The problem.
         malformation: Malformation,
     },
-    /// Something is wrong with the message that was lent just before.
-    Odd {
-        /// Its kind.
+    /// The message that was returned last has a problem.
+    InvalidContent {
+        /// The kind.
         kind: u8,
-        /// What is wrong.
+        /// The problem.
         malformation: Malformation,
     },
 }
 
-/// How a reader found its way back.
+/// The point at which reading continues after corruption.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Resync {
     /// A sync message.
     Synchronisation,
-    /// Several messages that follow each other.
+    /// Several consecutive messages.
     Messages,
-    /// It didn't, until data that was appended.
+    /// The start of appended data; nothing before it was readable.
     Appended,
-    /// It didn't, until the log ended.
+    /// The end of the log; nothing before it was readable.
     End,
 }
 
-/// What is wrong with the contents of a message.
+/// A problem with the content of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Malformation {
-    /// It is shorter than its kind needs.
+    /// The payload is shorter than the minimum of its kind.
     TooShort {
-        /// Bytes of its payload.
+        /// The size of the payload, in bytes.
         size: usize,
-        /// The least that is needed.
+        /// The minimum size, in bytes.
         least: usize,
     },
-    /// Its key goes beyond its end.
+    /// The key extends beyond the end of the message.
     KeyLength {
-        /// Length of the key.
+        /// The length of the key.
         length: usize,
-        /// Bytes that are left.
+        /// The number of bytes left.
         room: usize,
     },
-    /// Its text isn't UTF-8.
+    /// The text is invalid UTF-8.
     NotUtf8 {
-        /// Where, from the start of the payload.
+        /// The offset in the payload.
         at: usize,
     },
-    /// Its value is text, but not UTF-8.
+    /// A text value is invalid UTF-8.
     ValueNotUtf8,
-    /// No colon ends the name of a format.
+    /// A format lacks the colon after its name.
     NoColon,
-    /// Its key isn't a type and a name with a blank between.
+    /// A key isn't a type and a name, separated by a space.
     NoType,
-    /// A name in it has no characters.
+    /// A name is empty.
     NoName,
-    /// Its value isn't as long as its type.
+    /// The size of a value differs from its type.
     ValueSize {
-        /// Bytes of the type.
+        /// The size of the type, in bytes.
         expected: u64,
-        /// Bytes of the value.
+        /// The size of the value, in bytes.
         found: usize,
     },
-    /// It isn't the magic of a sync message.
+    /// The payload isn't the magic of a sync message.
     SyncMagic,
 }
 
 impl Problem {
-    /// How much of the log can be read that has it.
+    /// The extent to which a log with this problem can be read.
     pub fn extent(&self) -> Extent {
         match self {
             Self::ForeignMagic(_)
@@ -156,10 +155,10 @@ impl Problem {
             | Self::FlagBitsNotFirst
             | Self::FlagBitsLonger { .. }
             | Self::AppendedOffset(_)
-            // What writes such logs cuts the message off.
+            // The logger itself truncates the message when it appends data.
             | Self::Straddles { .. }
             | Self::UnknownKind(_)
-            | Self::Odd { .. } => Extent::Whole,
+            | Self::InvalidContent { .. } => Extent::Whole,
         }
     }
 }
@@ -168,56 +167,55 @@ impl fmt::Display for Problem {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::ForeignMagic(found) => {
-                write!(formatter, "expected the magic of ULog, found {}", found.escape_ascii())
+                write!(formatter, "expected the magic bytes of ULog, found {}", found.escape_ascii())
             }
             Self::ShortHeader { found } => {
                 write!(formatter, "expected a header of 16 bytes, found {found}")
             }
             Self::NewerVersion(version) => {
-                write!(formatter, "the log has version {version}; versions up to 1 are known")
+                write!(formatter, "the log has version {version}; versions up to 1 are supported")
             }
             Self::NoFlagBits { version } => {
                 write!(formatter, "the log has no flag bits (version {version})")
             }
             Self::FlagBitsNotFirst => {
-                formatter.write_str("flag bits have no effect unless they are the first message")
+                formatter.write_str("flag bits are ignored unless they are the first message")
             }
             Self::FlagBitsLonger { size } => {
-                write!(formatter, "flag bits take {size} bytes; 40 are known")
+                write!(formatter, "expected 40 bytes of flag bits, found {size}; the others are ignored")
             }
-            Self::UnknownIncompatible(bits) => write!(
-                formatter,
-                "the log needs a reader that knows more than this one: incompatible bits {bits:02x?}"
-            ),
+            Self::UnknownIncompatible(bits) => {
+                write!(formatter, "the log uses unsupported features: incompatible bits {bits:02x?}")
+            }
             Self::AppendedOffset(offset) => {
-                write!(formatter, "no data is looked for at {offset}, where it is said to be appended")
+                write!(formatter, "ignored an invalid offset of appended data: {offset}")
             }
             Self::AppendedBeyondEnd(offset) => {
-                write!(formatter, "the log ends before the data that is said to be appended at {offset}")
+                write!(formatter, "the log ends before the data appended at byte {offset}")
             }
             Self::EndsInHeader { found } => {
-                write!(formatter, "the log ends within a header, after {found} of 3 bytes")
+                write!(formatter, "the log is truncated within a message header, after {found} of 3 bytes")
             }
             Self::EndsInPayload { kind, size, found } => write!(
                 formatter,
-                "the log ends within a message `{}`, after {found} of {size} bytes",
+                "the log is truncated within a message `{}`, after {found} of {size} bytes",
                 kind.escape_ascii()
             ),
             Self::Straddles { appended } => {
-                write!(formatter, "a message is cut off by the data appended at {appended}")
+                write!(formatter, "a message is truncated by the data appended at byte {appended}")
             }
             Self::UnknownKind(kind) => {
-                write!(formatter, "messages `{}` are of a kind that isn't known", kind.escape_ascii())
+                write!(formatter, "messages `{}` are of an unknown kind", kind.escape_ascii())
             }
-            Self::Skipped { to, resync } => write!(formatter, "no messages up to {to}, {resync}"),
+            Self::Skipped { to, resync } => write!(formatter, "no valid messages up to byte {to}, {resync}"),
             Self::Malformed { kind, size, malformation } => {
                 write!(
                     formatter,
-                    "a message `{}` of {size} bytes is dropped: {malformation}",
+                    "skipped a message `{}` of {size} bytes: {malformation}",
                     kind.escape_ascii()
                 )
             }
-            Self::Odd { kind, malformation } => {
+            Self::InvalidContent { kind, malformation } => {
                 write!(formatter, "message `{}`: {malformation}", kind.escape_ascii())
             }
         }
@@ -227,8 +225,8 @@ impl fmt::Display for Problem {
 impl fmt::Display for Resync {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
-            Self::Synchronisation => "where a sync message is",
-            Self::Messages => "where messages follow each other again",
+            Self::Synchronisation => "where there is a sync message",
+            Self::Messages => "where valid messages follow",
             Self::Appended => "where data was appended",
             Self::End => "the end of the log",
         })
@@ -242,17 +240,17 @@ impl fmt::Display for Malformation {
                 write!(formatter, "expected at least {least} bytes, found {size}")
             }
             Self::KeyLength { length, room } => {
-                write!(formatter, "its key takes {length} bytes where {room} are left")
+                write!(formatter, "expected a key of {length} bytes, found {room} bytes")
             }
-            Self::NotUtf8 { at } => write!(formatter, "byte {at} of it isn't UTF-8"),
-            Self::ValueNotUtf8 => formatter.write_str("its value is text, but isn't UTF-8"),
+            Self::NotUtf8 { at } => write!(formatter, "invalid UTF-8 at byte {at} of its payload"),
+            Self::ValueNotUtf8 => formatter.write_str("its text value is invalid UTF-8"),
             Self::NoColon => formatter.write_str("expected a name and a colon"),
-            Self::NoType => formatter.write_str("expected a type, a blank and a name"),
-            Self::NoName => formatter.write_str("a name in it is empty"),
+            Self::NoType => formatter.write_str("expected a type, a space and a name"),
+            Self::NoName => formatter.write_str("its name is empty"),
             Self::ValueSize { expected, found } => {
                 write!(formatter, "expected a value of {expected} bytes, found {found}")
             }
-            Self::SyncMagic => formatter.write_str("it isn't the magic of a sync message"),
+            Self::SyncMagic => formatter.write_str("expected the magic of a sync message"),
         }
     }
 }

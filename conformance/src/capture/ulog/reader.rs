@@ -1,4 +1,4 @@
-//! Cuts bytes into messages.
+//! Splits bytes into messages.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::io::{self, Read};
@@ -9,38 +9,38 @@ use super::problem::{Problem, Resync};
 use super::resync::{Beginning, Ids, LOOKAHEAD, Look};
 use super::window::{CAPACITY, Window};
 
-/// Bytes of the header of a file.
+/// The size of the file header, in bytes.
 const FILE_HEADER: usize = 16;
 
 const MAGIC: [u8; 7] = *b"ULog\x01\x12\x35";
 
-/// The newest version of the format that is known.
+/// The newest supported version of the format.
 const VERSION: u8 = 1;
 
-/// Bytes of flag bits that are known.
+/// The size of the known flag bits, in bytes.
 const FLAG_BITS: usize = 40;
 
-/// The bits of `incompat_flags` that are known: data was appended.
+/// The supported bits of `incompat_flags`: data was appended.
 const KNOWN_INCOMPATIBLE: [u8; 8] = [1, 0, 0, 0, 0, 0, 0, 0];
 
-/// A message or a problem, and where it is.
+/// A message or a problem, with its offset.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Item<'b> {
-    /// Where its first byte is, from the start of the log. A message starts with its header.
+    /// The offset of the first byte in the log. A message starts with its header.
     pub offset: u64,
-    /// What it is.
+    /// The message or problem.
     pub event: Event<'b>,
 }
 
-/// Reads a log from anything, without seeking.
+/// Reads a log from any input, without seeking.
 ///
-/// Bytes are read in large pieces, so the input needs no buffer. Memory doesn't grow with the log.
+/// The input needs no buffer, since it is read in large pieces. Memory use doesn't depend on the size of the log.
 #[derive(Debug)]
 pub struct Reader<R> {
     window: Window<R>,
     state: State,
     sections: Sections,
-    /// What is still to be told, before anything else is read.
+    /// The problems to return before reading continues.
     queued: VecDeque<(u64, Problem)>,
     ids: Ids,
     unknown: BTreeMap<u8, u64>,
@@ -49,17 +49,17 @@ pub struct Reader<R> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     Start,
-    /// Before the first message of a log of this version.
+    /// Before the first message of a log with this version.
     First(u8),
     Messages,
-    /// At the start of a run that was searched, whose first message isn't doubted again.
+    /// At the start of a run of messages that a search found. The first message isn't checked again.
     Found,
-    /// Behind bytes from here on that are no messages.
+    /// After invalid bytes, which start at this offset.
     Lost(u64),
     Ended,
 }
 
-/// What to do next; it borrows nothing, so that only its execution has to.
+/// The next action. It borrows nothing, which separates the decision from the borrowing result.
 enum Step {
     Start { version: u8, timestamp: u64 },
     Message(Header),
@@ -67,23 +67,23 @@ enum Step {
     End,
 }
 
-/// Where data was appended.
+/// The sections that appended data forms.
 #[derive(Debug)]
 struct Sections {
-    /// Where the section ends that is read.
+    /// The end of the current section.
     end: u64,
-    /// Where those after it end.
+    /// The ends of the later sections.
     later: VecDeque<u64>,
 }
 
 impl<R: Read> Reader<R> {
-    /// Bytes of the buffer, whatever the size of the log.
+    /// The size of the buffer in bytes, independent of the size of the log.
     pub const CAPACITY: usize = CAPACITY;
 
-    /// How far the reader looks ahead when it is in doubt.
+    /// The maximum number of bytes that the reader looks ahead after a suspicious message.
     pub const LOOKAHEAD: usize = LOOKAHEAD;
 
-    /// Starts to read. Nothing is read yet.
+    /// Creates a reader. It reads nothing yet.
     pub fn new(input: R) -> Self {
         Self {
             window: Window::new(input),
@@ -95,14 +95,13 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// How many bytes were read as messages or passed over.
+    /// The number of bytes read as messages or skipped.
     pub fn position(&self) -> u64 {
         self.window.offset()
     }
 
-    /// The next message or problem; none at the end. An error is one of the input, and the call may be
-    /// repeated.
-    // Iterators can't lend.
+    /// The next message or problem; `None` at the end. Fails if the input can't be read; the call may be repeated.
+    // An iterator can't return items that borrow from it.
     #[allow(clippy::should_implement_trait)]
     #[inline]
     pub fn next(&mut self) -> io::Result<Option<Item<'_>>> {
@@ -116,8 +115,7 @@ impl<R: Read> Reader<R> {
         Ok(Some(Item { offset, event }))
     }
 
-    /// The size of the message ahead if it is data, has been read, and needs no thought. Nearly all of a log
-    /// is that.
+    /// The size of the next message, if it is in the buffer and is plainly valid data, as nearly all messages are.
     #[inline]
     fn data_ahead(&self) -> Option<usize> {
         if self.state != State::Messages || !self.queued.is_empty() {
@@ -129,7 +127,7 @@ impl<R: Read> Reader<R> {
         let (next, id_of_next) = (Header::read(next)?, &next[HEADER..]);
         let end = self.window.offset() + (header.total() + Look::NEXT) as u64;
         let is_plain = header.kind == b'D'
-            && header.is_believable()
+            && header.is_plausible()
             && self.ids.expect(header.size, &bytes[HEADER..])
             && next.kind == b'D'
             && self.ids.expect(next.size, id_of_next)
@@ -208,7 +206,8 @@ impl<R: Read> Reader<R> {
         Ok(Step::Start { version, timestamp })
     }
 
-    /// Judges what is ahead by as little of it as will do, so that messages of a slow input aren't late.
+    /// Classifies the bytes at the cursor with as few bytes as possible, so that messages of slow input aren't
+    /// delayed.
     fn classify(&mut self) -> io::Result<Beginning> {
         self.window.require(HEADER)?;
         let wanted = Header::read(self.window.ahead()).map_or(0, |header| header.total() + Look::NEXT);
@@ -243,13 +242,13 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// Searches the next run of messages.
+    /// Searches for the next run of messages.
     fn search(&mut self, from: u64) -> io::Result<Step> {
         loop {
             self.window.require(LOOKAHEAD)?;
             let look = self.look();
             let (size, is_closed) = (look.bytes.len(), look.is_closed);
-            // What starts later is looked at when all that it might need has been read.
+            // Later starts are checked after all bytes that they may need have been read.
             let starts = if is_closed { size } else { size - LOOKAHEAD + 1 };
             let found = look.search(0..starts);
             self.window.advance(found.map_or(starts, |(at, _)| at));
@@ -264,25 +263,27 @@ impl<R: Read> Reader<R> {
 }
 
 impl<R> Reader<R> {
-    /// How often messages came of each kind that isn't known.
+    /// The number of messages of each unknown kind.
     pub fn unknown_kinds(&self) -> impl Iterator<Item = (u8, u64)> {
         self.unknown.iter().map(|(kind, count)| (*kind, *count))
     }
 
-    /// Bytes of the buffer.
+    /// The size of the buffer, in bytes.
     pub fn capacity(&self) -> usize {
         self.window.capacity()
     }
 
-    /// Lends the message ahead.
+    /// Returns the message at the cursor.
     fn lend(&mut self, header: Header) -> Item<'_> {
         let offset = self.window.offset();
         self.window.advance(header.total());
         let Header { size, kind } = header;
         let payload = self.window.behind(size.into());
         let event = match parse(kind, payload) {
-            Ok((event, odd)) => {
-                self.queued.extend(odd.map(|malformation| (offset, Problem::Odd { kind, malformation })));
+            Ok((event, defect)) => {
+                self.queued.extend(
+                    defect.map(|malformation| (offset, Problem::InvalidContent { kind, malformation })),
+                );
                 event
             }
             Err(malformation) => Event::Problem(Problem::Malformed { kind, size: size.into(), malformation }),
@@ -322,7 +323,7 @@ impl<R> Reader<R> {
         Item { offset, event }
     }
 
-    /// Passes a message that goes beyond the end of the section, which is all that it has left.
+    /// Skips a message that extends beyond the end of its section.
     fn truncated_message(&mut self) -> Step {
         let offset = self.window.offset();
         let bytes = self.look().bytes;
@@ -339,7 +340,7 @@ impl<R> Reader<R> {
         Step::Problem(offset, problem)
     }
 
-    /// Goes on with the data that was appended here, if the log hasn't ended.
+    /// Continues with the data appended here, unless the log has ended.
     fn end_section(&mut self) {
         if self.is_before_appended() {
             self.sections.end = self.sections.later.pop_front().unwrap_or(u64::MAX);
@@ -352,7 +353,7 @@ impl<R> Reader<R> {
         self.queued.extend(left.map(|at| (offset, Problem::AppendedBeyondEnd(at))));
     }
 
-    /// Whether data was appended just here.
+    /// True if appended data starts at the cursor.
     fn is_before_appended(&self) -> bool {
         self.window.offset() == self.sections.end
     }
@@ -361,7 +362,7 @@ impl<R> Reader<R> {
         Step::Problem(self.window.offset(), problem)
     }
 
-    /// What is left of the section, as far as it has been read.
+    /// The rest of the section, as far as it is in the buffer.
     fn look(&self) -> Look<'_> {
         let ahead = self.window.ahead();
         let left = self.sections.end - self.window.offset();
@@ -376,7 +377,7 @@ impl<R> Reader<R> {
 }
 
 impl Sections {
-    /// Takes the offsets of appended data, which must go up from `at`, and gives back the others.
+    /// Stores the offsets of appended data, which must increase from `at`. Returns the invalid ones.
     fn append(&mut self, at: u64, offsets: [u64; 3], is_flagged: bool) -> impl Iterator<Item = u64> {
         let mut last = at.saturating_sub(1);
         let mut refused = Vec::new();

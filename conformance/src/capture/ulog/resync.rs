@@ -1,4 +1,4 @@
-//! Whether bytes are a message, and where the next one starts if they aren't.
+//! Decides if bytes are a message, and searches for the next one if they aren't.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -6,58 +6,60 @@ use std::ops::Range;
 use super::kind::{HEADER, Header, LARGEST, SYNC};
 use super::problem::Resync;
 
-/// So many sound messages that follow each other are no accident.
+/// The number of consecutive valid messages that form a run, which is unlikely to occur by chance.
 const SOUND_RUN: usize = 4;
 
-/// The same where the log or a section ends, so that there may be no more.
+/// Like [`SOUND_RUN`], at the end of the log or of a section.
 const RUN_AT_END: usize = 2;
 
-/// The same where the start isn't chosen, but where a message ended.
-const RUN_BEHIND_MESSAGE: usize = 1;
+/// Like [`SOUND_RUN`], directly after the end of a message.
+const RUN_AFTER_MESSAGE: usize = 1;
 
-/// So many messages are no accident even if most are only possible: one start in five looks like such.
+/// The number of consecutive messages that form a run even if most are only possible. One start in five looks
+/// possible by chance.
 const LONG_RUN: usize = 16;
 
-/// The largest message that is the start of a run though it is only possible. In noise before a log, one
-/// start in 256 looks like data of up to 64 KiB, and some of these end by accident where a message starts,
-/// which makes them starts of a run that swallows the messages between. Data of PX4 is smaller than this.
+/// The maximum size of a message that is only possible at the start of a run, in bytes. In noise before a log, one
+/// start in 256 looks like data of up to 64 KiB. Some of these end by chance where a message starts, and would form a
+/// run that hides the messages between. Data of PX4 is smaller than this.
 const LARGEST_POSSIBLE_START: usize = 1_024;
 
-/// How much of a text is looked at: names are shorter, and time must not depend on sizes that may be wrong.
+/// The maximum number of characters of a text that are checked. Names are shorter, and the time must not depend on
+/// sizes that may be wrong.
 const TEXT: usize = 64;
 
-/// How far ahead is looked: a message and a run behind it, all of them as large as can be.
+/// The size of the data to look at: a message and a run after it, all of maximum size.
 pub(super) const LOOKAHEAD: usize = (SOUND_RUN + 1) * LARGEST;
 
-/// What the bytes of a section start with.
+/// The classification of the bytes at the start of the rest of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Beginning {
-    /// Nothing: it ends here.
+    /// The end of the section.
     End,
     /// A message.
     Message(Header),
-    /// A message, or a part of a header, that goes beyond the end.
+    /// A message or header that extends beyond the end.
     Truncated,
-    /// Bytes to skip; how many.
+    /// Invalid bytes of this number, followed by a message.
     Skip(usize, Resync),
-    /// No message, and none starts in so many bytes.
+    /// Invalid bytes. The next start is at least this number of bytes away.
     Lost(usize),
 }
 
-/// The ids that were subscribed, each with the size of its messages. A topic has always the same, so that
-/// another size is a reason for doubt: it may end by accident where a message starts.
+/// The subscribed ids, each with the size of its messages. All messages of a topic have one size, so a different size
+/// is suspicious: the message may end by chance where another one starts.
 #[derive(Debug)]
 pub(super) struct Ids {
     sizes: Box<[u16]>,
-    /// Sizes that came once instead. One that comes twice in a row is taken.
+    /// Different sizes that occurred once. A size that occurs twice in a row replaces the known one.
     doubtful: BTreeMap<u16, u16>,
     is_empty: bool,
 }
 
-/// The size of messages whose id isn't subscribed.
+/// The size for ids without a subscription.
 const UNSUBSCRIBED: u16 = 0;
 
-/// The size where no message has come yet. Data has at least the two bytes of its id.
+/// The size for ids without messages. Data has at least the two bytes of its id.
 const UNSEEN: u16 = 1;
 
 impl Default for Ids {
@@ -68,13 +70,13 @@ impl Default for Ids {
 }
 
 impl Ids {
-    /// Notes that an id was subscribed.
+    /// Adds a subscribed id.
     pub(super) fn subscribe(&mut self, id: u16) {
         self.sizes[usize::from(id)] = UNSEEN;
         self.is_empty = false;
     }
 
-    /// Notes the size of a message.
+    /// Updates the size for an id after a message.
     pub(super) fn see(&mut self, id: u16, size: u16) {
         let usual = &mut self.sizes[usize::from(id)];
         if *usual == UNSUBSCRIBED || *usual == size {
@@ -84,7 +86,7 @@ impl Ids {
         }
     }
 
-    /// Whether messages with the id that `payload` starts with have this size.
+    /// True if messages with the id at the start of `payload` have this size.
     #[inline]
     pub(super) fn expect(&self, size: u16, payload: &[u8]) -> bool {
         self.size(payload) == size
@@ -95,74 +97,72 @@ impl Ids {
         payload.first_chunk().map_or(UNSUBSCRIBED, |id| self.sizes[usize::from(u16::from_le_bytes(*id))])
     }
 
-    /// Whether nothing speaks against an id and a size: no message of that id has come yet, and it was
-    /// subscribed unless none was.
+    /// True if a message of this id is possible: it has no known size, and is subscribed unless no id is.
     fn allow(&self, payload: &[u8]) -> bool {
         self.is_empty || self.size(payload) == UNSEEN
     }
 }
 
-/// What is ahead.
+/// The bytes at the cursor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Look<'b> {
-    /// Bytes of this section.
+    /// The bytes of this section.
     pub(super) bytes: &'b [u8],
-    /// Whether these are all that it has.
+    /// True if no more bytes follow in this section.
     pub(super) is_closed: bool,
-    /// Whether the log has no messages before these, so that flag bits may be here.
+    /// True if no messages precede these bytes, so flag bits are allowed.
     pub(super) is_first: bool,
     pub(super) ids: &'b Ids,
 }
 
-/// How a walk from message to message ends.
+/// The end of a walk from message to message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Walk {
-    /// There are as many messages as were wanted.
+    /// There were enough valid messages.
     Enough,
-    /// The section ends with a message.
+    /// The section ended after a message.
     End { sound: usize },
-    /// The section ends within a message.
+    /// The section ended within a message.
     Truncated { sound: usize },
-    /// At something else than a message.
+    /// Bytes that aren't a message.
     Corrupt,
 }
 
-/// How much the look of a message says.
+/// The plausibility of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Plausibility {
-    /// Its kind is known and its contents are in order: less than one in a hundred thousand starts is so
-    /// by accident.
+    /// The kind is known and the content is valid. By chance, fewer than one in a hundred thousand starts are sound.
     Sound,
-    /// Data of an id that isn't known, or of a size that it hasn't had, or a kind that may be one of the
-    /// future.
+    /// Data with an unknown id or a new size, or a kind that may belong to a future version.
     Possible,
     Wrong,
 }
 
 impl Look<'_> {
-    /// A header, and the id that follows it if it is one of data.
+    /// The size of a header, with the id in the case of data.
     pub(super) const NEXT: usize = HEADER + 2;
 
-    /// Judges by the message and what [`NEXT`](Self::NEXT) bytes behind it say. That is enough nearly always.
+    /// Classifies the message by its content and the [`NEXT`](Self::NEXT) bytes after it, which nearly always
+    /// suffice.
     pub(super) fn classify(&self) -> Option<Beginning> {
         if self.bytes.is_empty() && self.is_closed {
             return Some(Beginning::End);
         }
         let header = Header::read(self.bytes)?;
         let (message, behind) = self.bytes.split_at_checked(header.total())?;
-        let goes_on = match (Header::read(behind), behind.get(HEADER..Self::NEXT)) {
+        let is_followed = match (Header::read(behind), behind.get(HEADER..Self::NEXT)) {
             (None, _) => self.is_closed,
             (Some(Header { kind: b'D', size }), Some(id)) => self.ids.expect(size, id),
             (Some(next), _) => next.is_usual(),
         };
         let is_sound = || match header.kind {
-            b'B' => self.is_first && header.is_believable(),
-            _ => self.looks(header, &message[HEADER..]) == Plausibility::Sound,
+            b'B' => self.is_first && header.is_plausible(),
+            _ => self.plausibility(header, &message[HEADER..]) == Plausibility::Sound,
         };
-        (goes_on && is_sound()).then_some(Beginning::Message(header))
+        (is_followed && is_sound()).then_some(Beginning::Message(header))
     }
 
-    /// Judges by what follows.
+    /// Classifies the message by the bytes after it.
     pub(super) fn classify_ahead(&self) -> Beginning {
         let Some(header) = Header::read(self.bytes) else { return Beginning::Truncated };
         let end = header.total();
@@ -171,7 +171,7 @@ impl Look<'_> {
             return Beginning::Skip(count, resync);
         }
         let is_complete = end <= self.bytes.len();
-        match header.is_believable() {
+        match header.is_plausible() {
             true if is_complete => Beginning::Message(header),
             true => Beginning::Truncated,
             false if is_complete && self.follows(end) => Beginning::Message(header),
@@ -184,20 +184,20 @@ impl Look<'_> {
         starts.find_map(|at| Some((at, self.run(at)?)))
     }
 
-    /// Whether a run starts here.
+    /// Returns the kind of run that starts here, if there is one.
     #[inline]
     fn run(&self, at: usize) -> Option<Resync> {
         let rest = self.bytes.get(at..)?;
-        let header = Header::read(rest).filter(|header| header.is_believable())?;
+        let header = Header::read(rest).filter(|header| header.is_plausible())?;
         if header.kind == b'S' {
             return rest
                 .get(HEADER..header.total())
                 .filter(|found| *found == SYNC)
                 .map(|_| Resync::Synchronisation);
         }
-        let is_start = match self.looks(header, rest.get(HEADER..header.total())?) {
+        let is_start = match self.plausibility(header, rest.get(HEADER..header.total())?) {
             Plausibility::Sound => true,
-            // The first data of an id isn't sound, since its size isn't known.
+            // The first data of an id is only possible, since its size is unknown.
             Plausibility::Possible => {
                 self.ids.allow(&rest[HEADER..]) && header.total() <= LARGEST_POSSIBLE_START
             }
@@ -212,9 +212,9 @@ impl Look<'_> {
         is_run.then_some(Resync::Messages)
     }
 
-    /// Whether messages follow where one ends.
+    /// True if messages follow a message that ends here.
     fn follows(&self, at: usize) -> bool {
-        match self.walk(at, RUN_BEHIND_MESSAGE) {
+        match self.walk(at, RUN_AFTER_MESSAGE) {
             Walk::Enough | Walk::End { .. } => true,
             Walk::Truncated { sound } => sound > 0,
             Walk::Corrupt => false,
@@ -233,10 +233,10 @@ impl Look<'_> {
                 };
             };
             let Some(payload) = rest.get(HEADER..header.total()) else {
-                let is_truncated = self.is_closed && header.is_believable();
+                let is_truncated = self.is_closed && header.is_plausible();
                 return if is_truncated { Walk::Truncated { sound } } else { Walk::Corrupt };
             };
-            match self.looks(header, payload) {
+            match self.plausibility(header, payload) {
                 Plausibility::Sound => sound += 1,
                 Plausibility::Possible => {}
                 Plausibility::Wrong => return Walk::Corrupt,
@@ -249,7 +249,7 @@ impl Look<'_> {
         Walk::Enough
     }
 
-    fn looks(&self, header: Header, payload: &[u8]) -> Plausibility {
+    fn plausibility(&self, header: Header, payload: &[u8]) -> Plausibility {
         if !header.is_known() {
             return if header.kind.is_ascii_alphabetic() {
                 Plausibility::Possible
@@ -257,7 +257,7 @@ impl Look<'_> {
                 Plausibility::Wrong
             };
         }
-        if !header.is_believable() {
+        if !header.is_plausible() {
             return Plausibility::Wrong;
         }
         let is_sound = match (header.kind, payload) {
@@ -270,14 +270,14 @@ impl Look<'_> {
             (b'C', [level, ..]) => is_line(*level, &payload[11..]),
             (b'S', magic) => magic == SYNC,
             (b'R' | b'O', _) => payload.len() == 2,
-            // Flag bits are only at the start of a log, which needs no search.
+            // Flag bits only appear at the start of a log, which needs no search.
             _ => false,
         };
         if is_sound { Plausibility::Sound } else { Plausibility::Wrong }
     }
 }
 
-/// Of a name of a topic or a field.
+/// True for characters in names of topics and fields.
 fn is_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || b"_/-.".contains(&byte)
 }
@@ -288,7 +288,7 @@ fn is_format(text: &[u8]) -> bool {
     name > 0 && text.get(name).is_none_or(|byte| *byte == b':') && text.iter().copied().all(is_printable)
 }
 
-/// The length of a key, the key with its type, and a value.
+/// True for the length of a key, the key with its type, and a value.
 fn is_entry(entry: &[u8]) -> bool {
     let Some((length, rest)) = entry.split_first() else { return false };
     let Some(key) = rest.get(..usize::from(*length)) else { return false };
@@ -303,7 +303,7 @@ fn is_printable(byte: u8) -> bool {
 }
 
 fn is_line(level: u8, text: &[u8]) -> bool {
-    // Tabs, ends of lines and the escapes of colours are in real logs.
+    // Real logs contain tabs, line ends and colour escapes.
     let is_text = |byte: &u8| !byte.is_ascii_control() || b"\t\n\r\x1b".contains(byte);
     level.is_ascii_digit() && level < b'8' && text.iter().take(TEXT).all(is_text)
 }

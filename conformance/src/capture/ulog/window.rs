@@ -1,20 +1,20 @@
-//! A buffer that slides over what is read.
+//! A buffer that slides over the input.
 
 use std::io::{self, ErrorKind, Read};
 
-/// Bytes of the buffer: what is needed ahead, and about as much again, so that the bytes that are kept are
-/// moved at most about once for each byte read. Half of it and more is in the second cache of most machines.
+/// The size of the buffer: the lookahead and about as much again. Each byte is therefore moved about once. The buffer
+/// mostly fits into the L2 cache of common machines.
 pub(super) const CAPACITY: usize = 512 * 1024;
 
 #[derive(Debug)]
 pub(super) struct Window<R> {
     input: R,
     buffer: Box<[u8]>,
-    /// Where in the buffer the cursor is.
+    /// The index of the cursor in the buffer.
     start: usize,
-    /// Where in the buffer the bytes end that were read.
+    /// The index in the buffer after the last byte read.
     end: usize,
-    /// Where in the input the cursor is.
+    /// The offset of the cursor in the input.
     offset: u64,
     is_at_end: bool,
 }
@@ -25,9 +25,9 @@ impl<R: Read> Window<R> {
         Self { input, buffer, start: 0, end: 0, offset: 0, is_at_end: false }
     }
 
-    /// Reads until `count` bytes are behind the cursor, if there are so many.
+    /// Reads until at least `count` bytes follow the cursor, or the input ends.
     pub(super) fn require(&mut self, count: usize) -> io::Result<()> {
-        debug_assert!(count <= CAPACITY, "more is asked for than the buffer holds");
+        debug_assert!(count <= CAPACITY, "`count` exceeds the size of the buffer");
         if self.end - self.start >= count || self.is_at_end {
             return Ok(());
         }
@@ -39,7 +39,7 @@ impl<R: Read> Window<R> {
         while self.end - self.start < count && !self.is_at_end {
             match self.input.read(&mut self.buffer[self.end..]) {
                 Ok(0) => self.is_at_end = true,
-                // No implementation should claim more than the room that it had; none is believed.
+                // A faulty reader could return more than the size of its buffer.
                 Ok(read) => self.end = self.buffer.len().min(self.end + read),
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) => return Err(error),
@@ -50,38 +50,38 @@ impl<R: Read> Window<R> {
 }
 
 impl<R> Window<R> {
-    /// What was read and is behind the cursor.
+    /// The bytes in the buffer after the cursor.
     #[inline]
     pub(super) fn ahead(&self) -> &[u8] {
         &self.buffer[self.start..self.end]
     }
 
-    /// The last `count` bytes before the cursor, since the last call of [`require`](Self::require).
+    /// The last `count` bytes before the cursor. They must have been read since the last [`require`](Self::require).
     #[inline]
     pub(super) fn behind(&self, count: usize) -> &[u8] {
         &self.buffer[self.start - count..self.start]
     }
 
-    /// Moves the cursor over bytes that were read.
+    /// Moves the cursor over bytes in the buffer.
     #[inline]
     pub(super) fn advance(&mut self, count: usize) {
-        debug_assert!(count <= self.end - self.start, "bytes that weren't read are passed");
+        debug_assert!(count <= self.end - self.start, "the bytes haven't been read");
         self.start += count;
         self.offset += count as u64;
     }
 
-    /// Where in the input the cursor is.
+    /// The offset of the cursor in the input.
     #[inline]
     pub(super) fn offset(&self) -> u64 {
         self.offset
     }
 
-    /// Whether nothing follows what was read.
+    /// True if the input has no more bytes.
     pub(super) fn is_at_end(&self) -> bool {
         self.is_at_end
     }
 
-    /// Bytes of the buffer.
+    /// The size of the buffer, in bytes.
     pub(super) fn capacity(&self) -> usize {
         self.buffer.len()
     }
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_keep_their_order_while_the_window_slides() {
+    fn preserves_bytes_while_sliding() {
         let bytes: Vec<u8> = (0..=250).cycle().take(3 * CAPACITY).collect();
         let mut window = Window::new(&bytes[..]);
         let mut position = 0;

@@ -1,4 +1,4 @@
-//! The checks of all rules on sessions, and the records that each of them gets.
+//! The checks of all rules on sessions, and the dispatch of records to them.
 
 use crate::definitions::Definitions;
 use crate::flockwave::session::Exchange;
@@ -9,9 +9,9 @@ use crate::rules::flockwave::{Check, Message, RULES, SessionCheck, StatusReport}
 /// The checks of all rules.
 pub(in crate::check) struct Listeners<'d> {
     definitions: &'d Definitions,
-    /// Those that see status reports first.
+    /// The checks that see status reports come first.
     all: Vec<Listener>,
-    /// The number of those that see status reports.
+    /// The number of checks that see status reports.
     on_reports: usize,
 }
 
@@ -22,13 +22,13 @@ struct Listener {
     coverage: u64,
 }
 
-/// A check; of one that keeps a state, the state.
+/// A check, with its state if it keeps one.
 enum Running {
     Stateless(Check),
     Session(Box<dyn SessionCheck>),
 }
 
-/// A record, as the kinds of checks see it.
+/// The views of a record for the different kinds of checks.
 struct Views<'v> {
     exchange: &'v Exchange<'v>,
     message: Option<Message<'v>>,
@@ -38,17 +38,17 @@ struct Views<'v> {
 impl<'d> Listeners<'d> {
     /// The checks of all rules, at the start of a session.
     pub(in crate::check) fn new(definitions: &'d Definitions) -> Self {
-        let all = RULES.iter().flat_map(|of| {
-            of.checks.iter().map(|check| {
+        let all = RULES.iter().flat_map(|rule| {
+            rule.checks.iter().map(|check| {
                 let running = match check {
                     Check::Session(start) => Running::Session(start()),
                     stateless => Running::Stateless(*stateless),
                 };
-                Listener { rule: &of.rule, running, coverage: 0 }
+                Listener { rule: &rule.rule, running, coverage: 0 }
             })
         });
-        let sees_reports = |of: &Listener| {
-            matches!(of.running, Running::Session(_) | Running::Stateless(Check::StatusReport(_)))
+        let sees_reports = |listener: &Listener| {
+            matches!(listener.running, Running::Session(_) | Running::Stateless(Check::StatusReport(_)))
         };
         let (mut all, others): (Vec<Listener>, Vec<Listener>) = all.partition(sees_reports);
         let on_reports = all.len();
@@ -56,20 +56,20 @@ impl<'d> Listeners<'d> {
         Self { definitions, all, on_reports }
     }
 
-    /// A record.
+    /// Passes a record to the checks.
     pub(in crate::check) fn record(&mut self, exchange: &Exchange<'_>, findings: &mut Findings) {
         let (message, report) = (Message::from_exchange(exchange), StatusReport::from_exchange(exchange));
         let views = Views { exchange, message, report };
         views.show(&mut self.all, self.definitions, findings);
     }
 
-    /// A status report whose message was checked already.
+    /// Passes a status report to the checks, except to those on messages, which it has passed already.
     pub(in crate::check) fn checked_report(&mut self, exchange: &Exchange<'_>, findings: &mut Findings) {
         let views = Views { exchange, message: None, report: StatusReport::from_exchange(exchange) };
         views.show(&mut self.all[..self.on_reports], self.definitions, findings);
     }
 
-    /// Something is unreadable, and records may be missing.
+    /// Notifies the checks that a part is unreadable, so records may be missing.
     pub(in crate::check) fn corruption(&mut self, location: Location) {
         for listener in &mut self.all {
             if let Running::Session(state) = &mut listener.running {
@@ -78,7 +78,7 @@ impl<'d> Listeners<'d> {
         }
     }
 
-    /// The end of the capture.
+    /// Ends all checks.
     pub(in crate::check) fn end(&mut self, findings: &mut Findings) {
         let definitions = self.definitions;
         for Listener { rule, running, coverage } in &mut self.all {
@@ -91,7 +91,7 @@ impl<'d> Listeners<'d> {
 }
 
 impl Views<'_> {
-    /// Shows each listener what its kind sees.
+    /// Calls each listener with the view that its kind of check takes.
     fn show(&self, listeners: &mut [Listener], definitions: &Definitions, findings: &mut Findings) {
         for Listener { rule, running, coverage } in listeners {
             let mut context = RuleContext { rule, definitions, findings: &mut *findings, coverage };

@@ -1,14 +1,16 @@
-//! Status reports that need no more checks than they had already: nearly all that a server sends are such.
+//! A fast path for status reports without new findings, which are nearly all that a server sends.
 //!
-//! A line is read once, without a tree, and each value is compared with its shape. Beyond that, the findings in a report
-//! depend on few things: on the version, on the fields that each state has and those that are null, and on its error codes
-//! as they are written ([`Kind`]). The first state of a kind is given to all checks of messages
-//! ([`Check::Message`](crate::rules::flockwave::Check)), alone in a report: their type proves that nothing else counts. They
-//! find the same in any other state of its kind, and are covered as often. While that needs examples, and if a UAV is new
-//! that findings name, the line is read like any other; later lines are only counted. The other checks still get each
-//! report, as [`StatusReport`](crate::rules::flockwave::StatusReport) lets them see it.
+//! It reads a line in one pass, without building a tree, and compares each value with its schema. Beyond that, the
+//! findings in a report depend on few properties: its version, the fields of each state that are present or null, and
+//! the text of its error codes ([`Kind`]).
 //!
-//! Lines that aren't plain, or are no status reports, are read like any other.
+//! The first state of each kind is passed to all checks of messages
+//! ([`Check::Message`](crate::rules::flockwave::Check)), alone in a report. Their signature guarantees that nothing
+//! else matters, so the results apply to all states of that kind. A line takes the general path while its findings
+//! need examples, or if they would name a new UAV. Later lines are only counted. The other checks still get each
+//! report as a [`StatusReport`](crate::rules::flockwave::StatusReport).
+//!
+//! Lines in an unusual form, and other messages, take the general path.
 
 mod known;
 
@@ -25,19 +27,20 @@ use uavspec_codegen::schema::json_type::Direction;
 /// The type of the message.
 const TYPE: &str = "UAV-INF";
 
-/// The longest line that is read so, in bytes: it holds fewer values than a tree may have.
+/// The maximum length of a line on this path, in bytes. It ensures that no line exceeds the limit of values in a
+/// tree.
 const MAX_LINE: usize = 1 << 20;
 
-/// The longest id of a message, in bytes. Longer ones may still have few enough characters, and are rare.
+/// The maximum length of a message id, in bytes. A longer id may have few enough characters, but that is rare.
 const MAX_ID: usize = 36;
 
-/// How many findings are counted of a report. Of a body with thousands of deviations not all are told.
+/// The maximum number of findings in a report on this path. The general path has limits of findings for each body.
 const MAX_VIOLATIONS: u64 = 1_000;
 
-/// How many fields states may have: a bit for each.
+/// The maximum number of fields of a state: a bit for each.
 const MAX_FIELDS: usize = 64;
 
-/// A line that is a report on UAVs, of which there is nothing new to be told.
+/// A line with a status report that has no new findings.
 #[derive(Debug)]
 pub(super) struct Report<'l> {
     /// The name of the connection.
@@ -46,18 +49,18 @@ pub(super) struct Report<'l> {
     pub(super) time: f64,
     /// The whole line.
     pub(super) text: &'l str,
-    /// The message, with nothing in its states but their timestamps.
+    /// The message. Its states contain only their timestamps.
     pub(super) message: Tree<'l>,
-    /// Which of the known versions it has.
+    /// The index of its version.
     version: usize,
 }
 
-/// Reads reports.
+/// Reads status reports.
 pub(super) struct Reports<'d> {
-    /// The fields of states; none where the definitions have none that could be read so.
+    /// The fields of states; `None` if this path can't be used.
     fields: Option<Fields<'d>>,
     known: Known<'d>,
-    /// The kinds of the states of the report that was read last.
+    /// The kinds of the states of the last report.
     kinds: Vec<usize>,
 }
 
@@ -67,7 +70,7 @@ struct Fields<'d> {
     id: usize,
     timestamp: usize,
     errors: usize,
-    /// Which one followed each of them last, and at first which one was the first.
+    /// The field that last followed each field. The last item is for the start of a state.
     next: Vec<usize>,
 }
 
@@ -95,23 +98,23 @@ struct Body<'l> {
     states: Option<States<'l>>,
 }
 
-/// The states by UAV, with nothing in them but their timestamps.
+/// The states by UAV, reduced to their timestamps.
 type States<'l> = Vec<(Cow<'l, str>, Tree<'l>)>;
 
 impl<'d> Reports<'d> {
-    /// Reads those of these definitions.
+    /// Creates a reader for the status reports of these definitions.
     pub(super) fn new(definitions: &'d Definitions) -> Self {
         let members = definitions.defined_schemas().members(TYPE, Direction::Notification, "status");
         let fields = members.filter(|members| members.len() <= MAX_FIELDS).and_then(Fields::new);
         Self { fields, known: Known::new(definitions), kinds: Vec::new() }
     }
 
-    /// Takes each line for one that isn't plain to see.
-    pub(super) fn none(definitions: &'d Definitions) -> Self {
+    /// Creates a reader that leaves all lines to the general path.
+    pub(super) fn disabled(definitions: &'d Definitions) -> Self {
         Self { fields: None, known: Known::new(definitions), kinds: Vec::new() }
     }
 
-    /// What a line says, if it is a report of which there is nothing to be told beside these findings.
+    /// Reads a line, if it is a status report without new findings.
     pub(super) fn read<'l>(&mut self, bytes: &'l [u8], findings: &Findings) -> Option<Report<'l>> {
         if self.fields.is_none() || bytes.len() > MAX_LINE {
             return None;
@@ -127,7 +130,7 @@ impl<'d> Reports<'d> {
             return None;
         }
         let version = message.version?;
-        let of = self.known.version(version, findings)?;
+        let index = self.known.version(version, findings)?;
         let body =
             vec![(Cow::Borrowed("type"), Tree::Text(TYPE.into())), ("status".into(), Tree::Object(states))];
         let message = vec![
@@ -136,7 +139,7 @@ impl<'d> Reports<'d> {
             ("body".into(), Tree::Object(body)),
         ];
         let message = Tree::Object(message);
-        Some(Report { name: line.name?, time: line.time?, text, message, version: of })
+        Some(Report { name: line.name?, time: line.time?, text, message, version: index })
     }
 
     /// Counts the report that was read last.
@@ -144,13 +147,13 @@ impl<'d> Reports<'d> {
         self.known.count(report.version, &self.kinds);
     }
 
-    /// How many reports were counted.
+    /// The number of counted reports.
     #[cfg(test)]
     pub(super) fn seen(&self) -> u64 {
         self.known.seen()
     }
 
-    /// Tells what came of all that was counted.
+    /// Adds the results of all counted reports to the findings.
     pub(super) fn report_counted(&self, findings: &mut Findings) {
         self.known.report_counted(findings);
     }
@@ -198,7 +201,7 @@ impl<'d> Reports<'d> {
     }
 
     fn states<'l>(&mut self, tokens: &mut Tokens<'l>, findings: &Findings) -> Result<States<'l>, Unclear> {
-        // The one before had about as many.
+        // The previous report had about as many.
         let mut states = Vec::with_capacity(self.kinds.len());
         self.kinds.clear();
         let fields = self.fields.as_mut().ok_or(Unclear)?;
@@ -230,7 +233,7 @@ impl<'d> Fields<'d> {
         })
     }
 
-    /// Takes the state of a UAV: its timestamp, and of which kind it is.
+    /// Reads the state of a UAV: its timestamp and its kind.
     fn state<'l>(&mut self, tokens: &mut Tokens<'l>, uav: &str) -> Result<(i128, Kind<'l>), Unclear> {
         let mut kind = Kind::default();
         let mut timestamp = None;
@@ -265,11 +268,11 @@ impl<'d> Fields<'d> {
             }
             Ok(())
         })?;
-        // A state without an id is of another kind.
+        // A state without an id is of a different kind.
         Ok((timestamp.ok_or(Unclear)?, kind))
     }
 
-    /// Takes the key of the next field. It is likely to be the one that came there before.
+    /// Reads the key of the next field, which probably follows the same key as before.
     fn field(&mut self, tokens: &mut Tokens<'_>, before: usize) -> Result<usize, Unclear> {
         let guess = self.next[before];
         if tokens.takes_key(self.members.name(guess)) {
@@ -296,7 +299,7 @@ fn time(token: &Token<'_>) -> Result<f64, Unclear> {
     }
 }
 
-/// Whether no UAV has two states. Most servers sort them.
+/// True if no UAV appears twice. Most servers sort the states.
 fn are_different(states: &States<'_>) -> bool {
     let mut seen = HashSet::new();
     states.is_sorted_by(|(one, _), (other, _)| one < other) || states.iter().all(|(uav, _)| seen.insert(uav))

@@ -27,7 +27,8 @@ pub struct FlockwaveSummary {
     #[serde(serialize_with = "rows")]
     #[cfg_attr(test, schemars(with = "Vec<Row>"))]
     pub types: Types,
-    /// The types that the definitions don't have: their bodies aren't checked. By name; programs get those of the server.
+    /// The types that the definitions lack, by name. Their bodies aren't checked. Machine-readable reports list those
+    /// of the server.
     #[serde(rename = "unsupported", serialize_with = "rows_of_server")]
     #[cfg_attr(test, schemars(with = "Vec<Row>"))]
     pub unknown: Types,
@@ -44,11 +45,11 @@ pub struct TypeCount {
     pub incoming: u64,
 }
 
-/// A type of messages of Flockwave.
+/// A message type with its counts.
 #[derive(Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "FlockwaveType"))]
 struct Row<'t> {
-    /// Its name, such as `UAV-INF`.
+    /// The name, e.g. `UAV-INF`.
     name: &'t str,
     /// The number of messages that clients sent.
     from_client: u64,
@@ -79,7 +80,7 @@ fn rows_of_server<S: Serializer>(types: &Types, serializer: S) -> Result<S::Ok, 
     serializer.collect_seq(from_server(types))
 }
 
-/// The types that the server sent: the requests of a client, which may be sent to provoke errors, aren't checked.
+/// The types that the server sent. A client may send wrong requests on purpose, so these aren't checked.
 fn from_server(types: &Types) -> Vec<Row<'_>> {
     types.iter().map(Row::new).filter(|row| row.from_server > 0).collect()
 }
@@ -116,7 +117,7 @@ impl Describe for FlockwaveSummary {
         if !unsupported.is_empty() || self.uncounted > 0 {
             let messages = unsupported.iter().map(Row::total).sum::<u64>() + self.uncounted;
             let text = format!(
-                "{} of types that the definitions don't have: {}",
+                "{} of types without a definition: {}",
                 plural(messages, "message"),
                 names(unsupported.iter().map(|row| row.name)),
             );

@@ -1,4 +1,4 @@
-//! What stands around a message and says what it is.
+//! The envelope of a message, which names its type or topic.
 
 use std::collections::HashMap;
 
@@ -7,11 +7,11 @@ use uavspec_codegen::schema::MessageId;
 use crate::json::{Tokens, Tree, Unclear};
 use crate::px4::json::{Clean, Plans};
 
-/// The operations of rosbridge that may name the type of a topic.
+/// The rosbridge operations that may name the type of a topic.
 const ADVERTISE: &str = "advertise";
 const SUBSCRIBE: &str = "subscribe";
 
-/// How a message says what it is.
+/// The way in which an envelope identifies its message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NameKind {
     /// `{"type": "px4/FailsafeFlags", "message": {…}}`.
@@ -30,26 +30,26 @@ impl NameKind {
     }
 }
 
-/// A topic or type that was met.
+/// A topic or type of the capture.
 #[derive(Debug)]
 pub(super) struct Open {
-    /// What findings call it.
+    /// The name in findings.
     pub(super) name: String,
-    /// The definition, and the number of the channel.
+    /// The definition and the channel index.
     pub(super) defined: Option<(MessageId, usize)>,
-    /// The key of its messages, where they have something around them.
+    /// The key of its messages in their envelope, if they have one.
     pub(super) key: Option<&'static str>,
     pub(super) messages: u64,
-    /// How many bytes its messages take in memory, where a rule wants their values; otherwise none.
+    /// The size of its messages in memory, in bytes; 0 if no rule needs their values.
     pub(super) num_bytes: usize,
-    /// Where it was met first.
+    /// The line of its first message.
     pub(super) line: u64,
 }
 
-/// All that were met.
+/// All topics and types of the capture.
 #[derive(Debug)]
 pub(super) struct Channels {
-    /// The one that all values belong to, where that was said.
+    /// The channel of all values, if the caller chose a type.
     pub(super) only: Option<usize>,
     pub(super) open: Vec<Open>,
     pub(super) by_type: HashMap<String, usize>,
@@ -74,59 +74,61 @@ impl Channels {
     }
 }
 
-/// What a value is, from its tree.
+/// The form of a parsed value.
 pub(super) enum Form<'t> {
     Message(NameKind, &'t str, &'t Tree<'t>),
-    /// rosbridge says which type a topic has.
+    /// A rosbridge message that states the type of a topic.
     Advertised(&'t str, &'t str),
-    /// rosbridge says something else.
+    /// Any other rosbridge message.
     Skipped,
-    /// It can't be said, and why.
+    /// An unknown form, with an error message.
     Unknown(&'static str),
 }
 
-/// Looks for what says what a value is.
+/// Determines the form of a value.
 pub(super) fn form<'t>(tree: &'t Tree<'t>) -> Form<'t> {
     let Tree::Object(members) = tree else {
-        return Form::Unknown("it is no object, so nothing says what message it is");
+        return Form::Unknown("expected an object that names its message type");
     };
     let is_repeated = |key: &&str| members.iter().filter(|(known, _)| known == key).count() > 1;
     if ["op", "topic", "msg", "type", "message"].iter().any(is_repeated) {
-        return Form::Unknown("a key that says what message it is stands twice");
+        return Form::Unknown(
+            "duplicate key: `op`, `topic`, `msg`, `type` and `message` may appear only once",
+        );
     }
     let text = |key| tree.get(key).and_then(Tree::as_str);
     if tree.get("op").is_some() {
         return match (text("op"), text("topic"), tree.get("msg")) {
             (Some("publish"), Some(topic), Some(message)) => Form::Message(NameKind::Topic, topic, message),
-            (Some("publish"), ..) => Form::Unknown("rosbridge's `publish` without `topic` or `msg`"),
+            (Some("publish"), ..) => Form::Unknown("rosbridge `publish` without `topic` or `msg`"),
             (Some(ADVERTISE | SUBSCRIBE), Some(topic), _) => {
                 text("type").map_or(Form::Skipped, |ty| Form::Advertised(topic, ty))
             }
             (Some(_), ..) => Form::Skipped,
-            (None, ..) => Form::Unknown("`op` is no string"),
+            (None, ..) => Form::Unknown("`op`: expected a string"),
         };
     }
     match (text("type"), tree.get("message")) {
         (Some(ty), Some(message)) => Form::Message(NameKind::Type, ty, message),
         _ => Form::Unknown(
-            "nothing says what message it is: expected `type` and `message`, or rosbridge's `op`, `topic` and \
-             `msg`; or say it with --type",
+            "unknown message type: expected `type` and `message`, or rosbridge's `op`, `topic` and `msg`; \
+             or set the type with --type",
         ),
     }
 }
 
-/// What a value is, read once.
+/// The result of reading a value in one pass.
 pub(super) enum Fast {
-    /// A message of this channel with which nothing is wrong.
+    /// A message of this channel without findings.
     Clean(usize, Clean),
     Skipped,
     /// A message without a definition.
     Undefined,
-    /// Something is wrong, or its channel is new.
+    /// A value with findings or of a new channel, which needs the slow path.
     Unclear,
 }
 
-/// Reads a value without a tree. `values` gets what the message says, if its channel needs that.
+/// Reads a value without building a tree. Stores the field values in `values` if the channel needs them.
 pub(super) fn read(text: &str, channels: &Channels, plans: &Plans, values: &mut Vec<u8>) -> Fast {
     values.clear();
     let mut tokens = Tokens::new(text);
@@ -142,7 +144,7 @@ pub(super) fn read(text: &str, channels: &Channels, plans: &Plans, values: &mut 
     fast.ok().filter(|_| tokens.end().is_ok()).unwrap_or(Fast::Unclear)
 }
 
-/// A record up to some member. Only the usual order is accepted: what a message is, then the message; [`form`] accepts any.
+/// A partially read record. The type must precede the message, as is usual; [`form`] accepts any order.
 struct Envelope<'c> {
     channels: &'c Channels,
     plans: &'c Plans,
@@ -184,7 +186,7 @@ impl Envelope<'_> {
         Ok(())
     }
 
-    /// The channel of this name.
+    /// Reads a name and looks up its channel.
     fn known(&self, which: NameKind, tokens: &mut Tokens<'_>) -> Result<Option<usize>, Unclear> {
         let channel = self.channels.get(which, &tokens.text()?);
         if channel.is_some() { Ok(channel) } else { Err(Unclear) }

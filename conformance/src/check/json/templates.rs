@@ -1,25 +1,25 @@
-//! How clean messages were written, channel by channel.
+//! The texts of messages without findings, as templates for later messages of their channels.
 
 use super::envelope::Open;
 use crate::px4::json::{Clean, Plans, Template};
 
-/// Most templates that are kept.
+/// The maximum number of templates.
 const MAX_TEMPLATES: usize = 64;
 
-/// The longest text that a template is made of, in bytes.
+/// The maximum length of the text of a template, in bytes.
 const MAX_TEXT: usize = 64 * 1024;
 
-/// How often in a row no template may fit before making more is given up: then each message is written in a way of
-/// its own, as by a producer that counts them.
+/// The number of consecutive misses after which no more templates are made. The form of the messages then probably
+/// varies, as with a producer that numbers them.
 const MAX_MISSES: usize = 256;
 
-/// The templates of a source.
+/// The templates of a capture.
 #[derive(Debug, Default)]
 pub(super) struct Templates {
     known: Vec<Known>,
-    /// The one that fitted last.
+    /// The index of the template that matched last.
     last: usize,
-    /// How often in a row none fitted.
+    /// The number of consecutive misses.
     misses: usize,
 }
 
@@ -27,20 +27,20 @@ pub(super) struct Templates {
 struct Known {
     channel: usize,
     template: Template,
-    /// The one that fitted after it.
+    /// The index of the template that last matched after this one.
     next: usize,
 }
 
 impl Templates {
-    /// Templates that never learn one.
-    pub(super) fn none() -> Self {
+    /// Creates a set that never learns a template.
+    pub(super) fn disabled() -> Self {
         Self { misses: usize::MAX, ..Self::default() }
     }
 
-    /// The channel of a message that is written as one before it, and what it says of itself. `values` gets what it
-    /// says, where its channel wants that.
+    /// Matches a message against the templates. Returns its channel, and what the message contributes. Stores the
+    /// field values in `values` if the channel needs them.
     pub(super) fn read(&mut self, text: &str, plans: &Plans, values: &mut Vec<u8>) -> Option<(usize, Clean)> {
-        // Topics that come regularly come in the same order.
+        // Topics with fixed rates repeat in the same order.
         let guess = self.known.get(self.last)?.next;
         let others = (0..self.known.len()).filter(|at| *at != guess);
         for at in std::iter::once(guess).chain(others) {
@@ -58,7 +58,7 @@ impl Templates {
         None
     }
 
-    /// Learns how a clean message of a channel is written.
+    /// Learns the form of a message without findings.
     pub(super) fn learn(&mut self, text: &str, open: &Open, channel: usize, plans: &Plans) {
         if self.known.len() == MAX_TEMPLATES || text.len() > MAX_TEXT || self.misses > MAX_MISSES {
             return;

@@ -1,8 +1,7 @@
-//! Takes out of lists what is stale, and leaves the rest as it is, byte for byte.
+//! Removes stale entries from lists and keeps everything else unchanged, byte for byte.
 //!
-//! What belongs to an entry is seen by lines: from its header to its last value, with the comments that stand
-//! directly above and directly below. Comments apart from all entries, and those at the very beginning of a list,
-//! which may speak of all of it, stay.
+//! An entry extends from its header to its last value, with the comments directly above and directly below. Comments
+//! apart from entries stay, as do those at the start of a list, which may concern the whole list.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -12,10 +11,10 @@ use uavspec_codegen::source::{SourceId, Span};
 use super::pattern::exact;
 use super::{Entry, Lists, Stale, StaleReason};
 
-/// How much of a message is written as what failures begin with, in characters: more would only break more often.
+/// The maximum length of the start of a failure message, in characters. A longer text would become stale more often.
 const MAX_MESSAGE: usize = 120;
 
-/// The new texts of those lists that change.
+/// The new texts of the lists that change.
 pub(super) fn texts(lists: &Lists, stale: &[Stale]) -> BTreeMap<SourceId, String> {
     let mut removed = vec![false; lists.entries.len()];
     let mut values: BTreeMap<usize, Vec<(Span, String)>> = BTreeMap::new();
@@ -23,7 +22,7 @@ pub(super) fn texts(lists: &Lists, stale: &[Stale]) -> BTreeMap<SourceId, String
         match reason {
             StaleReason::FailsOtherwise { common, .. } => {
                 let span = lists.entries[*entry].spans.message;
-                values.entry(*entry).or_default().extend(span.map(|span| (span, beginning(common))));
+                values.entry(*entry).or_default().extend(span.map(|span| (span, quoted_start(common))));
             }
             StaleReason::PassesInPart { failing, .. } => {
                 let span = lists.entries[*entry].spans.selector;
@@ -58,8 +57,8 @@ fn range(span: Span, whole: Span) -> Range<usize> {
     (span.start - whole.start) as usize..(span.end - whole.start) as usize
 }
 
-/// How messages begin, as a string of TOML.
-fn beginning(message: &str) -> String {
+/// The start of a message, as a TOML string.
+fn quoted_start(message: &str) -> String {
     let end = message.char_indices().nth(MAX_MESSAGE).map_or(message.len(), |(end, _)| end);
     quote(message[..end].to_owned())
 }
@@ -73,30 +72,30 @@ struct Line {
     range: Range<usize>,
     is_blank: bool,
     is_comment: bool,
-    /// The entry that it belongs to.
+    /// The index of its entry.
     owner: Option<usize>,
 }
 
-/// The parts of a text that go with the entries that do. Entries stand in their order, with whether they go.
+/// The parts of a text to remove. Entries are in order, each with true if it is removed.
 fn removals(text: &str, entries: &[(Range<usize>, bool)]) -> Vec<(Range<usize>, String)> {
     let lines = lines(text, entries);
-    let goes = |line: &Line| line.owner.is_some_and(|owner| entries[owner].1);
+    let is_removed = |line: &Line| line.owner.is_some_and(|owner| entries[owner].1);
     let mut removals = Vec::new();
     let mut at = 0;
     while at < lines.len() {
-        if !goes(&lines[at]) {
+        if !is_removed(&lines[at]) {
             at += 1;
             continue;
         }
         let mut start = at;
         let mut end = at;
-        while at < lines.len() && (goes(&lines[at]) || lines[at].is_free_blank()) {
+        while at < lines.len() && (is_removed(&lines[at]) || lines[at].is_free_blank()) {
             at += 1;
-            if goes(&lines[at - 1]) {
+            if is_removed(&lines[at - 1]) {
                 end = at;
             }
         }
-        // Blank lines on both sides become those on one; at the beginning and the end of the list there are none.
+        // Merge the blank lines around removed entries; leave none at the start and at the end of the list.
         if at == lines.len() {
             end = at;
             while start > 0 && lines[start - 1].is_free_blank() {
@@ -111,7 +110,7 @@ fn removals(text: &str, entries: &[(Range<usize>, bool)]) -> Vec<(Range<usize>, 
 }
 
 impl Line {
-    /// Whether it is blank, and no part of an entry.
+    /// True for a blank line outside of entries.
     fn is_free_blank(&self) -> bool {
         self.is_blank && self.owner.is_none()
     }
@@ -121,7 +120,7 @@ impl Line {
     }
 }
 
-/// The lines of a text, each with the entry that it belongs to.
+/// The lines of a text, each with its entry.
 fn lines(text: &str, entries: &[(Range<usize>, bool)]) -> Vec<Line> {
     let mut start = 0;
     let mut lines: Vec<Line> = Vec::new();
@@ -133,7 +132,7 @@ fn lines(text: &str, entries: &[(Range<usize>, bool)]) -> Vec<Line> {
         let (is_blank, is_comment) = (line.trim().is_empty(), line.trim_start().starts_with('#'));
         lines.push(Line { range, is_blank, is_comment, owner: is_inside.then_some(owner) });
     }
-    // Comments directly above a header, unless they begin the list.
+    // Comments directly above a header, unless they start the list.
     for at in (1..lines.len()).rev() {
         if lines[at].owner.is_some() && lines[at - 1].is_free_comment() {
             lines[at - 1].owner = lines[at].owner;

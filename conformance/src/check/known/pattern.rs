@@ -1,20 +1,20 @@
-//! Globs of entries.
+//! The glob patterns of entries.
 
 use globset::{GlobBuilder, GlobMatcher, escape};
 
-/// A glob and its text.
+/// A compiled glob.
 #[derive(Debug)]
 pub(super) struct Pattern {
     matcher: GlobMatcher,
 }
 
 impl Pattern {
-    /// A pattern of names: `*` matches anything, like that of `--filter`.
+    /// Compiles a pattern of names: `*` matches anything, as in `--filter`.
     pub(super) fn for_names(text: &str) -> Result<Self, String> {
         Self::new(text, false)
     }
 
-    /// A pattern of paths: `*` ends at `/`, and `**` doesn't.
+    /// Compiles a pattern of paths: `*` stops at `/`, and `**` doesn't.
     pub(super) fn for_paths(text: &str) -> Result<Self, String> {
         Self::new(text.strip_prefix("./").unwrap_or(text), true)
     }
@@ -30,13 +30,13 @@ impl Pattern {
     }
 }
 
-/// The pattern of exactly these names.
+/// A pattern that matches exactly these names.
 pub(super) fn exact(names: &[String]) -> String {
     let Some((first, others)) = names.split_first() else { return String::new() };
     if others.is_empty() {
         return escape(first);
     }
-    // What follows the last `/` that all have in common is never empty, which a pattern couldn't say.
+    // An alternative can't be empty. The text after the last common `/` never is.
     let is_common = |end: &usize| others.iter().all(|name| name.starts_with(&first[..*end]));
     let start = first.rmatch_indices('/').map(|(at, _)| at + 1).find(is_common).unwrap_or(0);
     let rests = names.iter().map(|name| escape(&name[start..]).replace(',', "[,]"));
@@ -48,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_star_ends_at_a_folder_but_not_in_a_name() {
+    fn a_star_stops_at_slashes_in_paths_only() {
         let name = Pattern::for_names("decode-*/px4/Event/*").expect("a pattern");
         assert!(
             name.is_match("decode-cdr/px4/Event/typical") && !name.is_match("encode-cdr/px4/Event/typical")
@@ -62,13 +62,14 @@ mod tests {
     }
 
     #[test]
-    fn names_become_a_pattern_of_them_alone() {
-        let of = |names: &[&str]| exact(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
-        assert_eq!(of(&["hash-cdr/px4/Glider/hash"]), "hash-cdr/px4/Glider/hash");
-        assert_eq!(of(&["a/Glider/x", "a/Glider/x-y"]), "a/Glider/{x,x-y}");
-        assert_eq!(of(&["a/Glider/x", "a/Mark/x", "a/Glider/y"]), "a/{Glider/x,Mark/x,Glider/y}");
+    fn an_exact_pattern_matches_only_its_names() {
+        let pattern_of =
+            |names: &[&str]| exact(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
+        assert_eq!(pattern_of(&["hash-cdr/px4/Glider/hash"]), "hash-cdr/px4/Glider/hash");
+        assert_eq!(pattern_of(&["a/Glider/x", "a/Glider/x-y"]), "a/Glider/{x,x-y}");
+        assert_eq!(pattern_of(&["a/Glider/x", "a/Mark/x", "a/Glider/y"]), "a/{Glider/x,Mark/x,Glider/y}");
         let odd = ["a/b,c", "a/[0]*", "a/{x}", "b"];
-        let pattern = Pattern::for_names(&of(&odd)).expect("a pattern");
+        let pattern = Pattern::for_names(&pattern_of(&odd)).expect("a pattern");
         assert!(odd.iter().all(|name| pattern.is_match(name)));
         assert!(["a/b", "a/c", "c", "a/0", "a/x", "a/"].iter().all(|name| !pattern.is_match(name)));
     }

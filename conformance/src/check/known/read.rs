@@ -1,4 +1,4 @@
-//! From the text of a list to its entries, and to every mistake in it.
+//! Parses the text of a list into entries, and reports all errors in it.
 
 use std::ops::Range;
 
@@ -14,18 +14,18 @@ use super::{Entry, EntrySpans, Pattern, Selector};
 use crate::model::{Date, Excuse, ExcuseKind};
 use crate::rules::rule;
 
-/// Every key of an entry.
-const KEYS: &str = "keys are rule, subject, file or case, and reason, link, expires, message";
+/// The keys of an entry, for error messages.
+const KEYS: &str = "expected rule, subject, file, case, reason, link, expires or message";
 
-/// The entries of a list, and what is wrong with it, in the order of its lines.
+/// The entries of a list and its errors, in line order.
 pub(super) fn entries(sources: &SourceMap, source: SourceId) -> (Vec<Entry>, Vec<Finding>) {
     let mut reader = Reader { sources, whole: sources.span(source), mistakes: Vec::new() };
     let (table, errors) = DeTable::parse_recoverable(sources.text(source));
     for error in &errors {
         let span = reader.span(error.span().unwrap_or_default());
-        reader.mistake("known-syntax", span, error.message(), "this is no TOML: correct it");
+        reader.mistake("known-syntax", span, error.message(), "correct the TOML syntax");
     }
-    // What is made out of a broken text would only lead to more complaints.
+    // A partly parsed list would only cause follow-up errors.
     let mut entries = if errors.is_empty() { reader.list(table.get_ref()) } else { Vec::new() };
     reader.mistakes.sort_by_key(|mistake| mistake.span);
     entries.sort_by_key(|entry| entry.spans.header);
@@ -68,14 +68,14 @@ impl Reader<'_> {
             let kind =
                 [ExcuseKind::Known, ExcuseKind::Flaky].into_iter().find(|kind| kind.name() == key.get_ref());
             let Some(kind) = kind else {
-                let message = format!("a list has no `{}`", key.get_ref());
+                let message = format!("unknown key `{}`", key.get_ref());
                 let span = self.span(key.span());
                 self.mistake("known-key", span, message, "start each entry with `[[known]]` or `[[flaky]]`");
                 continue;
             };
-            // Only what has a line of its own can be taken out and leave all else as it was.
+            // Only an entry with a separate header line can be removed without other changes.
             let Some(tables) = self.tables(value) else {
-                let message = format!("`{kind}` is no list of tables");
+                let message = format!("`{kind}`: expected an array of tables");
                 let help = format!("start each entry with a line `[[{kind}]]`");
                 let span = self.span(key.span());
                 self.mistake("known-type", span, message, &help);
@@ -86,7 +86,7 @@ impl Reader<'_> {
         entries
     }
 
-    /// The tables of a list, each with its header; none where it is written in another way.
+    /// The tables of a list, each with its header. `None` if the list has another form.
     fn tables<'t, 'i>(&self, value: &'t Spanned<DeValue<'i>>) -> Option<Vec<(Span, &'t DeTable<'i>)>> {
         let tables = value.get_ref().as_array()?.iter().map(|item| {
             let header = self.span(item.span());
@@ -99,7 +99,7 @@ impl Reader<'_> {
     fn entry(&mut self, kind: ExcuseKind, header: Span, table: &DeTable<'_>) -> Option<Entry> {
         let before = self.mistakes.len();
         let values = self.values(table);
-        // Of what is no string enough has been said.
+        // Values of a wrong type have been reported already.
         let is_mistyped = |keys: &[&str]| {
             keys.iter().any(|key| table.get(*key).is_some_and(|value| !value.get_ref().is_str()))
         };
@@ -148,7 +148,7 @@ impl Reader<'_> {
                     continue;
                 }
                 _ => {
-                    let message = format!("an entry has no `{}`", key.get_ref());
+                    let message = format!("unknown key `{}` in an entry", key.get_ref());
                     let span = self.span(key.span());
                     self.mistake("known-key", span, message, KEYS);
                     continue;
@@ -167,7 +167,8 @@ impl Reader<'_> {
         let span = self.span(value.span());
         let text = value.get_ref().as_str();
         if text.is_none() {
-            let message = format!("`{}` is a string, not this {}", key.get_ref(), value.get_ref().type_str());
+            let message =
+                format!("`{}`: expected a string, found type {}", key.get_ref(), value.get_ref().type_str());
             self.mistake("known-type", span, message, "put it in quotes");
         }
         text.map(|text| (text, span))
@@ -178,7 +179,12 @@ impl Reader<'_> {
         let datetime = value.get_ref().as_datetime().filter(|found| found.time.is_none());
         let date = datetime.and_then(|found| found.date);
         if date.is_none() {
-            self.mistake("known-date", span, "`expires` is a date", "write it without quotes, as 2027-06-30");
+            self.mistake(
+                "known-date",
+                span,
+                "`expires`: expected a date",
+                "write it without quotes, e.g. 2027-06-30",
+            );
         }
         date.map(|date| (Date { year: date.year, month: date.month, day: date.day }, span))
     }
@@ -191,7 +197,7 @@ impl Reader<'_> {
                     "known-selector",
                     span,
                     message,
-                    "it narrows a rule down: name the rule, or remove it",
+                    "add the `rule` that it restricts, or remove it",
                 );
             }
         }
@@ -199,7 +205,12 @@ impl Reader<'_> {
             (Some((id, span)), None) => {
                 let rule = rule(id);
                 if rule.is_none() {
-                    self.mistake("known-rule", span, format!("no rule `{id}`"), "`uavspec rules` lists all");
+                    self.mistake(
+                        "known-rule",
+                        span,
+                        format!("unknown rule `{id}`"),
+                        "`uavspec rules` lists all rules",
+                    );
                 }
                 let subject = self.pattern(values.subject, Pattern::for_names);
                 let file = self.pattern(values.file, Pattern::for_paths);
@@ -210,13 +221,13 @@ impl Reader<'_> {
                 Some((Selector::Case(case), span))
             }
             (Some(_), Some((_, span))) => {
-                let help = "leave one of them out: an entry names a rule or cases";
-                self.mistake("known-selector", span, "`case` beside `rule`", help);
+                let help = "remove one of them: an entry is for a rule or for cases";
+                self.mistake("known-selector", span, "`case` and `rule` in one entry", help);
                 None
             }
             (None, None) => {
-                let help = "name a `rule`, or `case`s by a pattern";
-                self.mistake("known-selector", header, "the entry names nothing", help);
+                let help = "add a `rule`, or a `case` pattern";
+                self.mistake("known-selector", header, "the entry has neither `rule` nor `case`", help);
                 None
             }
         }
@@ -230,14 +241,14 @@ impl Reader<'_> {
         let (text, span) = value?;
         read(text)
             .map_err(|error| {
-                let help = format!("for the characters themselves write `{}`", escape(text));
-                self.mistake("known-pattern", span, format!("`{text}` is no pattern: {error}"), &help);
+                let help = format!("to match this text literally, write `{}`", escape(text));
+                self.mistake("known-pattern", span, format!("invalid pattern `{text}`: {error}"), &help);
             })
             .ok()
     }
 
     fn reason<'t>(&mut self, values: &Values<'t>, header: Span) -> Option<&'t str> {
-        let help = "say why, so that others can tell when it no longer holds";
+        let help = "explain the failure, so others know when to remove the entry";
         let (reason, span) = values.reason.unwrap_or(("", header));
         if reason.trim().is_empty() {
             self.mistake("known-reason", span, "the entry has no `reason`", help);
@@ -246,12 +257,12 @@ impl Reader<'_> {
         self.line("reason", reason, span).then_some(reason)
     }
 
-    /// Whether a text is a line: reports show it as one, and control characters would change how they look.
+    /// True if a text is one line without control characters. Reports print it as it is.
     fn line(&mut self, key: &str, text: &str, span: Span) -> bool {
         let is_line = !text.chars().any(char::is_control);
         if !is_line {
-            let message = format!("`{key}` has a line break or another control character");
-            self.mistake("known-type", span, message, "write it in one line");
+            let message = format!("`{key}` contains a line break or another control character");
+            self.mistake("known-type", span, message, "write it on one line without control characters");
         }
         is_line
     }

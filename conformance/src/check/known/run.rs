@@ -1,11 +1,11 @@
-//! The results of a capture, as lists see them, and the findings that a list excuses.
+//! Converts the findings in a capture to results for lists, and marks excused findings.
 
 use super::{Checked, Lists, Name, Outcome};
 
 use crate::model::{Findings, Rule};
 use crate::rules::RULES;
 
-/// What came of the rules in a file. Of equal findings, messages are looked at that stand for all.
+/// The results of the rules for a file. A few representative messages describe each group of findings.
 pub(crate) fn rule_outcomes<'r>(file: &'r str, findings: &'r Findings) -> impl Iterator<Item = Checked<'r>> {
     let rules = RULES.iter().map(move |rule| {
         let outcome = if findings.covered(rule) > 0 { Outcome::Passed } else { Outcome::Idle };
@@ -18,7 +18,7 @@ pub(crate) fn rule_outcomes<'r>(file: &'r str, findings: &'r Findings) -> impl I
     rules.chain(groups)
 }
 
-/// A file that couldn't be read: whatever an entry says of it may hold.
+/// The results for a file that couldn't be read: no rule was run.
 pub(crate) fn unread_outcome(file: &str) -> impl Iterator<Item = Checked<'_>> {
     let unread = move |rule: &&'static Rule| Checked {
         name: Name::Rule { rule, subject: "", file },
@@ -27,7 +27,7 @@ pub(crate) fn unread_outcome(file: &str) -> impl Iterator<Item = Checked<'_>> {
     RULES.iter().map(unread)
 }
 
-/// Notes at each finding of a file the entry that excuses it.
+/// Marks each finding in a file that an entry excuses.
 pub(crate) fn excuse_findings(lists: &Lists, file: &str, findings: &mut Findings) {
     findings.excuse(|group| {
         let name = Name::Rule { rule: group.rule, subject: &group.subject, file };

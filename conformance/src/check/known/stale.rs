@@ -1,4 +1,4 @@
-//! Whether a list still holds true for what came of a run.
+//! Finds the entries of a list that are stale after a run.
 
 use std::collections::BTreeMap;
 
@@ -9,131 +9,131 @@ use super::{Entry, Lists, Selector};
 use crate::model::Rule;
 use crate::model::{Date, Excuse, ExcuseKind};
 
-/// The longest pattern that is shown as a whole, in bytes: one that mending wrote may have any length.
+/// The longest pattern that is marked in full, in bytes. Automatic fixes write patterns of any length.
 const MAX_MARKED: u32 = 200;
 
-/// Something that a run looked at, and what came of it.
+/// The result of a case, or of a rule for a subject in a file.
 #[derive(Clone, Debug)]
 pub(crate) struct Checked<'r> {
-    /// What it is called.
+    /// The name that entries match.
     pub name: Name<'r>,
-    /// What came of it.
+    /// The result.
     pub outcome: Outcome,
 }
 
-/// What entries name.
+/// The name of a result.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Name<'r> {
-    /// A rule, on something in a file.
+    /// A rule for a subject in a file.
     Rule {
         /// The rule.
         rule: &'static Rule,
-        /// What breaks it; empty where nothing does.
+        /// The subject of the violation; empty if there is none.
         subject: &'r str,
-        /// The file, as the run was given it.
+        /// The path of the file as passed to the run.
         file: &'r str,
     },
     /// A case.
     Case(&'r str),
 }
 
-/// What came of something.
+/// The result of a case or rule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// It is as it should be. Of a rule: it was judged, and all that breaks it in this file stands beside this.
+    /// Passed. A rule passes if it was covered; its violations in the same file are separate results.
     Passed,
-    /// It isn't; what is said of it, which may be several things.
+    /// Failed, with these messages.
     Failed(Vec<String>),
-    /// Nothing was there that could be judged.
+    /// There was nothing to check.
     Idle,
-    /// It wasn't looked at, and could have been.
+    /// Not run, so it might fail.
     NotRun,
 }
 
-/// Which entries a run decides on.
+/// The kind of entries that a run decides on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scope {
-    /// Those that name rules.
+    /// Entries for rules.
     Rules,
-    /// Those that name cases.
+    /// Entries for cases.
     Cases,
 }
 
-/// An entry that doesn't hold true.
+/// A stale entry.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Stale {
-    /// Its number among all entries.
+    /// The index among all entries.
     pub(super) entry: usize,
-    /// Why.
+    /// The reason.
     pub reason: StaleReason,
 }
 
 impl Stale {
-    /// Whether the list can be mended without a person. Messages that have nothing in common at their beginning can't
-    /// be named by one entry: an empty beginning would excuse whatever comes.
+    /// True if the entry can be fixed automatically. Messages without a common prefix can't: an empty prefix would
+    /// excuse any failure.
     pub(crate) fn is_fixable(&self) -> bool {
         !matches!(&self.reason, StaleReason::FailsOtherwise { common, .. } if common.is_empty())
     }
 }
 
-/// Why an entry doesn't hold true.
+/// The reason why an entry is stale.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum StaleReason {
-    /// Nothing that it names fails any more.
+    /// Everything that matches passes.
     Passes,
-    /// Some of the cases that it names pass.
+    /// Some of the matching cases pass.
     PassesInPart {
-        /// How many.
+        /// The number of cases that pass.
         count: usize,
-        /// The first of them.
+        /// The first case that passes.
         first: String,
-        /// Those that fail.
+        /// The cases that fail.
         failing: Vec<String>,
     },
-    /// Something that it names fails with another message.
+    /// A failure has a different message.
     FailsOtherwise {
-        /// The first other message.
+        /// The first unexpected message.
         found: String,
-        /// What all messages have in common at their beginning.
+        /// The common prefix of all messages.
         common: String,
     },
-    /// The run has nothing that it names.
+    /// Nothing in the run matches.
     MatchesNothing,
-    /// Nothing was there that what it names could have judged.
+    /// There was nothing to check for the entry.
     Idle,
-    /// Its last day is over.
+    /// The expiry date has passed.
     Expired,
 }
 
-/// What came of all that an entry names.
+/// The combined results of everything that an entry matches.
 #[derive(Default)]
 struct Sum<'c> {
     passed: usize,
-    /// The first case that passed. Of rules nobody says what passed.
+    /// The first case that passed; rules don't name one.
     passing: Option<&'c str>,
     /// The cases that failed.
     failing: Vec<&'c str>,
     failed: usize,
     idle: usize,
     not_run: usize,
-    /// The first message that the entry doesn't lead to expect.
+    /// The first unexpected message.
     other: Option<String>,
     common: Option<String>,
 }
 
 impl Lists {
-    /// The reason why a failure doesn't count; none where no entry names it with its messages.
+    /// The reason why a failure is excused, if an entry matches its name and all its messages.
     pub(crate) fn excuse(&self, name: Name<'_>, messages: &[String]) -> Option<&Excuse> {
         let excuses = |entry: &&Entry| {
             entry.names.is_match(name, true) && messages.iter().all(|message| entry.expects(message))
         };
-        // What always fails is said before what may.
+        // Known failures take precedence over flaky results.
         let found =
             self.entries.iter().filter(excuses).min_by_key(|entry| entry.excuse.kind == ExcuseKind::Flaky);
         found.map(|entry| &entry.excuse)
     }
 
-    /// The entries that don't hold true on the day `today`, in their order.
+    /// The entries that are stale on the day `today`, in order.
     pub(crate) fn find_stale(&self, scope: Scope, checked: &[Checked<'_>], today: Date) -> Vec<Stale> {
         let mut stale = Vec::new();
         let by_rule = by_rule(checked);
@@ -154,46 +154,47 @@ impl Lists {
         stale
     }
 
-    /// What is said of a stale entry.
+    /// The finding for a stale entry.
     pub(super) fn finding(&self, stale: &Stale, level: Level) -> Option<Finding> {
         let entry = self.entries.get(stale.entry)?;
         let mut spans = entry.spans;
         if spans.selector.end - spans.selector.start > MAX_MARKED {
             spans.selector = spans.header;
         }
-        let what = match &entry.names {
+        let noun = match &entry.names {
             Selector::Rule { .. } => "rule",
             Selector::Case(_) => "case",
         };
         let (id, span, message, help) = match &stale.reason {
             StaleReason::Passes => {
-                let message = format!("nothing that this {what} names fails any more");
+                let message = format!("everything that matches this {noun} passes");
                 ("known-passes", spans.selector, message, "remove the entry")
             }
             StaleReason::PassesInPart { count, first, failing } => {
                 let all = count + failing.len();
-                let message =
-                    format!("{count} of the {all} cases that this names pass: the first is {first}");
-                let help = "name only those that fail; what may fail or pass is flaky";
+                let message = format!("{count} of {all} matching cases pass; the first is {first}");
+                let help = "match only the cases that fail; use `[[flaky]]` for cases that sometimes pass";
                 ("known-passes", spans.selector, message, help)
             }
             StaleReason::FailsOtherwise { found, .. } => {
                 let expected = entry.message.as_deref()?;
-                let message = format!("it fails otherwise: expected {expected:?} and more, found {found:?}");
-                let help = "look into it; where it is known too, correct the message";
+                let message = format!(
+                    "the message differs: expected one that starts with {expected:?}, found {found:?}"
+                );
+                let help = "investigate the failure; if it is known as well, update the message";
                 ("known-fails-otherwise", spans.message?, message, help)
             }
             StaleReason::MatchesNothing => {
-                let message = format!("this {what} names nothing in this run");
+                let message = format!("nothing in this run matches this {noun}");
                 ("known-matches-nothing", spans.selector, message, "correct the pattern, or remove the entry")
             }
             StaleReason::Idle => {
-                let message = format!("nothing was there to judge for this {what}");
+                let message = format!("there was nothing to check for this {noun}");
                 ("known-matches-nothing", spans.selector, message, "correct the pattern, or remove the entry")
             }
             StaleReason::Expired => {
                 let message = format!("the entry expired on {}", entry.excuse.expires?);
-                let help = "remove it; or, where its reason still holds, give it another date";
+                let help = "remove the entry, or set a later date if the reason still applies";
                 ("known-expired", spans.expires?, message, help)
             }
         };
@@ -204,13 +205,13 @@ impl Lists {
 }
 
 impl Selector {
-    /// Whether this names something. What passes or isn't there has no subject.
+    /// True if this matches a name. Results without violations have no subject to match.
     fn is_match(&self, name: Name<'_>, has_subject: bool) -> bool {
         match (self, name) {
-            (Self::Rule { rule, subject, file }, Name::Rule { rule: id, subject: of, file: path }) => {
+            (Self::Rule { rule, subject, file }, Name::Rule { rule: id, subject: name, file: path }) => {
                 rule.id == id.id
                     && file.as_ref().is_none_or(|file| file.is_match(path))
-                    && (!has_subject || subject.as_ref().is_none_or(|subject| subject.is_match(of)))
+                    && (!has_subject || subject.as_ref().is_none_or(|subject| subject.is_match(name)))
             }
             (Self::Case(pattern), Name::Case(name)) => pattern.is_match(name),
             (Self::Rule { .. }, Name::Case(_)) | (Self::Case(_), Name::Rule { .. }) => false,
@@ -275,9 +276,9 @@ impl<'c> Sum<'c> {
         otherwise.into_iter().chain(self.reason_to_remove(kind))
     }
 
-    /// Why an entry would be stale for what doesn't fail.
+    /// The reason why an entry is stale because of results other than failures.
     fn reason_to_remove(self, kind: ExcuseKind) -> Option<StaleReason> {
-        // What wasn't run might fail.
+        // A case that wasn't run might fail.
         if self.not_run > 0 {
             return None;
         }
@@ -298,7 +299,7 @@ impl<'c> Sum<'c> {
     }
 }
 
-/// What came of each rule: there may be many entries, and each is of one.
+/// Groups the results by rule, so that lists with many entries stay fast.
 fn by_rule<'c, 'r>(checked: &'c [Checked<'r>]) -> BTreeMap<&'static str, Vec<&'c Checked<'r>>> {
     let mut by_rule: BTreeMap<_, Vec<_>> = BTreeMap::new();
     for checked in checked {

@@ -1,4 +1,4 @@
-//! Whether lists hold true for what came of a run.
+//! Tests of excused failures and stale entries.
 
 mod fix;
 mod read;
@@ -31,7 +31,7 @@ fn failed(message: &str) -> Outcome {
     Outcome::Failed(vec![message.to_owned()])
 }
 
-fn whys(lists: &Lists, scope: Scope, checked: &[Checked<'_>]) -> Vec<StaleReason> {
+fn reasons(lists: &Lists, scope: Scope, checked: &[Checked<'_>]) -> Vec<StaleReason> {
     lists.find_stale(scope, checked, TODAY).into_iter().map(|stale| stale.reason).collect()
 }
 
@@ -42,14 +42,14 @@ reason = \"flaps come in the wrong order\"
 ";
 
 #[test]
-fn what_is_listed_is_excused_and_the_list_holds_true() {
+fn a_listed_failure_is_excused_and_its_entry_is_not_stale() {
     let list = list(CASES);
     let checked = [
         case("decode-cdr/soaring/Glider/flaps-nan", failed("/flaps/0: expected NaN")),
         case("decode-uorb/soaring/Glider/flaps-nan", Outcome::Idle),
         case("decode-cdr/soaring/Mark/typical", failed("/height: expected 1")),
     ];
-    assert_eq!(whys(&list, Scope::Cases, &checked), []);
+    assert_eq!(reasons(&list, Scope::Cases, &checked), []);
     let excuse = |checked: &Checked<'_>| match &checked.outcome {
         Outcome::Failed(messages) => list.excuse(checked.name, messages).map(ToString::to_string),
         _ => None,
@@ -62,20 +62,20 @@ fn what_is_listed_is_excused_and_the_list_holds_true() {
 fn an_entry_is_stale_if_nothing_fails_matches_or_was_checked() {
     let list = list(CASES);
     let name = "decode-cdr/soaring/Glider/typical";
-    assert_eq!(whys(&list, Scope::Cases, &[case(name, Outcome::Passed)]), [StaleReason::Passes]);
-    assert_eq!(whys(&list, Scope::Cases, &[case(name, Outcome::Idle)]), [StaleReason::Idle]);
+    assert_eq!(reasons(&list, Scope::Cases, &[case(name, Outcome::Passed)]), [StaleReason::Passes]);
+    assert_eq!(reasons(&list, Scope::Cases, &[case(name, Outcome::Idle)]), [StaleReason::Idle]);
     let other = case("layout/soaring/Glider/typical", failed("x"));
-    assert_eq!(whys(&list, Scope::Cases, &[other]), [StaleReason::MatchesNothing]);
-    // What wasn't run might fail.
-    assert_eq!(whys(&list, Scope::Cases, &[case(name, Outcome::NotRun)]), []);
+    assert_eq!(reasons(&list, Scope::Cases, &[other]), [StaleReason::MatchesNothing]);
+    // A case that wasn't run might fail.
+    assert_eq!(reasons(&list, Scope::Cases, &[case(name, Outcome::NotRun)]), []);
     let second = case("decode-cdr/soaring/Glider/other", Outcome::NotRun);
-    assert_eq!(whys(&list, Scope::Cases, &[case(name, Outcome::Passed), second]), []);
-    // Another command's results say nothing of it.
-    assert_eq!(whys(&list, Scope::Rules, &[]), []);
+    assert_eq!(reasons(&list, Scope::Cases, &[case(name, Outcome::Passed), second]), []);
+    // The results of another command don't matter.
+    assert_eq!(reasons(&list, Scope::Rules, &[]), []);
 }
 
 #[test]
-fn an_entry_is_stale_when_a_case_passes_and_then_names_the_others() {
+fn an_entry_is_stale_if_a_case_passes_and_is_fixed_to_match_the_others() {
     let name = |id: &str| format!("decode-cdr/soaring/Glider/{id}");
     let names = ["flaps-nan", "typical", "zero"].map(name);
     let [nan, typical, zero] = &names;
@@ -85,11 +85,11 @@ fn an_entry_is_stale_when_a_case_passes_and_then_names_the_others() {
     assert_eq!(
         list.render(&stale, Level::Error, false),
         "\
-error[known-passes]: 1 of the 3 cases that this names pass: the first is decode-cdr/soaring/Glider/typical
+error[known-passes]: 1 of 3 matching cases pass; the first is decode-cdr/soaring/Glider/typical
  --> known.toml:2:8
   |
 2 | case = \"decode-*/soaring/Glider/*\"
-  |        ^^^^^^^^^^^^^^^^^^^^^^^^^^^ name only those that fail; what may fail or pass is flaky
+  |        ^^^^^^^^^^^^^^^^^^^^^^^^^^^ match only the cases that fail; use `[[flaky]]` for cases that sometimes pass
 "
     );
     let fixed = list.fixed(&stale).expect("a list");
@@ -100,13 +100,13 @@ error[known-passes]: 1 of the 3 cases that this names pass: the first is decode-
 }
 
 #[test]
-fn an_entry_is_stale_when_it_fails_otherwise() {
+fn an_entry_is_stale_if_the_message_differs() {
     let text = CASES.to_owned() + "message = \"/flaps/0: expected NaN\"\n";
     let list = list(&text);
     let name = "decode-cdr/soaring/Glider/flaps-nan";
-    assert_eq!(whys(&list, Scope::Cases, &[case(name, failed("/flaps/0: expected NaN, got 0"))]), []);
+    assert_eq!(reasons(&list, Scope::Cases, &[case(name, failed("/flaps/0: expected NaN, got 0"))]), []);
     let other = ["/flaps/0: expected 1, got 0".to_owned(), "/flaps/0: expected 1, got 2".to_owned()];
-    assert_eq!(list.excuse(Name::Case(name), &other), None, "that is another failure");
+    assert_eq!(list.excuse(Name::Case(name), &other), None, "the message differs");
     let checked = [case(name, Outcome::Failed(other.to_vec()))];
     let stale = list.find_stale(Scope::Cases, &checked, TODAY);
     let common = "/flaps/0: expected 1, got ".to_owned();
@@ -114,11 +114,11 @@ fn an_entry_is_stale_when_it_fails_otherwise() {
     assert_eq!(
         list.render(&stale, Level::Error, false),
         "\
-error[known-fails-otherwise]: it fails otherwise: expected \"/flaps/0: expected NaN\" and more, found \"/flaps/0: expected 1, got 0\"
+error[known-fails-otherwise]: the message differs: expected one that starts with \"/flaps/0: expected NaN\", found \"/flaps/0: expected 1, got 0\"
  --> known.toml:4:11
   |
 4 | message = \"/flaps/0: expected NaN\"
-  |           ^^^^^^^^^^^^^^^^^^^^^^^^ look into it; where it is known too, correct the message
+  |           ^^^^^^^^^^^^^^^^^^^^^^^^ investigate the failure; if it is known as well, update the message
 "
     );
     let fixed = list.fixed(&stale).expect("a list");
@@ -128,64 +128,64 @@ error[known-fails-otherwise]: it fails otherwise: expected \"/flaps/0: expected 
 }
 
 #[test]
-fn an_entry_holds_through_its_last_day() {
+fn an_entry_is_valid_through_its_expiry_date() {
     let name = "decode-cdr/soaring/Glider/typical";
     let checked = [case(name, failed("x"))];
     for (date, expected) in [("2026-05-09", vec![]), ("2026-05-08", vec![StaleReason::Expired])] {
         let list = list(&format!("{CASES}expires = {date}\n"));
-        assert_eq!(whys(&list, Scope::Cases, &checked), expected);
+        assert_eq!(reasons(&list, Scope::Cases, &checked), expected);
         assert!(
             list.excuse(Name::Case(name), &["x".to_owned()]).is_some(),
-            "the list is at fault, not the run"
+            "an expired entry still excuses its failures"
         );
     }
 }
 
 #[test]
-fn a_flaky_entry_may_pass_and_is_stale_for_all_other_reasons() {
+fn a_flaky_entry_may_pass_but_must_match_and_not_expire() {
     let text = CASES.replace("known", "flaky") + "message = \"/flaps\"\nexpires = 2026-05-10\n";
     let flaky = list(&text);
     let name = "decode-cdr/soaring/Glider/typical";
     for outcome in [Outcome::Passed, failed("/flaps/0"), failed("/speed")] {
-        assert_eq!(whys(&flaky, Scope::Cases, &[case(name, outcome)]), []);
+        assert_eq!(reasons(&flaky, Scope::Cases, &[case(name, outcome)]), []);
     }
     assert!(flaky.excuse(Name::Case(name), &["/flaps/0".to_owned()]).is_some());
     assert_eq!(flaky.excuse(Name::Case(name), &["/speed".to_owned()]), None);
-    assert_eq!(whys(&flaky, Scope::Cases, &[]), [StaleReason::MatchesNothing]);
+    assert_eq!(reasons(&flaky, Scope::Cases, &[]), [StaleReason::MatchesNothing]);
     let over = list(&text.replace("05-10", "05-08"));
-    assert_eq!(whys(&over, Scope::Cases, &[case(name, Outcome::Passed)]), [StaleReason::Expired]);
+    assert_eq!(reasons(&over, Scope::Cases, &[case(name, Outcome::Passed)]), [StaleReason::Expired]);
 }
 
 #[test]
-fn a_rule_is_narrowed_down_by_subject_and_file() {
+fn an_entry_can_restrict_a_rule_by_subject_and_file() {
     let list = list(
         "[[known]]\nrule = \"PX-RANGE-01\"\nsubject = \"glider.flaps\"\nfile = \"old/*.ulg\"\nreason = \"no matter\"\n",
     );
     let violation = |subject, file| of_rule("PX-RANGE-01", subject, file, failed("2 is outside"));
     let passed = |file| of_rule("PX-RANGE-01", "", file, Outcome::Passed);
     assert_eq!(
-        whys(&list, Scope::Rules, &[passed("old/a.ulg"), violation("glider.flaps", "./old/a.ulg")]),
+        reasons(&list, Scope::Rules, &[passed("old/a.ulg"), violation("glider.flaps", "./old/a.ulg")]),
         []
     );
-    // Another subject, file or rule is none of its business.
+    // A different subject, file or rule doesn't match.
     let others = [violation("glider.speed", "old/a.ulg"), violation("glider.flaps", "new/a.ulg")];
     for other in &others {
         assert_eq!(list.excuse(other.name, &[]), None);
     }
-    assert_eq!(whys(&list, Scope::Rules, &others), [StaleReason::MatchesNothing]);
+    assert_eq!(reasons(&list, Scope::Rules, &others), [StaleReason::MatchesNothing]);
     let [speed, flaps] = others;
-    assert_eq!(whys(&list, Scope::Rules, &[passed("old/a.ulg"), speed, flaps]), [StaleReason::Passes]);
+    assert_eq!(reasons(&list, Scope::Rules, &[passed("old/a.ulg"), speed, flaps]), [StaleReason::Passes]);
     let idle = of_rule("PX-RANGE-01", "", "old/a.ulg", Outcome::Idle);
-    assert_eq!(whys(&list, Scope::Rules, &[idle]), [StaleReason::Idle]);
+    assert_eq!(reasons(&list, Scope::Rules, &[idle]), [StaleReason::Idle]);
     let unread = unread_outcome("old/a.ulg").collect::<Vec<_>>();
     assert_eq!(unread.len(), RULES.len());
-    assert_eq!(whys(&list, Scope::Rules, &unread), []);
+    assert_eq!(reasons(&list, Scope::Rules, &unread), []);
 }
 
 #[test]
 fn reports_stale_entries_with_their_line() {
     let text = "\
-# Of the gliders
+# Gliders
 
 [[known]]
 rule = \"PX-RANGE-01\"
@@ -201,7 +201,7 @@ expires = 2026-05-08
     assert_eq!(
         list.render(&stale, Level::Error, false),
         "\
-error[known-passes]: nothing that this rule names fails any more
+error[known-passes]: everything that matches this rule passes
  --> known.toml:4:8
   |
 4 | rule = \"PX-RANGE-01\"
@@ -210,8 +210,8 @@ error[known-expired]: the entry expired on 2026-05-08
   --> known.toml:10:11
    |
 10 | expires = 2026-05-08
-   |           ^^^^^^^^^^ remove it; or, where its reason still holds, give it another date
-error[known-matches-nothing]: this rule names nothing in this run
+   |           ^^^^^^^^^^ remove the entry, or set a later date if the reason still applies
+error[known-matches-nothing]: nothing in this run matches this rule
  --> known.toml:8:8
   |
 8 | rule = \"PX-BOOL-01\"
@@ -219,5 +219,5 @@ error[known-matches-nothing]: this rule names nothing in this run
 "
     );
     let fixed = list.fixed(&stale).expect("a list");
-    assert_eq!(fixed.texts().collect::<Vec<_>>(), ["# Of the gliders\n"]);
+    assert_eq!(fixed.texts().collect::<Vec<_>>(), ["# Gliders\n"]);
 }

@@ -1,4 +1,4 @@
-//! Judges the messages of a channel as CDR.
+//! Checks the CDR messages of a channel.
 
 use std::borrow::Cow;
 use std::io::Read as _;
@@ -18,43 +18,43 @@ use crate::model::{Channel, Detail, Findings, Location, Rule, hexadecimal};
 use crate::px4::memory::Plan;
 use crate::rules::px4;
 
-/// The most bytes of a message that was packed by itself: as many as one may have that wasn't.
+/// The maximum size of a decompressed message, in bytes. Uncompressed messages have the same limit.
 const MAX_UNPACKED: u64 = Reader::<&[u8]>::MAX_RECORD;
 
-/// A message that could be read.
+/// A decoded message.
 pub(super) struct Seen {
-    /// Its field `timestamp`, where it has one.
+    /// The field `timestamp`, if there is one.
     pub(super) timestamp: Option<u64>,
-    /// What it says, as it lies in memory, where a rule wants that.
+    /// The field values in memory layout, if a rule needs them.
     pub(super) memory: Option<Vec<u8>>,
 }
 
-/// What a payload begins with.
+/// The encapsulation header of a payload.
 enum Header {
-    /// The header of plain CDR.
+    /// Plain CDR.
     Plain,
-    /// That of another kind, which isn't read here.
+    /// Another kind of CDR, which isn't supported.
     Other,
-    /// One of no kind that exists.
+    /// An unknown kind.
     Unknown([u8; 2]),
-    /// Less than a header.
+    /// A payload that is shorter than a header.
     Short,
 }
 
-/// How the messages of a channel are judged, and how many were.
+/// The checker for the messages of a channel, with counts.
 pub(super) struct CdrChecker {
     message_id: MessageId,
-    /// What the file says that its messages are, where that isn't the definition.
+    /// The schema of the file, if it differs from the definition.
     stated: Option<Rc<Stated>>,
     plan: Plan,
-    /// Where in memory a message has its `timestamp`.
+    /// The offset of `timestamp` in memory.
     timestamp: Option<usize>,
-    /// Payloads whose header was looked at, and those whose body was.
+    /// The number of payloads with a checked header.
     headers: u64,
     bodies: u64,
-    /// Messages that could be read.
+    /// The number of decoded messages.
     messages: u64,
-    /// Payloads of other kinds of CDR.
+    /// The number of payloads of unsupported kinds of CDR.
     others: u64,
 }
 
@@ -79,19 +79,19 @@ impl CdrChecker {
         }
     }
 
-    /// How much room its plan takes.
+    /// The size of its plan, in steps.
     pub(super) fn steps(&self) -> usize {
         self.plan.steps()
     }
 
-    /// Whether messages of PX4 lack the time that each of them has.
+    /// True if PX4 messages lack the required timestamp. `None` for messages of other packages.
     pub(super) fn lacks_timestamp(&self, definitions: &Definitions) -> Option<bool> {
         let schema = &definitions.schema;
         let is_px4 = schema.package_of(schema.message(self.message_id)).form == Form::Msg(Dialect::Px4);
         is_px4.then_some(self.timestamp.is_none())
     }
 
-    /// Judges a payload; nothing is returned where it can't be read.
+    /// Checks a payload. Returns `None` if it can't be decoded.
     pub(super) fn check(
         &mut self,
         payload: &[u8],
@@ -137,7 +137,7 @@ impl CdrChecker {
         Some(Seen { timestamp: self.timestamp_of(&message), memory })
     }
 
-    /// What a message says, where a rule wants that and the message is of fixed size.
+    /// The field values of a message, if a rule needs them and the message has a fixed size.
     pub(super) fn view<'v>(
         &'v self,
         seen: &'v Seen,
@@ -148,7 +148,7 @@ impl CdrChecker {
         stated.unwrap_or_else(|| definitions.types().get(self.message_id)).view_uorb(memory).ok()
     }
 
-    /// Looks at the header of a payload.
+    /// Checks the header of a payload.
     fn header(&mut self, payload: &[u8]) -> Header {
         let [first, second, _, _, ..] = *payload else {
             self.bodies += 1;
@@ -157,7 +157,7 @@ impl CdrChecker {
         self.headers += 1;
         match (ByteOrder::of(payload), [first, second]) {
             (Ok(_), _) => Header::Plain,
-            // Parameter lists, and version 2.
+            // Parameter lists, and version 2 of CDR.
             (Err(_), [0, 2 | 3 | 6..=0xb]) => {
                 self.others += 1;
                 Header::Other
@@ -171,7 +171,7 @@ impl CdrChecker {
         Some(u64::from_le_bytes(*bytes.first_chunk()?))
     }
 
-    /// Counts what was exercised; how many payloads were of other kinds of CDR.
+    /// Adds the coverage of rules. Returns the number of payloads of unsupported kinds of CDR.
     pub(super) fn close(self, findings: &mut Findings) -> u64 {
         findings.cover(&px4::CDR_01.rule, self.headers);
         findings.cover(&px4::CDR_02.rule, self.bodies);
@@ -180,18 +180,17 @@ impl CdrChecker {
     }
 }
 
-/// A payload that rosbag2 packed by itself, unpacked; no encapsulation header begins as zstd does. An error says why it
-/// can't be unpacked.
-pub(super) fn unpacked(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
+/// Decompresses a payload, if rosbag2 compressed each message separately. No encapsulation header starts like zstd.
+pub(super) fn decompressed(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     if !payload.starts_with(&ZSTD) {
         return Ok(Cow::Borrowed(payload));
     }
     let mut bytes = Vec::new();
     match Frames::new(payload).take(MAX_UNPACKED + 1).read_to_end(&mut bytes) {
         Ok(_) if bytes.len() as u64 > MAX_UNPACKED => {
-            Err(format!("a packed message of more than {MAX_UNPACKED} bytes"))
+            Err(format!("the compressed message has more than {MAX_UNPACKED} bytes"))
         }
         Ok(_) => Ok(Cow::Owned(bytes)),
-        Err(error) => Err(format!("a packed message that can't be unpacked: {error}")),
+        Err(error) => Err(format!("the message can't be decompressed: {error}")),
     }
 }

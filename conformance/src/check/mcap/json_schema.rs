@@ -1,8 +1,7 @@
-//! A JSON Schema that a file brings with it, beside the definition.
+//! Compares the JSON Schema in a file with the definition.
 //!
-//! Only what is said plainly is compared: names of properties, their types, and which are required. A number where
-//! the definition has an integer is the same, since many writers know no other. What is left open (no type, or
-//! `anyOf`) contradicts nothing.
+//! Only explicit statements are compared: the names of properties, their types, and which ones are required. `number`
+//! matches an integer, since many writers have no integer type. A missing type or `anyOf` matches anything.
 
 use serde_json::Value;
 use uavspec_codegen::schema::{self, Dialect, Element, Field, Form, MessageId, Schema, Shape};
@@ -10,14 +9,14 @@ use uavspec_runtime::Scalar;
 
 use crate::px4::comparison::{Comparison, Differences};
 
-/// How deep objects are compared; definitions nest no deeper.
+/// The maximum depth of compared objects. Definitions don't nest deeper.
 const MAX_DEPTH: usize = 32;
 
-/// How many references are followed to one schema.
+/// The maximum number of references to follow to a schema.
 const MAX_REFERENCES: usize = 8;
 
-/// Compares the text of a schema with a definition; nothing where it says nothing of properties. An error says what
-/// is wrong with it, in one line.
+/// Compares the text of a schema with a definition. Returns `None` if the schema has no properties. The error is a
+/// message of one line.
 pub(super) fn compare(
     text: &[u8],
     defined: MessageId,
@@ -36,7 +35,7 @@ struct Comparing<'s> {
 }
 
 impl<'s> Comparing<'s> {
-    /// What differs between an object and a message; nothing where the object says nothing of properties.
+    /// The differences between an object and a message. `None` if the object has no properties.
     fn message(&self, found: &'s Value, defined: MessageId, depth: usize) -> Option<Differences> {
         let found = self.followed(found);
         let properties = found.get("properties")?.as_object()?;
@@ -96,7 +95,7 @@ impl<'s> Comparing<'s> {
         self.followed(property).get("items")
     }
 
-    /// The schema that references within the document lead to.
+    /// Resolves references within the document.
     fn followed(&self, mut found: &'s Value) -> &'s Value {
         for _ in 0..MAX_REFERENCES {
             let reference = found.get("$ref").and_then(Value::as_str);
@@ -108,7 +107,7 @@ impl<'s> Comparing<'s> {
         found
     }
 
-    /// The types that a property states, if none of them is one of these.
+    /// The types that a property states, if none of them is expected.
     fn contradicted(&self, property: &'s Value, types: &[&str]) -> Option<String> {
         let found = self.followed(property);
         let is_among = |name: &str| types.contains(&name) || name == "number" && types.contains(&"integer");
@@ -120,7 +119,7 @@ impl<'s> Comparing<'s> {
         if is_ordered { None } else { stated(found) }
     }
 
-    /// What a field can be in JSON. Bytes may be base64, and text the numbers of its bytes.
+    /// The JSON types of a field. Bytes may be base64, and text may be an array of byte values.
     fn types_of(&self, message: &schema::Message, field: &Field) -> Vec<&'static str> {
         let is_px4 = self.schema.package_of(message).form == Form::Msg(Dialect::Px4);
         let is_text = is_px4 && field.is_text(Dialect::Px4);
@@ -135,7 +134,7 @@ impl<'s> Comparing<'s> {
     }
 }
 
-/// What a single value of a field is in JSON.
+/// The JSON type of a single value of a field.
 fn element_type(field: &Field) -> &'static str {
     match field.ty.element {
         Element::Scalar(Scalar::Bool) => "boolean",

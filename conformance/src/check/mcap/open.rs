@@ -1,4 +1,4 @@
-//! A channel, while it is read and when it was.
+//! A channel, with its state during the check and its summary.
 
 use std::sync::Arc;
 
@@ -14,54 +14,54 @@ use crate::px4::json::Plans;
 /// A channel of a file.
 #[derive(Clone, Debug)]
 pub struct McapChannel {
-    /// Its topic.
+    /// The topic.
     pub topic: String,
-    /// How its messages are written, such as `cdr`.
+    /// The encoding of its messages, e.g. `cdr`.
     pub encoding: String,
-    /// The name of its schema and in what that is written, where it has one.
+    /// The name and the encoding of its schema, if it has one.
     pub schema: Option<(String, String)>,
-    /// How many messages it has.
+    /// The number of messages.
     pub messages: u64,
-    /// How many of them are CDR of other kinds than those that are judged: parameter lists, or version 2.
+    /// The number of messages in unsupported kinds of CDR: parameter lists and version 2.
     pub other_cdr: u64,
-    /// Whether it states another hash than that of the definition, as its schema differs, too.
+    /// True if both its hash and its schema differ from the definition.
     pub has_other_hash: bool,
-    /// What it was judged by.
+    /// The extent to which it was checked.
     pub status: CheckStatus,
 }
 
-/// What came of a channel.
+/// The extent to which a channel was checked.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CheckStatus {
-    /// Its messages were judged by the definition.
+    /// The messages were checked against the definition.
     Checked(Basis),
     /// Neither its schema nor its topic names a definition.
     Undefined,
-    /// Its messages are neither CDR nor JSON.
+    /// The messages are neither CDR nor JSON.
     Unsupported,
 }
 
-/// What the schema of a channel is beside the definition.
+/// The comparison of a channel's schema with the definition.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Basis {
-    /// It was compared; channels of one schema share what came of it.
+    /// The schema was compared. Channels with the same schema share the result.
     Compared(Arc<Comparison>),
-    /// There is none, or it says nothing.
+    /// There is no schema, or it has no fields.
     NoSchema,
-    /// It is written in something that isn't read here, such as `ros2idl`.
+    /// The encoding of the schema isn't supported, e.g. `ros2idl`.
     Encoding(String),
-    /// It can't be read, and why.
+    /// The schema is invalid, for this reason.
     Unreadable(String),
-    /// It has too many bytes to be kept.
+    /// The schema is too long.
     TooLong,
-    /// The definition is one whose messages can't be handled, and why: nothing was judged.
+    /// Messages of the definition aren't supported, for this reason. The channel wasn't checked.
     Unusable(String),
-    /// There are too many channels before it: nothing was judged.
+    /// There are too many channels. This one wasn't checked.
     TooMany,
 }
 
 impl CheckStatus {
-    /// What differs between the schema of the channel and the definition, if anything does.
+    /// The differences between the schema of the channel and the definition.
     pub fn differences(&self) -> Option<&Differences> {
         let Self::Checked(Basis::Compared(comparison)) = self else { return None };
         match &**comparison {
@@ -72,21 +72,21 @@ impl CheckStatus {
 }
 
 impl Basis {
-    /// Why nothing could be compared, where that is so.
+    /// The reason why there is no comparison.
     pub fn problem(&self) -> Option<String> {
         match self {
             Self::Compared(_) => None,
             Self::NoSchema => Some("no schema that names fields".to_owned()),
-            Self::Encoding(encoding) => Some(format!("a schema in `{encoding}`, which isn't read")),
-            Self::Unreadable(error) => Some(format!("a schema that can't be read: {error}")),
-            Self::TooLong => Some("a schema with too many bytes".to_owned()),
-            Self::Unusable(defect) => Some(format!("not judged, as its definition {defect}")),
-            Self::TooMany => Some("not judged, as there are too many channels".to_owned()),
+            Self::Encoding(encoding) => Some(format!("the schema encoding `{encoding}` isn't supported")),
+            Self::Unreadable(error) => Some(format!("invalid schema: {error}")),
+            Self::TooLong => Some("the schema is too long".to_owned()),
+            Self::Unusable(defect) => Some(format!("not checked: its definition {defect}")),
+            Self::TooMany => Some("not checked: too many channels".to_owned()),
         }
     }
 }
 
-/// What findings and rules know of a channel.
+/// The identity of a channel for findings and rules.
 pub(super) struct Identity {
     pub(super) index: usize,
     pub(super) name: String,
@@ -95,23 +95,23 @@ pub(super) struct Identity {
     pub(super) location: Location,
 }
 
-/// A channel that is being read.
+/// A channel with its state.
 pub(super) struct Open {
     pub(super) identity: Identity,
     topic: String,
     encoding: String,
     pub(super) schema: Option<(String, String)>,
-    /// What tells it from another of the same id.
+    /// A hash of its declaration, which distinguishes channels with the same id.
     pub(super) digest: u64,
     pub(super) reading: Reading,
     pub(super) messages: u64,
-    /// How many messages of JSON were judged.
+    /// The number of JSON messages that were checked.
     pub(super) checked: u64,
     pub(super) has_other_hash: bool,
     pub(super) status: CheckStatus,
 }
 
-/// How messages are read.
+/// The reader for the messages of a channel.
 pub(super) enum Reading {
     Skipped,
     Cdr(Box<CdrChecker>),
@@ -162,17 +162,17 @@ impl Open {
         }
     }
 
-    /// What differs between its schema and the definition, if anything does.
+    /// The differences between its schema and the definition.
     pub(super) fn differences(&self) -> Option<&Differences> {
         self.status.differences()
     }
 
-    /// Counts what its messages exercised.
+    /// Adds the coverage of rules, and returns the summary.
     pub(super) fn close(self, plans: Option<&Plans>, findings: &mut Findings) -> McapChannel {
         let mut other_cdr = 0;
         match (self.reading, plans) {
             (Reading::Cdr(check), _) => other_cdr = check.close(findings),
-            (Reading::Json(of), Some(plans)) => plans.count(of, self.checked, findings),
+            (Reading::Json(message_id), Some(plans)) => plans.count(message_id, self.checked, findings),
             _ => {}
         }
         McapChannel {

@@ -1,4 +1,4 @@
-//! The schemas that a file brings, and what they are beside the definitions.
+//! The schemas in a file, and their comparison with the definitions.
 
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
@@ -10,50 +10,55 @@ use super::{Basis, MAX_NAME, Stated, digest, json_schema};
 use crate::definitions::Definitions;
 use crate::px4::comparison::{Comparison, compare_declared};
 
-/// Most bytes of all schemas that are kept: those of five hundred types of ROS 2 with all that they nest take half.
+/// The maximum total size of stored schemas, in bytes. Five hundred ROS 2 types with their nested types need half of
+/// it.
 const MAX_SCHEMAS: usize = 8 << 20;
 
-/// Most bytes of one of them.
+/// The maximum size of a stored schema, in bytes.
 const MAX_SCHEMA: usize = 1 << 20;
 
-/// What a schema is beside a definition; the types that it states, where CDR has to be read by them; and the version
-/// that it says its message has.
+/// The result of comparing a schema with a definition, the types of the schema if they are needed to decode CDR, and
+/// the message version that the schema states.
 type ComparedSchema = (Basis, Option<Rc<Stated>>, Option<u32>);
 
 /// The schemas of a file, by id.
 #[derive(Default)]
 pub(super) struct Schemas {
     by_id: HashMap<u16, Schema>,
-    /// Bytes of all that are kept.
+    /// The total size of the stored texts, in bytes.
     num_bytes: usize,
 }
 
 struct Schema {
     name: String,
     encoding: String,
-    /// Nothing where it is too long to be kept.
+    /// `None` if it is too long to store.
     text: Option<Vec<u8>>,
-    /// What tells it from another of the same id.
+    /// A hash that distinguishes it from other schemas with this id.
     digest: u64,
-    /// What it is beside definitions, for those that channels asked for; whether they have JSON.
+    /// The comparisons that channels requested, by definition, and true for JSON.
     compared: BTreeMap<(MessageId, bool), ComparedSchema>,
 }
 
 impl Schemas {
-    /// Adds a schema; an error says what is wrong with it.
+    /// Adds a schema. An error describes the problem.
     pub(super) fn add(&mut self, id: u16, name: String, encoding: String, text: &[u8]) -> Result<(), String> {
         if id == 0 {
-            return Err("a schema of the id 0, which stands for none".to_owned());
+            return Err("a schema has the reserved id 0".to_owned());
         }
         let digest = digest(&(&name, &encoding, text));
         match self.by_id.get(&id) {
-            // Summaries and chunks repeat what was said.
+            // Summaries and chunks repeat schemas.
             Some(known) if known.digest == digest => return Ok(()),
-            Some(_) => return Err(format!("schema {id} is another than before; the first one is used")),
+            Some(_) => {
+                return Err(format!(
+                    "schema {id} is declared again with other content; the first one is used"
+                ));
+            }
             None => {}
         }
         if name.len() > MAX_NAME || encoding.len() > MAX_NAME {
-            return Err(format!("schema {id} has a name or an encoding of more than {MAX_NAME} bytes"));
+            return Err(format!("schema {id}: the name or the encoding is longer than {MAX_NAME} bytes"));
         }
         let fits = text.len() <= MAX_SCHEMA && self.num_bytes + text.len() <= MAX_SCHEMAS;
         let num_bytes = fits.then(|| text.to_vec());
@@ -63,8 +68,8 @@ impl Schemas {
             return Ok(());
         }
         Err(format!(
-            "schema {id} has {} bytes; those of more than {MAX_SCHEMA}, or of more than {MAX_SCHEMAS} together, \
-             aren't compared",
+            "schema {id} is too long to be compared: it has {} bytes, but the limit is {MAX_SCHEMA} bytes, \
+             and {MAX_SCHEMAS} for all schemas",
             text.len()
         ))
     }
@@ -74,7 +79,7 @@ impl Schemas {
         self.by_id.get(&id).map(|schema| (schema.name.as_str(), schema.encoding.as_str()))
     }
 
-    /// What a schema is beside a definition, for messages as CDR or as JSON.
+    /// Compares a schema with a definition, for messages in CDR or JSON.
     pub(super) fn compared(
         &mut self,
         id: u16,
@@ -86,7 +91,7 @@ impl Schemas {
         let Some(text) = &schema.text else { return (Basis::TooLong, None, None) };
         let compared = schema.compared.entry((message_id, is_json));
         let compared = compared.or_insert_with(|| match (schema.encoding.as_str(), is_json) {
-            // So rosbag2 writes types whose definitions it doesn't find.
+            // rosbag2 writes an empty text for types whose definitions it doesn't find.
             _ if text.is_empty() => (Basis::NoSchema, None, None),
             ("ros2msg", false) => types(&schema.name, text, message_id, definitions),
             ("jsonschema", true) => (json(text, message_id, definitions), None, None),
@@ -96,7 +101,7 @@ impl Schemas {
     }
 }
 
-/// What the text of a schema as `ros2msg` is beside a definition.
+/// Compares the text of a `ros2msg` schema with a definition.
 fn types(name: &str, text: &[u8], message_id: MessageId, definitions: &Definitions) -> ComparedSchema {
     match Stated::read(name, text) {
         Err(error) => (Basis::Unreadable(error), None, None),
@@ -108,7 +113,7 @@ fn types(name: &str, text: &[u8], message_id: MessageId, definitions: &Definitio
     }
 }
 
-/// What the text of a JSON Schema is beside a definition.
+/// Compares the text of a JSON Schema with a definition.
 fn json(text: &[u8], message_id: MessageId, definitions: &Definitions) -> Basis {
     match json_schema::compare(text, message_id, &definitions.schema) {
         Ok(Some(comparison)) => Basis::Compared(Arc::new(comparison)),

@@ -1,10 +1,10 @@
-//! The types that a file brings with it, as `ros2msg` writes them.
+//! Reads the types in a file, in the `ros2msg` format.
 //!
-//! The text of the type itself comes first. That of each type that it nests follows a line of `=` and one with
-//! its name, `MSG: package/Name`.
+//! The text of the type itself comes first. The text of each nested type follows a line of `=` and a line with its
+//! name, `MSG: package/Name`.
 //!
-//! Comments don't belong to types. They are left away before the text is read, as they may hold annotations that refer
-//! to messages which the file doesn't bring.
+//! Comments are removed first: they aren't part of a type, and may contain annotations that refer to missing
+//! messages.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,13 +15,13 @@ use uavspec_codegen::schema::{Form, Message, MessageId};
 use uavspec_codegen::{PackageInput, SourceMap, read};
 use uavspec_runtime::Number;
 
-/// The package of a type whose name tells none.
+/// The package of a type without a package in its name.
 const NO_PACKAGE: &str = "unnamed";
 
-/// A line of fewer `=` belongs to the text; all writers put 80.
+/// The minimum length of a separator line; all writers use 80 characters.
 const SEPARATOR: usize = 40;
 
-/// A type with all that it nests.
+/// A type with its nested types.
 #[derive(Debug)]
 pub(super) struct Stated {
     types: Types,
@@ -30,11 +30,11 @@ pub(super) struct Stated {
 }
 
 impl Stated {
-    /// Reads the text of the schema `name`. An error says what is wrong with it, in one line.
+    /// Parses the text of the schema `name`. The error is a message of one line.
     pub(super) fn read(name: &str, text: &[u8]) -> Result<Self, String> {
         let text = std::str::from_utf8(text)
-            .map_err(|error| format!("no UTF-8 from its byte {} on", error.valid_up_to()))?;
-        let root = parts_of(name).ok_or("its name isn't that of a type")?;
+            .map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))?;
+        let root = parts_of(name).ok_or("its name is not a type name")?;
         let mut sources = SourceMap::default();
         let mut packages: BTreeMap<&str, PackageInput> = BTreeMap::new();
         let mut names = BTreeSet::new();
@@ -42,10 +42,10 @@ impl Stated {
             let (package, name) = match name {
                 None => root,
                 Some(name) => {
-                    parts_of(name).ok_or_else(|| format!("`{}` is no type", name.escape_debug()))?
+                    parts_of(name).ok_or_else(|| format!("`{}` is not a type name", name.escape_debug()))?
                 }
             };
-            // Some writers repeat what is nested twice.
+            // Some writers repeat nested types.
             if !names.insert((package, name)) {
                 continue;
             }
@@ -59,11 +59,11 @@ impl Stated {
         }
         let packages: Vec<PackageInput> = packages.into_values().collect();
         let (schema, diagnostics) = read(&sources, &packages);
-        // Names that ROS 2 refuses are read all the same.
-        let is_grave = |problem: &Problem| {
+        // Names that violate the naming style of ROS 2 are accepted.
+        let is_fatal = |problem: &Problem| {
             problem.level() == Level::Error && !matches!(problem, Problem::NameStyleRos { .. })
         };
-        if let Some(diagnostic) = diagnostics.iter().find(|diagnostic| is_grave(&diagnostic.problem)) {
+        if let Some(diagnostic) = diagnostics.iter().find(|diagnostic| is_fatal(&diagnostic.problem)) {
             let source = sources.source_of(diagnostic.span);
             let line = sources.position(diagnostic.span).line;
             return Err(format!("{}:{line}: {}", sources.path(source), diagnostic.problem));
@@ -71,7 +71,7 @@ impl Stated {
         let is_root = |id: &&MessageId| schema.message(**id).name == root.1;
         let messages = schema.packages.iter().filter(|package| package.name == root.0);
         let found = messages.flat_map(|package| &package.messages).find(is_root).copied();
-        let root = found.ok_or("it doesn't define its own type")?;
+        let root = found.ok_or("it doesn't define the type in its name")?;
         let stated = Self { root, version: version(schema.message(root)), types: Types::new(&schema) };
         match stated.root().defect() {
             Some(defect) => Err(format!("it {defect}")),
@@ -79,18 +79,18 @@ impl Stated {
         }
     }
 
-    /// Its `MESSAGE_VERSION`, where it has one.
+    /// The value of `MESSAGE_VERSION`, if it is defined.
     pub(super) fn version(&self) -> Option<u32> {
         self.version
     }
 
-    /// The type itself.
+    /// The type of the schema.
     pub(super) fn root(&self) -> MessageType<'_> {
         self.types.get(self.root)
     }
 }
 
-/// The version that PX4 gives a message; to ROS 2 that is a constant like any.
+/// The version that PX4 assigns to a message, which is an ordinary constant in ROS 2.
 fn version(message: &Message) -> Option<u32> {
     let constant = message.constants.iter().find(|constant| constant.name == "MESSAGE_VERSION")?;
     match constant.value.number()? {
@@ -99,7 +99,7 @@ fn version(message: &Message) -> Option<u32> {
     }
 }
 
-/// A text with nothing from each `#` on that doesn't stand in a string.
+/// Removes comments. A `#` within a string starts no comment.
 fn without_comments(text: &str) -> String {
     let mut bare = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
@@ -121,7 +121,7 @@ fn without_comments(text: &str) -> String {
     bare
 }
 
-/// The texts of all types; the first has no name.
+/// The texts of all types. The first one has no name.
 fn definitions(text: &str) -> Vec<(Option<&str>, &str)> {
     let mut found = Vec::new();
     let (mut name, mut start, mut at) = (None, 0, 0);
@@ -143,7 +143,7 @@ fn definitions(text: &str) -> Vec<(Option<&str>, &str)> {
     found
 }
 
-/// The package and the name in `package/msg/Name`, `package/Name` or `Name`.
+/// The package and the name of `package/msg/Name`, `package/Name` or `Name`.
 fn parts_of(name: &str) -> Option<(&str, &str)> {
     let (package, name) = name.rsplit_once('/').unwrap_or((NO_PACKAGE, name));
     let package = package.strip_suffix("/msg").unwrap_or(package);
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn types_of_several_packages_are_read() {
+    fn reads_types_of_several_packages() {
         let line = line();
         let text = format!(
             "{GLIDER}{line}\nMSG: sky_msgs/Mark\n{MARK}\r\n{line}\r\nMSG: air_msgs/msg/Wind\r\n{WIND}{line}\n\
@@ -184,14 +184,14 @@ mod tests {
 
     #[test]
     fn removes_comments_and_keeps_strings() {
-        let text = "string NAME='a # b' # 'c\nint8 a#b\nstring s \"it's # so\"\n# all";
-        assert_eq!(without_comments(text), "string NAME='a # b' \nint8 a\nstring s \"it's # so\"\n\n");
+        let text = "string NAME='a # b' # 'c\nint8 a#b\nstring s \"it's # text\"\n# all";
+        assert_eq!(without_comments(text), "string NAME='a # b' \nint8 a\nstring s \"it's # text\"\n\n");
     }
 
     #[test]
     fn reports_an_invalid_definition() {
         let missing =
-            Stated::read("sky_msgs/msg/Glider", GLIDER.as_bytes()).expect_err("what it nests is missing");
+            Stated::read("sky_msgs/msg/Glider", GLIDER.as_bytes()).expect_err("a nested type is missing");
         assert!(missing.starts_with("sky_msgs/Glider.msg:2: "), "{missing}");
         for (name, text) in [
             ("sky_msgs/msg/Mark", &b"int16 height\n\xff"[..]),
@@ -205,6 +205,6 @@ mod tests {
             assert!(Stated::read(name, text).is_err(), "{name} {:?}", String::from_utf8_lossy(text));
         }
         let odd = format!("{WIND}{}\nMSG: no type\n{MARK}", line());
-        assert_eq!(Stated::read("Wind", odd.as_bytes()).expect_err("a name"), "`no type` is no type");
+        assert_eq!(Stated::read("Wind", odd.as_bytes()).expect_err("a name"), "`no type` is not a type name");
     }
 }

@@ -1,4 +1,4 @@
-//! The summary of a file of MCAP.
+//! The summary of an MCAP file.
 
 use serde::{Serialize, Serializer};
 use uavspec_codegen::emit::docs::markdown::plural;
@@ -9,11 +9,11 @@ use crate::px4::comparison::Comparison;
 use crate::px4::json::Dialects;
 use crate::text::{Grouped, shown};
 
-/// The summary of a file of MCAP.
+/// The summary of an MCAP file.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "Mcap"))]
 pub struct McapSummary {
-    /// The profile, such as `ros2`.
+    /// The profile, e.g. `ros2`.
     pub profile: String,
     /// The library that wrote it.
     pub library: String,
@@ -21,29 +21,29 @@ pub struct McapSummary {
     #[serde(serialize_with = "rows")]
     #[cfg_attr(test, schemars(with = "Vec<Row>"))]
     pub channels: Vec<McapChannel>,
-    /// The ways in which its JSON differs from the published schemas that are accepted.
+    /// The accepted deviations of JSON messages from the published schemas.
     pub dialects: Dialects,
 }
 
-/// A channel of MCAP, with the schema or name that it was checked by.
+/// An MCAP channel, with the comparison of its schema.
 #[derive(Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "McapChannel"))]
 struct Row<'c> {
     /// The topic.
     topic: &'c str,
-    /// The encoding of its messages, such as `cdr`.
+    /// The encoding of its messages, e.g. `cdr`.
     encoding: &'c str,
     /// The name of its schema.
     schema: Option<&'c str>,
-    /// The language of its schema, such as `ros2msg`.
+    /// The encoding of its schema, e.g. `ros2msg`.
     schema_encoding: Option<&'c str>,
     /// The number of messages.
     messages: u64,
-    /// The number of messages in kinds of CDR that aren't checked: parameter lists, or version 2.
+    /// The number of messages in unsupported kinds of CDR: parameter lists and version 2.
     other_cdr: u64,
     /// The result of comparing its schema with the definition.
     result: ChannelResult,
-    /// The differences, or the reason why nothing could be compared; may be empty.
+    /// The differences, or the reason why there was no comparison; may be empty.
     message: String,
 }
 
@@ -56,7 +56,7 @@ enum ChannelResult {
     Equal,
     /// Something differs.
     Differs,
-    /// There is no schema that could be compared: its name, or the topic, identifies the definition.
+    /// There is no comparable schema. The name of the schema, or the topic, identifies the definition.
     #[serde(rename = "by name")]
     ByName,
     /// No definition is known for it.
@@ -70,7 +70,7 @@ impl<'c> Row<'c> {
         let (result, message) = match &channel.status {
             CheckStatus::Checked(Basis::Compared(comparison)) => match &**comparison {
                 Comparison::Differs(differences) => {
-                    let hash = if channel.has_other_hash { "; its hash is another, too" } else { "" };
+                    let hash = if channel.has_other_hash { "; its hash differs as well" } else { "" };
                     (ChannelResult::Differs, format!("{differences}{hash}"))
                 }
                 Comparison::Equal | Comparison::Undefined => (ChannelResult::Equal, String::new()),
@@ -93,12 +93,12 @@ impl<'c> Row<'c> {
         }
     }
 
-    /// The reason why its messages, or some of them, aren't read.
+    /// The reason why some or all of its messages aren't read.
     fn not_read(&self) -> Option<String> {
         match self.result {
-            ChannelResult::Unsupported => Some(format!("messages as `{}`", shown(self.encoding))),
+            ChannelResult::Unsupported => Some(format!("unsupported encoding `{}`", shown(self.encoding))),
             _ if self.other_cdr > 0 => {
-                Some(format!("{} messages in CDR that isn't plain version 1", Grouped(self.other_cdr)))
+                Some(format!("{} messages in CDR other than plain version 1", Grouped(self.other_cdr)))
             }
             _ => None,
         }
@@ -111,7 +111,7 @@ fn rows<S: Serializer>(channels: &[McapChannel], serializer: S) -> Result<S::Ok,
 
 impl Describe for McapSummary {
     fn facts(&self, totals: Totals) -> Vec<String> {
-        let or = |text: &str, none: &str| if text.is_empty() { none.to_owned() } else { shown(text) };
+        let or = |text: &str, default: &str| if text.is_empty() { default.to_owned() } else { shown(text) };
         vec![
             format!("{} ({})", or(&self.profile, "no profile"), or(&self.library, "unknown library")),
             totals.duration(),
@@ -122,22 +122,22 @@ impl Describe for McapSummary {
 
     fn lines(&self) -> Vec<Line> {
         let rows: Vec<Row<'_>> = self.channels.iter().map(Row::new).collect();
-        let of = |wanted| rows.iter().filter(move |row| row.result == wanted);
-        let messages = |wanted| of(wanted).map(|row| (row.topic, shown(&row.message)));
+        let with_result = |wanted| rows.iter().filter(move |row| row.result == wanted);
+        let messages = |wanted| with_result(wanted).map(|row| (row.topic, shown(&row.message)));
         let text = format!(
-            "{} of {} channels equal, {} differ, {} without a schema that can be compared, {} not defined",
-            of(ChannelResult::Equal).count(),
+            "{} of {} channels match, {} differ, {} without a comparable schema, {} unknown",
+            with_result(ChannelResult::Equal).count(),
             rows.len(),
-            of(ChannelResult::Differs).count(),
-            of(ChannelResult::ByName).count(),
-            of(ChannelResult::Undefined).count(),
+            with_result(ChannelResult::Differs).count(),
+            with_result(ChannelResult::ByName).count(),
+            with_result(ChannelResult::Undefined).count(),
         );
         let schema = |row: &Row<'_>| row.schema.map_or_else(|| "no schema".to_owned(), shown);
         let mut line = Line::new("definitions", text)
             .list("differs", messages(ChannelResult::Differs))
             .list("by name", messages(ChannelResult::ByName))
             .list("not read", rows.iter().filter_map(|row| Some((row.topic, row.not_read()?))))
-            .list("undefined", of(ChannelResult::Undefined).map(|row| (row.topic, schema(row))));
+            .list("undefined", with_result(ChannelResult::Undefined).map(|row| (row.topic, schema(row))));
         line.lists.push(List {
             label: "dialect",
             items: self.dialects.iter().map(|one| one.to_string()).collect(),

@@ -1,4 +1,4 @@
-//! The shapes of the bodies of all messages of some definitions.
+//! The body schemas of all messages of the definitions.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -7,54 +7,54 @@ use uavspec_codegen::source::Span;
 
 use super::defined::{Object, Tuple, ValueSchema};
 
-/// The shapes of the bodies of all messages of some definitions.
+/// The body schemas of all messages of the definitions.
 #[derive(Debug, Default)]
 pub struct DefinedSchemas {
-    /// By the type of the message, the body for each direction that it has.
+    /// The bodies by message type, one for each direction.
     pub(super) messages: HashMap<String, [Option<Body>; 3]>,
-    /// The shapes of all types and bodies, by the names that test vectors give them: `flockwave/Weather`,
+    /// The schemas of all types and bodies, by their names in test vectors: `flockwave/Weather`,
     /// `flockwave/WTH-AT.response`.
     pub(super) named: BTreeMap<String, ValueSchema>,
-    /// The objects that bodies are and hold.
+    /// The objects in bodies.
     pub(super) objects: Vec<Object>,
-    /// The tuples that bodies hold.
+    /// The tuples in bodies.
     pub(super) tuples: Vec<Tuple>,
-    /// Whether they are of other definitions than those that places are looked up in.
+    /// True if spans of these schemas don't refer to the current definitions.
     pub(super) is_foreign: bool,
 }
 
-/// The body of a message for a direction.
+/// The body of a message in one direction.
 #[derive(Debug)]
 pub(super) struct Body {
-    /// Its object, by its index.
+    /// The index of its object.
     pub(super) object: usize,
-    /// Where it is defined.
+    /// The location of its definition.
     pub(super) span: Span,
 }
 
 impl DefinedSchemas {
-    /// The same, for a use beside other definitions: where they are defined isn't told.
+    /// Marks the schemas as parts of other definitions, so that no locations are reported.
     #[must_use]
     pub(crate) fn foreign(self) -> Self {
         Self { is_foreign: true, ..self }
     }
 
-    /// Whether there are messages of this type.
+    /// True if messages of this type exist.
     pub(crate) fn has(&self, type_name: &str) -> bool {
         self.messages.contains_key(type_name)
     }
 
-    /// Whether messages of this type go this way.
+    /// True if messages of this type exist in this direction.
     pub(crate) fn is_defined(&self, type_name: &str, direction: Direction) -> bool {
         self.body(type_name, direction).is_some()
     }
 
-    /// The names of all types and bodies, as test vectors have them.
+    /// The names of all types and bodies, as used in test vectors.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.named.keys().map(String::as_str)
     }
 
-    /// Whether there is a shape of this name.
+    /// True if a schema with this name exists.
     pub fn has_schema(&self, name: &str) -> bool {
         self.named.contains_key(name)
     }

@@ -1,4 +1,4 @@
-//! Whether a body has its shape.
+//! Checks a body against its schema.
 
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -10,41 +10,41 @@ use super::defined::{Field, List, Object, Text, Tuple, ValueSchema};
 use super::{Deviation, Fault, Mismatch, Step, integer};
 use crate::json::{Tree, base64, pointer};
 
-/// How many deviations of a body are told: hostile input can have any number.
+/// The maximum number of deviations in a body. Hostile input may contain any number.
 const MAX_DEVIATIONS: usize = 10_000;
 
-/// How many values of a body are looked at. A body has a million at most; but where each of several shapes may hold
-/// them again, each level of it is looked at twice as often as the one above.
+/// The maximum number of values to visit in a body. A body has at most a million values, but alternatives multiply
+/// the visits at each level of nesting.
 const MAX_VISITS: usize = 1 << 21;
 
-/// What it takes to tell a deviation, for each step of the way to it, in looks.
+/// The cost of reporting a deviation, as a number of visits for each step of its path.
 const VISITS_PER_DEVIATION: usize = 8;
 
-/// How many fields of an object are listed.
+/// The maximum number of listed fields of an object.
 const MAX_LISTED: usize = 12;
 
-/// How many values of a set are listed.
+/// The maximum number of listed values of a set.
 const MAX_VALUES: usize = 16;
 
-/// How many elements a unique list may have that aren't compared as they are.
+/// The maximum number of elements of a unique list that are compared by their text.
 const MAX_COMPARED: usize = 10_000;
 
-/// A step into a value.
+/// A step of the path to a value.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum At<'c> {
-    /// Into a field that the definition has.
+    /// A defined field.
     Field(&'c Field),
-    /// Into an element of a tuple.
+    /// An element of a tuple.
     Element(usize, &'c Field),
-    /// Into a value of a map, or a field that the definition doesn't have.
+    /// A key of a map, or an undefined field.
     Key(&'c str),
-    /// Into an element of a list.
+    /// An element of a list.
     Index(usize),
 }
 
 impl DefinedSchemas {
-    /// What of a body deviates from the shape that its type has for its direction, the first ten thousand places at
-    /// most; none where there is no such shape.
+    /// The deviations of a body from the schema of its type and direction, at most ten thousand. `None` if there is
+    /// no such schema.
     pub(crate) fn check(
         &self,
         type_name: &str,
@@ -54,13 +54,13 @@ impl DefinedSchemas {
         Some(check(self, self.body(type_name, direction)?, body))
     }
 
-    /// The first deviation of a value from the shape of this name; none where there is no such shape.
+    /// The first deviation of a value from the schema with this name. `None` if there is no such schema.
     pub fn mismatch(&self, name: &str, value: &Tree<'_>) -> Option<Option<Mismatch>> {
         Some(first(self, self.named.get(name)?, value))
     }
 }
 
-/// What of a body deviates from its shape.
+/// The deviations of a body from its schema.
 fn check<'c>(defined_schemas: &'c DefinedSchemas, body: &'c Body, value: &'c Tree<'c>) -> Vec<Deviation> {
     let mut check = Check {
         defined_schemas,
@@ -78,7 +78,7 @@ fn check<'c>(defined_schemas: &'c DefinedSchemas, body: &'c Body, value: &'c Tre
     check.deviations
 }
 
-/// The first deviation of a value from a shape.
+/// The first deviation of a value from a schema.
 fn first<'c>(
     defined_schemas: &'c DefinedSchemas,
     schema: &'c ValueSchema,
@@ -98,11 +98,11 @@ fn first<'c>(
 
 struct Check<'c> {
     defined_schemas: &'c DefinedSchemas,
-    /// What is told of it, where it is a body.
+    /// The body, for locations of definitions.
     body: Option<&'c Body>,
-    /// The way from the body to the value that is looked at.
+    /// The path from the body to the current value.
     path: Vec<At<'c>>,
-    /// Which fields of the objects on this way have been met, the innermost last.
+    /// True for each field that was found, for the objects on the path, innermost last.
     seen: Vec<bool>,
     visits: usize,
     deviations: Vec<Deviation>,
@@ -113,7 +113,7 @@ impl<'c> Check<'c> {
         self.deviations.len() >= MAX_DEVIATIONS || self.visits >= MAX_VISITS
     }
 
-    /// Something here isn't as it should be.
+    /// Reports a deviation of the current value.
     fn deviates(&mut self, fault: Fault, expected: String, actual: String) {
         self.visits += self.path.len() * VISITS_PER_DEVIATION;
         let keys: Vec<Cow<'_, str>> = self.path.iter().map(At::key).collect();
@@ -122,7 +122,7 @@ impl<'c> Check<'c> {
         let field = self.path.iter().rev().find_map(At::field);
         let span = field.map(|field| field.span).or_else(|| Some(self.body?.span));
         self.deviations.push(Deviation {
-            steps: self.path.iter().map(At::named).collect(),
+            steps: self.path.iter().map(At::name).collect(),
             fault: Some(fault),
             field: fields.join("."),
             definition: span.filter(|_| !self.defined_schemas.is_foreign),
@@ -130,16 +130,16 @@ impl<'c> Check<'c> {
         });
     }
 
-    /// A value isn't of the kind that it should be.
+    /// Reports a value of the wrong kind.
     fn is_other(&mut self, expected: String, value: &Tree<'_>) {
-        // That a token is no JSON is a matter of its own.
+        // Tokens that aren't JSON are reported separately.
         if !matches!(value, Tree::Token(_)) {
             let fault = if *value == Tree::Null { Fault::Null } else { Fault::Kind };
             self.deviates(fault, expected, value.to_string());
         }
     }
 
-    /// The value at a step.
+    /// Checks the value at a step.
     fn step(&mut self, at: At<'c>, schema: &'c ValueSchema, value: &'c Tree<'c>) {
         self.path.push(at);
         self.value(schema, value);
@@ -152,18 +152,18 @@ impl<'c> Check<'c> {
             (ValueSchema::Any, _) | (ValueSchema::Null, Tree::Null) | (ValueSchema::Bool, Tree::Bool(_)) => {}
             (ValueSchema::Integer(low, high), _) => match integer(value) {
                 Some(number) if (*low..=*high).contains(&number) => {}
-                Some(_) => self.deviates(Fault::Value, self.words(schema), value.to_string()),
-                None => self.is_other(self.words(schema), value),
+                Some(_) => self.deviates(Fault::Value, self.describe(schema), value.to_string()),
+                None => self.is_other(self.describe(schema), value),
             },
             (ValueSchema::Integers(values), _) => match integer(value) {
                 Some(number) if values.iter().any(|known| i128::from(*known) == number) => {}
-                Some(_) => self.deviates(Fault::Value, self.words(schema), value.to_string()),
-                None => self.is_other(self.words(schema), value),
+                Some(_) => self.deviates(Fault::Value, self.describe(schema), value.to_string()),
+                None => self.is_other(self.describe(schema), value),
             },
             (ValueSchema::Number(low, high), Tree::Int(_) | Tree::Float(..) | Tree::Huge(_)) => {
                 let number = float(value);
                 if low.is_some_and(|low| number < low) || high.is_some_and(|high| number > high) {
-                    self.deviates(Fault::Value, self.words(schema), value.to_string());
+                    self.deviates(Fault::Value, self.describe(schema), value.to_string());
                 }
             }
             (ValueSchema::Text(schema), Tree::Text(text)) => {
@@ -173,7 +173,7 @@ impl<'c> Check<'c> {
             }
             (ValueSchema::Constants(constants), Tree::Text(text)) => {
                 if !constants.iter().any(|constant| constant == text) {
-                    self.deviates(Fault::Value, self.words(schema), value.to_string());
+                    self.deviates(Fault::Value, self.describe(schema), value.to_string());
                 }
             }
             (ValueSchema::List(list), Tree::List(values)) => self.list(list, values),
@@ -195,7 +195,7 @@ impl<'c> Check<'c> {
                 let defined_schemas = self.defined_schemas;
                 self.tuple(&defined_schemas.tuples[*index], values);
             }
-            _ => self.is_other(self.words(schema), value),
+            _ => self.is_other(self.describe(schema), value),
         }
     }
 
@@ -208,7 +208,7 @@ impl<'c> Check<'c> {
                 break;
             }
             match object.field(key, guess) {
-                // Of a key that is repeated, the first counts.
+                // The first value of a repeated key counts.
                 Some(index) if self.seen[start + index] => {}
                 Some(index) => {
                     self.seen[start + index] = true;
@@ -218,7 +218,7 @@ impl<'c> Check<'c> {
                 }
                 None if object.is_closed => {
                     self.path.push(At::Key(key));
-                    self.deviates(Fault::Further, others(object), value.to_string());
+                    self.deviates(Fault::Further, allowed_fields(object), value.to_string());
                     self.path.pop();
                 }
                 None => {}
@@ -227,7 +227,7 @@ impl<'c> Check<'c> {
         for (index, field) in object.fields.iter().enumerate() {
             if field.is_required && !self.seen[start + index] && !self.is_full() {
                 self.path.push(At::Field(field));
-                self.deviates(Fault::Absent, self.words(&field.schema), "nothing".to_owned());
+                self.deviates(Fault::Absent, self.describe(&field.schema), "nothing".to_owned());
                 self.path.pop();
             }
         }
@@ -266,7 +266,7 @@ impl<'c> Check<'c> {
         }
     }
 
-    /// A value that has none of several shapes is told by the one that is of its kind.
+    /// Reports a value that matches no alternative, if possible by the only alternative of its kind.
     fn either(&mut self, all: &'c [ValueSchema], value: &'c Tree<'c>) {
         let start = self.deviations.len();
         let mut of_kind: Vec<Vec<Deviation>> = Vec::new();
@@ -280,35 +280,35 @@ impl<'c> Check<'c> {
                 of_kind.push(found);
             }
         }
-        let words = || all.iter().map(|schema| self.words(schema)).collect::<Vec<_>>().join(", or ");
+        let expected = || all.iter().map(|schema| self.describe(schema)).collect::<Vec<_>>().join(", or ");
         match (of_kind.pop(), of_kind.is_empty()) {
             (Some(found), true) => self.deviations.extend(found),
-            (Some(_), false) => self.deviates(Fault::Value, words(), value.to_string()),
-            (None, _) => self.is_other(words(), value),
+            (Some(_), false) => self.deviates(Fault::Value, expected(), value.to_string()),
+            (None, _) => self.is_other(expected(), value),
         }
     }
 
-    /// A shape in words.
-    fn words(&self, schema: &ValueSchema) -> String {
+    /// The description of a schema.
+    fn describe(&self, schema: &ValueSchema) -> String {
         match schema {
             ValueSchema::Any => "anything".to_owned(),
             ValueSchema::Null => "null".to_owned(),
             ValueSchema::Bool => "true or false".to_owned(),
             ValueSchema::Integer(low, high) => super::ExpectedValue::Integer(*low, *high).to_string(),
             ValueSchema::Number(None, None) => "a number".to_owned(),
-            ValueSchema::Number(Some(low), None) => format!("a number, {low} or more"),
-            ValueSchema::Number(None, Some(high)) => format!("a number, {high} at most"),
-            ValueSchema::Number(Some(low), Some(high)) => format!("a number, {low} to {high}"),
+            ValueSchema::Number(Some(low), None) => format!("a number of at least {low}"),
+            ValueSchema::Number(None, Some(high)) => format!("a number of at most {high}"),
+            ValueSchema::Number(Some(low), Some(high)) => format!("a number from {low} to {high}"),
             ValueSchema::Text(text) => text.to_string(),
             ValueSchema::Constants(all) => one_of(all.iter().map(|one| format!("`{one}`"))),
             ValueSchema::Integers(all) => one_of(all.iter().map(ToString::to_string)),
             ValueSchema::List(list) => list.to_string(),
             ValueSchema::Map(inner) => match &**inner {
                 ValueSchema::Any => "an object".to_owned(),
-                inner => format!("an object, each value {}", self.words(inner)),
+                inner => format!("an object where each value is {}", self.describe(inner)),
             },
             ValueSchema::Either(all) => {
-                all.iter().map(|one| self.words(one)).collect::<Vec<_>>().join(", or ")
+                all.iter().map(|one| self.describe(one)).collect::<Vec<_>>().join(", or ")
             }
             ValueSchema::Object(index) => {
                 format!("an object of the type {}", self.defined_schemas.objects[*index].name)
@@ -319,7 +319,7 @@ impl<'c> Check<'c> {
 }
 
 impl<'c> At<'c> {
-    /// The field or element of the definition.
+    /// The defined field or element.
     pub(super) fn field(&self) -> Option<&'c Field> {
         match self {
             Self::Field(field) | Self::Element(_, field) => Some(field),
@@ -327,7 +327,7 @@ impl<'c> At<'c> {
         }
     }
 
-    fn named(&self) -> Step {
+    fn name(&self) -> Step {
         match self {
             Self::Field(field) => Step::Field(field.name.clone()),
             Self::Element(..) | Self::Key(_) | Self::Index(_) => Step::Other,
@@ -343,7 +343,7 @@ impl<'c> At<'c> {
     }
 }
 
-/// The values of a set, the first at least.
+/// The listed values of a set.
 fn one_of(values: impl ExactSizeIterator<Item = String>) -> String {
     let count = values.len();
     let reported = values.take(MAX_VALUES).collect::<Vec<_>>().join(", ");
@@ -354,15 +354,15 @@ fn one_of(values: impl ExactSizeIterator<Item = String>) -> String {
     }
 }
 
-/// That there are no other fields.
-fn others(object: &Object) -> String {
+/// A description of the allowed fields.
+fn allowed_fields(object: &Object) -> String {
     let names = object.fields.iter().map(|field| format!("`{}`", field.name));
     let names = names.take(MAX_LISTED).collect::<Vec<_>>().join(", ");
-    let more = if object.fields.len() > MAX_LISTED { " and others that are defined" } else { "" };
-    format!("no field but {names}{more}")
+    let more = if object.fields.len() > MAX_LISTED { " and other defined fields" } else { "" };
+    format!("only the fields {names}{more}")
 }
 
-/// Whether a string has a shape.
+/// True if a string matches a schema.
 pub(super) fn fits(schema: &Text, text: &str) -> bool {
     let is_any = schema.length == super::defined::Length::ANY;
     (is_any || schema.length.accepts(text.chars().count()))
@@ -370,10 +370,10 @@ pub(super) fn fits(schema: &Text, text: &str) -> bool {
         && (!schema.is_base64 || base64::decode(text).is_some())
 }
 
-/// A number as it rounds; one that no float holds is infinite.
+/// A number as a float. Numbers beyond its range are infinite.
 fn float(value: &Tree<'_>) -> f64 {
     match value {
-        #[allow(clippy::cast_precision_loss)] // as bounds are
+        #[allow(clippy::cast_precision_loss)] // like bounds
         Tree::Int(value) => *value as f64,
         Tree::Float(value, _) => *value,
         Tree::Huge(text) if text.starts_with('-') => f64::NEG_INFINITY,
@@ -381,7 +381,7 @@ fn float(value: &Tree<'_>) -> f64 {
     }
 }
 
-/// Whether a value has the kind of JSON that a shape has.
+/// True if a value has the JSON type of a schema.
 fn is_of_kind(schema: &ValueSchema, value: &Tree<'_>) -> bool {
     match schema {
         ValueSchema::Any => true,
@@ -397,8 +397,8 @@ fn is_of_kind(schema: &ValueSchema, value: &Tree<'_>) -> bool {
     }
 }
 
-/// What stands twice in a list. Strings and integers are compared as they are, and other values as they are written;
-/// so two objects with another order of their keys count as different.
+/// The first repeated element of a list. Strings and integers are compared by value, and other values by their text.
+/// Two objects whose keys differ in order therefore count as different.
 fn repeated<'v>(values: &'v [Tree<'_>]) -> Option<&'v Tree<'v>> {
     let (mut texts, mut integers, mut others) = (HashSet::new(), HashSet::new(), HashSet::new());
     values.iter().find(|value| match (value, integer(value)) {

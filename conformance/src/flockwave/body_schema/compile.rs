@@ -1,4 +1,4 @@
-//! Shapes of the types and messages of definitions.
+//! Compiles definitions of types and messages to schemas.
 
 use std::collections::HashMap;
 
@@ -12,11 +12,11 @@ use uavspec_codegen::value::Value;
 use super::bodies::{Body, DefinedSchemas};
 use super::defined::{Field, Length, List, Object, Pattern, Test, Text, Tuple, ValueSchema};
 
-/// The name of the only format that strings have.
+/// The name of the only string format.
 const BASE64: &str = "base64";
 
 impl DefinedSchemas {
-    /// The shapes of all messages of some definitions. Of two packages with the same message the first has it.
+    /// Compiles all messages of the definitions. If two packages define a message, the first one applies.
     pub(crate) fn new(schema: &Schema) -> Self {
         let mut compiler =
             Compiler { schema, defined_schemas: DefinedSchemas::default(), known: HashMap::new() };
@@ -44,11 +44,11 @@ impl DefinedSchemas {
 struct Compiler<'s> {
     schema: &'s Schema,
     defined_schemas: DefinedSchemas,
-    /// The objects and tuples that have a name, which may hold themselves.
+    /// The named objects and tuples, which may be recursive.
     known: HashMap<JsonTypeId, Reference>,
 }
 
-/// Where an object or a tuple stands.
+/// The index of an object or a tuple.
 #[derive(Clone, Copy)]
 enum Reference {
     Object(usize),
@@ -72,7 +72,7 @@ impl Compiler<'_> {
         index
     }
 
-    /// Makes the object whose place is kept.
+    /// Fills the reserved place of an object.
     fn fill(&mut self, index: usize, name: &str, object: &written::Object) {
         let fields = self.fields(&object.fields);
         self.defined_schemas.objects[index] = Object::new(name, fields, object.is_closed);
@@ -88,7 +88,7 @@ impl Compiler<'_> {
         members.iter().map(field).collect()
     }
 
-    /// The shape of an expression, with all limits that hold in its place.
+    /// The schema of an expression with all limits that apply to it.
     fn expression(&mut self, expression: &Expression, limits: &[&Limits]) -> ValueSchema {
         match expression {
             Expression::Any => ValueSchema::Any,
@@ -96,8 +96,8 @@ impl Compiler<'_> {
             Expression::Boolean => ValueSchema::Bool,
             Expression::Integer => {
                 let (low, high) = bounds(limits);
-                // What is no integer itself bounds those beside it.
-                #[allow(clippy::cast_possible_truncation)] // it saturates
+                // Bounds that aren't integers are rounded inwards.
+                #[allow(clippy::cast_possible_truncation)] // the cast saturates
                 ValueSchema::Integer(
                     low.map_or(i128::MIN, |low| low.integer.unwrap_or(low.float.ceil() as i128)),
                     high.map_or(i128::MAX, |high| high.integer.unwrap_or(high.float.floor() as i128)),
@@ -126,7 +126,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// The shape of what a list or a map holds.
+    /// The schema of the elements of a list or the values of a map.
     fn within(&mut self, inner: &Expression, limits: &[&Limits]) -> ValueSchema {
         let limits: Vec<Limits> = limits.iter().map(|limits| limits.of_elements()).collect();
         self.expression(inner, &limits.iter().collect::<Vec<_>>())
@@ -165,7 +165,7 @@ impl Compiler<'_> {
                     ValueSchema::Constants(values.iter().map(|value| value.value.clone()).collect())
                 }
             },
-            // Names don't stand for themselves, so this ends.
+            // Names aren't recursive, so this ends.
             Definition::Named(typed) => {
                 let all: Vec<&Limits> = limits.iter().copied().chain([&typed.limits]).collect();
                 self.expression(&typed.ty, &all)
@@ -174,14 +174,14 @@ impl Compiler<'_> {
     }
 }
 
-/// A bound.
+/// A lower or upper bound.
 #[derive(Clone, Copy)]
 struct Bound {
     float: f64,
     integer: Option<i128>,
 }
 
-/// The narrowest bounds of several.
+/// The narrowest bounds.
 fn bounds(limits: &[&Limits]) -> (Option<Bound>, Option<Bound>) {
     let bound = |value: &Value| {
         let integer = if let Value::Int(integer) = value { Some(*integer) } else { None };
@@ -194,7 +194,7 @@ fn bounds(limits: &[&Limits]) -> (Option<Bound>, Option<Bound>) {
     (lows.max_by(by_value), highs.min_by(by_value))
 }
 
-/// The narrowest lengths of several.
+/// The narrowest range of lengths.
 fn length(limits: &[&Limits]) -> Length {
     let size = |length: u32| usize::try_from(length).unwrap_or(usize::MAX);
     let least = limits.iter().filter_map(|limits| limits.least).max().map_or(0, size);
@@ -204,7 +204,7 @@ fn length(limits: &[&Limits]) -> Length {
 
 fn text(limits: &[&Limits]) -> Text {
     let pattern = |written: &String| {
-        // A pattern that takes more room than there is for one says nothing here.
+        // Ignore a pattern that exceeds the size limit of the regex engine.
         let test = without(written).or_else(|| Regex::new(written).ok().map(Test::Regex))?;
         Some(Pattern { written: written.clone(), test })
     };
@@ -215,7 +215,7 @@ fn text(limits: &[&Limits]) -> Text {
     }
 }
 
-/// What a pattern excludes that says no more than that: `^[^/]+$`.
+/// The excluded characters of a pattern such as `^[^/]+$`.
 fn without(pattern: &str) -> Option<Test> {
     let excluded = pattern.strip_prefix("^[^")?.strip_suffix("]+$")?;
     let is_plain = |c: char| !matches!(c, '\\' | '[' | ']' | '-' | '&' | '~' | '^');

@@ -1,11 +1,11 @@
-//! Shapes that definitions give.
+//! Schemas that are compiled from definitions.
 
 use std::fmt;
 
 use regex_lite::Regex;
 use uavspec_codegen::source::Span;
 
-/// What a value has to be.
+/// The schema of a value.
 #[derive(Debug)]
 pub(super) enum ValueSchema {
     /// Anything.
@@ -14,9 +14,9 @@ pub(super) enum ValueSchema {
     Null,
     /// `true` or `false`.
     Bool,
-    /// An integer from the first to the second.
+    /// An integer from the first to the second value.
     Integer(i128, i128),
-    /// A number within bounds, of which each may be absent.
+    /// A number with optional bounds.
     Number(Option<f64>, Option<f64>),
     /// A string.
     Text(Text),
@@ -24,102 +24,102 @@ pub(super) enum ValueSchema {
     Constants(Vec<String>),
     /// One of these integers.
     Integers(Vec<i64>),
-    /// An array of values of one shape.
+    /// A list with one schema for its elements.
     List(List),
-    /// An object whose values have one shape.
+    /// An object with one schema for its values.
     Map(Box<ValueSchema>),
-    /// One of several shapes.
+    /// A value that matches one of several schemas.
     Either(Vec<ValueSchema>),
-    /// An object of [`super::DefinedSchemas`], by its index.
+    /// The index of an object in [`super::DefinedSchemas`].
     Object(usize),
-    /// A tuple of [`super::DefinedSchemas`], by its index.
+    /// The index of a tuple in [`super::DefinedSchemas`].
     Tuple(usize),
 }
 
-/// A string.
+/// The schema of a string.
 #[derive(Debug)]
 pub(super) struct Text {
-    /// How many characters it has.
+    /// The number of characters.
     pub(super) length: Length,
-    /// What it matches.
+    /// The patterns that it matches.
     pub(super) patterns: Vec<Pattern>,
-    /// Whether it is Base64.
+    /// True if it is Base64.
     pub(super) is_base64: bool,
 }
 
-/// How many characters or elements there are, at least and at most.
+/// The minimum and maximum number of characters or elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Length {
     pub(super) least: usize,
     pub(super) most: usize,
 }
 
-/// What a string matches.
+/// A pattern for strings.
 #[derive(Debug)]
 pub(super) struct Pattern {
-    /// As the definition has it.
+    /// The pattern in the definition.
     pub(super) written: String,
-    /// What says so.
+    /// The compiled pattern.
     pub(super) test: Test,
 }
 
-/// What says whether a string matches a pattern.
+/// A compiled pattern.
 #[derive(Debug)]
 pub(super) enum Test {
-    /// It isn't empty, and has none of these characters: `^[^/]+$`, which ids match, by the million.
+    /// A non-empty string without these characters: `^[^/]+$`, which is used for ids and is therefore fast.
     Without(Vec<char>),
     /// Any other pattern.
     Regex(Regex),
 }
 
-/// An array of values of one shape.
+/// The schema of a list.
 #[derive(Debug)]
 pub(super) struct List {
-    /// That of its elements.
+    /// The schema of its elements.
     pub(super) element: Box<ValueSchema>,
-    /// How many there are.
+    /// The number of elements.
     pub(super) length: Length,
-    /// Whether no two are equal.
+    /// True if all elements must differ.
     pub(super) is_unique: bool,
 }
 
-/// An object with fields of its own.
+/// The schema of an object with named fields.
 #[derive(Debug, Default)]
 pub(super) struct Object {
-    /// The name of its type; empty where it is a body.
+    /// The name of its type; empty for a body.
     pub(super) name: String,
-    /// Its fields, as the definition has them.
+    /// The fields, in the order of the definition.
     pub(super) fields: Vec<Field>,
-    /// The indices of the fields, by name.
+    /// The indices of the fields, sorted by name.
     pub(super) by_name: Vec<usize>,
-    /// Whether there are no others.
+    /// True if other fields aren't allowed.
     pub(super) is_closed: bool,
 }
 
-/// An array with a meaning for each position.
+/// The schema of a list with a meaning for each position.
 #[derive(Debug, Default)]
 pub(super) struct Tuple {
-    /// Its elements.
+    /// The elements.
     pub(super) elements: Vec<Field>,
-    /// How many of them are there at least.
+    /// The minimum number of elements.
     pub(super) required: usize,
 }
 
 /// A field of an object, or an element of a tuple.
 #[derive(Debug)]
 pub(super) struct Field {
-    /// What it is called.
+    /// The name.
     pub(super) name: String,
-    /// Whether it has to be there.
+    /// True if it is required.
     pub(super) is_required: bool,
-    /// What it has to be.
+    /// The schema.
     pub(super) schema: ValueSchema,
-    /// Where it is defined.
+    /// The location of its definition.
     pub(super) span: Span,
 }
 
 impl ValueSchema {
-    /// Whether its values hold others of which each is worth a word, where several are wrong.
+    /// True if several deviations within such a value are worth reporting.
     pub(super) fn is_structured(&self) -> bool {
         match self {
             Self::Object(_) => true,
@@ -132,15 +132,14 @@ impl ValueSchema {
 }
 
 impl Object {
-    /// The object with these fields.
+    /// Creates an object with these fields.
     pub(super) fn new(name: &str, fields: Vec<Field>, is_closed: bool) -> Self {
         let mut by_name: Vec<usize> = (0..fields.len()).collect();
         by_name.sort_by(|one, other| fields[*one].name.cmp(&fields[*other].name));
         Self { name: name.to_owned(), fields, by_name, is_closed }
     }
 
-    /// The index of the field of a name, which is likely to be `guess`: who writes an object mostly keeps to the order
-    /// of the definition.
+    /// The index of a field. `guess` is tried first, since most writers keep the order of the definition.
     pub(super) fn field(&self, name: &str, guess: usize) -> Option<usize> {
         if self.fields.get(guess).is_some_and(|field| field.name == name) {
             return Some(guess);
@@ -151,33 +150,33 @@ impl Object {
 }
 
 impl Length {
-    /// Any.
+    /// Any length.
     pub(super) const ANY: Self = Self { least: 0, most: usize::MAX };
 
-    /// Whether it is one of these.
+    /// True if a length is within the limits.
     pub(super) fn accepts(self, length: usize) -> bool {
         (self.least..=self.most).contains(&length)
     }
 }
 
-/// As words: `of 1 to 64 characters`.
+/// A length with a noun: ` of 1 to 64 characters`.
 struct Counted(Length, &'static str);
 
 impl fmt::Display for Counted {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(Length { least, most }, what) = self;
+        let Self(Length { least, most }, noun) = self;
         match (least, most) {
             (0, &usize::MAX) => Ok(()),
-            (least, &usize::MAX) => write!(formatter, " of {least} {what} or more"),
-            (0, most) => write!(formatter, " of {most} {what} at most"),
-            (least, most) if least == most => write!(formatter, " of {most} {what}"),
-            (least, most) => write!(formatter, " of {least} to {most} {what}"),
+            (least, &usize::MAX) => write!(formatter, " of at least {least} {noun}"),
+            (0, most) => write!(formatter, " of at most {most} {noun}"),
+            (least, most) if least == most => write!(formatter, " of {most} {noun}"),
+            (least, most) => write!(formatter, " of {least} to {most} {noun}"),
         }
     }
 }
 
 impl Pattern {
-    /// Whether a text matches.
+    /// True if a text matches.
     pub(super) fn is_match(&self, text: &str) -> bool {
         match &self.test {
             Test::Without(excluded) => !text.is_empty() && !excluded.iter().any(|one| text.contains(*one)),
@@ -191,7 +190,6 @@ impl Text {
     pub(super) const ANY: Self = Self { length: Length::ANY, patterns: Vec::new(), is_base64: false };
 }
 
-/// In words.
 impl fmt::Display for Text {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "a string{}", Counted(self.length, "characters"))?;
@@ -212,27 +210,25 @@ impl fmt::Display for Text {
     }
 }
 
-/// A list in words.
 impl fmt::Display for List {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let each = if self.is_unique { " that differ" } else { "" };
+        let each = if self.is_unique { " without duplicates" } else { "" };
         write!(formatter, "a list{}{each}", Counted(self.length, "elements"))
     }
 }
 
 impl Tuple {
-    /// How many elements there are.
+    /// The allowed numbers of elements.
     pub(super) fn length(&self) -> Length {
         Length { least: self.required, most: self.elements.len() }
     }
 }
 
-/// In words.
 impl fmt::Display for Tuple {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.required, self.elements.len()) {
-            (least, most) if least == most => write!(formatter, "a list of {most}"),
-            (least, most) => write!(formatter, "a list of {least} to {most}"),
+            (least, most) if least == most => write!(formatter, "a list of {most} elements"),
+            (least, most) => write!(formatter, "a list of {least} to {most} elements"),
         }
     }
 }

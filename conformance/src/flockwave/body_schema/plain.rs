@@ -1,7 +1,7 @@
-//! Whether values have their shape, seen while they are read, and not from a tree.
+//! Checks values against their schemas in one pass, without building a tree.
 //!
-//! It says yes or nothing: what isn't plain to see, [`super::check`] finds out from the tree. Shapes of integers, which nearly
-//! all values of states of UAVs have, are kept as ranges of 64 bits.
+//! It only confirms valid values; for all others, [`super::check`] examines a tree. Nearly all values in the states
+//! of UAVs are integers, whose schemas are stored as 64-bit ranges.
 
 use super::bodies::DefinedSchemas;
 use super::check::fits;
@@ -9,7 +9,7 @@ use super::defined::{Length, Object, ValueSchema};
 use crate::json::{Token, Tokens, Unclear};
 use uavspec_codegen::schema::json_type::Direction;
 
-/// The fields of the objects that a map in a body holds.
+/// The fields of the objects in a map of a body.
 #[derive(Debug)]
 pub(crate) struct Members<'s> {
     object: &'s Object,
@@ -24,28 +24,28 @@ struct Member<'s> {
     plain: Plain<'s>,
 }
 
-/// What the values of a field have to be.
+/// The schema of a field.
 #[derive(Debug)]
 enum Plain<'s> {
     One(Scalar<'s>),
     /// A list with a meaning for each position.
     Tuple(Vec<Scalar<'s>>, Length),
-    /// A list of values of one shape.
+    /// A list with one schema for its elements.
     List(Scalar<'s>, Length),
 }
 
-/// What a value has to be that holds no others.
+/// The schema of a scalar value.
 #[derive(Clone, Copy, Debug)]
 enum Scalar<'s> {
-    /// An integer from the first to the second.
+    /// An integer from the first to the second value.
     Range(i64, i64),
-    /// The same, or null.
+    /// A nullable integer from the first to the second value.
     Nullable(i64, i64),
     Other(&'s ValueSchema),
 }
 
 impl DefinedSchemas {
-    /// The fields of the objects that a field of a body holds, where it is a map of such.
+    /// The fields of the objects in a map. `None` if the field `map` of the body isn't a map of objects.
     pub(crate) fn members(&self, type_name: &str, direction: Direction, map: &str) -> Option<Members<'_>> {
         let body = &self.objects[self.body(type_name, direction)?.object];
         let ValueSchema::Map(inner) = &body.fields[body.field(map, 0)?].schema else { return None };
@@ -60,7 +60,7 @@ impl DefinedSchemas {
 }
 
 impl Members<'_> {
-    /// How many fields there are.
+    /// The number of fields.
     pub(crate) fn len(&self) -> usize {
         self.fields.len()
     }
@@ -70,17 +70,17 @@ impl Members<'_> {
         self.fields[field].name
     }
 
-    /// The field of a name.
+    /// The index of a field.
     pub(crate) fn field(&self, name: &str) -> Option<usize> {
         self.object.field(name, 0)
     }
 
-    /// Whether the value of a field can be this.
+    /// True if the value of a field matches its schema.
     pub(crate) fn accepts(&self, field: usize, token: &Token<'_>) -> bool {
         accepts(self.fields[field].schema, token)
     }
 
-    /// Takes the value of a field, if that is plainly one that it can have.
+    /// Reads the value of a field. Fails if it isn't plainly valid.
     pub(crate) fn takes(&self, field: usize, tokens: &mut Tokens<'_>) -> Result<(), Unclear> {
         match &self.fields[field].plain {
             Plain::One(scalar) => scalar.takes(tokens),
@@ -98,7 +98,7 @@ impl<'s> Plain<'s> {
                 let elements = tuple.elements.iter().map(|element| Scalar::new(&element.schema));
                 Self::Tuple(elements.collect(), tuple.length())
             }
-            // Whether values repeat is seen from all of them.
+            // Unique lists need the tree.
             ValueSchema::List(list) if !list.is_unique => Self::List(Scalar::new(&list.element), list.length),
             schema => Self::One(Scalar::new(schema)),
         }
@@ -138,7 +138,7 @@ impl<'s> Scalar<'s> {
     }
 }
 
-/// Takes a list whose elements have these shapes.
+/// Reads a list whose elements have these schemas.
 fn list<'s>(
     tokens: &mut Tokens<'_>,
     length: Length,
@@ -153,7 +153,7 @@ fn list<'s>(
     if length.accepts(count) { Ok(()) } else { Err(Unclear) }
 }
 
-/// Whether a value of this shape can be this.
+/// True if a value matches a schema.
 fn accepts(schema: &ValueSchema, token: &Token<'_>) -> bool {
     match (schema, token) {
         (ValueSchema::Any, _) | (ValueSchema::Null, Token::Null) | (ValueSchema::Bool, Token::Bool(_)) => {
@@ -161,7 +161,7 @@ fn accepts(schema: &ValueSchema, token: &Token<'_>) -> bool {
         }
         (ValueSchema::Integer(low, high), Token::Int(value)) => (low..=high).contains(&value),
         (ValueSchema::Integers(all), Token::Int(value)) => all.iter().any(|one| i128::from(*one) == *value),
-        #[allow(clippy::cast_precision_loss)] // as bounds are
+        #[allow(clippy::cast_precision_loss)] // like bounds
         (ValueSchema::Number(low, high), Token::Int(value)) => {
             let value = *value as f64;
             low.is_none_or(|low| value >= low) && high.is_none_or(|high| value <= high)

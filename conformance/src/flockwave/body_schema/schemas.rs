@@ -1,4 +1,4 @@
-//! JSON Schemas of a user, for types of messages that the definitions don't have.
+//! User-supplied JSON Schemas for message types without a definition.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt;
@@ -15,42 +15,42 @@ use walkdir::WalkDir;
 use super::{Deviation, Mismatch};
 use crate::json::Tree;
 
-/// The largest file that is read, in bytes.
+/// The maximum size of a file, in bytes.
 const MAX_BYTES: u64 = 16 << 20;
 
-/// How many deviations of a body are told.
+/// The maximum number of deviations to report for a body.
 const MAX_DEVIATIONS: usize = 100;
 
-/// How much of what a schema demands is shown, in characters.
+/// The maximum length of a quoted part of a schema, in characters.
 const MAX_DEMAND: usize = 80;
 
-/// Where the addresses of files begin that have no `$id`, so that they refer to each other by their names.
+/// The base address of files without `$id`, relative to which they refer to each other by name.
 const BASE: &str = "uavspec://schemas/";
 
-/// JSON Schemas of bodies, by the type of the message.
+/// JSON Schemas for bodies, by message type.
 #[derive(Debug, Default)]
 pub struct Schemas {
     by_type: HashMap<String, Vec<Schema>>,
 }
 
-/// The schema of a file.
+/// The schema in a file.
 #[derive(Debug)]
 struct Schema {
     file: PathBuf,
-    /// The direction that it is about; none where it is about all.
+    /// The direction that it applies to; `None` means all.
     direction: Option<Direction>,
     value: Value,
     validator: Validator,
 }
 
-/// Why schemas can't be used.
+/// The reason why schemas can't be used.
 #[derive(Debug)]
 pub struct SchemaError {
     /// The file or folder.
     path: PathBuf,
-    /// Where in it: a line and column, or a JSON pointer; may be empty.
+    /// The location in the file: a line and column, or a JSON pointer; may be empty.
     location: String,
-    /// What is the matter, and what to do.
+    /// The problem and its fix.
     problem: String,
 }
 
@@ -64,7 +64,8 @@ impl fmt::Display for SchemaError {
 impl std::error::Error for SchemaError {}
 
 impl Schemas {
-    /// Those of the files `*.json` in these folders and below. References lead from file to file; nothing is fetched.
+    /// Loads all files `*.json` in these folders and their subfolders. References may lead to other files, but
+    /// nothing is fetched.
     pub fn load(folders: &[PathBuf]) -> Result<Self, SchemaError> {
         let mut schemas = Self::default();
         for (number, folder) in folders.iter().enumerate() {
@@ -84,7 +85,7 @@ impl Schemas {
                     let validator = build().map_err(|error| SchemaError {
                         path: path.clone(),
                         location: error.instance_path().to_string(),
-                        problem: format!("no schema: {error}"),
+                        problem: format!("invalid JSON Schema: {error}"),
                     })?;
                     let direction = direction_of(path);
                     let schema = Schema { file: path.clone(), direction, value: value.clone(), validator };
@@ -92,8 +93,8 @@ impl Schemas {
                 }
             }
             if !is_any {
-                let problem = "no file `*.json` in it is the schema of a message: its `properties.type` needs a `const` or an \
-                            `enum`, or its name the type, such as `SYS-VER.json`";
+                let problem = "no file `*.json` in this folder is the schema of a message: add a `const` or an `enum` to \
+                            its `properties.type`, or name it after the type, e.g. `SYS-VER.json`";
                 return Err(SchemaError {
                     path: folder.clone(),
                     location: String::new(),
@@ -109,8 +110,8 @@ impl Schemas {
         if let Some(other) = known.iter().find(|other| other.direction == schema.direction) {
             let direction = schema.direction.map_or(String::new(), |direction| format!(" of a {direction}"));
             let problem = format!(
-                "{} says already what the body{direction} of {type_name} has to be: leave one of them out, or name them by \
-                 their direction",
+                "{} is a schema for the body{direction} of {type_name} as well: remove one of them, or add the \
+                 direction to their names",
                 other.file.display()
             );
             return Err(SchemaError { path: schema.file, location: String::new(), problem });
@@ -119,13 +120,13 @@ impl Schemas {
         Ok(())
     }
 
-    /// Whether there is a schema for messages of this type.
+    /// True if there is a schema for messages of this type.
     pub(crate) fn has(&self, type_name: &str) -> bool {
         self.by_type.contains_key(type_name)
     }
 
-    /// What of a body its schema doesn't allow; none where there is no schema, or where the body isn't JSON such as
-    /// schemas are about: that is another rule's matter.
+    /// The deviations of a body from its schema. `None` if there is no schema, or if the body contains values that
+    /// JSON Schema can't express; other rules report these.
     pub(crate) fn check(
         &self,
         type_name: &str,
@@ -133,8 +134,8 @@ impl Schemas {
         body: &Tree<'_>,
     ) -> Option<Vec<Deviation>> {
         let schemas = self.by_type.get(type_name)?;
-        let of = |wanted| schemas.iter().find(|schema| schema.direction == wanted);
-        let schema = of(Some(direction)).or_else(|| of(None))?;
+        let for_direction = |wanted| schemas.iter().find(|schema| schema.direction == wanted);
+        let schema = for_direction(Some(direction)).or_else(|| for_direction(None))?;
         let body = value_of(body)?;
         let errors = schema.validator.iter_errors(&body).take(MAX_DEVIATIONS);
         Some(errors.map(|error| schema.deviation(&error)).collect())
@@ -150,20 +151,20 @@ impl Schema {
             let more = if short.len() < text.len() { "…" } else { "" };
             format!(": {short}{more}")
         });
-        let expected = format!("what {} has at {at}{}", self.file.display(), demand.unwrap_or_default());
+        let expected =
+            format!("a value that matches {} at {at}{}", self.file.display(), demand.unwrap_or_default());
         let text = error.instance().to_string();
-        let actual =
-            Tree::read(&text).map_or_else(|_| "something else".to_owned(), |found| found.to_string());
+        let actual = Tree::read(&text).map_or_else(|_| "another value".to_owned(), |found| found.to_string());
         let path = format!("/body{}", error.instance_path());
         let mismatch = Mismatch { path, expected, actual };
         Deviation { steps: Vec::new(), fault: None, field: String::new(), definition: None, mismatch }
     }
 }
 
-/// The files of a folder.
+/// The files in a folder.
 #[derive(Debug)]
 struct Files {
-    /// By the address that its place in the folder gives each.
+    /// The files by address, which results from the path in the folder.
     by_address: BTreeMap<String, (PathBuf, Value)>,
     /// The addresses by `$id`.
     by_id: HashMap<String, String>,
@@ -181,7 +182,7 @@ impl Files {
             let entry = entry.map_err(|error| {
                 let path = error.path().unwrap_or(folder).to_owned();
                 let error =
-                    error.io_error().map_or_else(|| "it leads to itself".to_owned(), ToString::to_string);
+                    error.io_error().map_or_else(|| "a link forms a loop".to_owned(), ToString::to_string);
                 at(&path, format!("can't be read: {error}"))
             })?;
             let path = entry.path();
@@ -193,12 +194,12 @@ impl Files {
                 .and_then(|file| file.take(MAX_BYTES + 1).read_to_string(&mut text))
                 .map_err(|error| at(path, format!("can't be read: {error}")))?;
             if text.len() as u64 > MAX_BYTES {
-                return Err(at(path, format!("has more than {MAX_BYTES} bytes")));
+                return Err(at(path, format!("larger than {MAX_BYTES} bytes")));
             }
             let value: Value = serde_json::from_str(&text).map_err(|error| SchemaError {
                 path: path.to_owned(),
                 location: format!("{}:{}", error.line(), error.column()),
-                problem: format!("no JSON: {error}"),
+                problem: format!("invalid JSON: {error}"),
             })?;
             let below = path.strip_prefix(folder).unwrap_or(path);
             let address = format!("{BASE}{number}/{}", address(below));
@@ -207,13 +208,12 @@ impl Files {
             }
             files.by_address.insert(address, (path.to_owned(), value));
         }
-        files.agree_on_draft();
+        files.set_default_draft();
         Ok(files)
     }
 
-    /// Files without `$schema` are of the draft that the first of their neighbours has that names one: often one of
-    /// them names it for all.
-    fn agree_on_draft(&mut self) {
+    /// Files without `$schema` use the draft of the first file that names one. Often a single file names it for all.
+    fn set_default_draft(&mut self) {
         let named = self.by_address.values().find_map(|(_, value)| value["$schema"].as_str());
         let Some(named) = named.map(str::to_owned) else { return };
         for (_, value) in self.by_address.values_mut() {
@@ -224,8 +224,8 @@ impl Files {
     }
 }
 
-/// Looks references up in the files: by `$id`, by where they stand, and at last by their name alone, since an `$id` may
-/// be an address at which the files don't stand.
+/// Resolves references to files: by `$id`, by path, and finally by file name. An `$id` may contain a path that the
+/// files don't have.
 struct Lookup(Arc<Files>);
 
 impl Retrieve for Lookup {
@@ -238,12 +238,15 @@ impl Retrieve for Lookup {
         let found = by_id.or_else(|| files.get(wanted)).or_else(|| by_name().map(|(_, file)| file));
         match found {
             Some((_, value)) => Ok(value.clone()),
-            None => Err(format!("no file of the folder is called `{name}`, and nothing is fetched").into()),
+            None => {
+                Err(format!("no file in the folder is named `{name}`, and remote schemas aren't fetched")
+                    .into())
+            }
         }
     }
 }
 
-/// A relative path as a part of an address.
+/// A relative path in the form of a URI.
 fn address(path: &Path) -> String {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte);
     let written = |byte: u8| {
@@ -252,7 +255,7 @@ fn address(path: &Path) -> String {
     path.to_string_lossy().replace('\\', "/").bytes().map(written).collect()
 }
 
-/// The types of messages that a file says of itself to be about, or else that which its name says.
+/// The message types that a file states, or else the type in its name.
 fn types_of(path: &Path, value: &Value) -> Vec<String> {
     let of_type = &value["properties"]["type"];
     let values = of_type["enum"].as_array().into_iter().flatten().chain([&of_type["const"]]);
@@ -265,20 +268,20 @@ fn types_of(path: &Path, value: &Value) -> Vec<String> {
     types
 }
 
-/// The direction that the name of a file says.
+/// The direction in the name of a file.
 fn direction_of(path: &Path) -> Option<Direction> {
     words(path)
         .find_map(|word| Direction::ALL.into_iter().find(|known| word.eq_ignore_ascii_case(known.name())))
 }
 
-/// The parts of the name of a file.
+/// The parts of a file name.
 fn words(path: &Path) -> impl Iterator<Item = String> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let words: Vec<String> = name.split(['.', '_', ' ']).map(str::to_owned).collect();
     words.into_iter()
 }
 
-/// Whether a word is the type of a message by its look: `SYS-VER`.
+/// True if a word looks like a message type: `SYS-VER`.
 fn is_type(word: &str) -> bool {
     let is_part = |part: &str| {
         !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit())
@@ -286,8 +289,8 @@ fn is_type(word: &str) -> bool {
     word.contains('-') && word.split('-').all(is_part)
 }
 
-/// A tree as schemas see it; none where it has what is no JSON, or a number that no float holds. Of repeated keys the
-/// first counts.
+/// A tree as a JSON value. `None` if it contains tokens that aren't JSON, or a number beyond the range of a float.
+/// The first value of a repeated key counts.
 fn value_of(tree: &Tree<'_>) -> Option<Value> {
     Some(match tree {
         Tree::Null => Value::Null,

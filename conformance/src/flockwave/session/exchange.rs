@@ -1,4 +1,4 @@
-//! An record with what it means in its session.
+//! A record with its meaning in the session.
 
 use std::borrow::Cow;
 
@@ -10,98 +10,99 @@ use crate::flockwave::record::{self, SessionRecord};
 use crate::json::Tree;
 use crate::model::Rule;
 
-/// How much of a message is shown, in characters.
+/// The maximum length of an excerpt, in characters.
 const MAX_EXCERPT: usize = 160;
 
-/// How much of the name of a type is shown.
+/// The maximum length of a type name in findings, in characters.
 const MAX_NAME: usize = 40;
 
-/// What something is in its session.
+/// The role of a record in the session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Role {
-    /// Something happened to the connection.
+    /// An event of the connection.
     Event,
-    /// No Flockwave message at all: no JSON, or no object.
+    /// Not a Flockwave message: invalid JSON, or not an object.
     Unreadable,
-    /// It asks for an answer.
+    /// A message that expects an answer.
     Request,
-    /// It answers: it has `refs`.
+    /// An answer, which has `refs`.
     Response,
-    /// The server says something unasked.
+    /// An unsolicited message of the server.
     Notification,
-    /// A request that has got no answer until its connection or the recording ended. It stands where that was sent.
+    /// A request that had no answer when its connection or the capture ended. Its location is that of the request.
     Unanswered,
 }
 
-/// What the `refs` of a response name.
+/// The message that the `refs` of a response name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reference {
-    /// Nobody knows.
+    /// Unknown, since records may be missing.
     Unclear,
     /// A request that waited for an answer.
     Request,
-    /// A request that had its answer already.
+    /// A request that already had its answer.
     Answered,
     /// A notification.
     Notification,
-    /// Nothing that was sent on this connection.
+    /// No message of this connection.
     Unknown,
 }
 
-/// How the server's clock has moved against that of the recording, from one answer that tells its time to the next.
+/// The change of the server's clock between two answers that state its time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClockMove {
-    /// By how much at least, in seconds; 0 where it needn't have moved at all.
+    /// The minimum change in seconds; 0 if the answers allow for no change.
     pub by: f64,
-    /// How long after the answer before, in seconds.
+    /// The time since the previous answer, in seconds.
     pub since: f64,
-    /// Whether the server was asked to adjust its clock by nothing since.
+    /// True if the client requested an adjustment by 0 since then.
     pub is_after_nothing: bool,
 }
 
-/// The id of a connection.
+/// The identity of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ConnectionId {
-    /// Its number in its capture.
+    /// The number in the capture.
     pub index: usize,
-    /// Tells it from those that had the same name before.
+    /// A number that distinguishes it from earlier connections with this name.
     pub serial: u64,
 }
 
-/// A record with what it means in its session.
+/// A record with its meaning in the session.
 #[derive(Clone, Debug)]
 pub(crate) struct Exchange<'t> {
     /// The record.
     pub record: &'t SessionRecord<'t>,
-    /// What it is.
+    /// The role.
     pub role: Role,
-    /// Tells its connection from all others, also from those that had the same name before.
+    /// A number that distinguishes its connection from all others, including earlier ones with this name.
     pub serial: u64,
-    /// Its time, where it can be trusted, in seconds.
+    /// The time in seconds, if it is reliable.
     pub time: Option<f64>,
-    /// Its `id`, where that is a string.
+    /// The `id`, if it is a string.
     pub id: Option<&'t str>,
-    /// Its `refs`, where that is a string.
+    /// The `refs`, if it is a string.
     pub refs: Option<&'t str>,
-    /// Its `body`, where that is an object.
+    /// The `body`, if it is an object.
     pub body: Option<&'t Tree<'t>>,
-    /// The type of the body, where that is a string.
+    /// The type of the body, if it is a string.
     pub type_name: Option<&'t str>,
-    /// What its `refs` name.
+    /// The message that its `refs` name.
     pub reference: Reference,
-    /// The request that it answers, where that is certain; or the one that got no answer.
+    /// The request that it answers, if that is certain; or the unanswered request.
     pub request: Option<SentRequest>,
-    /// Whether its id is that of another message which it must not be.
+    /// True if its id must be unique and isn't.
     pub is_id_in_use: bool,
-    /// Receipts that it gives.
+    /// The receipts that it issues.
     pub opened: Vec<Named>,
-    /// Receipts of which it tells something.
+    /// The operations that it reports on.
     pub operations: Vec<Named>,
-    /// By how much the server's clock is ahead of the recording's, as far as known before: bounds, in seconds.
+    /// The known bounds of the offset of the server's clock before this record, in seconds. A positive offset means
+    /// that it is ahead.
     pub clock: Option<(f64, f64)>,
-    /// How that has changed, where this tells the server's time, and something did before.
+    /// The change of the clock, if this states the server's time and an earlier record did as well.
     pub clock_move: Option<ClockMove>,
-    /// What of its body has another shape than it should; none where nothing says what that is.
+    /// The violations of its body schema. `None` if there is no schema.
     pub deviations: Option<Vec<Deviation>>,
 }
 
@@ -112,7 +113,7 @@ impl<'t> Exchange<'t> {
         let body = message.and_then(|message| message.get("body"));
         let body = body.filter(|body| matches!(body, Tree::Object(_)));
         let type_name = body.and_then(|body| body.get("type")).and_then(Tree::as_str);
-        // Optional members may be null, says the advice to authors of the specification.
+        // The specification's advice to authors allows null for optional members.
         let has_refs =
             message.and_then(|message| message.get("refs")).is_some_and(|refs| *refs != Tree::Null);
         let role = match (record.direction, message) {
@@ -142,60 +143,62 @@ impl<'t> Exchange<'t> {
         }
     }
 
-    /// That a request has got no answer.
+    /// Creates the exchange of an unanswered request.
     pub(crate) fn unanswered(record: &'t SessionRecord<'t>, serial: u64, request: SentRequest) -> Self {
         let exchange = Self::new(record, None);
         Self { role: Role::Unanswered, serial, request: Some(request), ..exchange }
     }
 
-    /// Whether it is a message of the server, readable or not.
+    /// True if it is a message of the server, readable or not.
     pub(crate) fn is_from_server(&self) -> bool {
         self.record.direction == record::Direction::In && self.role != Role::Unanswered
     }
 
-    /// The id of its connection.
+    /// The identity of its connection.
     pub(crate) fn connection_id(&self) -> ConnectionId {
         ConnectionId { index: self.record.connection.index, serial: self.serial }
     }
 
-    /// The message, where it is one of the server.
+    /// The message, if the server sent it.
     pub(crate) fn message(&self) -> Option<&'t Tree<'t>> {
         let is_object = |value: &&Tree<'_>| matches!(value, Tree::Object(_));
         self.record.value.filter(is_object).filter(|_| self.is_from_server())
     }
 
-    /// The body of a message of the server that is of this type.
+    /// The body of a message of the server, if it has this type.
     pub(crate) fn body_of(&self, type_name: &str) -> Option<&'t Tree<'t>> {
         self.body.filter(|_| self.is_from_server() && self.type_name == Some(type_name))
     }
 
-    /// The body of a response of the server that is of this type.
+    /// The body of a response of the server, if it has this type.
     pub(crate) fn response(&self, type_name: &str) -> Option<&'t Tree<'t>> {
         self.body_of(type_name).filter(|_| self.role == Role::Response)
     }
 
-    /// The body of a notification that is of this type.
+    /// The body of a notification, if it has this type.
     pub(crate) fn notification(&self, type_name: &str) -> Option<&'t Tree<'t>> {
         self.body_of(type_name).filter(|_| self.role == Role::Notification)
     }
 
-    /// Whether it has what makes it a message of Flockwave: a version, and a type.
+    /// True if it has a version and a type, like any Flockwave message.
     pub(crate) fn is_sound(&self) -> bool {
         let version = self.record.value.and_then(|message| message.get("$fw.version"));
         version.and_then(Tree::as_str).is_some() && self.type_name.is_some()
     }
 
-    /// How a rule is tried with the request that it answers, or that has got no answer, or with the connection that it
-    /// tells of.
+    /// The description of the test of a rule that it belongs to. For answers and unanswered requests, that is the
+    /// test of the request; for events, that of the connection.
     pub(crate) fn tried(&self, rule: &Rule) -> Option<&str> {
-        let (of, how) = match &self.request {
+        let (tested, how) = match &self.request {
             Some(request) => request.trial.as_ref().map(|(rule, how)| (*rule, how.as_str()))?,
-            None => self.record.trial.filter(|_| self.role == Role::Event).map(|of| (of.rule, of.how))?,
+            None => {
+                self.record.trial.filter(|_| self.role == Role::Event).map(|trial| (trial.rule, trial.how))?
+            }
         };
-        (of.id == rule.id).then_some(how)
+        (tested.id == rule.id).then_some(how)
     }
 
-    /// Which way it goes, where it is a message.
+    /// The direction of a message.
     pub(crate) fn direction(&self) -> Option<Direction> {
         match self.role {
             Role::Request => Some(Direction::Request),
@@ -205,7 +208,7 @@ impl<'t> Exchange<'t> {
         }
     }
 
-    /// What of a body that the server sends has another shape than its type has for its direction.
+    /// The violations of the body schema by a message of the server.
     pub(super) fn deviations_from(&self, schemas: BodySchemas<'_>) -> Option<Vec<Deviation>> {
         let body = self.body.filter(|_| self.is_from_server())?;
         schemas.deviations(self.type_name?, self.direction()?, body)
@@ -216,23 +219,23 @@ impl<'t> Exchange<'t> {
         self.body.and_then(|body| body.get(name))
     }
 
-    /// The request that it answers, where it is of this type as well.
+    /// The request that it answers, if it has the same type.
     pub(crate) fn same_type_request(&self) -> Option<&SentRequest> {
         self.request
             .as_ref()
             .filter(|request| self.type_name.is_some() && request.type_name.as_deref() == self.type_name)
     }
 
-    /// By how much the server's clock is ahead, going by this answer to a request for the time: bounds, in seconds.
+    /// The bounds of the offset of the server's clock in seconds, according to an answer to a time request.
     pub(crate) fn clock_reading(&self) -> Option<(f64, f64)> {
         let server_time = self.response("SYS-TIME")?.get("timestamp")?;
-        // What has a fraction counts seconds, or whatever else.
+        // A fraction suggests that the unit isn't milliseconds.
         let server_time = seconds(server_time).filter(|_| matches!(server_time, Tree::Int(_)))?;
         let request = self.same_type_request()?;
         Some((server_time - self.time?, server_time - request.time?))
     }
 
-    /// What findings on it are about: its type.
+    /// The subject of findings: the type.
     pub(crate) fn subject(&self) -> Cow<'t, str> {
         match self.type_name {
             Some(name) if name.chars().count() <= MAX_NAME => Cow::Borrowed(name),
@@ -241,7 +244,7 @@ impl<'t> Exchange<'t> {
         }
     }
 
-    /// The beginning of it, as it is written.
+    /// The start of the message text.
     pub(crate) fn excerpt(&self) -> String {
         let mut text: String = self.record.text.chars().take(MAX_EXCERPT).collect();
         if text.len() < self.record.text.len() {
@@ -251,10 +254,10 @@ impl<'t> Exchange<'t> {
     }
 }
 
-/// Milliseconds as seconds.
+/// Converts milliseconds to seconds.
 pub(crate) fn seconds(value: &Tree<'_>) -> Option<f64> {
     match value {
-        #[allow(clippy::cast_precision_loss)] // times fit well, and others needn't be exact
+        #[allow(clippy::cast_precision_loss)] // times fit well, and other values needn't be exact
         Tree::Int(value) => Some(*value as f64 / 1000.0),
         Tree::Float(value, _) => Some(*value / 1000.0),
         _ => None,

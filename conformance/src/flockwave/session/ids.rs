@@ -1,8 +1,8 @@
-//! A memory of ids, with a bound: what was put in first is forgotten first.
+//! A bounded memory of ids, which forgets the oldest entries first.
 //!
-//! It does for the ids of connections what [`Remembered`](super::remembered::Remembered) does for any keys, which it could be
-//! instead; but each message of a server brings an id, and each state of a UAV, and a table of hashes finds those in a
-//! fraction of the time.
+//! It does for the ids of a connection what [`Remembered`](super::remembered::Remembered) does for any keys. A hash
+//! table is several times faster, which matters here: each message of a server has an id, and so has each state of a
+//! UAV.
 
 use std::collections::VecDeque;
 use std::hash::BuildHasher;
@@ -11,18 +11,18 @@ use hashbrown::{DefaultHashBuilder, HashTable};
 
 use super::remembered::OVERHEAD;
 
-/// How many places of what was removed may stay, beside as many as there are entries.
+/// The maximum number of gaps that removed entries leave, in addition to the number of entries.
 const MAX_GAPS: usize = 64;
 
-/// Values by the serial of a connection and an id, of which the oldest are forgotten where they would take too much room.
+/// Values by connection serial and id. The oldest are removed when the size limit is reached.
 #[derive(Debug)]
 pub(crate) struct Ids<V> {
     hasher: DefaultHashBuilder,
     /// The number of each entry, by the hash of its key.
     table: HashTable<u64>,
-    /// The entries in the order in which they came; some are gone already.
+    /// The entries in order of insertion; `None` if an entry was removed.
     entries: VecDeque<Option<Entry<V>>>,
-    /// The number of the first of them.
+    /// The number of the first entry.
     first: u64,
     size: usize,
     limit: usize,
@@ -39,7 +39,7 @@ struct Entry<V> {
 }
 
 impl<V> Ids<V> {
-    /// Nothing yet, and never more than so many bytes.
+    /// Creates an empty memory with a size limit in bytes.
     pub(crate) fn new(limit: usize) -> Self {
         Self {
             hasher: DefaultHashBuilder::default(),
@@ -52,7 +52,7 @@ impl<V> Ids<V> {
         }
     }
 
-    /// Whether something was forgotten for lack of room.
+    /// True if an entry was removed because of the limit.
     pub(crate) fn has_forgotten(&self) -> bool {
         self.has_forgotten
     }
@@ -66,7 +66,7 @@ impl<V> Ids<V> {
         self.entries[at].as_mut().map(|entry| &mut entry.value)
     }
 
-    /// Puts in a value that takes about so many bytes, in place of one with the same key.
+    /// Inserts a value of roughly this size in bytes, and replaces the value with the same key.
     pub(crate) fn insert(&mut self, serial: u64, id: &str, value: V, size: usize) {
         self.remove(serial, id);
         let (hash, size) = (self.hash(serial, id), size + OVERHEAD);
@@ -84,7 +84,7 @@ impl<V> Ids<V> {
             }
             self.first += 1;
         }
-        // Where something was takes room as well.
+        // Gaps take memory as well.
         if self.entries.len() > 2 * self.table.len() + MAX_GAPS {
             self.close_gaps();
         }
@@ -101,7 +101,7 @@ impl<V> Ids<V> {
         Some(entry.value)
     }
 
-    /// Forgets all.
+    /// Removes all entries.
     pub(crate) fn clear(&mut self) {
         self.table.clear();
         self.entries.clear();
@@ -112,16 +112,16 @@ impl<V> Ids<V> {
         self.hasher.hash_one((serial, id))
     }
 
-    /// The place of an entry.
+    /// The index of an entry.
     fn find(&self, hash: u64, serial: u64, id: &str) -> Option<usize> {
-        let is_it = |number: &u64| {
+        let is_match = |number: &u64| {
             let entry = position(self.first, *number).and_then(|at| self.entries.get(at)?.as_ref());
             entry.is_some_and(|entry| entry.serial == serial && *entry.id == *id)
         };
-        self.table.find(hash, is_it).and_then(|number| position(self.first, *number))
+        self.table.find(hash, is_match).and_then(|number| position(self.first, *number))
     }
 
-    /// Takes the number of an entry out of the table.
+    /// Removes the number of an entry from the table.
     fn unlist(&mut self, hash: u64, number: u64) {
         if let Ok(listed) = self.table.find_entry(hash, |listed| *listed == number) {
             listed.remove();
@@ -139,12 +139,12 @@ impl<V> Ids<V> {
     }
 }
 
-/// The place of an entry with a number, where the first has another.
+/// The index of an entry, from its number and that of the first entry.
 fn position(first: u64, number: u64) -> Option<usize> {
     usize::try_from(number.checked_sub(first)?).ok()
 }
 
-/// The hash of the key of an entry. Each that is listed is there.
+/// The hash of the key of an entry, which must exist.
 fn hash_of<V>(entries: &VecDeque<Option<Entry<V>>>, first: u64, number: u64) -> u64 {
     let entry = position(first, number).and_then(|at| entries.get(at)?.as_ref());
     entry.map_or(0, |entry| entry.hash)
@@ -157,7 +157,7 @@ mod tests {
     use super::super::remembered::Remembered;
     use super::*;
 
-    /// What is done with an id: it is put in, taken out, or asked for; or all is forgotten.
+    /// An operation on an id.
     #[derive(Clone, Copy, Debug)]
     enum Step {
         Insert(usize),
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_and_goes_takes_no_room() {
+    fn removed_entries_take_no_memory() {
         let mut ids = Ids::new(1 << 20);
         for number in 0..10_000 {
             ids.insert(number, "kite", (), 10);
@@ -187,7 +187,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_remembers_as_any_memory_does(
+        fn behaves_like_the_general_memory(
             steps in prop::collection::vec((step(), 0_u64..3, "[a-f]{1,2}"), 0..300),
         ) {
             let limit = 20 * (OVERHEAD + 50);

@@ -1,45 +1,45 @@
-//! Operations that go on after the response.
+//! Operations that continue after the response.
 
-/// How an operation stands.
+/// The stage of an operation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Stage {
-    /// It goes on.
+    /// In progress.
     #[default]
     Open,
-    /// It waits for the client.
+    /// Waiting for the client.
     Suspended,
-    /// It waited, and the client has asked to resume or cancel it.
+    /// Was suspended until the client requested to resume or cancel it.
     Released,
-    /// Its end was told.
+    /// Ended.
     Ended,
-    /// Something was said of it, but no reply has had its receipt.
+    /// Reported on before a response issued its receipt.
     Early,
 }
 
 /// An operation.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Operation {
-    /// The type of the reply that had its receipt, where that is known.
+    /// The type of the response that issued its receipt, if it is known.
     pub type_name: Option<String>,
-    /// How it stands.
+    /// The stage.
     pub stage: Stage,
-    /// Whether it was said to be suspended, or that may have been said.
+    /// True if it was or may have been reported as suspended.
     pub was_suspended: bool,
 }
 
-/// A receipt that a message names.
+/// A receipt in a message.
 #[derive(Clone, Debug)]
 pub(crate) struct Named {
     /// The receipt.
     pub receipt: String,
-    /// How the operation stood before, where one was known.
+    /// The previous state of the operation, if it was known.
     pub before: Option<Operation>,
-    /// Whether one would be known if there were one.
+    /// True if any earlier operation with this receipt would be known.
     pub is_known: bool,
 }
 
 impl Named {
-    /// How the operation stood before.
+    /// The previous stage of the operation.
     pub(crate) fn stage(&self) -> Option<Stage> {
         self.before.as_ref().map(|operation| operation.stage)
     }

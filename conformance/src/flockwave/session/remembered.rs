@@ -1,15 +1,15 @@
-//! A memory with a bound: what was put in first is forgotten first.
+//! A bounded memory, which forgets the oldest entries first.
 
 use std::collections::{BTreeMap, VecDeque};
 
-/// What an entry takes beside its contents, in bytes; a rough guess.
+/// The approximate overhead of an entry, in bytes.
 pub(super) const OVERHEAD: usize = 128;
 
-/// Values by key, of which the oldest are forgotten where they would take too much room.
+/// Values by key. The oldest are removed when the size limit is reached.
 #[derive(Debug)]
 pub(crate) struct Remembered<K, V> {
     values: BTreeMap<K, Entry<V>>,
-    /// The keys in the order in which they came, with the number of the entry; some are gone already.
+    /// The keys with the numbers of their entries, in order of insertion. They may include removed entries.
     order: VecDeque<(u64, K)>,
     next: u64,
     size: usize,
@@ -25,7 +25,7 @@ struct Entry<V> {
 }
 
 impl<K: Clone + Ord, V> Remembered<K, V> {
-    /// Nothing yet, and never more than so many bytes.
+    /// Creates an empty memory with a size limit in bytes.
     pub(crate) fn new(limit: usize) -> Self {
         Self {
             values: BTreeMap::new(),
@@ -37,7 +37,7 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
         }
     }
 
-    /// Whether something was forgotten for lack of room.
+    /// True if an entry was removed because of the limit.
     pub(crate) fn has_forgotten(&self) -> bool {
         self.has_forgotten
     }
@@ -46,7 +46,7 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
         self.values.contains_key(key)
     }
 
-    /// Puts in a value that takes about so many bytes, in place of one with the same key.
+    /// Inserts a value of roughly this size in bytes, and replaces the value with the same key.
     pub(crate) fn insert(&mut self, key: K, value: V, size: usize) {
         self.remove(&key);
         let size = size + OVERHEAD;
@@ -61,7 +61,7 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
                 self.has_forgotten = true;
             }
         }
-        // Keys of what was removed take room as well.
+        // Keys of removed entries take memory as well.
         if self.order.len() > 2 * self.values.len() + 64 {
             let values = &self.values;
             self.order.retain(|(number, key)| values.get(key).is_some_and(|entry| entry.number == *number));
@@ -74,7 +74,8 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
         Some(entry.value)
     }
 
-    /// Takes out what is wanted from this key on, up to the first that isn't, in the order in which it came.
+    /// Removes the values of consecutive keys, from `first` up to the first that isn't wanted. Returns them in order
+    /// of insertion.
     pub(crate) fn take(&mut self, first: &K, mut is_wanted: impl FnMut(&K) -> bool) -> Vec<V> {
         let mut wanted: Vec<(u64, K)> = self
             .values
@@ -86,7 +87,7 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
         wanted.iter().filter_map(|(_, key)| self.remove(key)).collect()
     }
 
-    /// Forgets all.
+    /// Removes all entries.
     pub(crate) fn clear(&mut self) {
         self.values.clear();
         self.order.clear();
@@ -103,13 +104,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_oldest_is_forgotten_where_room_is_short() {
+    fn forgets_the_oldest_entry_at_the_size_limit() {
         let mut memory = Remembered::new(3 * (OVERHEAD + 10));
         for number in 0..3 {
             memory.insert(number, number, 10);
         }
         assert!(!memory.has_forgotten());
-        // What is put in anew is no longer the oldest.
+        // Inserting a key again makes it the newest.
         memory.insert(0, 7, 10);
         memory.insert(3, 3, 10);
         assert!(memory.has_forgotten());
@@ -118,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_and_goes_takes_no_room() {
+    fn removed_entries_take_no_memory() {
         let mut memory = Remembered::new(1 << 20);
         for number in 0..10_000 {
             memory.insert(number, (), 10);

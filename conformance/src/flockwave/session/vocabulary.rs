@@ -1,15 +1,15 @@
-//! What following a session needs to know of the message types of Flockwave 2.10 beside their definitions.
+//! Facts about message types of Flockwave 2.10 that session tracking needs and the definitions lack.
 
-/// How a reply tells about each of several objects that were asked for.
+/// The fields of a response that reports on several requested objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Parts {
-    /// The field of the request that names them.
+    /// The field of the request that lists the objects.
     pub request_field: &'static str,
-    /// The fields of the reply, in exactly one of which each of them stands: maps, or lists.
+    /// The fields of the response, which are maps or lists. Each object appears in exactly one of them.
     pub reply_fields: &'static [&'static str],
 }
 
-/// The types of which a reply tells of each object at once, with an error, or with a receipt.
+/// The types whose response reports the result, an error or a receipt for each object.
 pub(crate) const OPERATIONS: [&str; 21] = [
     "BCN-PROPS",
     "FW-UPLOAD",
@@ -34,7 +34,7 @@ pub(crate) const OPERATIONS: [&str; 21] = [
     "UAV-WAKEUP",
 ];
 
-/// What takes long is told in a third part.
+/// The fields of operations. An operation that takes longer has a receipt.
 pub(crate) const OPERATION: Parts =
     Parts { request_field: "ids", reply_fields: &["result", "error", "receipt"] };
 
@@ -44,8 +44,8 @@ const RECEIPTS: Parts = Parts { request_field: "ids", reply_fields: &["success",
 
 const SUBSCRIPTIONS: Parts = Parts { request_field: "paths", reply_fields: &["success", "error"] };
 
-/// The types of which a reply tells piece by piece, but those of operations. That each object stands in exactly one
-/// part is a matter of words; the definitions have no table that says it.
+/// The other types whose response reports on each object. The specification requires in its text that each object
+/// appears in exactly one part, so no table of the definitions states it.
 pub(crate) const PARTS: [(&str, Parts); 14] = [
     ("ASYNC-CANCEL", RECEIPTS),
     ("ASYNC-RESUME", RECEIPTS),
@@ -63,7 +63,7 @@ pub(crate) const PARTS: [(&str, Parts); 14] = [
     ("WTH-INF", STATUS),
 ];
 
-/// Where a reply of this type tells about what was asked for, if it does so piece by piece.
+/// The fields of responses of this type that report on each object, if it has such responses.
 pub(crate) fn parts(type_name: &str) -> Option<Parts> {
     if OPERATIONS.contains(&type_name) {
         return Some(OPERATION);

@@ -1,4 +1,4 @@
-//! The client's end of a live connection.
+//! The client side of live connections.
 
 mod http;
 mod polling;
@@ -11,40 +11,41 @@ use std::time::Instant;
 
 use super::endpoint::{Carrier, Endpoint};
 
-/// What a client heard.
+/// The result of waiting for a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Received {
-    /// A message, as it came.
+    /// A message, unchanged.
     Message(Vec<u8>),
-    /// A message over [`MESSAGE_LIMIT`](super::MESSAGE_LIMIT), of which nothing was kept.
+    /// A message longer than [`MESSAGE_LIMIT`](super::MESSAGE_LIMIT), which was dropped.
     TooLong,
-    /// Nothing, up to the given time.
+    /// The given time passed without a message.
     Silence,
-    /// The server has closed the connection, or nothing of it is left: nothing more will come.
+    /// The connection is closed, so nothing more will arrive.
     End,
 }
 
 /// A connection to a server.
 pub trait Client: Send {
-    /// Sends a message: bytes that needn't be one, for those who try a server.
+    /// Sends a message. Tests of servers may also pass other bytes.
     fn send(&mut self, message: &[u8]) -> io::Result<()>;
 
     /// Waits for the next message.
     fn receive(&mut self, until: Instant) -> io::Result<Received>;
 
-    /// Sends bytes as they are, with nothing that marks where a message ends: for messages in pieces, and several at
-    /// once. Over Socket.IO they are a packet. Transports that have no such thing say so by an error.
+    /// Sends bytes without framing, e.g. parts of a message, or several messages. With Socket.IO, they form a packet.
+    /// Fails if the transport doesn't support this.
     fn send_raw(&mut self, _bytes: &[u8]) -> io::Result<()> {
         Err(io::Error::new(io::ErrorKind::Unsupported, "this transport can't send parts of a message"))
     }
 
-    /// Says that nothing more will be sent, where the transport can say so without ending the connection.
+    /// Closes the sending direction, if the transport supports that.
     fn finish(&mut self) -> io::Result<()> {
         Ok(())
     }
 }
 
-/// Connects to a server, up to where messages can be sent. HTTP has no connection: each message may take as long.
+/// Connects to a server and completes the handshake. HTTP has no connection, so the time limit applies to each
+/// message.
 pub fn connect(endpoint: &Endpoint, until: Instant) -> io::Result<Box<dyn Client>> {
     Ok(match endpoint {
         Endpoint::Tcp(address) => Box::new(tcp::Tcp::connect(address, until)?),
@@ -62,17 +63,17 @@ pub fn connect(endpoint: &Endpoint, until: Instant) -> io::Result<Box<dyn Client
     })
 }
 
-/// What is to be sent over Socket.IO.
+/// The text to send over Socket.IO.
 fn text_of(bytes: &[u8]) -> io::Result<&str> {
-    std::str::from_utf8(bytes).map_err(|_| odd("Socket.IO carries text only"))
+    std::str::from_utf8(bytes).map_err(|_| invalid("Socket.IO carries text only"))
 }
 
-/// An error about what a server did.
-fn odd(message: impl Into<String>) -> io::Error {
+/// An error for unexpected behaviour of a server.
+fn invalid(message: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, message.into())
 }
 
-/// The error where the time is over.
-fn late(what: &str) -> io::Error {
-    io::Error::new(io::ErrorKind::TimedOut, format!("{what} in time"))
+/// An error for a time limit.
+fn timed_out(event: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::TimedOut, format!("{event} in time"))
 }

@@ -1,4 +1,4 @@
-//! Where a live server is found, and over which transport.
+//! The address and transport of a live server.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,7 +7,7 @@ use super::ONE_SHOT_PATH;
 use super::engine::Revision;
 use crate::net::Address;
 
-/// A transport and an address, written as a URL.
+/// A transport and an address, in the form of a URL.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Endpoint {
     /// `tcp://localhost:5001`
@@ -16,34 +16,34 @@ pub enum Endpoint {
     Udp(Address),
     /// `http://localhost:5000/api/v1`
     Http {
-        /// Host and port.
+        /// The host and port.
         address: Address,
-        /// The path, with a slash before it.
+        /// The path, with a leading slash.
         path: String,
     },
     /// `socketio://localhost:5000?protocol=5&transport=websocket`
     SocketIo {
-        /// Host and port.
+        /// The host and port.
         address: Address,
-        /// Which revision of the protocols to speak; the newer one, where nothing is said.
+        /// The revision of the protocols; the newer one by default.
         revision: Revision,
-        /// How packets travel; over a WebSocket, where nothing is said.
+        /// The carrier of packets; WebSocket by default.
         carrier: Carrier,
     },
 }
 
-/// How packets of Socket.IO travel.
+/// The carrier of Socket.IO packets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Carrier {
-    /// Over a WebSocket, from the beginning.
+    /// WebSocket from the start.
     #[default]
     WebSocket,
-    /// By long polling, to the end.
+    /// Long polling throughout.
     Polling,
 }
 
 impl Endpoint {
-    /// The transport, as URLs name it.
+    /// The scheme in the URL.
     pub fn scheme(&self) -> &'static str {
         match self {
             Self::Tcp(_) => "tcp",
@@ -53,7 +53,7 @@ impl Endpoint {
         }
     }
 
-    /// The same server, with packets of Socket.IO that travel in this way.
+    /// Sets the carrier of Socket.IO packets.
     #[must_use]
     pub(crate) fn by(&self, carrier: Carrier) -> Self {
         match self {
@@ -69,7 +69,8 @@ impl FromStr for Endpoint {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (scheme, rest) = text.split_once("://").ok_or("no transport: write tcp://localhost:5001")?;
+        let (scheme, rest) =
+            text.split_once("://").ok_or("no transport: expected a URL, e.g. tcp://localhost:5001")?;
         match scheme {
             "tcp" => Ok(Self::Tcp(bare(rest)?)),
             "udp" => Ok(Self::Udp(bare(rest)?)),
@@ -79,7 +80,7 @@ impl FromStr for Endpoint {
                 Ok(Self::Http { address: address.parse()?, path: path.to_owned() })
             }
             "socketio" => socket_io(rest),
-            other => Err(format!("no transport has the name {other}: there are tcp, udp, http and socketio")),
+            other => Err(format!("unknown transport {other}: expected tcp, udp, http or socketio")),
         }
     }
 }
@@ -101,7 +102,7 @@ impl fmt::Display for Endpoint {
     }
 }
 
-/// An address with at most a slash after it.
+/// An address, optionally followed by a slash.
 fn bare(text: &str) -> Result<Address, String> {
     text.strip_suffix('/').unwrap_or(text).parse()
 }
@@ -117,7 +118,7 @@ fn socket_io(text: &str) -> Result<Endpoint, String> {
             "transport=polling" => carrier = Carrier::Polling,
             other => {
                 return Err(format!(
-                    "{other}: only protocol=4 or 5 and transport=websocket or polling can be said"
+                    "unknown option {other}: expected protocol=4, protocol=5, transport=websocket or transport=polling"
                 ));
             }
         }
@@ -130,7 +131,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn endpoints_are_read_and_printed() {
+    fn parses_and_prints_endpoints() {
         for (text, full) in [
             ("tcp://localhost:5001", "tcp://localhost:5001"),
             ("tcp://[::1]:5001/", "tcp://[::1]:5001"),
@@ -151,7 +152,7 @@ mod tests {
 
     #[test]
     fn reports_why_an_endpoint_is_invalid() {
-        for (text, wrong) in [
+        for (text, expected) in [
             ("localhost:5001", "tcp://localhost:5001"),
             ("ftp://localhost:5001", "socketio"),
             ("tcp://localhost", "no port"),
@@ -159,7 +160,7 @@ mod tests {
             ("socketio://localhost:5000?protocol=3", "protocol=3"),
         ] {
             let text = text.parse::<Endpoint>().expect_err(text);
-            assert!(text.contains(wrong), "{text}");
+            assert!(text.contains(expected), "{text}");
         }
     }
 }

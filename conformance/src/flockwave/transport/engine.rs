@@ -1,22 +1,22 @@
-//! Packets of Engine.IO, which carries Socket.IO. Two revisions are in use, and differ in who asks for a sign of life
-//! and in how long polling puts several packets together.
+//! Packets of Engine.IO, the protocol below Socket.IO. Two revisions are in use. They differ in which side sends
+//! pings, and in how long polling combines packets.
 
 use std::fmt::Write as _;
 
-/// What separates packets in a payload of revision 4.
+/// The separator of packets in a payload of revision 4.
 const SEPARATOR: char = '\u{1e}';
 
-/// The revisions that are in use.
+/// The supported revisions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Revision {
-    /// Engine.IO 3, below Socket.IO 4 (clients up to version 2 of the JavaScript library).
+    /// Engine.IO 3 below Socket.IO 4, for clients up to version 2 of the JavaScript library.
     Three,
-    /// Engine.IO 4, below Socket.IO 5 (clients from version 3 on).
+    /// Engine.IO 4 below Socket.IO 5, for clients from version 3 on.
     Four,
 }
 
 impl Revision {
-    /// The revision with a number of Engine.IO's.
+    /// The revision with this Engine.IO number.
     pub(crate) fn from_number(number: &str) -> Option<Self> {
         match number {
             "3" => Some(Self::Three),
@@ -25,7 +25,7 @@ impl Revision {
         }
     }
 
-    /// The number that Engine.IO gives it.
+    /// The Engine.IO number.
     pub(crate) fn engine_io(self) -> u8 {
         match self {
             Self::Three => 3,
@@ -33,48 +33,48 @@ impl Revision {
         }
     }
 
-    /// The number that Socket.IO gives the revision above it.
+    /// The number of the corresponding Socket.IO revision.
     pub(crate) fn socket_io(self) -> u8 {
         self.engine_io() + 1
     }
 }
 
-/// What a packet is for. The numbers are those that it begins with.
+/// The kind of a packet. The values are the first characters of packets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Kind {
-    /// The server has opened a session.
+    /// Opens a session (sent by the server).
     Open = b'0',
-    /// The session ends.
+    /// Ends the session.
     Close = b'1',
-    /// Asks for a sign of life.
+    /// Requests a pong.
     Ping = b'2',
-    /// The sign of life.
+    /// The answer to a ping.
     Pong = b'3',
-    /// What the protocol above has to say.
+    /// A packet of the protocol above.
     Message = b'4',
-    /// From now on packets travel over the WebSocket.
+    /// Switches to the WebSocket.
     Upgrade = b'5',
-    /// Nothing: it ends a poll.
+    /// No content; it ends a poll.
     Noop = b'6',
 }
 
-/// A packet. Only text is known: Flockwave has no binary messages.
+/// A packet. Only text is supported, since Flockwave has no binary messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Packet {
-    /// What it is for.
+    /// The kind.
     pub kind: Kind,
-    /// What it carries.
+    /// The content.
     pub data: String,
 }
 
 impl Packet {
-    /// A packet.
+    /// Creates a packet.
     pub(crate) fn new(kind: Kind, data: impl Into<String>) -> Self {
         Self { kind, data: data.into() }
     }
 
-    /// Reads a packet; nothing where it isn't one, or is binary.
+    /// Parses a packet. Returns `None` if it is invalid or binary.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let kind = match text.as_bytes().first()? {
             b'0' => Kind::Open,
@@ -89,13 +89,13 @@ impl Packet {
         Some(Self::new(kind, &text[1..]))
     }
 
-    /// The packet as it travels over a WebSocket.
+    /// The text of the packet on a WebSocket.
     pub(crate) fn to_text(&self) -> String {
         format!("{}{}", char::from(self.kind as u8), self.data)
     }
 }
 
-/// Several packets as long polling carries them.
+/// Combines packets to a payload for long polling.
 pub(crate) fn encode(revision: Revision, packets: &[Packet]) -> String {
     let mut payload = String::new();
     for (at, packet) in packets.iter().enumerate() {
@@ -115,28 +115,28 @@ pub(crate) fn encode(revision: Revision, packets: &[Packet]) -> String {
     payload
 }
 
-/// The packets of what long polling carried. An error says what is wrong, and then none of them counts.
+/// Splits a payload of long polling into packets. Fails if any part is invalid.
 pub(crate) fn decode(revision: Revision, payload: &[u8]) -> Result<Vec<Packet>, String> {
     let texts = match revision {
         Revision::Three if payload.first().is_some_and(|first| *first <= 1) => binary_lengths(payload)?,
         Revision::Three => {
             let text = utf8(payload)?;
-            // Clients in JavaScript count units of UTF-16, those in Python code points.
+            // JavaScript clients count UTF-16 units, and Python clients count code points.
             text_lengths(text, |_| 1).or_else(|_| text_lengths(text, char::len_utf16))?
         }
         Revision::Four => utf8(payload)?.split(SEPARATOR).map(str::to_owned).collect(),
     };
-    let packets = texts.iter().map(|text| {
-        Packet::parse(text).ok_or_else(|| "a packet is binary, or of no kind that there is".to_owned())
-    });
+    let packets = texts
+        .iter()
+        .map(|text| Packet::parse(text).ok_or_else(|| "a packet is binary or of an unknown kind".to_owned()));
     packets.collect()
 }
 
 fn utf8(bytes: &[u8]) -> Result<&str, String> {
-    std::str::from_utf8(bytes).map_err(|error| format!("no UTF-8: {error}"))
+    std::str::from_utf8(bytes).map_err(|error| format!("invalid UTF-8: {error}"))
 }
 
-/// JSON with all that isn't ASCII escaped. Revision 3 counts characters, and its clients don't agree on what one is.
+/// JSON with non-ASCII characters escaped. Revision 3 counts characters, and clients disagree on what a character is.
 fn to_ascii(json: &str) -> String {
     if json.is_ascii() {
         return json.to_owned();
@@ -154,22 +154,23 @@ fn to_ascii(json: &str) -> String {
     text
 }
 
-/// Packets that have their lengths and a colon before them.
+/// Splits packets with a length and a colon before each.
 fn text_lengths(mut text: &str, length_of: fn(char) -> usize) -> Result<Vec<String>, String> {
     let mut packets = Vec::new();
     while !text.is_empty() {
-        let (length, rest) = text.split_once(':').ok_or("no length before a packet")?;
-        let mut left: usize = length.parse().map_err(|_| "the length of a packet is no number".to_owned())?;
+        let (length, rest) = text.split_once(':').ok_or("a packet has no length")?;
+        let mut left: usize =
+            length.parse().map_err(|_| "the length of a packet isn't a number".to_owned())?;
         let mut end = 0;
         for character in rest.chars() {
             if left == 0 {
                 break;
             }
-            left = left.checked_sub(length_of(character)).ok_or("a length ends inside of a character")?;
+            left = left.checked_sub(length_of(character)).ok_or("a length ends within a character")?;
             end += character.len_utf8();
         }
         if left > 0 {
-            return Err("a packet is shorter than its length says".to_owned());
+            return Err("a packet is shorter than its stated length".to_owned());
         }
         let (packet, after) = rest.split_at(end);
         packets.push(packet.to_owned());
@@ -178,7 +179,7 @@ fn text_lengths(mut text: &str, length_of: fn(char) -> usize) -> Result<Vec<Stri
     Ok(packets)
 }
 
-/// Packets of text in the binary form: 0, the digits of the length in bytes as numbers, 255, the packet.
+/// Splits text packets in the binary form: 0, the digits of the length in bytes as numbers, 255, and the packet.
 fn binary_lengths(mut payload: &[u8]) -> Result<Vec<String>, String> {
     let mut packets = Vec::new();
     while let Some((kind, rest)) = payload.split_first() {
@@ -191,7 +192,7 @@ fn binary_lengths(mut payload: &[u8]) -> Result<Vec<String>, String> {
             sum.checked_mul(10)?.checked_add(usize::from(*digit)).filter(|_| *digit < 10)
         });
         let packet = length.and_then(|length| rest.get(..length));
-        let packet = packet.ok_or("a packet is shorter than its length says")?;
+        let packet = packet.ok_or("a packet is shorter than its stated length")?;
         packets.push(utf8(packet)?.to_owned());
         payload = &rest[packet.len()..];
     }
@@ -205,14 +206,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn payloads_look_as_each_revision_has_them() {
+    fn encodes_payloads_for_each_revision() {
         let packets = [Packet::new(Kind::Message, "2[\"fw\"]"), Packet::new(Kind::Ping, "")];
         assert_eq!(encode(Revision::Three, &packets), "8:42[\"fw\"]1:2");
         assert_eq!(encode(Revision::Four, &packets), "42[\"fw\"]\u{1e}2");
     }
 
     #[test]
-    fn revision_3_counts_differently_from_client_to_client() {
+    fn accepts_all_ways_to_count_in_revision_3() {
         let glider = Packet::new(Kind::Message, "2[\"fw\",\"\u{1fa82}\"]");
         let text = glider.to_text();
         for length in [text.chars().count(), text.encode_utf16().count()] {
@@ -240,7 +241,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_encoded_is_decoded(texts in prop::collection::vec("[ -~]{0,20}", 1..5)) {
+        fn decodes_encoded_payloads(texts in prop::collection::vec("[ -~]{0,20}", 1..5)) {
             let packets: Vec<Packet> = texts.iter().map(|text| Packet::new(Kind::Message, text.as_str())).collect();
             for revision in [Revision::Three, Revision::Four] {
                 prop_assert_eq!(decode(revision, encode(revision, &packets).as_bytes()), Ok(packets.clone()));
@@ -248,7 +249,7 @@ mod tests {
         }
 
         #[test]
-        fn no_payload_makes_it_panic(payload in prop::collection::vec(any::<u8>(), 0..100)) {
+        fn no_payload_causes_a_panic(payload in prop::collection::vec(any::<u8>(), 0..100)) {
             let _ = decode(Revision::Three, &payload);
             let _ = decode(Revision::Four, &payload);
         }

@@ -1,4 +1,4 @@
-//! Requests of HTTP/1.1, as a server reads them from a connection.
+//! The server side of HTTP/1.1.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::TcpStream;
@@ -6,19 +6,19 @@ use std::time::{Duration, Instant};
 
 use super::MESSAGE_LIMIT;
 
-/// The longest head of a request. Browsers send one or two kilobytes.
+/// The maximum size of the head of a request, in bytes. Browsers send one or two kilobytes.
 const HEAD_LIMIT: usize = 32 << 10;
 
-/// How many header lines a head may have.
+/// The maximum number of header lines.
 const HEADER_LIMIT: usize = 100;
 
-/// How long the next request may take to begin.
+/// The maximum time between requests.
 const IDLE_LIMIT: Duration = Duration::from_secs(60);
 
-/// How long a request may take from its first byte to its last.
+/// The maximum time from the first byte of a request to its last.
 const REQUEST_LIMIT: Duration = Duration::from_secs(30);
 
-/// How often a connection that waits looks whether it is still wanted.
+/// The interval in which a waiting connection checks if it is still wanted.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// A request.
@@ -28,7 +28,7 @@ pub(crate) struct Request {
     pub method: String,
     /// The path, without the query.
     pub path: String,
-    /// What stands behind the question mark.
+    /// The query, without the question mark.
     pub query: String,
     headers: Vec<(String, String)>,
     /// The body.
@@ -37,12 +37,12 @@ pub(crate) struct Request {
 }
 
 impl Request {
-    /// A header, by its name in small letters.
+    /// The value of a header. The name is in lower case.
     pub(crate) fn header(&self, name: &str) -> Option<&str> {
         self.headers.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
-    /// A field of the query. Nothing is unescaped: the values that are asked for need no escapes.
+    /// A field of the query, without unescaping. The fields in use need none.
     pub(crate) fn field(&self, name: &str) -> Option<&str> {
         self.query
             .split('&')
@@ -51,14 +51,14 @@ impl Request {
             .map(|pair| pair.1)
     }
 
-    /// Whether a header that lists words has this one.
+    /// True if a header is a list that contains this word.
     pub(crate) fn has_word(&self, header: &str, word: &str) -> bool {
         let words = self.header(header).unwrap_or_default().split(',');
         words.map(str::trim).any(|known| known.eq_ignore_ascii_case(word))
     }
 }
 
-/// What is sent back.
+/// An HTTP response.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Response {
     status: &'static str,
@@ -67,13 +67,13 @@ pub(crate) struct Response {
 }
 
 impl Response {
-    /// A response with a body.
+    /// Creates a response with a body.
     pub(crate) fn new(status: &'static str, content_type: &str, body: impl Into<Vec<u8>>) -> Self {
         let headers = vec![("Content-Type", content_type.to_owned())];
         Self { status, headers, body: body.into() }
     }
 
-    /// A response that says in words what is wrong.
+    /// Creates an error response with a reason.
     pub(crate) fn refusal(status: &'static str, reason: impl Into<String>) -> Self {
         Self::new(status, "text/plain; charset=utf-8", format!("{}\n", reason.into()))
     }
@@ -86,19 +86,19 @@ impl Response {
     }
 }
 
-/// What came over a connection.
+/// The result of waiting for a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Incoming {
     /// A request.
     Request(Request),
-    /// Something that can't be served: the answer to it. The connection is to end then, since nobody knows where the
-    /// next request begins.
+    /// An error response to an invalid request. The connection must be closed, since the start of the next request is
+    /// unknown.
     Refused(Response),
-    /// Nothing: the connection has ended, is no longer wanted, or was silent for too long.
+    /// No request: the connection was closed, is no longer wanted, or was idle for too long.
     Nothing,
 }
 
-/// The server's end of a connection.
+/// The server side of a connection.
 #[derive(Debug)]
 pub(crate) struct Connection {
     stream: TcpStream,
@@ -106,14 +106,14 @@ pub(crate) struct Connection {
 }
 
 impl Connection {
-    /// Takes over a connection that has just been accepted.
+    /// Creates a connection from an accepted stream.
     pub(crate) fn new(stream: TcpStream) -> io::Result<Self> {
         stream.set_nodelay(true)?;
         stream.set_write_timeout(Some(REQUEST_LIMIT))?;
         Ok(Self { stream, buffer: Vec::new() })
     }
 
-    /// Waits for the next request while `is_wanted`.
+    /// Waits for the next request as long as `is_wanted` is true.
     pub(crate) fn next(&mut self, is_wanted: &dyn Fn() -> bool) -> io::Result<Incoming> {
         let mut until = Instant::now() + IDLE_LIMIT;
         if self.buffer.is_empty() && !self.read_more(until, is_wanted)? {
@@ -150,7 +150,7 @@ impl Connection {
         Ok(Incoming::Request(request))
     }
 
-    /// Sends the answer to a request; whether the connection goes on.
+    /// Sends the response to a request. Returns true if the connection stays open.
     pub(crate) fn respond(&mut self, request: Option<&Request>, response: &Response) -> io::Result<bool> {
         let is_last = request.is_none_or(|request| request.is_last);
         let mut text = format!("HTTP/1.1 {}\r\n", response.status).into_bytes();
@@ -170,12 +170,12 @@ impl Connection {
         Ok(!is_last)
     }
 
-    /// The stream, and what came after the last request: for another protocol.
+    /// The stream and the bytes after the last request, to continue with another protocol.
     pub(crate) fn into_stream(self) -> (TcpStream, Vec<u8>) {
         (self.stream, self.buffer)
     }
 
-    /// Whether something came before the time was over.
+    /// Reads more bytes. Returns false if none arrive in time.
     fn read_more(&mut self, until: Instant, is_wanted: &dyn Fn() -> bool) -> io::Result<bool> {
         let mut piece = [0; 16 << 10];
         loop {
@@ -197,7 +197,7 @@ impl Connection {
     }
 }
 
-/// Whether an error says only that nothing came in time.
+/// True if an error only means that nothing arrived in time.
 pub(crate) fn is_silence(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted)
 }
@@ -208,7 +208,7 @@ enum Head {
     Partial,
 }
 
-/// Reads the head that the bytes begin with: the request, the lengths of its head and of its body.
+/// Parses the head of a request. Returns the request and the lengths of its head and body.
 fn parse_head(bytes: &[u8]) -> Head {
     let mut headers = [httparse::EMPTY_HEADER; HEADER_LIMIT];
     let mut parsed = httparse::Request::new(&mut headers);
@@ -216,7 +216,10 @@ fn parse_head(bytes: &[u8]) -> Head {
         Ok(httparse::Status::Complete(head)) => head,
         Ok(httparse::Status::Partial) => return Head::Partial,
         Err(error) => {
-            return Head::Refused(Response::refusal("400 Bad Request", format!("no HTTP request: {error}")));
+            return Head::Refused(Response::refusal(
+                "400 Bad Request",
+                format!("invalid HTTP request: {error}"),
+            ));
         }
     };
     let target = parsed.path.unwrap_or_default();
@@ -247,10 +250,10 @@ fn body_length(request: &Request) -> Result<usize, Response> {
     let mut lengths =
         request.headers.iter().filter(|(name, _)| name == "content-length").map(|(_, value)| value);
     let Some(length) = lengths.next() else { return Ok(0) };
-    // Two lengths that differ are a way to smuggle requests past others.
+    // Contradictory lengths would allow request smuggling.
     let is_number = !length.is_empty() && length.bytes().all(|byte| byte.is_ascii_digit());
     if !is_number || lengths.any(|other| other != length) {
-        return Err(Response::refusal("400 Bad Request", "the Content-Length is no number"));
+        return Err(Response::refusal("400 Bad Request", "the Content-Length isn't a single number"));
     }
     length.parse().ok().filter(|length| *length <= MESSAGE_LIMIT).ok_or_else(|| {
         let reason = format!("the body is longer than {MESSAGE_LIMIT} bytes");
@@ -265,8 +268,8 @@ mod tests {
 
     use super::*;
 
-    /// What a server reads from a client that sends these pieces and then says no more.
-    fn came(pieces: &'static [&'static [u8]]) -> Vec<Incoming> {
+    /// The results that a server gets from a client which sends these pieces and then closes its side.
+    fn received(pieces: &'static [&'static [u8]]) -> Vec<Incoming> {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let address = listener.local_addr().expect("an address");
         let client = thread::spawn(move || {
@@ -274,16 +277,16 @@ mod tests {
             for piece in pieces {
                 let _ = stream.write_all(piece);
             }
-            // The server's side may close first: that is no failure.
+            // The server may close its side first.
             let _ = stream.shutdown(std::net::Shutdown::Write);
             let _ = stream.read_to_end(&mut Vec::new());
         });
         let mut connection = Connection::new(listener.accept().expect("a client").0).expect("a connection");
         let mut all = Vec::new();
         loop {
-            let came = connection.next(&|| true).expect("it is read");
-            let is_end = !matches!(came, Incoming::Request(_));
-            all.push(came);
+            let incoming = connection.next(&|| true).expect("a result");
+            let is_end = !matches!(incoming, Incoming::Request(_));
+            all.push(incoming);
             if is_end {
                 break;
             }
@@ -295,7 +298,7 @@ mod tests {
 
     #[test]
     fn reads_consecutive_requests_split_anywhere() {
-        let all = came(&[
+        let all = received(&[
             b"POST /api/v1?a=b&eio=4 HTTP/1.1\r\nHost: glider\r\nContent-Le",
             b"ngth: 4\r\n\r\nwi",
             b"ndGET / HTTP/1.1\r\nConnection: Upgrade, close\r\n\r\n",
@@ -312,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_request_is_refused() {
+    fn refuses_invalid_requests() {
         const CASES: [(&[&[u8]], &str); 7] = [
             (&[b"\x00\x01\x02\r\n\r\n"], "400"),
             (&[b"POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n"], "400"),
@@ -323,10 +326,10 @@ mod tests {
             (&[b"GET / HTTP/1.1\r\nX: ", &[b'x'; 40 << 10]], "431"),
         ];
         for (bytes, status) in CASES {
-            let all = came(bytes);
+            let all = received(bytes);
             let Some(Incoming::Refused(response)) = all.last() else { panic!("{all:?}") };
             assert!(response.status.starts_with(status), "{response:?}");
         }
-        assert_eq!(came(&[b"POST / HTTP/1.1\r\nContent-Length: 4\r\n\r\nwi"]), [Incoming::Nothing]);
+        assert_eq!(received(&[b"POST / HTTP/1.1\r\nContent-Length: 4\r\n\r\nwi"]), [Incoming::Nothing]);
     }
 }

@@ -1,32 +1,32 @@
-//! Lines out of a stream that comes in pieces.
+//! Splits a stream into lines.
 
 use memchr::memchr;
 
 use super::MESSAGE_LIMIT;
 
-/// What stands between two line ends.
+/// A line of a stream.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Line {
-    /// A line without its end. A carriage return before the end isn't part of it.
+    /// A line without its line end, which may be preceded by a carriage return.
     Whole(Vec<u8>),
-    /// A line over [`MESSAGE_LIMIT`], of which nothing is kept.
+    /// A line longer than [`MESSAGE_LIMIT`], which was dropped.
     TooLong,
 }
 
-/// Collects the pieces, wherever they were cut.
+/// A buffer that splits received pieces into lines.
 #[derive(Debug, Default)]
 pub(crate) struct Lines {
     buffer: Vec<u8>,
-    /// Where the first line that wasn't taken begins.
+    /// The start of the first line that wasn't returned yet.
     start: usize,
-    /// Up to where there is no line end.
+    /// The index up to which there is no line end.
     searched: usize,
-    /// Whether all up to the next line end belongs to a line that is too long.
+    /// True while skipping the rest of a line that is too long.
     is_skipping: bool,
 }
 
 impl Lines {
-    /// Adds what came in.
+    /// Adds received bytes.
     pub(crate) fn feed(&mut self, bytes: &[u8]) {
         if self.start > 0 {
             self.buffer.drain(..self.start);
@@ -36,7 +36,7 @@ impl Lines {
         self.buffer.extend_from_slice(bytes);
     }
 
-    /// The next line, where one has come to its end.
+    /// The next complete line.
     pub(crate) fn take(&mut self) -> Option<Line> {
         let Some(found) = memchr(b'\n', &self.buffer[self.searched..]) else {
             self.searched = self.buffer.len();
@@ -53,18 +53,18 @@ impl Lines {
         Some(if is_too_long { Line::TooLong } else { line })
     }
 
-    /// All lines that have come to their end.
+    /// All complete lines.
     pub(crate) fn taken(&mut self) -> Vec<Line> {
         std::iter::from_fn(|| self.take()).collect()
     }
 
-    /// Whether something has come of a line that hasn't ended.
+    /// True if there is an incomplete line.
     #[cfg(test)]
     pub(crate) fn has_rest(&self) -> bool {
         self.is_skipping || self.start < self.buffer.len()
     }
 
-    /// Forgets what has come of a line that hasn't ended.
+    /// Drops an incomplete line.
     pub(crate) fn drop_rest(&mut self) {
         *self = Self::default();
     }
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_end_with_either_line_end_and_the_rest_waits() {
+    fn accepts_both_line_ends_and_keeps_incomplete_lines() {
         let mut lines = Lines::default();
         lines.feed(b"one\r\n\ntw");
         assert_eq!(lines.taken(), [whole("one"), whole("")]);
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn drops_a_line_without_end() {
+    fn drops_an_endless_line() {
         let mut lines = Lines::default();
         let piece = vec![b'x'; 1 << 20];
         let mut found = Vec::new();
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn the_limit_holds_for_lines_that_come_at_once() {
+    fn limits_lines_within_a_single_piece() {
         let mut lines = Lines::default();
         let mut text = vec![b'x'; MESSAGE_LIMIT + 1];
         text.extend(b"\nnext\n");
@@ -133,9 +133,9 @@ mod tests {
             pieces in prop::collection::vec(prop::collection::vec(prop_oneof![Just(b'\n'), any::<u8>()], 0..20), 0..20)
         ) {
             let whole = pieces.concat();
-            let mut at_once = Lines::default();
-            at_once.feed(&whole);
-            let expected = at_once.taken();
+            let mut in_one_piece = Lines::default();
+            in_one_piece.feed(&whole);
+            let expected = in_one_piece.taken();
             let mut lines = Lines::default();
             let mut found = Vec::new();
             for piece in &pieces {

@@ -1,35 +1,35 @@
-//! Packets of Socket.IO, as far as Flockwave needs them: one namespace, one event, no binary data.
+//! Packets of Socket.IO, as far as Flockwave needs them: one namespace, one event and no binary data.
 
 use serde_json::value::RawValue;
 
-/// The event that messages travel as.
+/// The event for messages.
 pub(crate) const EVENT: &str = "fw";
 
-/// A packet, as one side reads it from the other.
+/// A received packet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Packet {
-    /// A side joins a namespace; the server answers so, too.
+    /// Joins a namespace, or confirms that.
     Connect {
-        /// The namespace; `/` is the one that is always there.
+        /// The namespace; `/` always exists.
         namespace: String,
     },
-    /// A side leaves the namespace.
+    /// Leaves the namespace.
     Disconnect,
-    /// The event of Flockwave.
+    /// A Flockwave message.
     Message {
-        /// The message as it stood in the packet.
+        /// The text of the message.
         text: String,
-        /// The number under which the sender wants to hear that it has arrived.
+        /// The number of the acknowledgement that the sender requests.
         receipt: Option<u64>,
     },
-    /// The server won't let the client join a namespace: why.
+    /// The server refuses a namespace, for this reason.
     Refusal(String),
-    /// Anything else: other events, other namespaces, receipts, binary data.
+    /// Anything else: other events or namespaces, acknowledgements, binary data.
     Other,
 }
 
 impl Packet {
-    /// Reads a packet; nothing where it isn't one.
+    /// Parses a packet. Returns `None` if it is invalid.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let (kind, rest) = text.split_at_checked(1)?;
         let (namespace, rest) = namespace(rest);
@@ -44,28 +44,28 @@ impl Packet {
     }
 }
 
-/// The packet that carries a message.
+/// The packet for a message.
 pub(crate) fn message(text: &str) -> String {
     message_as(EVENT, text)
 }
 
-/// The packet that carries a message as some event.
+/// The packet for a message in a given event.
 pub(crate) fn message_as(event: &str, text: &str) -> String {
     format!("2[\"{event}\",{text}]")
 }
 
-/// The packet that says that an event has arrived.
+/// The packet that acknowledges an event.
 pub(crate) fn receipt(number: u64) -> String {
     format!("3{number}[]")
 }
 
-/// Takes the namespace off: `/name,` or nothing.
+/// Splits off the namespace: `/name,` or nothing.
 fn namespace(text: &str) -> (&str, &str) {
     if !text.starts_with('/') {
         return ("/", text);
     }
     let (name, rest) = text.split_once(',').unwrap_or((text, ""));
-    // Revision 4 lets clients write a query after the name.
+    // In revision 4, clients may append a query to the name.
     (name.split('?').next().unwrap_or(name), rest)
 }
 
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn packets_are_read() {
+    fn parses_packets() {
         let connect = |namespace: &str| Some(Packet::Connect { namespace: namespace.to_owned() });
         let message = |text: &str, receipt| Some(Packet::Message { text: text.to_owned(), receipt });
         for (text, expected) in [

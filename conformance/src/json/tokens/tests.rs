@@ -1,4 +1,4 @@
-//! The tokenizer accepts what `serde_json` accepts, and reads the same values.
+//! Tests that the tokenizer accepts the same texts as `serde_json`, and reads the same values.
 
 use proptest::prelude::*;
 use serde::de::IgnoredAny;
@@ -7,7 +7,7 @@ use serde_json::{Number, Value};
 use super::super::Tree;
 use super::*;
 
-/// Texts that are nearly JSON, and often are.
+/// Texts that are JSON or similar to it.
 fn texts() -> impl Strategy<Value = String> {
     let leaf = prop_oneof![
         "[-0-9.eE+]{1,22}",
@@ -31,7 +31,7 @@ fn texts() -> impl Strategy<Value = String> {
     })
 }
 
-/// The value that `serde_json` has for a tree; none if it has none.
+/// The equivalent `serde_json` value, if there is one.
 fn value(tree: &Tree<'_>) -> Option<Value> {
     Some(match tree {
         Tree::Null => Value::Null,
@@ -109,7 +109,7 @@ fn takes_a_key_only_if_it_is_the_whole_key() {
 }
 
 #[test]
-fn limits_the_depth_of_what_it_reads_but_not_of_what_it_skips() {
+fn limits_the_depth_of_reading_but_not_of_skipping() {
     for (depth, is_readable) in [(127, true), (128, false), (100_000, false)] {
         for [open, close] in [["[", "]"], ["{\"a\":[", "]}"]] {
             let levels = depth / open.bytes().filter(|byte| matches!(byte, b'{' | b'[')).count();

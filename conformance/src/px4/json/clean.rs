@@ -1,6 +1,6 @@
-//! The fast check of a message: it reads the text once, without a tree, and only says that nothing is wrong.
+//! A fast check that confirms messages without findings. It reads the text in one pass, without building a tree.
 //!
-//! What is wrong otherwise is worked out from the tree.
+//! All other messages are checked with a tree, which provides the findings.
 
 use uavspec_codegen::dynamic::members::Seen;
 use uavspec_codegen::schema::{MessageId, Shape};
@@ -11,17 +11,17 @@ use super::value::Leaf;
 use crate::json::{Token, Tokens, Unclear, base64};
 use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans};
 
-/// What a clean message says of itself.
+/// The result for a message without findings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Clean {
-    /// Its own field `timestamp`.
+    /// The field `timestamp` of the message.
     pub(crate) timestamp: Option<u64>,
-    /// What differs from the published schema.
+    /// The accepted deviations from the published schema.
     pub(crate) dialects: Dialects,
 }
 
 impl Plans {
-    /// Reads a text that is a clean message, as [`Plans::read`] does. An error says only that something is wrong.
+    /// Reads a text like [`Plans::read`]. Fails if there may be findings.
     pub(crate) fn read_text(
         &self,
         id: MessageId,
@@ -35,8 +35,8 @@ impl Plans {
         Ok(clean)
     }
 
-    /// Reads a clean message. `values` gets its numbers and bools as they lie in memory: it has the size of the message,
-    /// or is empty if they are not needed.
+    /// Reads a message without findings. Stores its numbers and booleans in `values`, in memory layout. `values` has
+    /// the size of the message, or is empty if they aren't needed.
     pub(crate) fn read(
         &self,
         id: MessageId,
@@ -58,7 +58,7 @@ struct Reading<'p, 'v> {
 }
 
 impl<'p> Reading<'p, '_> {
-    /// A message that starts at `base` in memory.
+    /// Reads a message that starts at offset `base` in memory.
     fn message(
         &mut self,
         tokens: &mut Tokens<'_>,
@@ -90,7 +90,7 @@ impl<'p> Reading<'p, '_> {
         Ok(())
     }
 
-    /// The value of a field, or of an element of it, which starts at `at` in memory.
+    /// Reads the value of a field, or an element of it, at offset `at` in memory.
     fn value(
         &mut self,
         tokens: &mut Tokens<'_>,
@@ -120,7 +120,7 @@ impl<'p> Reading<'p, '_> {
         }
     }
 
-    /// The elements of an array.
+    /// Reads the elements of an array.
     fn list(&mut self, tokens: &mut Tokens<'_>, field: &'p FieldPlan, mut at: usize) -> Result<(), Unclear> {
         let mut count = 0;
         tokens.list(|tokens| {
@@ -132,7 +132,7 @@ impl<'p> Reading<'p, '_> {
         field.check_length(count).map_err(|_| Unclear)
     }
 
-    /// Text that is written as the numbers of its bytes.
+    /// Reads text in the form of its byte values.
     fn numbers(&mut self, tokens: &mut Tokens<'_>, field: &FieldPlan, room: u32) -> Result<(), Unclear> {
         let mut bytes = Vec::new();
         tokens.list(|tokens| match tokens.token()? {
@@ -147,7 +147,7 @@ impl<'p> Reading<'p, '_> {
     }
 }
 
-/// Takes the key of a field, most likely of the next declared field.
+/// Reads the key of a field, which is most likely the next declared one.
 fn next_field(fields: &[FieldPlan], guess: usize, tokens: &mut Tokens<'_>) -> Result<usize, Unclear> {
     if fields.get(guess).is_some_and(|field| tokens.takes_key(&field.name)) {
         return Ok(guess);
@@ -157,7 +157,7 @@ fn next_field(fields: &[FieldPlan], guess: usize, tokens: &mut Tokens<'_>) -> Re
 }
 
 impl<'t> Leaf<'t> {
-    /// The value that a token is; none for numbers that are too large, and for tokens that are not JSON.
+    /// The value of a token. `None` for numbers that are too large and for tokens that aren't JSON.
     pub(super) fn from_token(token: &'t Token<'_>) -> Option<Self> {
         Some(match token {
             Token::Null => Self::Null,
@@ -171,7 +171,7 @@ impl<'t> Leaf<'t> {
 }
 
 impl FieldPlan {
-    /// Whether it is the time of a message. It needs no restriction, which its definition doesn't give.
+    /// True if it is the timestamp of a message. Its definition has no restriction, so it needs no check.
     pub(super) fn is_timestamp(&self) -> bool {
         self.name == "timestamp"
             && matches!(self.element, Element::Scalar(Scalar::UInt64))
@@ -179,9 +179,9 @@ impl FieldPlan {
             && self.restriction.is_none()
     }
 
-    /// The bytes of an array that a text stands for, where that is how rosbridge writes it.
+    /// The decoded bytes of an array that rosbridge wrote as base64.
     ///
-    /// Text that fits into its array is shorter than its base64, so it can't be taken for such.
+    /// Text that fits into its array is shorter than the array's base64, so there is no ambiguity.
     pub(super) fn as_base64(&self, text: &str, is_rosbridge: bool, is_element: bool) -> Option<Vec<u8>> {
         let is_bytes = match self.element {
             Element::Text(room) => text.len() > room as usize,
@@ -190,7 +190,7 @@ impl FieldPlan {
         if is_rosbridge && is_bytes { base64::decode(text) } else { None }
     }
 
-    /// Whether nothing is wrong with an array that was written as base64.
+    /// True if an array in base64 has no findings.
     fn check_bytes(&self, bytes: &[u8]) -> bool {
         match self.element {
             Element::Text(_) => self.check_text(bytes).is_ok(),

@@ -1,22 +1,22 @@
-//! How programs write JSON otherwise than the published schema says.
+//! Accepted deviations of JSON messages from the published schemas.
 
 use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-/// A way in which the JSON of a message differs from the published schema.
+/// An accepted deviation of JSON messages from the published schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Dialect {
     /// rosbridge writes arrays of `uint8`, and so `char[N]`, as base64.
     Base64,
-    /// ROS 2 knows `char` as `uint8`, so `char[N]` is an array of numbers.
+    /// In ROS 2, `char` is `uint8`, so `char[N]` is an array of numbers.
     NumbersForText,
-    /// Python's `json` writes NaN and infinity as tokens that are no JSON.
+    /// Python's `json` writes NaN and infinity as tokens that aren't JSON.
     BareNan,
 }
 
 impl Dialect {
-    /// All of them.
+    /// All dialects.
     pub const ALL: [Self; 3] = [Self::Base64, Self::NumbersForText, Self::BareNan];
 }
 
@@ -36,17 +36,17 @@ impl fmt::Display for Dialect {
 pub struct Dialects(#[cfg_attr(test, schemars(with = "Vec<String>"))] u8);
 
 impl Dialects {
-    /// Adds one.
+    /// Adds a dialect.
     pub fn insert(&mut self, dialect: Dialect) {
         self.0 |= 1 << dialect as u8;
     }
 
-    /// Adds all of others.
+    /// Adds all dialects of another set.
     pub fn absorb(&mut self, others: Self) {
         self.0 |= others.0;
     }
 
-    /// All of them, in order.
+    /// The dialects in order.
     pub fn iter(self) -> impl Iterator<Item = Dialect> {
         Dialect::ALL.into_iter().filter(move |dialect| self.0 & 1 << *dialect as u8 != 0)
     }

@@ -1,4 +1,4 @@
-//! Tells everything that is wrong with a message.
+//! Reports all findings in a JSON message.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -13,38 +13,38 @@ use crate::json::{Tree, shortened};
 use crate::model::{Detail, Findings, Location, Rule};
 use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans, Violation};
 
-/// How many unknown fields of one object are told one by one.
+/// The maximum number of unknown fields of an object that are reported separately.
 const MAX_UNKNOWN: usize = 16;
 
-/// A message that is told of.
+/// The origin of a message, for findings.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MessageOrigin<'m> {
-    /// Its type.
+    /// The type.
     pub id: MessageId,
-    /// What findings call it: its topic, or the name of its type.
+    /// The name in findings: the topic or type.
     pub name: &'m str,
-    /// Where it stands.
+    /// The location.
     pub location: Location,
-    /// The key under which it stands in its record, where that has more than the message.
+    /// The key of the message in its record, if the record has other members.
     pub key: Option<&'m str>,
-    /// Whether what rosbridge writes is allowed.
+    /// True if the dialects of rosbridge are allowed.
     pub is_rosbridge: bool,
 }
 
 impl Plans {
-    /// Reports everything that is wrong with a message; the ways of writing that it has are those returned.
+    /// Reports all findings in a message. Returns the dialects that it uses.
     pub(crate) fn explain(
         &self,
         origin: MessageOrigin<'_>,
         tree: &Tree<'_>,
         findings: &mut Findings,
     ) -> Dialects {
-        self.explain_what_counts(origin, tree, findings).0
+        self.explain_with_ignored(origin, tree, findings).0
     }
 
-    /// The same, and whether something else would be wrong, if entries of arrays that aren't in use counted. Who reads a
-    /// message in one go doesn't know which those are: their number may follow them.
-    pub(super) fn explain_what_counts(
+    /// Like `explain`, and also returns true if unused array entries had findings that were ignored. A reader in one
+    /// pass can't know the number of used entries, since it may follow the array.
+    pub(super) fn explain_with_ignored(
         &self,
         origin: MessageOrigin<'_>,
         tree: &Tree<'_>,
@@ -59,7 +59,7 @@ impl Plans {
             pointer: origin.key.map(|key| pointer(&[key])).unwrap_or_default(),
             elements: 0,
             is_unused: false,
-            has_passed_over: false,
+            has_ignored: false,
             subject: origin.name.to_owned(),
         };
         let plan = self.get(origin.id);
@@ -71,10 +71,10 @@ impl Plans {
                 explaining.report(explaining.plans.rules.json_type, plan.span, detail);
             }
         }
-        (explaining.dialects, explaining.has_passed_over)
+        (explaining.dialects, explaining.has_ignored)
     }
 
-    /// The field `timestamp` of a message, where it has one.
+    /// The field `timestamp` of a message, if it has one.
     pub(crate) fn timestamp(&self, id: MessageId, tree: &Tree<'_>) -> Option<u64> {
         self.get(id).fields.iter().find(|field| field.is_timestamp())?;
         match tree.get("timestamp") {
@@ -89,23 +89,23 @@ struct Explaining<'p, 'm> {
     origin: MessageOrigin<'m>,
     findings: &'m mut Findings,
     dialects: Dialects,
-    /// Where in the message, as `events[2].id`.
+    /// The path in the message, e.g. `events[2].id`.
     path: String,
-    /// The same as a JSON pointer into the record.
+    /// The path as a JSON pointer into the record.
     pointer: String,
-    /// How many indices the path has.
+    /// The number of indices in the path.
     elements: usize,
-    /// Whether that is in an entry of an array which isn't in use: its values are ignored, whatever they are.
+    /// True within an unused array entry, whose values are ignored.
     is_unused: bool,
-    /// Whether there was a value that would have been wrong elsewhere.
-    has_passed_over: bool,
-    /// The same without indices, behind the name of the message: equal findings have it in common.
+    /// True if a finding was ignored because it was in an unused entry.
+    has_ignored: bool,
+    /// The name of the message and the path without indices, which are the subject of findings.
     subject: String,
 }
 
 impl<'p> Explaining<'p, '_> {
     fn report(&mut self, rule: &'static Rule, definition: Span, detail: Detail) {
-        // Without an index the subject says it all.
+        // Without an index, the subject contains the whole path.
         let detail = if self.elements > 0 { detail.at(self.path.as_str()) } else { detail };
         let detail = detail.located(self.pointer.as_str());
         self.findings.report(rule, &self.subject, self.origin.location, Some(definition), || detail);
@@ -119,7 +119,7 @@ impl<'p> Explaining<'p, '_> {
         is_element: bool,
     ) {
         if self.is_unused && violation.is_of_value() {
-            self.has_passed_over = true;
+            self.has_ignored = true;
             return;
         }
         let found = tree.to_string();
@@ -127,8 +127,8 @@ impl<'p> Explaining<'p, '_> {
         self.report(violation.rule(self.plans.rules), field.span, detail);
     }
 
-    /// Does something within a member, which findings call so.
-    fn within(&mut self, key: &str, name: &str, what: impl FnOnce(&mut Self)) {
+    /// Runs `work` within a member. Findings use `name` for it.
+    fn within(&mut self, key: &str, name: &str, work: impl FnOnce(&mut Self)) {
         let (path, subject, location) = (self.path.len(), self.subject.len(), self.pointer.len());
         if path > 0 {
             self.path.push('.');
@@ -137,13 +137,13 @@ impl<'p> Explaining<'p, '_> {
         self.subject.push('.');
         self.subject.push_str(name);
         self.pointer.push_str(&pointer(&[key]));
-        what(self);
+        work(self);
         self.path.truncate(path);
         self.subject.truncate(subject);
         self.pointer.truncate(location);
     }
 
-    /// The members of an object.
+    /// Checks the members of an object.
     fn members(&mut self, object: &Tree<'_>, members: &[(Cow<'_, str>, Tree<'_>)], plan: &'p MessagePlan) {
         let mut times = vec![0_u32; plan.fields.len()];
         let mut unknown = 0;
@@ -162,7 +162,7 @@ impl<'p> Explaining<'p, '_> {
             };
             times[index] = times[index].saturating_add(1);
             let field = &plan.fields[index];
-            // Of a field that is repeated, which is wrong in itself, only the first is looked up.
+            // If a field is repeated, which is a finding itself, only the first one is counted.
             let count = field.counted_by.filter(|_| times[index] == 1);
             let used = count.and_then(|count| in_use(object, &plan.fields[count]));
             self.within(key, &field.name, |within| within.field(value, field, used));
@@ -176,7 +176,7 @@ impl<'p> Explaining<'p, '_> {
                 let expected = field.expected(false).to_string();
                 Detail::new(format!("the field is missing; expected {expected}")).expected(expected)
             } else {
-                Detail::new(format!("the field is there {times} times")).expected("once")
+                Detail::new(format!("the field appears {times} times")).expected("once")
             };
             let detail = detail.excerpt(object.excerpt());
             self.within(&field.name, &field.name, |within| {
@@ -185,7 +185,7 @@ impl<'p> Explaining<'p, '_> {
         }
     }
 
-    /// The value of a field, with all its elements, of which so many are in use.
+    /// Checks the value of a field with all its elements, of which `used` are in use.
     fn field(&mut self, tree: &Tree<'_>, field: &'p FieldPlan, used: Option<usize>) {
         if field.shape == Shape::Single {
             return self.element(tree, field, false);
@@ -232,7 +232,7 @@ impl<'p> Explaining<'p, '_> {
         self.is_unused = is_unused;
     }
 
-    /// A single value, or an element of an array.
+    /// Checks a single value, or an element of an array.
     fn element(&mut self, tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
         let leaf = match tree {
             Tree::Null => Leaf::Null,
@@ -256,8 +256,9 @@ impl<'p> Explaining<'p, '_> {
             Tree::Token(_) => {
                 self.dialects.insert(Dialect::BareNan);
                 let expected = field.expected(is_element).to_string();
-                let text =
-                    format!("expected {expected}, found {tree}, which is no JSON (Python's json writes it)");
+                let text = format!(
+                    "expected {expected}, found {tree}, which isn't JSON (Python's json module writes it)"
+                );
                 let detail = Detail::new(text).expected(expected).actual(tree.to_string());
                 return self.report(
                     self.plans.rules.json_type,
@@ -286,7 +287,7 @@ impl<'p> Explaining<'p, '_> {
         }
     }
 
-    /// An array where a single value stands: text as ROS 2 writes it.
+    /// Checks an array in place of a single value, which is how ROS 2 writes text.
     fn list(&mut self, values: &[Tree<'_>], tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
         let byte = |value: &Tree<'_>| match value {
             Tree::Int(value) => u8::try_from(*value).ok(),
@@ -305,7 +306,7 @@ impl<'p> Explaining<'p, '_> {
         self.report(self.plans.rules.json_type, field.span, detail.excerpt(field.excerpt(tree)));
     }
 
-    /// Bytes that stand for text.
+    /// Checks bytes that represent text.
     fn bytes(&mut self, bytes: &[u8], tree: &Tree<'_>, field: &'p FieldPlan) {
         if let Err(violation) = field.check_text(bytes) {
             self.violation(&violation, tree, field, false);
@@ -318,7 +319,7 @@ impl<'p> Explaining<'p, '_> {
     }
 }
 
-/// How many entries an object says to use, in the field that counts them; none where it says nothing of the kind.
+/// The number of used entries according to the field that counts them, if it is valid.
 fn in_use(object: &Tree<'_>, count: &FieldPlan) -> Option<usize> {
     match object.get(&count.name) {
         Some(Tree::Int(count)) => usize::try_from(*count).ok(),
@@ -327,7 +328,7 @@ fn in_use(object: &Tree<'_>, count: &FieldPlan) -> Option<usize> {
 }
 
 impl FieldPlan {
-    /// What a finding shows of a value of it, or of an element.
+    /// The excerpt of a value or element for findings.
     fn excerpt(&self, tree: &Tree<'_>) -> String {
         format!("\"{}\": {}", self.name, tree.excerpt())
     }

@@ -1,9 +1,9 @@
-//! Says whether a message is clean by a clean one before it.
+//! Confirms messages without findings by comparing them with an earlier message of the channel.
 //!
-//! A producer writes the same message the same way each time, and most values are those of the message before. So
-//! the text of a clean message is kept with the places of its values, and the next one is compared with it byte for
-//! byte: what stands between values, keys and all, has to be the same, and only values that differ are read. That
-//! takes a fraction of the time that reading all as any JSON takes, and whatever differs otherwise is read as that.
+//! A producer always writes a message in the same form, and most values don't change. A template stores the text of a
+//! message without findings, with the positions of its values. The next message is compared with it byte by byte.
+//! Everything between the values, including keys, must be equal, and only values that differ are read. This takes a
+//! fraction of the time of reading JSON. Other texts take the usual path.
 
 use uavspec_codegen::schema::{MessageId, Shape};
 
@@ -13,47 +13,47 @@ use super::value::Leaf;
 use crate::json::{Tokens, Unclear};
 use crate::px4::values::{Element, FieldPlan, Plans};
 
-/// Most values that a template has: beyond that it costs more room than it saves time.
+/// The maximum number of values in a template. Larger templates cost too much memory for the time they save.
 const MAX_STEPS: usize = 8_192;
 
-/// Keys around a message that say what it is. What other keys hold says nothing of it.
+/// The keys of an envelope that identify the message. Other keys of the envelope don't.
 const TYPE_KEYS: [&str; 5] = ["op", "topic", "type", "msg", "message"];
 
-/// A clean message of a channel, with all around it.
+/// A message without findings, with its envelope.
 #[derive(Debug)]
 pub(crate) struct Template {
     text: String,
     steps: Vec<Step>,
-    /// Its numbers and bools as they lie in memory; empty where nobody wants them.
+    /// The numbers and booleans in memory layout; empty if they aren't needed.
     values: Vec<u8>,
     timestamp: Option<u64>,
-    /// What differs in the message that is read.
+    /// The differences of the current message.
     changes: Vec<Change>,
 }
 
-/// A value.
+/// The position of a value in the text.
 #[derive(Clone, Copy, Debug)]
 struct Step {
-    /// Where it stands in the text.
+    /// The start in the text.
     start: usize,
     end: usize,
-    /// None where it stands around the message, and may be any.
+    /// The field of the value. `None` for values in the envelope, which may be anything.
     slot: Option<Slot>,
 }
 
-/// A value that differs from the one before.
+/// A value that differs from the template.
 #[derive(Clone, Copy, Debug)]
 struct Change {
     step: usize,
-    /// How many bytes of text it takes.
+    /// The length of the text, in bytes.
     length: usize,
-    /// What it is in memory.
+    /// The value in memory.
     bytes: [u8; 8],
 }
 
 impl Template {
-    /// The template of a text in which a clean message stands: as the whole of it, or as the value of this key. None
-    /// where it is written in a way that templates don't know. Its values take so many bytes in memory.
+    /// Creates a template from a text without findings. The message is the whole text, or the value of `key`. `size`
+    /// is the size of its values in memory. Returns `None` if the form isn't supported.
     pub(crate) fn new(
         plans: &Plans,
         id: MessageId,
@@ -77,20 +77,20 @@ impl Template {
         read.ok().map(|()| learner.template)
     }
 
-    /// Whether a text is one more like it, and what it says of itself. If so, it is the one that the next is compared
-    /// with.
+    /// Compares a text with the template. If only values differ and all are valid, returns its results and replaces
+    /// the text of the template.
     pub(crate) fn read(&mut self, plans: &Plans, text: &str) -> Option<Clean> {
         self.compare(plans, text)?;
         self.advance(plans, text);
         Some(Clean { timestamp: self.timestamp, dialects: Dialects::default() })
     }
 
-    /// The numbers and bools of the message that was read last, as they lie in memory.
+    /// The numbers and booleans of the latest message, in memory layout.
     pub(crate) fn values(&self) -> &[u8] {
         &self.values
     }
 
-    /// Finds what differs; none where that isn't values alone, or one of them isn't clean.
+    /// Finds the values that differ. Returns `None` if anything else differs, or if a value is invalid.
     fn compare(&mut self, plans: &Plans, text: &str) -> Option<()> {
         self.changes.clear();
         let (mut old, mut new, mut next) = (0, 0, 0);
@@ -100,7 +100,7 @@ impl Template {
             if old == self.text.len() && new == text.len() {
                 return Some(());
             }
-            // A value may go on where that before ended.
+            // A value may be longer than the previous one.
             next += match self.steps.get(next) {
                 Some(step) if step.end >= old => 0,
                 _ => self.steps[next..].partition_point(|step| step.end < old),
@@ -124,10 +124,10 @@ impl Template {
         }
     }
 
-    /// Takes over a text with what differs in it.
+    /// Updates the template to a text with these changes.
     fn advance(&mut self, plans: &Plans, text: &str) {
         let Some(first) = self.changes.first() else { return };
-        // What is behind values of another length stands elsewhere.
+        // If lengths differ, later values move.
         if self.text.len() != text.len()
             || self.changes.iter().any(|change| self.steps[change.step].length() != change.length)
         {
@@ -168,7 +168,7 @@ impl Slot {
 }
 
 impl FieldPlan {
-    /// What a value that fits is in memory; zeros for text.
+    /// The bytes of a valid value in memory; zeros for text.
     fn bytes(&self, leaf: Leaf<'_>) -> [u8; 8] {
         match self.element {
             Element::Scalar(scalar) => leaf.bytes(scalar),
@@ -176,7 +176,7 @@ impl FieldPlan {
         }
     }
 
-    /// Puts a number or a bool at its place in memory, if that is wanted.
+    /// Stores a number or a boolean at its offset in memory, if `values` isn't empty.
     fn put(&self, values: &mut [u8], at: usize, bytes: [u8; 8]) {
         if let Element::Scalar(scalar) = self.element
             && let Some(slot) = values.get_mut(at..at + scalar.size())
@@ -185,7 +185,7 @@ impl FieldPlan {
         }
     }
 
-    /// Keeps a value, or one of an element, at its place in memory, if that is wanted.
+    /// Stores a value or an element at its offset in memory, if `values` isn't empty.
     pub(super) fn keep(&self, values: &mut [u8], at: usize, leaf: Leaf<'_>) {
         if !values.is_empty() {
             self.put(values, at, self.bytes(leaf));
@@ -193,7 +193,7 @@ impl FieldPlan {
     }
 }
 
-/// How many bytes two texts have in common at their beginnings. Most have many: these are compared 32 and 8 at a time.
+/// The length of the common prefix of two texts. It is usually long, so blocks of 32 and 8 bytes are compared.
 fn common(left: &[u8], right: &[u8]) -> usize {
     let (wide, _) = left.as_chunks::<32>();
     let same =
@@ -211,14 +211,14 @@ fn common(left: &[u8], right: &[u8]) -> usize {
     length + rest.take_while(|(left, right)| left == right).count()
 }
 
-/// Finds the values of a clean message.
+/// Creates a template from a message.
 struct Learner<'p> {
     plans: &'p Plans,
     template: Template,
 }
 
 impl Learner<'_> {
-    /// An object of which one member is the message.
+    /// Reads an object with a member that is the message.
     fn around(&mut self, tokens: &mut Tokens<'_>, id: MessageId, message: &str) -> Result<(), Unclear> {
         tokens.members(|tokens, key| {
             if key == message {
@@ -286,7 +286,7 @@ impl Learner<'_> {
     }
 }
 
-/// Which field a value is of, and where it is in memory.
+/// The field of a value, and its offset in memory.
 #[derive(Clone, Copy, Debug)]
 struct Slot {
     id: MessageId,

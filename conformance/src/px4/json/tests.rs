@@ -1,4 +1,4 @@
-//! The two readers of a message say the same, whatever is wrong with it.
+//! Tests that both readers of a message agree on any text.
 
 use proptest::prelude::*;
 use uavspec_codegen::dynamic::Types;
@@ -11,7 +11,7 @@ use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::{Findings, Location};
 
-/// What stands for something else.
+/// Pieces of text that replace others.
 const PIECES: [&str; 28] = [
     "null",
     "true",
@@ -52,9 +52,9 @@ fn agrees(plans: &Plans, id: MessageId, text: &str) -> Result<bool, TestCaseErro
             Ok(tree) => {
                 let origin =
                     MessageOrigin { id, name: "m", location: Location::Line(1), key: None, is_rosbridge };
-                let (_, has_passed_over) = plans.explain_what_counts(origin, &tree, &mut findings);
-                // Read in one go, what isn't in use counts like all else.
-                findings.groups().next().is_none() && !has_passed_over
+                let (_, has_ignored) = plans.explain_with_ignored(origin, &tree, &mut findings);
+                // The fast reader doesn't ignore unused entries.
+                findings.groups().next().is_none() && !has_ignored
             }
             Err(_) => false,
         };
@@ -64,14 +64,14 @@ fn agrees(plans: &Plans, id: MessageId, text: &str) -> Result<bool, TestCaseErro
     Ok(was_clean)
 }
 
-/// Where the values, keys and marks of a text begin and end.
+/// The boundaries of the values, keys and punctuation of a text.
 fn pieces(text: &str) -> Vec<usize> {
     let is_mark = |byte: u8| matches!(byte, b'{' | b'}' | b'[' | b']' | b',' | b':');
     let marks = text.bytes().enumerate().filter(|(_, byte)| is_mark(*byte));
     marks.flat_map(|(at, _)| [at, at + 1]).collect()
 }
 
-/// Both readers on messages of ROS 2, whose sequences and strings have bounds.
+/// Both readers on ROS 2 messages, whose sequences and strings have bounds.
 #[test]
 fn checks_bounds_of_sequences_and_strings() {
     let mut sources = SourceMap::default();
@@ -110,9 +110,9 @@ fn checks_bounds_of_sequences_and_strings() {
     }
 }
 
-/// Numbers and texts in the place of those of a template are read as JSON is.
+/// A template reads changed values like a JSON parser.
 #[test]
-fn a_template_reads_values_as_json_does() {
+fn a_template_reads_values_like_json() {
     let mut sources = SourceMap::default();
     let text = "uint64 timestamp\nint64 number\nfloat64 ratio\nfloat32 small\nbool flag\nchar[8] name\nuint8[2] raw\n";
     let file = sources.add("Any.msg", text.into()).expect("a file");
@@ -124,8 +124,8 @@ fn a_template_reads_values_as_json_does() {
         "{ \"stamp\": 3, \"m\": {\"raw\":[1,\t5], \"number\":5,\"ratio\" : 5,\"small\":5,\"flag\":true,\
                 \"name\":\"abc\",\"timestamp\":5} }"
             .to_owned();
-    let learnt = |text: &str| Template::new(&plans, id, text, Some("m"), size);
-    let mut template = learnt(&good).expect("a usual way of writing");
+    let learn = |text: &str| Template::new(&plans, id, text, Some("m"), size);
+    let mut template = learn(&good).expect("a common form");
     let mut taken = 0;
     let numbers = [
         "0",
@@ -180,7 +180,7 @@ fn a_template_reads_values_as_json_does() {
     for (value, name) in
         numbers.iter().map(|number| (*number, "\"abc\"")).chain(texts.iter().map(|text| ("5", *text)))
     {
-        // Each field by itself, so that another that is broken hides nothing.
+        // Test each field separately, so an error in one doesn't hide others.
         for field in ["raw", "number", "ratio", "small", "timestamp", "name"] {
             let mut message: Vec<String> = ["5"; 5].map(str::to_owned).to_vec();
             let at =
@@ -205,19 +205,19 @@ fn a_template_reads_values_as_json_does() {
         }
     }
     assert!(taken > 100, "{taken}");
-    let mut template = learnt(&good).expect("a usual way of writing");
+    let mut template = learn(&good).expect("a common form");
     let mut reads = |text: &str| template.read(&plans, text).is_some();
-    assert!(reads(&good.replace("3,", "\"later\",")), "what is around may say anything");
-    assert!(!reads(&(good.clone() + " ")), "something follows");
+    assert!(reads(&good.replace("3,", "\"later\",")), "the envelope may change");
+    assert!(!reads(&(good.clone() + " ")), "trailing data");
     assert!(
         !reads(&good.replace("true", "true ")) && !reads(&good.replace(" \"stamp", "\"stamp")),
-        "written otherwise"
+        "a different form"
     );
-    assert!(reads(&good), "what didn't fit changed nothing");
-    // What says what the message is doesn't differ.
-    let of_type = "{\"type\":\"a\",\"m\":".to_owned() + &good["{ \"stamp\": 3, \"m\": ".len()..];
-    let mut template = learnt(&of_type).expect("a usual way of writing");
-    assert_eq!(template.read(&plans, &of_type.replace("\"a\"", "\"b\"")), None);
+    assert!(reads(&good), "rejected texts leave the template unchanged");
+    // Members that identify the message must not change.
+    let enveloped = "{\"type\":\"a\",\"m\":".to_owned() + &good["{ \"stamp\": 3, \"m\": ".len()..];
+    let mut template = learn(&enveloped).expect("a common form");
+    assert_eq!(template.read(&plans, &enveloped.replace("\"a\"", "\"b\"")), None);
 }
 
 proptest! {
@@ -244,9 +244,9 @@ proptest! {
             let mut text = types.get(id).default().view().to_json_text().unwrap_or_default();
             let size = types.get(id).size().map_or(0, |size| size.padded);
             let first = text.clone();
-            // Templates are made of clean messages alone.
+            // Only messages without findings become templates.
             let template = plans.read_text(id, &first, false, &mut []).is_ok().then(|| {
-                Template::new(plans, id, &first, None, size).expect("a usual way of writing")
+                Template::new(plans, id, &first, None, size).expect("a common form")
             });
             for (location, span, piece) in &changes {
                 let places = pieces(&text);
@@ -265,7 +265,7 @@ proptest! {
             }
             let is_clean = agrees(plans, id, &text)?;
             let Some(mut template) = template else { return Ok(()) };
-            // What a template takes for clean, is so, and says the same.
+            // If a template accepts a text, the reader accepts it with the same result.
             let found = template.read(plans, &text);
             prop_assert!(found.is_some() || !is_clean || !changes.is_empty() || typo.is_some(), "{}", text);
             if let Some(found) = found {
@@ -273,7 +273,7 @@ proptest! {
                 prop_assert_eq!(Ok(found), plans.read_text(id, &text, false, &mut values), "{}", text);
                 prop_assert_eq!(template.values(), values, "{}", text);
             }
-            // Whatever came, it goes on.
+            // The template stays usable after any text.
             prop_assert!(template.read(plans, &first).is_some(), "{}", text);
             let mut values = vec![0; size];
             let clean = plans.read_text(id, &first, false, &mut values);
@@ -284,7 +284,7 @@ proptest! {
 }
 
 #[test]
-fn the_messages_that_are_tried_are_often_clean() {
+fn most_default_messages_have_no_findings() {
     let definitions = Definitions::built_in();
     let (types, plans) =
         (Types::new(&definitions.schema), Plans::new(&definitions.schema, &crate::rules::px4::VALUES));

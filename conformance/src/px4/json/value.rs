@@ -1,4 +1,4 @@
-//! The values of JSON, which are checked once they have the type of their field.
+//! The checks of JSON values against the types of their fields.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use uavspec_runtime::{Number, Scalar};
 
 use crate::px4::values::{Element, FieldPlan, Violation, check_text};
 
-/// A value that holds no others.
+/// A scalar value.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Leaf<'t> {
     Null,
@@ -18,17 +18,17 @@ pub(super) enum Leaf<'t> {
 }
 
 impl Leaf<'_> {
-    /// What it is in memory, little-endian, as a value of a type that it fits into.
+    /// The value in memory, little-endian, if it fits into this type.
     pub(super) fn bytes(self, scalar: Scalar) -> [u8; 8] {
         let float = |value: f64| match scalar {
-            #[allow(clippy::cast_possible_truncation)] // rounding is what a float32 does
+            #[allow(clippy::cast_possible_truncation)] // like any float32
             Scalar::Float32 => u64::from((value as f32).to_bits()),
             _ => value.to_bits(),
         };
         let bits = match self {
             Self::Null => float(f64::NAN),
             Self::Bool(value) => value.into(),
-            #[allow(clippy::cast_precision_loss)] // what a float makes of an integer
+            #[allow(clippy::cast_precision_loss)] // like any float
             Self::Int(value) if scalar.is_float() => float(value as f64),
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // two's complement
             Self::Int(value) => value as u64,
@@ -40,7 +40,7 @@ impl Leaf<'_> {
 }
 
 impl FieldPlan {
-    /// Judges a value that the field, or an element of it, holds.
+    /// Checks a value of the field, or of an element of it.
     pub(super) fn check(&self, leaf: Leaf<'_>) -> Result<(), Violation<'_>> {
         match (self.element, leaf) {
             (Element::Scalar(Scalar::Bool), Leaf::Bool(_)) => Ok(()),
@@ -60,7 +60,7 @@ impl FieldPlan {
                 at_most(text.len(), room, "bytes")
             }
             (Element::String { bound }, Leaf::Text(text)) => match bound {
-                // No string has more characters than bytes.
+                // A string never has more characters than bytes.
                 Some(bound) if text.len() > bound as usize => {
                     at_most(text.chars().count(), bound, "characters")
                 }
@@ -70,52 +70,52 @@ impl FieldPlan {
         }
     }
 
-    /// Judges how many elements an array or a sequence has.
+    /// Checks the number of elements of an array or a sequence.
     pub(super) fn check_length(&self, found: usize) -> Result<(), Violation<'_>> {
         let is_right = match self.shape {
             Shape::Single | Shape::Sequence => true,
             Shape::Array(length) => found == length as usize,
             Shape::Bounded(bound) => found <= bound as usize,
         };
-        if is_right { Ok(()) } else { Err(Violation::Length { found, of: "elements", shape: self.shape }) }
+        if is_right { Ok(()) } else { Err(Violation::Length { found, unit: "elements", shape: self.shape }) }
     }
 
-    /// Judges text that is written as the bytes of its array.
+    /// Checks text in the form of the bytes of its array.
     pub(super) fn check_text(&self, bytes: &[u8]) -> Result<(), Violation<'_>> {
         if let Element::Text(room) = self.element
             && bytes.len() != room as usize
         {
-            return Err(Violation::Length { found: bytes.len(), of: "bytes", shape: Shape::Array(room) });
+            return Err(Violation::Length { found: bytes.len(), unit: "bytes", shape: Shape::Array(room) });
         }
         check_text(bytes)
     }
 
-    /// What a value of it, or of an element, is in JSON.
+    /// The description of the JSON type of a value or element.
     pub(super) fn expected(&self, is_element: bool) -> Expected<'_> {
         Expected { field: self, is_element }
     }
 }
 
-/// What a float makes of a value. Ranges and special values are those of the type, so it is rounded first.
+/// The value of a float. It is rounded first, since ranges and special values apply to the rounded value.
 fn float<'p>(scalar: Scalar, leaf: Leaf<'_>) -> Result<Number, Violation<'p>> {
     let value = match leaf {
         Leaf::Null => f64::NAN,
-        #[allow(clippy::cast_precision_loss)] // what a float makes of an integer
+        #[allow(clippy::cast_precision_loss)] // like any float
         Leaf::Int(value) => value as f64,
         Leaf::Float(value) => value,
         Leaf::Bool(_) | Leaf::Text(_) => return Err(Violation::Type),
     };
-    #[allow(clippy::cast_possible_truncation)] // rounding is what a float32 does
+    #[allow(clippy::cast_possible_truncation)] // like any float32
     let value = if scalar == Scalar::Float32 { f64::from(value as f32) } else { value };
     if value.is_infinite() { Err(Violation::TooLarge(scalar)) } else { Ok(Number::Float(value)) }
 }
 
-fn at_most<'p>(found: usize, bound: u32, of: &'static str) -> Result<(), Violation<'p>> {
+fn at_most<'p>(found: usize, bound: u32, unit: &'static str) -> Result<(), Violation<'p>> {
     let is_over = found > bound as usize;
-    if is_over { Err(Violation::Length { found, of, shape: Shape::Bounded(bound) }) } else { Ok(()) }
+    if is_over { Err(Violation::Length { found, unit, shape: Shape::Bounded(bound) }) } else { Ok(()) }
 }
 
-/// The JSON type of a field, in words.
+/// The JSON type of a field, as text.
 pub(super) struct Expected<'p> {
     field: &'p FieldPlan,
     is_element: bool,

@@ -1,29 +1,30 @@
-//! The fast test of values in memory: most values pass it, and only the others are checked.
+//! A fast check of values in memory, which most values pass. Only the others are examined further.
 
 use uavspec_codegen::schema::Restriction;
 use uavspec_runtime::{Number, Scalar};
 
 use crate::px4::values::{Constraint, Element, number};
 
-/// Values that surely violate nothing, so most values need no more than two comparisons.
+/// A fast check that only accepts values without findings. Most values need at most two comparisons.
 #[derive(Clone, Debug)]
 pub(super) enum Healthy {
     /// The bytes 0 and 1.
     Bool,
     /// UTF-8 up to a NUL.
     Text,
-    /// Integers between two bounds.
+    /// Integers between two bounds, inclusive.
     Between(Scalar, i64, i64),
-    /// Bytes of a set.
+    /// The bytes of a set.
     Among(Box<[bool; 256]>),
-    /// Floats between two bounds; NaN has to be checked.
+    /// Floats between two bounds, inclusive. NaN needs the full check.
     Floats(Scalar, f64, f64),
-    /// All have to be checked.
+    /// All values need the full check.
     Unknown,
 }
 
 impl Healthy {
-    /// Worked out with the constraint itself, which has the last word at the ends of ranges; none if it constrains nothing.
+    /// Derives the fast check from a constraint, and verifies the ends of ranges with it. `None` if nothing is
+    /// constrained.
     pub(super) fn new(constraint: Constraint<'_>) -> Option<Self> {
         let scalar = match constraint.element {
             Element::Scalar(Scalar::Bool) => return Some(Self::Bool),
@@ -59,9 +60,9 @@ impl Healthy {
     }
 
     fn floats(scalar: Scalar, restriction: &Restriction) -> Self {
-        let bound = |number: Option<Number>, none: f64| match number {
-            None => none,
-            #[allow(clippy::cast_precision_loss)] // what is rounded away is checked
+        let bound = |number: Option<Number>, default: f64| match number {
+            None => default,
+            #[allow(clippy::cast_precision_loss)] // the ends are verified later
             Some(Number::Int(value)) => value as f64,
             Some(Number::Float(value)) => value,
         };
@@ -70,8 +71,8 @@ impl Healthy {
     }
 
     fn integers(scalar: Scalar, restriction: &Restriction) -> Option<Self> {
-        let bound = |number: Option<Number>, none: i64| match number {
-            None => Some(none),
+        let bound = |number: Option<Number>, default: i64| match number {
+            None => Some(default),
             Some(Number::Int(value)) => i64::try_from(value).ok(),
             Some(Number::Float(_)) => None,
         };
@@ -85,7 +86,7 @@ impl Healthy {
         is_plain.then_some(Self::Between(scalar, low, high))
     }
 
-    /// True if a value surely violates nothing.
+    /// True if a value certainly has no finding.
     #[inline]
     pub(super) fn accepts(&self, value: &[u8]) -> bool {
         match self {

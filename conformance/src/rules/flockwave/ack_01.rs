@@ -12,16 +12,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ACK-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Acknowledgments come only as responses.",
+        statement: "ACK-ACK and ACK-NAK are sent only as responses.",
         source: source::MESSAGES,
         applies_to: "ACK-ACK, ACK-NAK",
-        why: "",
-        example: "",
-        fix: "",
+        why: "A client cannot match an acknowledgment without `refs` to a request. The request that it was meant \
+              for times out.",
+        example: r#"{"$fw.version":"1.0","id":"s7","body":{"type":"ACK-ACK"}}"#,
+        fix: "Copy the `id` of the request to the `refs` of the acknowledgment. Do not send ACK-ACK or ACK-NAK \
+              without a request.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("An acknowledgment that answers nothing follows each SYS-VER.", |out| {
+    bug: Bug::message("An ACK-ACK without `refs` follows each SYS-VER response.", |out| {
         if out.kind() == "SYS-VER" {
             out.follow(None, json!({ "type": "ACK-ACK" }));
         }
@@ -29,7 +31,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     .with(&[&env_17::RULE.rule]),
     trial: None,
     mutants: &[Mutant {
-        name: "an acknowledgment of nothing",
+        name: "an ACK-ACK without `refs`",
         make: || mutant::then(|session| session.notify(json!({ "type": "ACK-ACK" }))),
         also: &[&env_17::RULE.rule],
     }],

@@ -13,23 +13,24 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ACK-03",
         level: Level::Must,
         status: Status::Normative,
-        statement: "ACK-ACK has nothing but `type`.",
+        statement: "The body of ACK-ACK has no field except `type`.",
         source: source::MESSAGES,
         applies_to: "ACK-ACK",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The definition closes this object, so a strict client rejects the message. A request that succeeded \
+              then looks failed.",
+        example: r#"{"type":"ACK-ACK","reason":"Done"}"#,
+        fix: "Remove all other fields. To return a result, answer with the message type of the request instead.",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["ACK-ACK"], "*", &[Fault::Further])],
-    bug: Bug::message("ACK-ACK has a reason.", |out| {
+    bug: Bug::message("ACK-ACK has a `reason`.", |out| {
         if let Some(body) = out.body_of("ACK-ACK") {
             body["reason"] = json!("why not");
         }
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "a reason",
+        name: "an ACK-ACK with a reason",
         make: || mutant::reply("ACK-ACK", |body| body["reason"] = "Fine".into()),
         also: &[],
     }],
@@ -40,7 +41,7 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     context.covered();
     if let Some((key, _)) = members.iter().find(|(key, _)| key != "type") {
         message.violates(context, || {
-            Detail::new(format!("it has {}, too", body::quoted(key))).at(pointer(&["body", key]))
+            Detail::new(format!("unexpected field {}", body::quoted(key))).at(pointer(&["body", key]))
         });
     }
 }

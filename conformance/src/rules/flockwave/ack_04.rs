@@ -13,19 +13,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ACK-04",
         level: Level::Must,
         status: Status::Normative,
-        statement: "ACK-NAK has nothing beside `type` but a string `reason`.",
+        statement: "The body of ACK-NAK has no field except `type` and an optional string `reason`.",
         source: source::MESSAGES,
         applies_to: "ACK-NAK",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients show `reason` to the operator. If it is not a string, the message may fail to decode, and the \
+              operator does not learn why the request was refused.",
+        example: r#"{"type":"ACK-NAK","reason":{"en":"Not allowed"}}"#,
+        fix: "Send `reason` as one human-readable string, or omit it. Remove all other fields.",
     },
     checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["ACK-NAK"], "*", &[Fault::Further]),
         Attribution::new(&["ACK-NAK"], "reason", &[Fault::Kind]),
     ],
-    bug: Bug::message("The reason of ACK-NAK is an object.", |out| {
+    bug: Bug::message("The `reason` of ACK-NAK is an object.", |out| {
         if let Some(body) = out.body_of("ACK-NAK") {
             body["reason"] = json!({ "en": "no" });
         }
@@ -33,12 +34,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "a number for the reason",
+            name: "a reason that is a number",
             make: || mutant::reply("ACK-NAK", |body| body["reason"] = 7.into()),
             also: &[],
         },
         Mutant {
-            name: "another field",
+            name: "an additional field",
             make: || mutant::reply("ACK-NAK", |body| body["code"] = 7.into()),
             also: &[],
         },
@@ -50,7 +51,7 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     context.covered();
     if let Some((key, _)) = members.iter().find(|(key, _)| key != "type" && key != "reason") {
         message.violates(context, || {
-            Detail::new(format!("it has {}, too", body::quoted(key))).at(pointer(&["body", key]))
+            Detail::new(format!("unexpected field {}", body::quoted(key))).at(pointer(&["body", key]))
         });
     }
     body::field(message, context, "reason", false, &ExpectedValue::Nullable(&ExpectedValue::Text));

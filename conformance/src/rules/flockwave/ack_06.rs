@@ -1,6 +1,6 @@
 //! `FW-ACK-06`.
 //!
-//! Whether a login is needed says AUTH-INF, but not for which requests. Whoever tries it chooses one that needs it.
+//! AUTH-INF reports that a login is required, but not which requests require it. The probe chooses a request that does.
 
 use serde_json::json;
 
@@ -14,21 +14,24 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ACK-06",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A request that needs a login is refused with ACK-NAK before it.",
+        statement: "Before login, a request that requires a login is refused with ACK-NAK.",
         source: source::MESSAGES,
-        applies_to: "requests that try it",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "probe requests that test this rule",
+        why: "Anyone who can connect reads data or sends commands that are reserved for authenticated users.",
+        example: r#"→ {"type":"AUTH-INF"}
+← {"type":"AUTH-INF","methods":["basic"],"required":true}
+→ {"type":"UAV-LIST"}
+← {"type":"UAV-LIST","ids":["uav-1","uav-2"]}"#,
+        fix: "Check the login before you handle the request. Answer with ACK-NAK until a user is logged in.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::behaviour("Requests are served without the login that they need (with --login).")
+    bug: Bug::behaviour("Requests that require a login are served without one (with --login).")
         .needs(Needs::Login),
     trial: None,
     mutants: &[
         Mutant {
-            name: "it is served",
+            name: "the request is served before login",
             make: || {
                 let served = json!({ "type": "UAV-LIST", "ids": ["kite"] });
                 let request = json!({ "type": "UAV-LIST" });
@@ -36,7 +39,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             },
             also: &[],
         },
-        Mutant { name: "it isn't answered", make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
+        Mutant {
+            name: "the request is not answered",
+            make: || mutant::unanswered("tcp#9", &RULE.rule),
+            also: &[],
+        },
     ],
 };
 

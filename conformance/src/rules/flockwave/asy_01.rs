@@ -11,12 +11,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A reply about one object has exactly one of `result`, `error` and `receipt`.",
+        statement: "A response about one object has exactly one of `result`, `error` and `receipt`.",
         source: source::ASYNC,
         applies_to: "LOG-DATA",
-        why: "",
-        example: "",
-        fix: "",
+        why: "With two of them, the client does not know whether the operation succeeded, failed or is still \
+              pending. With none, it waits forever.",
+        example: r#"{"type":"LOG-DATA","receipt":"r4","error":"The log is not available yet"}"#,
+        fix: "Send `result` after success, `error` after failure, and `receipt` only while the operation is pending.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
@@ -30,7 +31,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "a result beside the receipt",
+            name: "a result in addition to the receipt",
             make: || {
                 mutant::reply("LOG-DATA", |body| {
                     body["result"] = json!({ "id": "7", "kind": "text", "body": "Took off" });
@@ -39,7 +40,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "nothing",
+            name: "no result, error or receipt",
             make: || {
                 mutant::then(|session| {
                     session.exchange(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));

@@ -11,28 +11,32 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "In a reply about several objects, each that was asked for stands in exactly one of `result`, `error` and `receipt`.",
+        statement: "In a response about several objects, each requested object is in exactly one of `result`, \
+                    `error` and `receipt`.",
         source: source::ASYNC,
         applies_to: "commands to several objects",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client does not know whether a missing UAV received the command. The operator may assume that it \
+              did, or send the command twice.",
+        example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1","uav-2"]}
+← {"type":"UAV-TAKEOFF","result":{"uav-1":true}}"#,
+        fix: "Add one entry for every requested id: in `result` if it is done, in `error` if it failed, in \
+              `receipt` if it is pending.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("The last object that was asked for is missing.", |out| {
-        out.lose_last(&OPERATIONS);
+    bug: Bug::message("The response lacks the last requested object.", |out| {
+        out.drop_last(&OPERATIONS);
     })
     .with(&[&asy_09::RULE.rule]),
     trial: None,
     mutants: &[
         Mutant {
-            name: "a glider is missing",
+            name: "a missing UAV",
             make: || mutant::reply("UAV-TAKEOFF", |body| mutant::remove(body, "result")),
             also: &[],
         },
         Mutant {
-            name: "a glider is in two",
+            name: "a UAV in two maps",
             make: || mutant::reply("UAV-TAKEOFF", |body| body["result"]["owl"] = true.into()),
             also: &[],
         },

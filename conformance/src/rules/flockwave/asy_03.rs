@@ -12,28 +12,29 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-03",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A reply about several objects tells of none that wasn't asked for.",
+        statement: "A response about several objects contains no object that was not requested.",
         source: source::DERIVED,
         applies_to: "commands to several objects",
-        why: "",
-        example: "",
-        fix: "",
+        why: "An entry for another UAV suggests that the command was sent to that UAV too.",
+        example: r#"→ {"type":"UAV-LAND","ids":["uav-1"]}
+← {"type":"UAV-LAND","result":{"uav-1":true,"uav-2":true}}"#,
+        fix: "Build the maps of the response from the ids of the request only.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("There is an object that nobody asked for.", |out| {
+    bug: Bug::message("The response contains an object that was not requested.", |out| {
         if OPERATIONS.contains(&out.kind()) {
             out.message()["body"]["error"]["ghost-1"] = json!("there is no such object");
         }
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "one more glider",
+        name: "an additional UAV",
         make: || mutant::reply("UAV-TAKEOFF", |body| body["error"]["hawk"] = "Asleep".into()),
         also: &[],
     }],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    reply::strangers(exchange, context, &OPERATIONS);
+    reply::unrequested(exchange, context, &OPERATIONS);
 }

@@ -14,10 +14,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Advisory,
         statement: "A receipt is a string of 1 to 64 characters.",
         source: source::SCHEMA,
-        applies_to: "replies with `receipt`",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "responses with `receipt`",
+        why: "Clients send receipts back in ASYNC-CANCEL and ASYNC-RESUME, which accept only such strings. With any \
+              other value, the operation cannot be cancelled.",
+        example: r#"{"type":"UAV-RTH","receipt":{"uav-1":7}}"#,
+        fix: "Create a short unique string for each operation, such as a UUID.",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -29,7 +30,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "a number",
+            name: "a receipt that is a number",
             make: || {
                 mutant::then(|session| {
                     session.exchange(
@@ -41,7 +42,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "an empty one",
+            name: "an empty receipt",
             make: || {
                 mutant::then(|session| {
                     session.exchange(
@@ -61,8 +62,8 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.role != Role::Response || !message.type_name.is_some_and(reply::may_have_receipts) {
         return;
     }
-    let of_many = ExpectedValue::Map(&RECEIPT);
-    let schema = if message.type_name == Some("LOG-DATA") { &RECEIPT } else { &of_many };
+    let receipts = ExpectedValue::Map(&RECEIPT);
+    let schema = if message.type_name == Some("LOG-DATA") { &RECEIPT } else { &receipts };
     match message.field("receipt") {
         None | Some(Tree::Null) => {}
         Some(_) => body::field(message, context, "receipt", true, schema),

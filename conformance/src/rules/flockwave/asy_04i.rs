@@ -12,12 +12,14 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-04I",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "No two operations under way on a connection have the same receipt.",
+        statement: "No two pending operations on a connection have the same receipt.",
         source: source::DERIVED,
-        applies_to: "replies with `receipt` over time",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "responses with `receipt` over time",
+        why: "When a notification with this receipt arrives, the client does not know which operation it is about.",
+        example: r#"→ {"type":"UAV-RTH","ids":["uav-1","uav-2"]}
+← {"type":"UAV-RTH","receipt":{"uav-1":"r8","uav-2":"r8"}}"#,
+        fix: "Create a new receipt for each object and each request. Do not reuse a receipt before its operation \
+              has ended.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -25,7 +27,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         .with(&[&asy_10::RULE.rule, &asy_22::RULE.rule]),
     trial: None,
     mutants: &[Mutant {
-        name: "two gliders with the same receipt",
+        name: "two UAVs with the same receipt",
         make: || {
             let same = json!({ "receipt": { "kite": "rcpt-8", "swift": "rcpt-8" } });
             let request = json!({ "type": "UAV-RTH", "ids": ["kite", "swift"] });
@@ -41,7 +43,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if matches!(named.stage(), Some(Stage::Open | Stage::Suspended | Stage::Released)) {
             exchange.violates(context, || {
                 Detail::new(format!(
-                    "{} is the receipt of another operation, too",
+                    "{} is already the receipt of another pending operation",
                     body::quoted(&named.receipt)
                 ))
                 .at("/body/receipt")

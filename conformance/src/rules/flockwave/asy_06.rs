@@ -12,16 +12,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-06",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "The reply with a receipt comes before what names it.",
+        statement: "The response with a receipt precedes all notifications about that receipt.",
         source: source::DERIVED,
         applies_to: "ASYNC-* over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client does not know the receipt yet and drops the notification. It then waits for a result that \
+              was already sent.",
+        example: r#"→ {"type":"UAV-RTH","ids":["uav-1"]}
+← {"type":"ASYNC-RESP","id":"r8","result":true}
+← {"type":"UAV-RTH","receipt":{"uav-1":"r8"}}"#,
+        fix: "Send the response before you start the operation, or hold back its notifications until the response \
+              is sent.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("Progress comes before the response with the receipt.", |out| {
+    bug: Bug::message("A progress notification precedes the response with its receipt.", |out| {
         if let Some(receipt) = out.receipt() {
             out.precede(bug::progress(&receipt));
         }
@@ -47,8 +51,11 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         context.covered();
         if named.stage() == Some(Stage::Early) {
             exchange.violates(context, || {
-                Detail::new(format!("a notification has named {} already", body::quoted(&named.receipt)))
-                    .at("/body/receipt")
+                Detail::new(format!(
+                    "a notification named {} before this response",
+                    body::quoted(&named.receipt)
+                ))
+                .at("/body/receipt")
             });
         }
     }

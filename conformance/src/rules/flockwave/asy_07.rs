@@ -14,9 +14,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "ASYNC-RESP has exactly one of `result` and `error`.",
         source: source::ASYNC,
         applies_to: "ASYNC-RESP",
-        why: "",
-        example: "",
-        fix: "",
+        why: "With both or neither, the client does not know whether the operation succeeded.",
+        example: r#"{"type":"ASYNC-RESP","id":"r1","result":true,"error":"Motor fault"}"#,
+        fix: "Send `result` after success and `error` after failure, never both. Send `result` even if it is null.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
@@ -29,12 +29,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "both",
+            name: "both a result and an error",
             make: || mutant::notice("ASYNC-RESP", |body| body["error"] = "Winch broke".into()),
             also: &[],
         },
         Mutant {
-            name: "neither",
+            name: "neither a result nor an error",
             make: || mutant::notice("ASYNC-RESP", |body| mutant::remove(body, "result")),
             also: &[],
         },

@@ -12,19 +12,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-08",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`id` of ASYNC-RESP is a string, and so is `error`.",
+        statement: "In ASYNC-RESP, `id` is a string and `error`, if present, is a string.",
         source: source::ASYNC,
         applies_to: "ASYNC-RESP",
-        why: "",
-        example: "",
-        fix: "",
+        why: "With another `id`, the client cannot find the operation. With another `error`, it cannot show the \
+              reason of the failure.",
+        example: r#"{"type":"ASYNC-RESP","id":"r1","error":7}"#,
+        fix: "Copy the receipt to `id` unchanged. Send `error` as one human-readable string.",
     },
     checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["ASYNC-RESP"], "id", attribution::MISSING),
         Attribution::new(&["ASYNC-RESP"], "error", &[Fault::Kind]),
     ],
-    bug: Bug::message("The error of ASYNC-RESP is a number.", |out| {
+    bug: Bug::message("The `error` of ASYNC-RESP is a number.", |out| {
         if let Some(body) = out.body_of("ASYNC-RESP").and_then(Value::as_object_mut) {
             body.remove("result");
             body.insert("error".to_owned(), json!(7));

@@ -12,23 +12,26 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-09",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "ASYNC-RESP, ASYNC-ST and ASYNC-TIMEOUT name receipts that were given on the same connection.",
+        statement: "ASYNC-RESP, ASYNC-ST and ASYNC-TIMEOUT contain only receipts that were issued on the same \
+                    connection.",
         source: source::DERIVED,
         applies_to: "ASYNC-* over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client does not know the receipt and drops the notification. If the receipt belongs to another \
+              client, that client never gets its result.",
+        example: r#"(no response on this connection contained the receipt r99)
+← {"type":"ASYNC-RESP","id":"r99","result":true}"#,
+        fix: "Store the connection with each operation, and send the notifications about it to that connection only.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("Progress of an operation comes that nobody knows.", |out| {
+    bug: Bug::message("A progress notification has a receipt that was never issued.", |out| {
         if out.receipt().is_some() {
             out.follow(None, bug::progress(&json!("nobody-has-this")));
         }
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "the end of what never began",
+        name: "the end of an operation that never began",
         make: || {
             mutant::then(|session| {
                 session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
@@ -49,7 +52,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if matches!(named.stage(), None | Some(Stage::Early)) {
             exchange.violates(context, || {
                 Detail::new(format!(
-                    "no reply on this connection has had the receipt {}",
+                    "no response on this connection contained the receipt {}",
                     body::quoted(&named.receipt)
                 ))
                 .at("/body")

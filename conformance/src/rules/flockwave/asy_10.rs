@@ -1,7 +1,7 @@
 //! `FW-ASY-10`.
 //!
-//! That an operation isn't at its end when a recording ends says nothing, and how long one may take isn't laid down. So
-//! its coming to an end is judged where someone tries it, with what takes no time ([`MAX_SECONDS`]).
+//! The specification sets no time limit, and a recording may end before the operation does. A missing end is therefore
+//! reported only for a short operation that a probe starts to test this rule ([`MAX_SECONDS`]).
 
 use std::collections::BTreeMap;
 
@@ -17,16 +17,21 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-10",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each receipt ends in one ASYNC-RESP or ASYNC-TIMEOUT, and no more.",
+        statement: "Each receipt ends with exactly one ASYNC-RESP or ASYNC-TIMEOUT.",
         source: source::ASYNC,
         applies_to: "ASYNC-* over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Without an end, the client waits forever. After a second end, client and server disagree about the \
+              result.",
+        example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
+← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r2"}}
+← {"type":"ASYNC-TIMEOUT","ids":["r2"]}
+← {"type":"ASYNC-RESP","id":"r2","result":true}"#,
+        fix: "Send one ASYNC-RESP or ASYNC-TIMEOUT for each receipt and then delete the receipt. Discard any later \
+              result.",
     },
     checks: &[Check::Session(|| Box::new(Ends::default()))],
     covers: &[],
-    bug: Bug::message("Nothing is heard of the end of operations.", |out| {
+    bug: Bug::message("ASYNC-RESP is never sent.", |out| {
         if out.kind() == "ASYNC-RESP" {
             out.message = None;
         }
@@ -53,7 +58,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "no end of what takes no time",
+            name: "a short operation that does not end",
             make: || {
                 mutant::over("tcp#9", |session| {
                     let test = json!({ "type": "UAV-TEST", "ids": ["kite"], "component": "lamp" });
@@ -69,16 +74,16 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// How long a server may tell nothing of an operation that takes no time, in seconds, while it speaks of other things.
+/// The longest time without news of a short operation while the server sends other messages, in seconds.
 const MAX_SECONDS: f64 = 18.0;
 
-/// Of how many operations of a connection the end is waited for at the same time.
+/// The maximum number of tracked operations per connection.
 const MAX_OPEN: usize = 1_000;
 
-/// Operations that try the rule: where they begin and when something was told of them last, by receipt.
+/// The operations that test the rule, by receipt: the location of the response, and the time of the latest news.
 type Open = BTreeMap<String, (Location, f64)>;
 
-/// The operations that try the rule, connection by connection.
+/// The operations that test the rule, by connection.
 #[derive(Default)]
 struct Ends(PerConnection<Open>);
 
@@ -90,16 +95,16 @@ impl SessionCheck for Ends {
         if matches!(exchange.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT"))
             && exchange.role == Role::Notification
         {
-            once(exchange, context);
+            check_single_end(exchange, context);
         }
         let open = self.0.get(exchange);
         let Some(now) = exchange.time else { return open.clear() };
         for named in &exchange.operations {
-            let goes_on = exchange.type_name == Some("ASYNC-ST")
+            let is_running = exchange.type_name == Some("ASYNC-ST")
                 && !matches!(exchange.field("suspended"), Some(Tree::Bool(true)));
-            match open.get_mut(&named.receipt).filter(|_| goes_on) {
-                Some((_, received)) => *received = now,
-                // It ends, or waits for the client.
+            match open.get_mut(&named.receipt).filter(|_| is_running) {
+                Some((_, last_news)) => *last_news = now,
+                // The operation has ended or waits for the client.
                 None => _ = open.remove(&named.receipt),
             }
         }
@@ -108,7 +113,7 @@ impl SessionCheck for Ends {
                 open.insert(named.receipt.clone(), (exchange.record.location, now));
             }
         }
-        pass(open, now, context);
+        report_overdue(open, now, context);
     }
 
     fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
@@ -117,7 +122,7 @@ impl SessionCheck for Ends {
         }
         let open = self.0.at(report.connection_id());
         match report.time() {
-            Some(now) => pass(open, now, context),
+            Some(now) => report_overdue(open, now, context),
             None => open.clear(),
         }
     }
@@ -127,28 +132,27 @@ impl SessionCheck for Ends {
     }
 }
 
-/// No end is told twice.
-fn once(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+/// Reports a second end of an operation.
+fn check_single_end(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     for named in &exchange.operations {
         context.covered();
         if named.stage() == Some(Stage::Ended) {
             exchange.violates(context, || {
-                Detail::new(format!("the end of {} was told already", body::quoted(&named.receipt)))
-                    .at("/body")
+                Detail::new(format!("{} has already ended", body::quoted(&named.receipt))).at("/body")
             });
         }
     }
 }
 
-/// Reports the operations of which nothing was told for long.
-fn pass(open: &mut Open, now: f64, context: &mut RuleContext<'_>) {
-    open.retain(|receipt, (location, received)| {
-        let waited = now - *received;
+/// Reports and removes the operations without news for too long.
+fn report_overdue(open: &mut Open, now: f64, context: &mut RuleContext<'_>) {
+    open.retain(|receipt, (location, last_news)| {
+        let waited = now - *last_news;
         if waited > MAX_SECONDS {
             context.violation("operation", *location, || {
                 let receipt = body::quoted(receipt);
                 Detail::new(format!(
-                    "for {waited:.0} s nothing was told of {receipt}, nor of its end, though the server spoke"
+                    "{receipt} did not end: no news of it for {waited:.0} s while the server sent other messages"
                 ))
                 .expected("ASYNC-RESP or ASYNC-TIMEOUT")
                 .actual("none")

@@ -12,16 +12,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-11",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "Nothing is told of a receipt after its end.",
+        statement: "No ASYNC-ST is sent for a receipt that has ended.",
         source: source::DERIVED,
         applies_to: "ASYNC-ST over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client has already closed the operation. It drops the notification, or shows the finished \
+              operation as running again.",
+        example: r#"→ {"type":"UAV-RTH","ids":["uav-1"]}
+← {"type":"UAV-RTH","receipt":{"uav-1":"r1"}}
+← {"type":"ASYNC-RESP","id":"r1","result":true}
+← {"type":"ASYNC-ST","id":"r1","progress":{"percentage":80}}"#,
+        fix: "Send the queued progress notifications before ASYNC-RESP or ASYNC-TIMEOUT, or discard them.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("Progress comes after the end.", |out| {
+    bug: Bug::message("A progress notification follows ASYNC-RESP.", |out| {
         if let Some(body) = out.body_of("ASYNC-RESP") {
             let receipt = body["id"].clone();
             out.follow(None, bug::progress(&receipt));
@@ -46,8 +50,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         context.covered();
         if named.stage() == Some(Stage::Ended) {
             exchange.violates(context, || {
-                Detail::new(format!("the end of {} was told already", body::quoted(&named.receipt)))
-                    .at("/body/id")
+                Detail::new(format!("{} has already ended", body::quoted(&named.receipt))).at("/body/id")
             });
         }
     }

@@ -12,14 +12,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-12",
         level: Level::Must,
         status: Status::Disputed(
-            "The percentage may be null by the text, but not by the published schema; here it may.",
+            "The specification text allows null for the percentage; the published JSON Schema does not. This rule \
+             allows null.",
         ),
-        statement: "ASYNC-ST has `id` and `progress`; its percentage is an integer from 0 to 100, and `suspended` true or false.",
+        statement: "ASYNC-ST has `id` and `progress`. `percentage` is an integer from 0 to 100 or null, and \
+                    `suspended` is a boolean.",
         source: source::ASYNC,
         applies_to: "ASYNC-ST",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients draw a progress bar from `percentage` and ask the user for input if `suspended` is true. \
+              Wrong values break both.",
+        example: r#"{"type":"ASYNC-ST","id":"r1","progress":{"percentage":110}}"#,
+        fix: "Send `id` and `progress` in every ASYNC-ST. Round and clamp the percentage to 0–100, or send null if \
+              it is unknown.",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -28,7 +32,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["ASYNC-ST"], "progress.percentage", attribution::WRONG),
         Attribution::new(&["ASYNC-ST"], "suspended", &[Fault::Kind]),
     ],
-    bug: Bug::message("More than all is done.", |out| {
+    bug: Bug::message("The percentage in ASYNC-ST is 140.", |out| {
         if let Some(body) = out.body_of("ASYNC-ST") {
             body["progress"]["percentage"] = json!(140);
         }
@@ -41,12 +45,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "no progress",
+            name: "missing `progress`",
             make: || mutant::notice("ASYNC-ST", |body| mutant::remove(body, "progress")),
             also: &[],
         },
         Mutant {
-            name: "`suspended` is a word",
+            name: "`suspended` is a string",
             make: || mutant::notice("ASYNC-ST", |body| body["suspended"] = "no".into()),
             also: &[],
         },

@@ -1,6 +1,6 @@
 //! `FW-ASY-13`.
 //!
-//! A recording shows it where an operation is resumed that nobody said to be suspended.
+//! A recording shows a violation only if a client resumes an operation that was never announced as suspended.
 
 use serde_json::Value;
 
@@ -14,23 +14,27 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-13",
         level: Level::Must,
         status: Status::Normative,
-        statement: "That an operation is suspended is told by ASYNC-ST with `suspended` true.",
+        statement: "A suspended operation is announced by ASYNC-ST with `suspended` set to true.",
         source: source::ASYNC,
         applies_to: "ASYNC-RESUME over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Without the announcement, the client does not know that the operation waits for it. Nobody resumes \
+              the operation, and it stays pending.",
+        example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
+← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
+→ {"type":"ASYNC-RESUME","ids":["r1"]}
+← {"type":"ASYNC-RESUME","success":["r1"]}"#,
+        fix: "Send ASYNC-ST with `suspended` set to true as soon as the operation waits for the client.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("Nobody is told that an operation is suspended.", |out| {
+    bug: Bug::message("ASYNC-ST has no `suspended`.", |out| {
         if let Some(body) = out.body_of("ASYNC-ST").and_then(Value::as_object_mut) {
             body.remove("suspended");
         }
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "it isn't told",
+        name: "a suspension without an announcement",
         make: || {
             let mut session = Session::new();
             for line in session.lines.iter_mut().filter(|line| line["msg"]["body"]["suspended"] == true) {
@@ -43,7 +47,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    // An operation that isn't suspended, and is to be resumed for a trial, is another rule's matter.
+    // FW-ASY-19 checks the probe requests that resume an operation that is not suspended.
     if exchange.response("ASYNC-RESUME").is_none() || exchange.tried(&asy_19::RULE.rule).is_some() {
         return;
     }
@@ -55,7 +59,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if !operation.was_suspended {
             exchange.violates(context, || {
                 Detail::new(format!(
-                    "{} was resumed, and nothing has told that it was suspended",
+                    "{} was resumed, but no ASYNC-ST reported it as suspended",
                     body::quoted(&named.receipt)
                 ))
                 .at("/body/success")

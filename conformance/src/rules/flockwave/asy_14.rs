@@ -12,19 +12,24 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-14",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A suspended operation doesn't end until the client resumes or cancels it.",
+        statement: "A suspended operation does not end before the client resumes or cancels it.",
         source: source::ASYNC,
         applies_to: "ASYNC-* over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "A suspended operation waits for a decision, such as a confirmation by the operator. If it ends by \
+              itself, the UAV may act without that decision.",
+        example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
+← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
+← {"type":"ASYNC-ST","id":"r1","progress":{},"suspended":true}
+← {"type":"ASYNC-RESP","id":"r1","result":true}"#,
+        fix: "Keep the operation suspended until ASYNC-RESUME or ASYNC-CANCEL names its receipt, or the client \
+              disconnects.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::behaviour("Suspended operations go on by themselves."),
+    bug: Bug::behaviour("Suspended operations resume by themselves."),
     trial: None,
     mutants: &[Mutant {
-        name: "it ends by itself",
+        name: "a suspended operation that ends by itself",
         make: || {
             mutant::then(|session| {
                 session.exchange(
@@ -52,7 +57,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if operation.stage == Stage::Suspended {
             exchange.violates(context, || {
                 Detail::new(format!(
-                    "{} waits for the client, who has neither resumed nor cancelled it",
+                    "{} ended while suspended: the client neither resumed nor cancelled it",
                     body::quoted(&named.receipt)
                 ))
                 .at("/body")

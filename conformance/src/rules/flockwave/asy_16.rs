@@ -11,16 +11,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-16",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "Each receipt that was to be cancelled or resumed stands in exactly one of `success` and `error`.",
+        statement: "Each receipt in an ASYNC-CANCEL or ASYNC-RESUME request is in exactly one of `success` and \
+                    `error` of the response.",
         source: source::DERIVED,
         applies_to: "ASYNC-CANCEL, ASYNC-RESUME",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client does not know whether the operation was cancelled or resumed.",
+        example: r#"→ {"type":"ASYNC-CANCEL","ids":["r1","r2"]}
+← {"type":"ASYNC-CANCEL","success":["r1"]}"#,
+        fix: "Add every receipt of the request to either `success` or `error`, unknown receipts included.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("Receipts that were cancelled or resumed are also errors.", |out| {
+    bug: Bug::message("Receipts in `success` are also in `error`.", |out| {
         if !["ASYNC-CANCEL", "ASYNC-RESUME"].contains(&out.kind()) {
             return;
         }
@@ -37,7 +39,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "a receipt in none",
+            name: "a receipt in neither",
             make: || mutant::reply("ASYNC-RESUME", |body| mutant::remove(body, "error")),
             also: &[],
         },

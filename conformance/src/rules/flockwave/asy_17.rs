@@ -1,8 +1,8 @@
 //! `FW-ASY-17`.
 //!
-//! The end may come before the answer to the request that brings it about, and then may still be the operation's own.
-//! Progress that is told afterwards needn't mean that it goes on for long. So this is judged by what ends the operation
-//! after that answer, and by its coming at all in good time ([`MAX_SECONDS`]) while the server speaks of other things.
+//! The end may precede the response to the cancellation; it may then still be the regular end. Progress after that
+//! response does not prove that the operation continues. The rule therefore checks the message that ends the operation
+//! after the response, and that this message arrives in time ([`MAX_SECONDS`]) while the server sends other messages.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -18,20 +18,26 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-17",
         level: Level::Must,
         status: Status::Normative,
-        statement: "An operation that a client has cancelled still ends in an ASYNC-RESP, with an error.",
+        statement: "A cancelled operation ends with an ASYNC-RESP that contains an error.",
         source: source::ASYNC,
         applies_to: "ASYNC-CANCEL over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client learns from this message that the operation has stopped. Without it, the UAV may still be \
+              executing a command that the operator cancelled.",
+        example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
+← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
+→ {"type":"ASYNC-CANCEL","ids":["r1"]}
+← {"type":"ASYNC-CANCEL","success":["r1"]}
+← {"type":"ASYNC-TIMEOUT","ids":["r1"]}"#,
+        fix: "After you accept ASYNC-CANCEL, stop the operation and send ASYNC-RESP with an `error` such as \
+              \"cancelled\".",
     },
     checks: &[Check::Session(|| Box::new(Cancelled::default()))],
     covers: &[],
-    bug: Bug::behaviour("Operations that were cancelled go on."),
+    bug: Bug::behaviour("Cancelled operations continue."),
     trial: None,
     mutants: &[
         Mutant {
-            name: "nothing is told of its end",
+            name: "a cancelled operation that does not end",
             make: || {
                 mutant::over("tcp#9", |session| {
                     cancel(session, "rcpt-40");
@@ -42,7 +48,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "it has a result",
+            name: "a cancelled operation with a result",
             make: || {
                 mutant::over("tcp#9", |session| {
                     cancel(session, "rcpt-40");
@@ -52,7 +58,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "it is timed out",
+            name: "a cancelled operation that times out",
             make: || {
                 mutant::over("tcp#9", |session| {
                     cancel(session, "rcpt-40");
@@ -64,28 +70,28 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// How long a server may take to end what it has cancelled, in seconds.
+/// The longest time from the response to the end of a cancelled operation, in seconds.
 const MAX_SECONDS: f64 = 10.0;
 
-/// Of how many operations of a connection the end is waited for at the same time.
+/// The maximum number of tracked operations per connection.
 const MAX_CANCELLED: usize = 1_000;
 
-/// An operation is begun, and cancelled.
+/// Adds an operation that the client cancels.
 fn cancel(session: &mut Session, receipt: &str) {
     session.command(receipt);
     session.exchange(json!({ "type": "ASYNC-CANCEL", "ids": [receipt] }), json!({ "success": [receipt] }));
 }
 
-/// What was cancelled, connection by connection.
+/// The cancelled operations, by connection.
 #[derive(Default)]
 struct Cancelled(PerConnection<Waiting>);
 
-/// Operations whose end is waited for.
+/// Cancelled operations that have not ended.
 #[derive(Default)]
 struct Waiting {
-    /// Where the answer stands that says that it is cancelled, by receipt.
+    /// The location of the response to the cancellation, by receipt.
     receipts: BTreeMap<String, Location>,
-    /// When those answers came, in that order; some operations have ended already.
+    /// The times of those responses, in order. Some of the operations may have ended.
     times: VecDeque<(f64, String, Location)>,
 }
 
@@ -96,7 +102,7 @@ impl SessionCheck for Cancelled {
         }
         let waiting = self.0.get(exchange);
         waiting.end(exchange, context);
-        waiting.pass(exchange.time, context);
+        waiting.report_overdue(exchange.time, context);
         if exchange.response("ASYNC-CANCEL").is_some() {
             waiting.begin(exchange);
         }
@@ -104,7 +110,7 @@ impl SessionCheck for Cancelled {
 
     fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
         if report.connection().is_ordered {
-            self.0.at(report.connection_id()).pass(report.time(), context);
+            self.0.at(report.connection_id()).report_overdue(report.time(), context);
         }
     }
 
@@ -114,7 +120,7 @@ impl SessionCheck for Cancelled {
 }
 
 impl Waiting {
-    /// Operations are cancelled.
+    /// Adds the operations that a response reports as cancelled.
     fn begin(&mut self, exchange: &Exchange<'_>) {
         for named in &exchange.operations {
             let is_open = matches!(named.stage(), Some(Stage::Open | Stage::Suspended | Stage::Released));
@@ -128,16 +134,16 @@ impl Waiting {
         }
     }
 
-    /// Something is told of the end of operations.
+    /// Removes the operations that a message ends, and reports a wrong kind of end.
     fn end(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        // Another operation has the same receipt.
+        // A new operation reuses the receipt.
         for named in &exchange.opened {
             self.receipts.remove(&named.receipt);
         }
         let actual = match exchange.type_name {
             Some("ASYNC-TIMEOUT") => Some("ASYNC-TIMEOUT"),
-            Some("ASYNC-RESP") if body::is_there(exchange.field("error")) => None,
-            // With neither it isn't known what it wants to say.
+            Some("ASYNC-RESP") if body::is_present(exchange.field("error")) => None,
+            // Without a result and an error, FW-ASY-07 reports the message.
             Some("ASYNC-RESP") => exchange.field("result").map(|_| "a result"),
             _ => return,
         };
@@ -149,7 +155,7 @@ impl Waiting {
             if let Some(actual) = actual {
                 exchange.violates(context, || {
                     let receipt = body::quoted(&named.receipt);
-                    Detail::new(format!("{receipt} was cancelled, and ends in {actual}"))
+                    Detail::new(format!("{receipt} was cancelled but ended with {actual}"))
                         .expected("ASYNC-RESP with an error")
                         .actual(actual)
                 });
@@ -157,12 +163,12 @@ impl Waiting {
         }
     }
 
-    /// Time passes.
-    fn pass(&mut self, time: Option<f64>, context: &mut RuleContext<'_>) {
+    /// Reports the operations that did not end in time.
+    fn report_overdue(&mut self, time: Option<f64>, context: &mut RuleContext<'_>) {
         let Some(now) = time else { return };
         while self.times.front().is_some_and(|(time, ..)| now - time > MAX_SECONDS) {
             let Some((time, receipt, location)) = self.times.pop_front() else { break };
-            // It may have ended since, and another may have its receipt.
+            // The operation may have ended, and another one may reuse its receipt.
             if self.receipts.get(&receipt) != Some(&location) {
                 continue;
             }
@@ -172,7 +178,7 @@ impl Waiting {
                 let receipt = body::quoted(&receipt);
                 let waited = now - time;
                 Detail::new(format!(
-                    "{receipt} was cancelled, and for {waited:.0} s nothing was told of its end, though the server spoke"
+                    "{receipt} was cancelled but did not end within {waited:.0} s while the server sent messages"
                 ))
                 .expected("ASYNC-RESP with an error")
                 .actual("none")

@@ -11,22 +11,25 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-18",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A receipt that nobody knows has an entry in `error` where it is to be cancelled or resumed.",
+        statement: "An unknown receipt in ASYNC-CANCEL or ASYNC-RESUME has an entry in `error` of the response.",
         source: source::DERIVED,
-        applies_to: "ASYNC-CANCEL and ASYNC-RESUME that try it",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "ASYNC-CANCEL and ASYNC-RESUME that a probe sends to test this rule",
+        why: "A client that cancels an unknown receipt believes that an operation was stopped. A refused request \
+              also loses the answers for all other receipts in it.",
+        example: r#"→ {"type":"ASYNC-CANCEL","ids":["r99"]}
+← {"type":"ASYNC-CANCEL","success":["r99"]}"#,
+        fix: "Look up each receipt. If it is unknown, add an entry such as \"unknown receipt\" to `error`, and \
+              process the other receipts.",
     },
     checks: &[Check::Exchange(|exchange, context| {
         served::in_error(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"]);
     })],
     covers: &[],
-    bug: Bug::behaviour("Operations that nobody knows can be cancelled."),
+    bug: Bug::behaviour("Unknown operations can be cancelled."),
     trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
         Mutant {
-            name: "it is cancelled",
+            name: "an unknown receipt is cancelled",
             make: || {
                 let cancel = json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-none"] });
                 let done = json!({ "type": "ASYNC-CANCEL", "success": ["rcpt-none"] });

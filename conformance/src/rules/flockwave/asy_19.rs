@@ -1,6 +1,7 @@
 //! `FW-ASY-19`.
 //!
-//! An operation may be suspended by itself just before; what the server has said so of may be resumed.
+//! The operation may become suspended just before the request. An operation that the server reported as suspended may
+//! therefore be resumed.
 
 use serde_json::json;
 
@@ -13,20 +14,24 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-19",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "An operation that isn't suspended has an entry in `error` where it is to be resumed.",
+        statement: "In the response to ASYNC-RESUME, an operation that is not suspended has an entry in `error`.",
         source: source::DERIVED,
-        applies_to: "ASYNC-RESUME that tries it",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "ASYNC-RESUME that a probe sends to test this rule",
+        why: "The client believes that the operation received the values in the request, although it never waited \
+              for them.",
+        example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
+← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
+→ {"type":"ASYNC-RESUME","ids":["r1"]}
+← {"type":"ASYNC-RESUME","success":["r1"]}"#,
+        fix: "Check that the operation is suspended before you resume it. If it is not, add an entry to `error`.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::behaviour("Operations that aren't suspended can be resumed."),
+    bug: Bug::behaviour("Operations that are not suspended can be resumed."),
     trial: None,
     mutants: &[
         Mutant {
-            name: "it is resumed",
+            name: "a running operation is resumed",
             make: || {
                 let resume = json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-30"] });
                 let done = json!({ "type": "ASYNC-RESUME", "success": ["rcpt-30"] });

@@ -13,16 +13,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "ASYNC-TIMEOUT has `ids`, a list of strings.",
         source: source::ASYNC,
         applies_to: "ASYNC-TIMEOUT",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client does not know which operations timed out and keeps waiting for them.",
+        example: r#"{"type":"ASYNC-TIMEOUT","ids":"r2"}"#,
+        fix: "Send the receipts as a list of strings in `ids`, even if there is only one.",
     },
     checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["ASYNC-TIMEOUT"], "ids", attribution::MISSING),
         Attribution::new(&["ASYNC-TIMEOUT"], "ids.*", attribution::MISSING),
     ],
-    bug: Bug::message("ASYNC-TIMEOUT has its receipt as a text.", |out| {
+    bug: Bug::message("The `ids` of ASYNC-TIMEOUT is a string.", |out| {
         if let Some(body) = out.body_of("ASYNC-TIMEOUT") {
             body["ids"] = body["ids"][0].take();
         }

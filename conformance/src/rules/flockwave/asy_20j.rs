@@ -15,20 +15,21 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The `ids` of ASYNC-TIMEOUT are unique.",
         source: source::SCHEMA,
         applies_to: "ASYNC-TIMEOUT",
-        why: "",
-        example: "",
-        fix: "",
+        why: "A client may handle the same timeout twice or reject the message, because the JSON Schema requires \
+              unique items.",
+        example: r#"{"type":"ASYNC-TIMEOUT","ids":["r2","r2"]}"#,
+        fix: "Remove duplicate receipts before you send the list.",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["ASYNC-TIMEOUT"], "ids", &[Fault::Value])],
-    bug: Bug::message("ASYNC-TIMEOUT has its receipt twice.", |out| {
+    bug: Bug::message("ASYNC-TIMEOUT lists its receipt twice.", |out| {
         if let Some(ids) = out.ids_of("ASYNC-TIMEOUT") {
             ids.extend_from_within(..1);
         }
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "an id twice",
+        name: "a duplicate id",
         make: || {
             mutant::then(|session| {
                 session.exchange(

@@ -13,18 +13,21 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-22",
         level: Level::Should,
         status: Status::Disputed(
-            "The result of ASYNC-RESP is an object in the text, a number in an example of it, and anything in the schema; here it is what the reply would have had.",
+            "For the result of ASYNC-RESP, the specification text requires an object, its example has a number, and \
+             the JSON Schema allows any value. This rule requires the type that an immediate response would have.",
         ),
-        statement: "Results have the type that is laid down for the command: true or false for most of UAV-*.",
+        statement: "Each result has the type that the definition of its command specifies: a boolean for most UAV \
+                    commands.",
         source: source::SCHEMA,
-        applies_to: "replies with `result`, ASYNC-RESP",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "responses with `result`, ASYNC-RESP",
+        why: "Clients compare the result with true. A string such as \"failed\" may count as success, and null as \
+              failure.",
+        example: r#"{"type":"UAV-LAND","result":{"uav-1":"ok"}}"#,
+        fix: "Send the type that the definition specifies. Report failures in `error`, not as a text in `result`.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[Attribution::new(&TYPES, "result.*", &[Fault::Null, Fault::Kind])],
-    bug: Bug::message("Results that are booleans are texts.", |out| {
+    bug: Bug::message("Results that should be booleans are strings.", |out| {
         let is_command = out.kind().starts_with("UAV-") || out.kind() == "ASYNC-RESP";
         let Some(result) = out.message()["body"].get_mut("result").filter(|_| is_command) else { return };
         let values: Vec<&mut Value> = match result {
@@ -38,12 +41,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "null, in a reply",
+            name: "null in a response",
             make: || mutant::reply("UAV-TAKEOFF", |body| body["result"]["swift"] = json!(null)),
             also: &[],
         },
         Mutant {
-            name: "a number, later",
+            name: "a number in ASYNC-RESP",
             make: || mutant::notice("ASYNC-RESP", |body| body["result"] = 7.into()),
             also: &[],
         },
@@ -59,7 +62,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
             .find(|(_, found)| !fits(found));
         if let Some((key, found)) = wrong {
             exchange.violates(context, || {
-                Detail::new(format!("the result of {name} is {expected}, found {found}"))
+                Detail::new(format!("result of {name}: expected {expected}, found {found}"))
                     .at(pointer(&["body", "result", key]))
                     .expected(expected)
                     .actual(found.to_string())
@@ -70,14 +73,14 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let known = exchange.operations.first().and_then(|named| named.before.as_ref());
     let request = known.and_then(|operation| operation.type_name.as_deref());
     let Some((name, expected, fits)) = request.and_then(result_of) else { return };
-    // A null beside an error is none.
-    if body::is_there(exchange.field("error")) {
+    // A null next to an error is no result.
+    if body::is_present(exchange.field("error")) {
         return;
     }
     context.covered();
     if !fits(found) {
         exchange.violates(context, || {
-            Detail::new(format!("the result of {name} is {expected}, found {found}"))
+            Detail::new(format!("result of {name}: expected {expected}, found {found}"))
                 .at("/body/result")
                 .expected(expected)
                 .actual(found.to_string())
@@ -85,17 +88,17 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     }
 }
 
-/// A type, what its results have to be in words, and whether one is.
-type Laid = (&'static str, &'static str, fn(&Tree<'_>) -> bool);
+/// A message type, a description of its results, and a predicate for them.
+type ResultSpec = (&'static str, &'static str, fn(&Tree<'_>) -> bool);
 
-/// What the results of a command have to be, where something is laid down.
-fn result_of(name: &str) -> Option<Laid> {
+/// The required results of a command, if the definitions specify them.
+fn result_of(name: &str) -> Option<ResultSpec> {
     RESULTS.iter().find(|(known, ..)| *known == name).copied()
 }
 
 const BOOLEAN: &str = "true or false";
 
-const RESULTS: [Laid; 18] = [
+const RESULTS: [ResultSpec; 18] = [
     ("BCN-PROPS", "an object", is_object),
     ("LOG-INF", "a list", |found| matches!(found, Tree::List(_))),
     ("OBJ-CMD", "a string or an object", |found| matches!(found, Tree::Text(_) | Tree::Object(_))),
@@ -116,7 +119,7 @@ const RESULTS: [Laid; 18] = [
     ("UAV-WAKEUP", BOOLEAN, is_boolean),
 ];
 
-/// These types.
+/// The types in [`RESULTS`].
 const TYPES: [&str; RESULTS.len()] = {
     let mut types = [""; RESULTS.len()];
     let mut at = 0;

@@ -1,7 +1,7 @@
 //! Attribution: the violations of body schemas that a rule reports in place of `FW-ENV-18`.
 //!
-//! If rules accept null in place of an absent field, since the specification contradicts itself there, the body schema
-//! doesn't; so null is left to `FW-ENV-18`.
+//! Some rules accept null in place of an absent field, because the specification contradicts itself there. The body
+//! schema does not, so `FW-ENV-18` reports null.
 
 use super::{FlockwaveRule, RULES};
 use crate::flockwave::body_schema::{Deviation, Fault, Step};
@@ -12,25 +12,25 @@ use crate::model::Rule;
 pub(crate) struct Attribution {
     /// The types of the messages.
     types: &'static [&'static str],
-    /// The fields that lead there, with dots between them; `*` is any step, and `**` at the end any number of steps.
+    /// The path of fields, separated by dots. `*` matches any step, and `**` at the end any number of steps.
     path: &'static str,
     faults: &'static [Fault],
 }
 
-/// A value of its kind that isn't as it should be, or one of another kind; but not null.
+/// An invalid value of the right kind, or a value of another kind, but not null.
 pub(super) const WRONG: &[Fault] = &[Fault::Kind, Fault::Value];
 
-/// No value of its kind.
+/// A missing value, null, or a value of another kind.
 pub(super) const MISSING: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind];
 
-/// No value as it should be.
+/// A missing value, or any invalid value.
 pub(super) const INVALID: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value];
 
 /// Any violation.
 pub(super) const ALL: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value, Fault::Further];
 
 impl Attribution {
-    /// Violations in bodies of these types, at this path, of these kinds.
+    /// Creates an attribution for violations in bodies of these types, at this path, of these kinds.
     pub(super) const fn new(
         types: &'static [&'static str],
         path: &'static str,
@@ -42,12 +42,12 @@ impl Attribution {
     fn matches(&self, type_name: &str, deviation: &Deviation) -> bool {
         self.types.contains(&type_name)
             && deviation.fault.is_some_and(|fault| self.faults.contains(&fault))
-            && leads(self.path, &deviation.steps)
+            && matches_path(self.path, &deviation.steps)
     }
 }
 
-/// True if a path is these steps.
-fn leads(path: &str, steps: &[Step]) -> bool {
+/// True if the path pattern matches these steps.
+fn matches_path(path: &str, steps: &[Step]) -> bool {
     let mut steps = steps.iter();
     for name in path.split('.') {
         match (name, steps.next()) {
@@ -67,10 +67,10 @@ impl FlockwaveRule {
     }
 }
 
-/// The rule that reports a violation of the body schema of a type; none if it is left to `FW-ENV-18`.
+/// The rule that reports a violation of the body schema of a type, or none if `FW-ENV-18` does.
 pub(crate) fn attributed(type_name: &str, deviation: &Deviation) -> Option<&'static Rule> {
-    let found = RULES.iter().find(|of| of.covers(type_name, deviation));
-    found.map(|of| &of.rule)
+    let found = RULES.iter().find(|rule| rule.covers(type_name, deviation));
+    found.map(|found| &found.rule)
 }
 
 #[cfg(test)]
@@ -79,7 +79,7 @@ mod tests {
     use crate::flockwave::body_schema::Mismatch;
 
     fn by(path: &[&str], fault: Fault) -> Option<&'static str> {
-        // An id may be called as a field is.
+        // An id may have the name of a field.
         let step = |name: &&str| match name.strip_prefix('=') {
             Some(_) => Step::Other,
             None => Step::Field((*name).to_owned()),

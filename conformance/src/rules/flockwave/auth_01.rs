@@ -12,16 +12,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-AUTH-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "AUTH-RESP has exactly one of `result` and `data`, and `user` exactly where `result` is true.",
+        statement: "AUTH-RESP has exactly one of `result` and `data`, and has `user` exactly if `result` is true.",
         source: source::MESSAGES,
         applies_to: "AUTH-RESP",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client does not know whether the login succeeded, failed or continues with another step. With a \
+              wrong `user`, it shows the wrong login state.",
+        example: r#"{"type":"AUTH-RESP","result":false,"user":"alice"}"#,
+        fix: "Send `data` only for the next step of a login, and `result` otherwise. Add `user` after a successful \
+              login, and in no other response.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("A failed login has a user.", |out| {
+    bug: Bug::message("The response to a failed login has a `user`.", |out| {
         if let Some(body) = out.body_of("AUTH-RESP") {
             body["result"] = json!(false);
             body["user"] = json!("nobody");
@@ -31,17 +33,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "both",
+            name: "both `result` and `data`",
             make: || mutant::reply("AUTH-RESP", |body| body["data"] = "more".into()),
             also: &[],
         },
         Mutant {
-            name: "nobody",
+            name: "a successful login without `user`",
             make: || mutant::reply("AUTH-RESP", |body| mutant::remove(body, "user")),
             also: &[],
         },
         Mutant {
-            name: "a user who isn't logged in",
+            name: "a failed login with `user`",
             make: || mutant::reply("AUTH-RESP", |body| body["result"] = false.into()),
             also: &[],
         },
@@ -52,12 +54,12 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     let Some(body) = message.body_of("AUTH-RESP") else { return };
     body::exactly_one(message, context, &["result", "data"], "");
     let is_logged_in = body.get("result") == Some(&Tree::Bool(true));
-    if is_logged_in != body::is_there(body.get("user")) {
+    if is_logged_in != body::is_present(body.get("user")) {
         message.violates(context, || {
             let (what, path) = if is_logged_in {
-                ("`result` is true, and there is no `user`", "/body")
+                ("`result` is true, but `user` is missing", "/body")
             } else {
-                ("there is a `user`, and `result` isn't true", "/body/user")
+                ("`user` is present, but `result` is not true", "/body/user")
             };
             Detail::new(what).at(path)
         });

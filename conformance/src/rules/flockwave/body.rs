@@ -1,4 +1,4 @@
-//! Checks of the content of a message.
+//! Checks of message contents.
 
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -7,10 +7,10 @@ use super::{Detail, ExpectedValue, Message, RuleContext, Tree};
 use crate::flockwave::body_schema::{Mismatch, integer};
 use crate::json::pointer;
 
-/// The length of a quotation, in characters.
+/// The maximum length of a quoted text, in characters.
 const MAX_QUOTED: usize = 64;
 
-/// Reports a value of another shape.
+/// Reports a value that does not match its schema.
 pub(super) fn mismatched(message: &Message<'_>, context: &mut RuleContext<'_>, found: Mismatch) {
     message.violates(context, || {
         let Mismatch { path, expected, actual } = found;
@@ -18,7 +18,7 @@ pub(super) fn mismatched(message: &Message<'_>, context: &mut RuleContext<'_>, f
     });
 }
 
-/// Checks that a field of the body has this shape, or is absent and not required.
+/// Checks that a field of the body matches a schema, or is absent and optional.
 pub(super) fn field(
     message: &Message<'_>,
     context: &mut RuleContext<'_>,
@@ -29,7 +29,7 @@ pub(super) fn field(
     member(message, context, message.body, &["body"], (name, is_required), schema);
 }
 
-/// Checks that a member of the object at `keys` has this shape, or is absent and not required.
+/// Checks that a member of the object at `keys` matches a schema, or is absent and optional.
 pub(super) fn member(
     message: &Message<'_>,
     context: &mut RuleContext<'_>,
@@ -60,7 +60,7 @@ pub(super) fn keyed(message: &Message<'_>, context: &mut RuleContext<'_>, type_n
     for (key, state) in states(message, type_name) {
         context.covered();
         let id = state.get("id");
-        // That there is an id, and a string, is another rule's matter.
+        // Other rules report a missing or invalid id.
         if let Some(id) = id.and_then(Tree::as_str).filter(|id| id != key) {
             message.violates(context, || {
                 Detail::differs(quoted(key), quoted(id)).at(pointer(&["body", "status", key, "id"]))
@@ -69,7 +69,7 @@ pub(super) fn keyed(message: &Message<'_>, context: &mut RuleContext<'_>, type_n
     }
 }
 
-/// Checks that a list has no value twice.
+/// Checks that the strings in a list are unique.
 pub(super) fn unique(message: &Message<'_>, context: &mut RuleContext<'_>, name: &str) {
     let Some(Tree::List(values)) = message.field(name) else { return };
     context.covered();
@@ -77,33 +77,33 @@ pub(super) fn unique(message: &Message<'_>, context: &mut RuleContext<'_>, name:
     let repeated = values.iter().filter_map(Tree::as_str).find(|text| !seen.insert(*text));
     if let Some(text) = repeated {
         message.violates(context, || {
-            Detail::new(format!("{} stands there twice", quoted(text))).at(pointer(&["body", name]))
+            Detail::new(format!("{} is listed twice", quoted(text))).at(pointer(&["body", name]))
         });
     }
 }
 
-/// Checks each list of error codes. Another rule reports values that are no integers.
+/// Checks each list of error codes. `FW-UST-ERRORS` reports values that are not integers.
 pub(super) fn codes(
     message: &Message<'_>,
     context: &mut RuleContext<'_>,
-    wrong: impl Fn(&[i128]) -> Option<String>,
+    violation: impl Fn(&[i128]) -> Option<String>,
 ) {
     for (uav, state) in states(message, "UAV-INF") {
         let Some(Tree::List(values)) = state.get("errors") else { continue };
         let codes: Vec<i128> = values.iter().filter_map(integer).collect();
         context.covered();
-        if let Some(what) = wrong(&codes) {
+        if let Some(message_text) = violation(&codes) {
             message.violates(context, || {
                 let reported: Vec<String> = codes.iter().take(16).map(ToString::to_string).collect();
                 let path = pointer(&["body", "status", uav, "errors"]);
-                Detail::new(what).at(path).actual(format!("[{}]", reported.join(", ")))
+                Detail::new(message_text).at(path).actual(format!("[{}]", reported.join(", ")))
             });
         }
     }
 }
 
-/// Checks that the body has exactly one of these fields. A null counts only if there is no other value, and only for
-/// the field that may be null.
+/// Checks that the body has exactly one of these fields. Null counts as a value only in the field `may_be_null`, and
+/// only if no other field has a value.
 pub(super) fn exactly_one(
     message: &Message<'_>,
     context: &mut RuleContext<'_>,
@@ -111,7 +111,7 @@ pub(super) fn exactly_one(
     may_be_null: &str,
 ) {
     context.covered();
-    let mut found: Vec<&str> = names.iter().copied().filter(|name| is_there(message.field(name))).collect();
+    let mut found: Vec<&str> = names.iter().copied().filter(|name| is_present(message.field(name))).collect();
     if found.is_empty() && message.field(may_be_null) == Some(&Tree::Null) {
         found.push(may_be_null);
     }
@@ -123,27 +123,27 @@ pub(super) fn exactly_one(
     }
 }
 
-/// True if a value is present and not null. Optional members may be null, by the advice to the authors of the
-/// specification.
-pub(super) fn is_there(value: Option<&Tree<'_>>) -> bool {
+/// True if a value is present and not null. The guidelines for authors of the specification allow null in optional
+/// members.
+pub(super) fn is_present(value: Option<&Tree<'_>>) -> bool {
     value.is_some_and(|value| *value != Tree::Null)
 }
 
-/// True if a text is one to three numbers with dots between them.
+/// True if a text is one to three numbers separated by dots.
 pub(super) fn is_version(text: &str) -> bool {
     let mut parts = text.split('.');
     let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
     parts.by_ref().take(3).all(is_number) && parts.next().is_none()
 }
 
-/// A text in quotation marks, shortened.
+/// A shortened text in backticks.
 pub(super) fn quoted(text: &str) -> String {
     let short: String = text.chars().take(MAX_QUOTED).collect();
     let more = if short.len() < text.len() { "…" } else { "" };
     format!("`{short}{more}`")
 }
 
-/// The members of a field of a body that is an object.
+/// The members of an object in a field of the body; empty if the field is not an object.
 pub(super) fn members<'t>(body: Option<&'t Tree<'t>>, name: &str) -> &'t [(Cow<'t, str>, Tree<'t>)] {
     match body.and_then(|body| body.get(name)) {
         Some(Tree::Object(members)) => members,

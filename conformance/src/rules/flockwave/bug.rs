@@ -1,31 +1,31 @@
-//! Bugs of the reference server: each makes it violate one rule.
+//! Bugs of the reference server. Each makes the server violate one rule.
 //!
-//! A bug changes messages before they are sent, or it is a behaviour: then the code of the server that the rule is about
-//! asks whether the server has the bug.
+//! A bug either changes messages before they are sent, or changes the behaviour of the server. In the second case, the
+//! server code checks whether the bug is enabled.
 
 use serde_json::{Map, Value, json};
 
 use crate::model::Rule;
 
-/// The version of the protocol that messages of the server have.
+/// The protocol version in messages of the server.
 const PROTOCOL: &str = "1.0";
 
 /// A bug of the reference server.
 #[derive(Debug)]
 pub(crate) struct Bug {
-    /// What the server does.
+    /// The faulty behaviour of the server.
     pub description: &'static str,
-    /// The other rules that the server violates then.
+    /// Other rules that the bug violates.
     pub also: &'static [&'static Rule],
-    /// What the bug needs to show.
+    /// The setup in which the bug shows.
     pub needs: Needs,
     change: Change,
 }
 
-/// What a bug needs to show, in addition to a probe over TCP.
+/// The setup in which a bug shows, in addition to a probe over TCP.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Needs {
-    /// Nothing.
+    /// No additional setup.
     Nothing,
     /// A client that connects over UDP.
     Udp,
@@ -33,36 +33,36 @@ pub(crate) enum Needs {
     SocketIo,
     /// A server that requires a login.
     Login,
-    /// A server that closes connections after a while.
+    /// A server that closes connections after some time.
     Farewell,
 }
 
-/// The form of a bug.
+/// The kind of a bug.
 #[derive(Clone, Copy, Debug)]
 enum Change {
     /// Messages are changed before they are sent.
     Message(fn(&mut Outgoing<'_>)),
-    /// The server behaves in another way.
+    /// The server behaves differently.
     Behaviour,
 }
 
 impl Bug {
-    /// A bug that changes messages.
+    /// Creates a bug that changes messages.
     pub(super) const fn message(description: &'static str, change: fn(&mut Outgoing<'_>)) -> Self {
         Self { description, also: &[], needs: Needs::Nothing, change: Change::Message(change) }
     }
 
-    /// A bug in the behaviour of the server.
+    /// Creates a bug in the behaviour of the server.
     pub(super) const fn behaviour(description: &'static str) -> Self {
         Self { description, also: &[], needs: Needs::Nothing, change: Change::Behaviour }
     }
 
-    /// Adds the other rules that the server violates then.
+    /// Sets the other rules that the bug violates.
     pub(super) const fn with(self, also: &'static [&'static Rule]) -> Self {
         Self { also, ..self }
     }
 
-    /// Adds what the bug needs to show.
+    /// Sets the setup in which the bug shows.
     pub(super) const fn needs(self, needs: Needs) -> Self {
         Self { needs, ..self }
     }
@@ -77,28 +77,28 @@ impl Bug {
 
 /// A message of the server before it is sent, and the messages that a bug adds.
 pub(crate) struct Outgoing<'r> {
-    /// Messages that precede the message.
+    /// Messages to send before it.
     before: Vec<Value>,
     /// The message; none if a bug drops it.
     pub(super) message: Option<Value>,
-    /// Messages that follow it.
+    /// Messages to send after it.
     after: Vec<Value>,
-    /// The body of the request that it answers.
+    /// The body of the request that it answers, if any.
     pub(super) request: Option<&'r Value>,
-    /// The number of messages that were sent over the connection, this one included.
+    /// The number of messages sent on the connection, including this one.
     pub(super) number: u64,
-    /// Writes messages as JSON.
+    /// Serializes a message.
     pub(super) write: fn(&Value) -> String,
 }
 
 impl<'r> Outgoing<'r> {
-    /// A message, the body of the request that it answers, and the number of messages on its connection.
+    /// Creates an outgoing message.
     pub(crate) fn new(message: Value, request: Option<&'r Value>, number: u64) -> Self {
         let (before, after) = (Vec::new(), Vec::new());
         Self { before, message: Some(message), after, request, number, write: Value::to_string }
     }
 
-    /// All messages that are to be sent, in this order.
+    /// All messages to send, in order.
     pub(crate) fn into_texts(self) -> Vec<String> {
         let messages = self.before.iter().chain(&self.message).chain(&self.after);
         messages.map(|message| (self.write)(message)).collect()
@@ -119,20 +119,20 @@ impl<'r> Outgoing<'r> {
         self.request.map(|body| body.get("type").and_then(Value::as_str).unwrap_or_default())
     }
 
-    /// The ids or paths in the request.
+    /// The requested ids or paths.
     fn requested_ids(&self) -> Vec<&'r str> {
         let list = self.request.and_then(|body| body.get("ids").or_else(|| body.get("paths")));
         list.and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str).collect()
     }
 
-    /// True if it answers no request.
+    /// True if it does not answer a request.
     pub(super) fn is_notification(&self) -> bool {
         self.request.is_none()
     }
 
-    /// True if it refuses a request of a type that the server doesn't know.
+    /// True if it refuses a request of an unknown type.
     pub(super) fn refuses_unknown_type(&mut self) -> bool {
-        self.message()["body"]["reason"].as_str().is_some_and(|why| why.starts_with("no handler"))
+        self.message()["body"]["reason"].as_str().is_some_and(|reason| reason.starts_with("no handler"))
     }
 
     /// The body, if it has this type.
@@ -157,14 +157,14 @@ impl<'r> Outgoing<'r> {
         self.body_of(kind)?["ids"].as_array_mut()
     }
 
-    /// Makes the last id of a list a number.
+    /// Replaces the last id of a list with a number.
     pub(super) fn make_last_id_a_number(&mut self, kind: &str) {
         if let Some(last) = self.ids_of(kind).and_then(|ids| ids.last_mut()) {
             *last = json!(7);
         }
     }
 
-    /// Repeats the first id of a list.
+    /// Appends the first id of a list again.
     pub(super) fn repeat_first_id(&mut self, kind: &str) {
         if let Some(ids) = self.ids_of(kind) {
             ids.extend_from_within(..1.min(ids.len()));
@@ -177,26 +177,26 @@ impl<'r> Outgoing<'r> {
         status.into_iter().flat_map(Map::values_mut).for_each(change);
     }
 
-    /// The first state in a message about UAVs.
+    /// The first state in UAV-INF.
     pub(super) fn state(&mut self) -> Option<&mut Value> {
         self.body_of("UAV-INF")?.get_mut("status")?.as_object_mut()?.values_mut().next()
     }
 
-    /// Sets a field of the first state in a message about UAVs.
+    /// Sets a field of the first state in UAV-INF.
     pub(super) fn set_in_state(&mut self, field: &str, value: Value) {
         if let Some(state) = self.state() {
             state[field] = value;
         }
     }
 
-    /// Changes the timestamps of all UAVs.
+    /// Changes the timestamps of all UAVs in UAV-INF.
     pub(super) fn shift_timestamps(&mut self, change: impl Fn(u64) -> u64) {
         self.each_status("UAV-INF", |state| {
             state["timestamp"] = json!(change(state["timestamp"].as_u64().unwrap_or_default()));
         });
     }
 
-    /// The ports that SYS-PORTS lists.
+    /// The ports in SYS-PORTS.
     pub(super) fn ports(&mut self) -> impl Iterator<Item = &mut Value> {
         let ports = self.body_of("SYS-PORTS").and_then(|body| body["ports"].as_object_mut());
         ports.into_iter().flat_map(Map::values_mut)
@@ -216,13 +216,13 @@ impl<'r> Outgoing<'r> {
         }
     }
 
-    /// Adds a message that follows.
+    /// Adds a message to send after this one.
     pub(super) fn follow(&mut self, refs: Option<&str>, body: Value) {
         let message = self.envelope(refs, body);
         self.after.push(message);
     }
 
-    /// Adds a message that precedes.
+    /// Adds a message to send before this one.
     pub(super) fn precede(&mut self, body: Value) {
         let message = self.envelope(None, body);
         self.before.push(message);
@@ -237,8 +237,8 @@ impl<'r> Outgoing<'r> {
         message
     }
 
-    /// Removes the last object of the request from all maps of the response.
-    pub(super) fn lose_last(&mut self, kinds: &[&str]) {
+    /// Removes the last requested object from all maps of the response.
+    pub(super) fn drop_last(&mut self, kinds: &[&str]) {
         if self.is_notification() || !kinds.contains(&self.kind()) {
             return;
         }
@@ -250,7 +250,7 @@ impl<'r> Outgoing<'r> {
     }
 }
 
-/// The body of a notification about the progress of an operation.
+/// The body of a progress notification.
 pub(super) fn progress(receipt: &Value) -> Value {
     json!({ "type": "ASYNC-ST", "id": receipt, "progress": { "percentage": 1 } })
 }
@@ -261,9 +261,9 @@ mod tests {
 
     #[test]
     fn each_bug_has_a_description() {
-        for of in RULES {
-            assert!(of.bug.description.ends_with('.'), "{of:?}");
-            assert!(!of.bug.also.iter().any(|rule| rule.id == of.rule.id), "{of:?}");
+        for rule in RULES {
+            assert!(rule.bug.description.ends_with('.'), "{rule:?}");
+            assert!(!rule.bug.also.iter().any(|other| other.id == rule.rule.id), "{rule:?}");
         }
     }
 }

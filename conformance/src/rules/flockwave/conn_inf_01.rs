@@ -11,21 +11,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-CONN-INF-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each requested id stands in exactly one of `status` and `error`.",
+        statement: "Each requested connection is in exactly one of `status` and `error` of the response.",
         source: source::MESSAGES,
         applies_to: "CONN-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client does not know whether a missing connection is down, unknown or was forgotten by the server.",
+        example: r#"→ {"type":"CONN-INF","ids":["radio-1","radio-2"]}
+← {"type":"CONN-INF","error":{"radio-1":"Unknown connection"}}"#,
+        fix: "Add an entry for every requested id: its state in `status`, or a reason in `error`.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("The last connection that was asked for is missing.", |out| {
-        out.lose_last(&["CONN-INF"]);
+    bug: Bug::message("CONN-INF lacks the last requested connection.", |out| {
+        out.drop_last(&["CONN-INF"]);
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "a connection is missing",
+        name: "a missing connection",
         make: || mutant::reply("CONN-INF", |body| body["error"] = json!({})),
         also: &[],
     }],

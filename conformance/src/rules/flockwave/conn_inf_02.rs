@@ -11,21 +11,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-CONN-INF-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The key of each state is the `id` in it.",
+        statement: "The key of each state in `status` equals the `id` in that state.",
         source: source::MESSAGES,
         applies_to: "CONN-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients that index by key and clients that index by `id` assign the state to different connections.",
+        example: r#"{"type":"CONN-INF","status":{"radio-1":{"id":"radio-2",
+  "purpose":"uavRadioLink","status":"connected"}}}"#,
+        fix: "Use the `id` of each state as its key in `status`.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("Connections have other ids than their keys.", |out| {
+    bug: Bug::message("The `id` of each connection differs from its key.", |out| {
         out.each_status("CONN-INF", |status| status["id"] = json!("radio-7"));
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "another id",
+        name: "an id that differs from its key",
         make: || mutant::notice("CONN-INF", |body| body["status"]["winch"]["id"] = "tow".into()),
         also: &[],
     }],

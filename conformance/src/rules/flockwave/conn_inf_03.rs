@@ -12,12 +12,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-CONN-INF-03",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`purpose` and `status` of each state are names that the specification has.",
+        statement: "`purpose` and `status` of each state have one of the values in the specification.",
         source: source::MESSAGES,
         applies_to: "CONN-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients choose the icon and the warning of a connection by these values. An unknown value shows a \
+              working link as broken, or the reverse.",
+        example: r#"{"type":"CONN-INF","status":{"radio-1":{"id":"radio-1","purpose":"dgps","status":"up"}}}"#,
+        fix: "Map internal values to those in the specification. Use the purpose `other` or the status `unknown` if \
+              none fits.",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -25,13 +27,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["CONN-INF"], "status.*.purpose", attribution::INVALID),
         Attribution::new(&["CONN-INF"], "status.*.status", attribution::INVALID),
     ],
-    bug: Bug::message("The purpose of connections is a number.", |out| {
+    bug: Bug::message("The `purpose` of connections is a number.", |out| {
         out.each_status("CONN-INF", |status| status["purpose"] = json!(1));
     }),
     trial: None,
     mutants: &[
         Mutant {
-            name: "a purpose of its own",
+            name: "an unknown purpose",
             make: || mutant::notice("CONN-INF", |body| body["status"]["winch"]["purpose"] = "tow".into()),
             also: &[],
         },

@@ -1,6 +1,6 @@
 //! `FW-DEV-01`.
 //!
-//! DEV-INF is a matter of `FW-INF-01`.
+//! `FW-INF-01` covers DEV-INF.
 
 use serde_json::json;
 
@@ -14,28 +14,31 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-DEV-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each object or path that was asked for stands in exactly one part of the reply.",
+        statement: "Each requested object or path is in exactly one part of the response.",
         source: source::MESSAGES,
         applies_to: "DEV-LIST, DEV-SUB, DEV-UNSUB",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client does not know whether it is subscribed to a missing path. It may wait for values that \
+              never arrive.",
+        example: r#"→ {"type":"DEV-SUB","paths":["/uav-1/battery/voltage"]}
+← {"type":"DEV-SUB","success":[]}"#,
+        fix: "Add an entry for every requested object or path: in `devices` or `success`, or with a reason in \
+              `error`.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("The last object or path that was asked for is missing.", |out| {
-        out.lose_last(&["DEV-LIST", "DEV-INF"]);
+    bug: Bug::message("DEV-LIST and DEV-INF lack the last requested object or path.", |out| {
+        out.drop_last(&["DEV-LIST", "DEV-INF"]);
     })
     .with(&[&inf_01::RULE.rule]),
     trial: None,
     mutants: &[
         Mutant {
-            name: "an object without a tree",
+            name: "an object without a device tree",
             make: || mutant::reply("DEV-LIST", |body| body["devices"] = json!({})),
             also: &[],
         },
         Mutant {
-            name: "a path in both",
+            name: "a path in both parts",
             make: || mutant::reply("DEV-SUB", |body| body["error"]["/kite/vario"] = "Busy".into()),
             also: &[],
         },

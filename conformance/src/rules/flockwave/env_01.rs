@@ -1,7 +1,7 @@
 //! `FW-ENV-01`.
 //!
-//! Where a message goes over TCP in several lines, and where there are several in one line or datagram, other rules tell of
-//! it. So a line that may be the beginning of one is told of only once it is seen to be none.
+//! Other rules report a message over TCP in several lines, and several messages in one line or datagram. A line that
+//! may start a message is therefore reported only when it turns out not to.
 
 use serde_json::json;
 
@@ -15,16 +15,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A message is one JSON object.",
+        statement: "Each message is one JSON object.",
         source: source::GENERAL,
         applies_to: "messages of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client cannot decode anything else. It drops the data or closes the connection.",
+        example: r#"[{"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}]"#,
+        fix: "Serialize each message as one JSON object, with no wrapper and no other output on the connection.",
     },
     checks: &[Check::Session(|| Box::new(Unreadable::default()))],
     covers: &[],
-    bug: Bug::message("Notifications of UAV-INF come in an array.", |out| {
+    bug: Bug::message("UAV-INF notifications are sent in an array.", |out| {
         if out.notification_of("UAV-INF").is_some() {
             let message = out.message().take();
             *out.message() = json!([message]);
@@ -33,7 +33,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "what the server sends is no JSON",
+            name: "data that is not JSON",
             make: || {
                 let mut session = Session::new();
                 session
@@ -44,7 +44,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "lines that make up no message",
+            name: "lines that do not form a message",
             make: || {
                 mutant::over("tcp#9", |session| {
                     session.send_raw("{");
@@ -66,18 +66,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// What isn't known to be part of a message.
+/// Lines that may not be part of a message.
 #[derive(Default)]
 struct Unreadable(Lines);
 
 impl Unreadable {
     fn report(&mut self, context: &mut RuleContext<'_>) {
-        self.0.whole.clear();
+        self.0.split.clear();
         for line in self.0.other.drain(..) {
             context.violation("message", line.location, || {
                 match line.actual {
                     Some(actual) => Detail::differs("an object", actual),
-                    None => Detail::new("no JSON").expected("an object"),
+                    None => Detail::new("not JSON").expected("an object"),
                 }
                 .excerpt(line.excerpt)
             });
@@ -90,7 +90,7 @@ impl SessionCheck for Unreadable {
         if exchange.is_from_server() {
             context.covered();
         }
-        if !lines::are_several(exchange, "tcp") && !lines::are_several(exchange, "udp") {
+        if !lines::has_several_messages(exchange, "tcp") && !lines::has_several_messages(exchange, "udp") {
             self.0.follow(exchange);
         }
         self.report(context);
@@ -103,11 +103,11 @@ impl SessionCheck for Unreadable {
     }
 
     fn corruption(&mut self, _: Location) {
-        self.0.part_all();
+        self.0.discard_open();
     }
 
     fn end(&mut self, context: &mut RuleContext<'_>) {
-        self.0.part_all();
+        self.0.discard_open();
         self.report(context);
     }
 }

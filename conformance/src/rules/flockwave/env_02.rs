@@ -15,24 +15,24 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`$fw.version` of a message is a string.",
         source: source::GENERAL,
         applies_to: "messages of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "This field identifies a Flockwave message. A client that requires a string rejects the whole message.",
+        example: r#"{"$fw.version":1,"id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
+        fix: "Add `\"$fw.version\":\"1.0\"` to every message. Write the version as a string, not as a number.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("The version of the protocol is a number.", |out| {
+    bug: Bug::message("The protocol version is a number.", |out| {
         out.message()["$fw.version"] = json!(1);
     }),
     trial: None,
     mutants: &[
         Mutant {
-            name: "no version",
+            name: "a missing version",
             make: || mutant::reply_message("SYS-VER", |message| mutant::remove(message, "$fw.version")),
             also: &[],
         },
         Mutant {
-            name: "a number",
+            name: "a version that is a number",
             make: || mutant::reply_message("SYS-VER", |message| message["$fw.version"] = 1.into()),
             also: &[],
         },

@@ -12,27 +12,27 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-02J",
         level: Level::Should,
         status: Status::Advisory,
-        statement: "`$fw.version` of a message is one to three numbers with dots between them.",
+        statement: "`$fw.version` of a message is one to three numbers separated by dots.",
         source: source::SCHEMA,
         applies_to: "messages of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients compare versions number by number. They may reject a message whose version they cannot parse.",
+        example: r#"{"$fw.version":"v1","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
+        fix: "Send a version such as `1.0`, without a prefix or suffix.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("The version of the protocol is a word.", |out| {
+    bug: Bug::message("The protocol version is a word.", |out| {
         out.message()["$fw.version"] = json!("newest");
     }),
     trial: None,
     mutants: &[
         Mutant {
-            name: "a word for the version",
+            name: "a version that is a word",
             make: || mutant::reply_message("SYS-VER", |message| message["$fw.version"] = "first".into()),
             also: &[],
         },
         Mutant {
-            name: "four numbers",
+            name: "a version of four numbers",
             make: || mutant::reply_message("SYS-VER", |message| message["$fw.version"] = "1.0.0.0".into()),
             also: &[],
         },
@@ -45,7 +45,7 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     context.covered();
     if !body::is_version(version) {
         message.violates(context, || {
-            Detail::differs("one to three numbers with dots between them", body::quoted(version))
+            Detail::differs("one to three numbers separated by dots", body::quoted(version))
                 .at("/$fw.version")
         });
     }

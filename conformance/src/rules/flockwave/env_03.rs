@@ -15,13 +15,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`id` of a message is a string.",
         source: source::GENERAL,
         applies_to: "messages of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients use the id to detect duplicate messages and to refer to a message in a log. A strict client \
+              rejects a message without a valid id.",
+        example: r#"{"$fw.version":"1.0","id":7,"body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
+        fix: "Add an `id` to every message, notifications included. Convert numeric ids to strings.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("Ids are numbers.", |out| {
+    bug: Bug::message("Message ids are numbers.", |out| {
         let number = out.number;
         out.message()["id"] = json!(number);
     }),
@@ -33,7 +34,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "no id",
+            name: "a missing id",
             make: || mutant::reply_message("SYS-VER", |message| mutant::remove(message, "id")),
             also: &[],
         },

@@ -15,13 +15,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`id` of a message has 1 to 36 characters.",
         source: source::SCHEMA,
         applies_to: "messages of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The JSON Schema allows no other length, so clients that validate messages reject this one.",
+        example: r#"{"$fw.version":"1.0","id":"","body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
+        fix: "Use a UUID (36 characters) or a counter as the id.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("Ids have 40 characters.", |out| {
+    bug: Bug::message("Message ids have 40 characters.", |out| {
         let id = format!("{:0>40}", out.number);
         out.message()["id"] = json!(id);
     }),

@@ -12,27 +12,29 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-04",
         level: Level::Must,
         status: Status::Normative,
-        statement: "No two responses and notifications of a connection have the same id.",
+        statement: "No two responses or notifications on a connection have the same id.",
         source: source::GENERAL,
         applies_to: "messages of the server over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients that detect duplicates by id drop the second message, and with it a response or a state \
+              change.",
+        example: r#"← {"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}
+← {"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-2"]}}"#,
+        fix: "Create a new id for every message: a UUID, or a counter that is never reset on the connection.",
     },
     checks: &[Check::Exchange(check), Check::StatusReport(check_status_report)],
     covers: &[],
     bug: Bug::message("All messages have the same id.", |out| out.message()["id"] = json!("s1")),
     trial: None,
     mutants: &[Mutant {
-        name: "a response has the id of the one before",
+        name: "a response with the id of the previous response",
         make: || mutant::reply_message("ACK-ACK", |message| message["id"] = "say-1".into()),
         also: &[],
     }],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let is_named = matches!(exchange.role, Role::Response | Role::Notification) && exchange.is_from_server();
-    if !is_named || !exchange.record.connection.is_ordered {
+    let has_id = matches!(exchange.role, Role::Response | Role::Notification) && exchange.is_from_server();
+    if !has_id || !exchange.record.connection.is_ordered {
         return;
     }
     let Some(id) = exchange.id else { return };
@@ -51,5 +53,5 @@ fn check_status_report(report: &StatusReport<'_>, context: &mut RuleContext<'_>)
 }
 
 fn in_use(id: &str) -> Detail {
-    Detail::new(format!("another message has had the id {}", body::quoted(id))).at("/id")
+    Detail::new(format!("an earlier message has the id {}", body::quoted(id))).at("/id")
 }

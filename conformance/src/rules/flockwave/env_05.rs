@@ -12,16 +12,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-05",
         level: Level::Should,
         status: Status::Advisory,
-        statement: "`refs` of a message, where it is present, is a string of 1 to 36 characters.",
+        statement: "`refs` of a message, if present, is a string of 1 to 36 characters.",
         source: source::SCHEMA,
         applies_to: "messages of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "`refs` tells responses from notifications. With null or an empty string, a client may treat a \
+              notification as a response, or reject it.",
+        example: r#"{"$fw.version":"1.0","id":"s1","refs":null,"body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
+        fix: "In responses, copy the `id` of the request to `refs`. In notifications, omit `refs`; do not send null.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("Notifications have refs, which are null.", |out| {
+    bug: Bug::message("Notifications have `refs` with the value null.", |out| {
         if out.is_notification() {
             out.message()["refs"] = Value::Null;
         }

@@ -1,6 +1,6 @@
 //! `FW-ENV-06`.
 //!
-//! Requests from before the recording aren't known, so this is judged only of connections whose beginning it shows.
+//! Requests from before the recording are unknown. The rule therefore checks only connections whose start was recorded.
 
 use serde_json::json;
 
@@ -17,20 +17,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`refs` of a response is the id of a request that was sent on the same connection.",
         source: source::GENERAL,
         applies_to: "responses over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client cannot match the response to a request. It drops the response, and the request times out.",
+        example: r#"→ {"$fw.version":"1.0","id":"C1","body":{"type":"SYS-PING"}}
+← {"$fw.version":"1.0","id":"s1","refs":"c1","body":{"type":"ACK-ACK"}}"#,
+        fix: "Copy the `id` of the request to `refs` byte for byte, and send the response on the connection of the \
+              request.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("An acknowledgment that refers to no request follows each SYS-VER.", |out| {
+    bug: Bug::message("After each SYS-VER response follows an ACK-ACK that refers to no request.", |out| {
         if out.kind() == "SYS-VER" {
             out.follow(Some("nobody-sent-this"), json!({ "type": "ACK-ACK" }));
         }
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "a response to what nobody asked",
+        name: "a response without a request",
         make: || {
             let answer = || json!({ "body": { "type": "ACK-ACK" } });
             mutant::then(|session| session.answers("nobody", answer()))
@@ -47,7 +49,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if exchange.reference == Reference::Unknown {
         exchange.violates(context, || {
             let refs = exchange.refs.map(body::quoted).unwrap_or_default();
-            Detail::new(format!("no request on this connection has had the id {refs}")).at("/refs")
+            Detail::new(format!("no request on this connection has the id {refs}")).at("/refs")
         });
     }
 }

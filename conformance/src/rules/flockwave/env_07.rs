@@ -1,8 +1,9 @@
 //! `FW-ENV-07`.
 //!
-//! No time limit is laid down, and a recording may end before the answer. So a request counts as unanswered only
-//! where no answer comes until the connection or the recording ends, and the server still spoke long after
-//! ([`MAX_SECONDS`]). Who probes a server waits until he knows, and says so: such a request tries the rule, and one that tries another is left to that one.
+//! The specification sets no time limit, and a recording may end before the response. A request is therefore reported
+//! only if no response arrives before the connection or the recording ends, and the server still sends messages long
+//! after the request ([`MAX_SECONDS`]). A probe waits for the response and marks the request as a test of this rule.
+//! Requests that test other rules are left to those rules.
 
 use serde_json::json;
 
@@ -16,16 +17,20 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-07",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each request gets a response, whatever its type.",
+        statement: "Every request gets a response, even if the server does not know its type.",
         source: source::GENERAL,
         applies_to: "requests over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "A client that waits for the response blocks or times out. It cannot tell an unknown request from a \
+              dead connection.",
+        example: r#"→ {"type":"UAV-SOAR","ids":["uav-1"]}
+(40 s later, still no response)
+← {"type":"OBJ-DEL","ids":["uav-2"]}"#,
+        fix: "Answer every request. Send ACK-NAK with a reason if the type is unknown or no handler produces a \
+              response.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("Requests of unknown types aren't answered.", |out| {
+    bug: Bug::message("Requests of unknown types are not answered.", |out| {
         if out.refuses_unknown_type() {
             out.message = None;
         }
@@ -33,12 +38,12 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "a request without an answer",
+            name: "a request without a response",
             make: || Some(Session::new().without("SYS-VER")?.to_bytes()),
             also: &[],
         },
         Mutant {
-            name: "a request without an answer after which a probe waits no longer",
+            name: "a probe request without a response",
             make: || {
                 mutant::over("tcp#9", |session| {
                     session.tries(&RULE.rule, "", json!({ "type": "SYS-VER" }));
@@ -49,22 +54,22 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// How long a server may take, in seconds: what takes longer is answered with a receipt.
+/// The longest time to a response, in seconds. A server answers slower requests with a receipt.
 const MAX_SECONDS: f64 = 30.0;
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let Some(request) = &exchange.request else { return };
-    // What is no request of Flockwave needn't have an answer.
+    // A malformed request does not need a response.
     if !request.is_sound || !exchange.record.connection.is_ordered {
         return;
     }
-    if let Some((of, _)) = &request.trial {
-        // What tries another rule is a matter of that one, but for the one on the order of answers, which says nothing of
-        // what has none.
-        if of.id == RULE.rule.id {
+    if let Some((tested, _)) = &request.trial {
+        // Requests that test another rule are left to that rule. FW-ENV-25 is an exception: it checks only the order of
+        // responses.
+        if tested.id == RULE.rule.id {
             served::tried(exchange, context);
         }
-        if of.id != env_25::RULE.rule.id {
+        if tested.id != env_25::RULE.rule.id {
             return;
         }
     }
@@ -78,7 +83,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     };
     let subject = request.type_name.as_deref().unwrap_or("message");
     context.violation(subject, request.location, || {
-        Detail::new(format!("no response, though the server went on speaking for {waited:.0} s"))
+        Detail::new(format!("no response, although the server sent messages for another {waited:.0} s"))
             .expected("a response")
             .actual("none")
     });

@@ -12,12 +12,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-08",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A request gets one response at most.",
+        statement: "A request gets at most one response.",
         source: source::DERIVED,
         applies_to: "responses over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client has already completed the request. It treats the second response as an error, or applies \
+              it to a new request with the same id.",
+        example: r#"→ {"$fw.version":"1.0","id":"c1","body":{"type":"SYS-PING"}}
+← {"$fw.version":"1.0","id":"s1","refs":"c1","body":{"type":"ACK-ACK"}}
+← {"$fw.version":"1.0","id":"s2","refs":"c1","body":{"type":"ACK-ACK"}}"#,
+        fix: "Send one response per request. Report later results with ASYNC-RESP and a receipt.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -29,7 +32,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "a second answer",
+        name: "a second response",
         make: || {
             let answer = || json!({ "body": { "type": "ACK-ACK" } });
             mutant::then(|session| session.answers("ask-2", answer()))
@@ -46,7 +49,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if exchange.reference == Reference::Answered {
         exchange.violates(context, || {
             let refs = exchange.refs.map(body::quoted).unwrap_or_default();
-            Detail::new(format!("the request {refs} has had its response already")).at("/refs")
+            Detail::new(format!("the request {refs} was already answered")).at("/refs")
         });
     }
 }

@@ -12,16 +12,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-09",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`refs` never names a notification.",
+        statement: "`refs` never contains the id of a notification.",
         source: source::GENERAL,
         applies_to: "responses over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Notifications are never answered. A client that looks up `refs` among its requests finds nothing and \
+              reports an error.",
+        example: r#"← {"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}
+← {"$fw.version":"1.0","id":"s2","refs":"s1","body":{"type":"ACK-ACK"}}"#,
+        fix: "Set `refs` in responses only, to the `id` of the request. Do not refer to your own notifications.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("An acknowledgment refers to each notification of UAV-INF.", |out| {
+    bug: Bug::message("After each UAV-INF notification follows an ACK-ACK that refers to it.", |out| {
         if out.notification_of("UAV-INF").is_some() {
             let refs = out.message()["id"].as_str().unwrap_or_default().to_owned();
             out.follow(Some(&refs), json!({ "type": "ACK-ACK" }));
@@ -48,7 +50,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if exchange.reference == Reference::Notification {
         exchange.violates(context, || {
             let refs = exchange.refs.map(body::quoted).unwrap_or_default();
-            Detail::new(format!("{refs} is a notification of the server itself")).at("/refs")
+            Detail::new(format!("{refs} is the id of a notification, not of a request")).at("/refs")
         });
     }
 }

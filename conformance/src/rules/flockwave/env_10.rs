@@ -15,20 +15,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A message never has both `body` and `error`.",
         source: source::GENERAL,
         applies_to: "messages of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client does not know whether the request succeeded. Different clients decide differently.",
+        example: r#"{"$fw.version":"1.0","id":"s1","refs":"c1","body":{"type":"ACK-ACK"},"error":{"code":7}}"#,
+        fix: "Send `body` in normal responses and `error` in failures, never both.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("Beside its body SYS-VER has an error.", |out| {
+    bug: Bug::message("SYS-VER has an `error` in addition to its `body`.", |out| {
         if out.kind() == "SYS-VER" {
             out.message()["error"] = json!({ "message": "all is well" });
         }
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "both",
+        name: "both `body` and `error`",
         make: || mutant::reply_message("SYS-VER", |message| message["error"] = json!({ "code": 7 })),
         also: &[],
     }],
@@ -36,7 +36,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     context.covered();
-    if ["body", "error"].iter().all(|name| body::is_there(message.value.get(name))) {
+    if ["body", "error"].iter().all(|name| body::is_present(message.value.get(name))) {
         message.violates(context, || Detail::differs("one of `body` and `error`", "both"));
     }
 }

@@ -10,18 +10,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-11",
         level: Level::Should,
         status: Status::Disputed(
-            "The text has `body` as an object; the published schema also lets it be null.",
+            "In the specification text, `body` is an object; the published JSON Schema also allows null. This rule \
+             requires an object.",
         ),
-        statement: "A message has `body`, an object, or `error`.",
+        statement: "A message has a `body` that is an object, or an `error`.",
         source: source::SCHEMA,
         applies_to: "messages of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Without a body, the client cannot tell the type of the message, and drops it.",
+        example: r#"{"$fw.version":"1.0","id":"s1","refs":"c1","body":"ok"}"#,
+        fix: "Send an object with at least `type` as the `body`. Use ACK-ACK if there is no result.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("Notifications of UAV-INF have neither body nor error.", |out| {
+    bug: Bug::message("UAV-INF notifications have neither `body` nor `error`.", |out| {
         if out.notification_of("UAV-INF").is_some()
             && let Some(message) = out.message().as_object_mut()
         {
@@ -31,7 +32,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "neither",
+            name: "neither `body` nor `error`",
             make: || mutant::reply_message("ACK-ACK", |message| mutant::remove(message, "body")),
             also: &[],
         },
@@ -47,7 +48,7 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     context.covered();
     match message.value.get("body") {
         Some(Tree::Object(_)) => {}
-        None | Some(Tree::Null) if body::is_there(message.value.get("error")) => {}
+        None | Some(Tree::Null) if body::is_present(message.value.get("error")) => {}
         None => message.violates(context, || Detail::differs("`body` or `error`", "neither")),
         Some(other) => message.violates(context, || Detail::differs("an object", other).at("/body")),
     }

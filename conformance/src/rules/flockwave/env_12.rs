@@ -15,13 +15,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`error` of a message is an object with an integer `code`, a string `message`, or both.",
         source: source::GENERAL,
         applies_to: "messages of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client has nothing to show. The operator only learns that something failed, or the message does \
+              not decode at all.",
+        example: r#"{"$fw.version":"1.0","id":"s1","refs":"c1","error":{"code":"three"}}"#,
+        fix: "Send at least a human-readable `message`. Send `code` only if it is an integer.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("Requests of unknown types are answered by an error that says nothing.", |out| {
+    bug: Bug::message("Requests of unknown types are answered with an empty `error`.", |out| {
         if out.refuses_unknown_type()
             && let Some(message) = out.message().as_object_mut()
         {

@@ -1,6 +1,6 @@
 //! `FW-ENV-13`.
 //!
-//! What servers do with other keys that they don't know is seen where someone tries it.
+//! Only a probe shows how a server treats unknown keys in requests.
 
 use serde_json::json;
 
@@ -14,22 +14,25 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-13",
         level: Level::Must,
         status: Status::Normative,
-        statement: "No key of the envelope begins with `$` but `$fw.version`: such keys are reserved. A client may send any other.",
+        statement: "No key of the envelope starts with `$` except `$fw.version`. In requests, the server accepts \
+                    all other additional keys.",
         source: source::GENERAL,
-        applies_to: "messages of the server, and requests that try it",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "messages of the server, and probe requests that test this rule",
+        why: "Later versions of the protocol may give the reserved key a meaning. Servers that reject additional \
+              keys lock out clients that use them.",
+        example: r#"{"$fw.version":"1.0","$node":"a","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
+        fix: "Rename keys that start with `$`. When you parse a request, ignore keys of the envelope that you do \
+              not know.",
     },
     checks: &[Check::Message(check), Check::Exchange(served::check)],
     covers: &[],
-    bug: Bug::message("Messages have a key of their own that starts with $.", |out| {
+    bug: Bug::message("Messages have a custom key that starts with $.", |out| {
         out.message()["$wind"] = json!("fair");
     }),
     trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
         Mutant {
-            name: "another key that begins so",
+            name: "a reserved key",
             make: || mutant::reply_message("SYS-VER", |message| message["$wind"] = 7.into()),
             also: &[],
         },
@@ -51,6 +54,6 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
 }
 
 fn requests() -> Vec<Request> {
-    let request = Request::new("a key that nobody knows", json!({ "type": "SYS-VER" }));
+    let request = Request::new("an unknown key", json!({ "type": "SYS-VER" }));
     vec![Request { member: Some(("wind", "west".into())), ..request }]
 }

@@ -15,13 +15,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`type` of a body is a string.",
         source: source::GENERAL,
         applies_to: "messages of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients choose the handler of a message by its type. Without a valid type, they drop the message.",
+        example: r#"{"$fw.version":"1.0","id":"s1","body":{"type":7}}"#,
+        fix: "Add the message type as a string to every body, such as `\"type\":\"UAV-INF\"`.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("The type of notifications of UAV-INF is a number.", |out| {
+    bug: Bug::message("The `type` of UAV-INF notifications is a number.", |out| {
         if let Some(body) = out.notification_of("UAV-INF") {
             body["type"] = json!(7);
         }
@@ -29,7 +29,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "no type",
+            name: "a missing type",
             make: || mutant::reply_message("ACK-ACK", |message| message["body"] = json!({})),
             also: &[],
         },

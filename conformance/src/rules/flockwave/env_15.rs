@@ -12,16 +12,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-15",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A type has two upper-case parts of 2 to 8 characters with a hyphen between them; seven of the specification itself are longer.",
+        statement: "A message type is two parts of 2 to 8 upper-case letters or digits, joined by a hyphen. Seven \
+                    types of the specification differ.",
         source: source::GENERAL,
         applies_to: "messages of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients and proxies select messages by family, the part before the hyphen. They cannot route a type \
+              of another form.",
+        example: r#"{"type":"uav-wind","speed":6200}"#,
+        fix: "Name custom types like the standard ones: an upper-case family and name with one hyphen, such as \
+              `UAV-WIND`.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("Requests of unknown types are answered by a type in small letters.", |out| {
+    bug: Bug::message("Requests of unknown types are answered with a type in lower case.", |out| {
         if out.refuses_unknown_type() {
             out.message()["body"] = json!({ "type": "whatever" });
         }
@@ -44,16 +47,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     let Some(name) = message.type_name else { return };
     context.covered();
-    let is_part = |part: &str| (2..=8).contains(&part.len()) && part.bytes().all(is_upper_case);
+    let is_part = |part: &str| (2..=8).contains(&part.len()) && part.bytes().all(is_upper_case_or_digit);
     let is_usual = name.split_once('-').is_some_and(|(family, rest)| is_part(family) && is_part(rest));
     if !is_usual && !context.definitions.defined_schemas().has(name) {
         message.violates(context, || {
-            let expected = "two upper-case parts of 2 to 8 characters with a hyphen between them";
+            let expected = "two parts of 2 to 8 upper-case letters or digits, joined by a hyphen";
             Detail::differs(expected, body::quoted(name)).at("/body/type")
         });
     }
 }
 
-fn is_upper_case(byte: u8) -> bool {
+fn is_upper_case_or_digit(byte: u8) -> bool {
     byte.is_ascii_uppercase() || byte.is_ascii_digit()
 }

@@ -12,16 +12,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-16",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A response has the type of its request or is ACK-NAK, but that of SYS-PING, SHOW-SETCFG, SHOW-SETLIGHTS and a setting RTK-SOURCE is ACK-ACK, and that of AUTH-REQ is AUTH-RESP.",
+        statement: "A response has the type of its request, or is ACK-NAK. AUTH-REQ is answered by AUTH-RESP. \
+                    ACK-ACK answers SYS-PING, SHOW-SETCFG, SHOW-SETLIGHTS and RTK-SOURCE with `id`.",
         source: source::GENERAL,
         applies_to: "responses over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client decodes the body by the expected type. With another type, it reads wrong data or rejects \
+              the response.",
+        example: r#"→ {"type":"CONN-LIST"}
+← {"type":"OBJ-LIST","ids":["radio-1"]}"#,
+        fix: "Copy the type of the request to the response. Answer with ACK-NAK if the request fails, and follow \
+              the listed exceptions.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("CONN-LIST is answered by OBJ-LIST.", |out| {
+    bug: Bug::message("CONN-LIST is answered with OBJ-LIST.", |out| {
         if let Some(body) = out.body_of("CONN-LIST") {
             body["type"] = json!("OBJ-LIST");
         }
@@ -29,17 +33,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "another type",
+            name: "a response of another type",
             make: || mutant::reply("SYS-PORTS", |body| *body = json!({ "type": "UAV-LIST", "ids": [] })),
             also: &[],
         },
         Mutant {
-            name: "SYS-PING is answered with itself",
+            name: "SYS-PING answered with SYS-PING",
             make: || mutant::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
             also: &[&sys_ping_01::RULE.rule, &sys_ping_02::RULE.rule],
         },
         Mutant {
-            name: "a setting RTK-SOURCE is answered with itself",
+            name: "an RTK-SOURCE with `id` answered with RTK-SOURCE",
             make: || {
                 mutant::then(|session| {
                     session.exchange(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null }));
@@ -52,7 +56,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let (Some(request), Some(found)) = (&exchange.request, exchange.type_name) else { return };
-    let Some(question) =
+    let Some(request_type) =
         request.type_name.as_deref().filter(|name| context.definitions.defined_schemas().has(name))
     else {
         return;
@@ -60,12 +64,12 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if exchange.role != Role::Response || !exchange.is_from_server() {
         return;
     }
-    let expected = answer(question, request.is_setting);
+    let expected = response_type(request_type, request.is_setting);
     context.covered();
     if found != expected && found != "ACK-NAK" {
         exchange.violates(context, || {
             Detail::new(format!(
-                "{} answers {question}, where {expected} or ACK-NAK should",
+                "{} answers {request_type}; expected {expected} or ACK-NAK",
                 body::quoted(found)
             ))
             .at("/body/type")
@@ -75,9 +79,9 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     }
 }
 
-/// The type that answers a request of this type, if it isn't ACK-NAK.
-fn answer(question: &str, is_setting: bool) -> &str {
-    match question {
+/// The type of a successful response to a request of this type.
+fn response_type(request_type: &str, is_setting: bool) -> &str {
+    match request_type {
         "SYS-PING" | "SHOW-SETCFG" | "SHOW-SETLIGHTS" => "ACK-ACK",
         "RTK-SOURCE" if is_setting => "ACK-ACK",
         "AUTH-REQ" => "AUTH-RESP",
@@ -89,15 +93,15 @@ fn answer(question: &str, is_setting: bool) -> &str {
 mod tests {
     use std::collections::BTreeSet;
 
-    use super::answer;
+    use super::response_type;
     use crate::definitions::Definitions;
 
     #[test]
-    fn answers_are_those_that_the_definitions_have() {
+    fn response_types_match_the_definitions() {
         for message in &Definitions::built_in().schema.json_messages {
             for part in message.parts.iter().filter(|part| !part.answers.is_empty()) {
                 let stated: BTreeSet<&str> = part.answers.iter().map(String::as_str).collect();
-                let expected = [false, true].map(|is_setting| answer(&message.name, is_setting));
+                let expected = [false, true].map(|is_setting| response_type(&message.name, is_setting));
                 assert_eq!(stated, BTreeSet::from(expected), "{}", message.name);
             }
         }

@@ -14,25 +14,28 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-17",
         level: Level::Must,
         status: Status::Disputed(
-            "The published schema of notifications lacks UAV-INF, CONN-INF and DEV-INF, which the text allows; CLK-INF and UAV-PREFLT stand as the text has them.",
+            "The specification text allows UAV-INF, CONN-INF, DEV-INF, CLK-INF and UAV-PREFLT as notifications; the \
+             published JSON Schema of notifications does not. This rule allows them.",
         ),
-        statement: "A message of the server without `refs` is of a type that may be a notification, or a SYS-PING.",
+        statement: "A message of the server without `refs` has a type that may be a notification, or is a SYS-PING.",
         source: source::GENERAL,
         applies_to: "messages of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Usually this is a response that lost its `refs`. The client does not match it to its request, and the \
+              request times out.",
+        example: r#"{"$fw.version":"1.0","id":"s1","body":{"type":"UAV-LIST","ids":["uav-1"]}}"#,
+        fix: "Add `refs` if the message answers a request. Otherwise do not send it: only some types may be \
+              notifications.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("A CONN-LIST that nobody asked for follows each SYS-VER.", |out| {
+    bug: Bug::message("After each SYS-VER response follows a CONN-LIST that was not requested.", |out| {
         if out.kind() == "SYS-VER" {
             out.follow(None, json!({ "type": "CONN-LIST", "ids": ["radio-1"] }));
         }
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "an answer without `refs`",
+        name: "a response without `refs`",
         make: || mutant::then(|session| session.notify(json!({ "type": "UAV-LIST", "ids": [] }))),
         also: &[],
     }],
@@ -46,6 +49,8 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     }
     context.covered();
     if !defined_schemas.is_defined(name, Direction::Notification) {
-        message.violates(context, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
+        message.violates(context, || {
+            Detail::new(format!("{name} has no `refs`, but may not be a notification"))
+        });
     }
 }

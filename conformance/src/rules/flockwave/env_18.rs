@@ -1,6 +1,6 @@
 //! `FW-ENV-18`.
 //!
-//! What has a rule of its own is told by that alone.
+//! Violations that another rule covers are reported by that rule only.
 
 use serde_json::json;
 
@@ -14,19 +14,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-18",
         level: Level::Should,
         status: Status::Disputed(
-            "The published schemas don't let a field be null that isn't required; the advice to the authors of the specification \
-         does. Here null is a deviation wherever the definition doesn't name it.",
+            "For optional fields, the published JSON Schemas do not allow null, but the guidelines for authors of \
+             the specification do. This rule reports null unless the definition names it.",
         ),
-        statement: "A body has the shape that the definitions give its type for its direction, so far as no other rule is about that; fields that they don't have are allowed where they don't close the object.",
+        statement: "A body matches the definition of its type and direction. Additional fields are allowed unless \
+                    the definition closes the object.",
         source: source::SCHEMA,
         applies_to: "bodies of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients generated from the definitions fail to decode the body. Hand-written clients read missing or \
+              wrong values.",
+        example: r#"{"type":"UAV-PREFLT","status":{"uav-1":{"result":"fine","items":[]}}}"#,
+        fix: "Compare the body with the definition of its type, and correct the named field. Omit optional fields \
+              instead of sending null.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("RTK-LIST has a field that its definition doesn't allow.", |out| {
+    bug: Bug::message("RTK-LIST has a field that its definition does not allow.", |out| {
         if let Some(body) = out.body_of("RTK-LIST") {
             body["count"] = json!(2);
         }
@@ -34,27 +37,27 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "a required field is absent",
+            name: "a missing required field",
             make: || mutant::reply("RTK-INF", |body| mutant::remove(&mut body["preset"]["field"], "title")),
             also: &[],
         },
         Mutant {
-            name: "null for what is left out",
+            name: "null in an optional field",
             make: || mutant::reply("ACK-NAK", |body| body["reason"] = json!(null)),
             also: &[],
         },
         Mutant {
-            name: "a number for a word",
+            name: "a number in place of a string",
             make: || mutant::notice("ASYNC-ST", |body| body["progress"]["message"] = 7.into()),
             also: &[],
         },
         Mutant {
-            name: "a value that a closed set doesn't have",
+            name: "a value outside a closed set",
             make: || mutant::reply("UAV-PREFLT", |body| body["status"]["kite"]["result"] = "fine".into()),
             also: &[],
         },
         Mutant {
-            name: "a number out of bounds",
+            name: "a number out of range",
             make: || mutant::reply("WTH-AT", |body| body["weather"]["windSpeed"] = (-1).into()),
             also: &[],
         },
@@ -76,17 +79,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "a field that the request has",
+            name: "a field of the request in the response",
             make: || mutant::reply("CLK-INF", |body| body["ids"] = json!(["day"])),
             also: &[],
         },
         Mutant {
-            name: "a field that a closed object doesn't have, deep inside",
+            name: "an additional field in a nested closed object",
             make: || mutant::reply("DEV-LIST", |body| body["devices"]["kite"]["colour"] = "red".into()),
             also: &[],
         },
         Mutant {
-            name: "a map that is a list",
+            name: "a list in place of a map",
             make: || mutant::reply("EXT-INF", |body| body["error"] = json!([])),
             also: &[&inf_01::RULE.rule],
         },

@@ -1,7 +1,7 @@
 //! `FW-ENV-19`.
 //!
-//! It is the one rule on clients: what breaks it leaves nobody able to say which answer belongs to what. What servers do
-//! with an id that is used again in its time is seen where someone tries it.
+//! This is the only rule that checks clients: a reused id makes it impossible to match responses to requests. Only a
+//! probe shows whether the server accepts an id again after the response.
 
 use serde_json::json;
 
@@ -15,20 +15,24 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-19",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A client doesn't use the id of a request again while that is unanswered. Afterwards a server accepts it.",
+        statement: "A client does not reuse the id of a request before the request is answered. After that, the \
+                    server accepts the id again.",
         source: source::GENERAL,
         applies_to: "requests over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "For clients: with two open requests of the same id, neither side can tell which response belongs to \
+              which request.",
+        example: r#"→ {"$fw.version":"1.0","id":"c1","body":{"type":"SYS-PING"}}
+→ {"$fw.version":"1.0","id":"c1","body":{"type":"UAV-LIST"}}"#,
+        fix: "In the client, create a new id for each request. In the server, do not reject an id that was already \
+              answered.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::behaviour("An id that was answered is refused when it comes again."),
+    bug: Bug::behaviour("The reuse of an answered id is refused."),
     trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
         Mutant {
-            name: "an id is used twice at the same time",
+            name: "two open requests with the same id",
             make: || {
                 mutant::then(|session| {
                     let id = session.sends(json!({ "type": "SYS-PING" }));
@@ -44,7 +48,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "an id that was answered is refused",
+            name: "an answered id is refused",
             make: || mutant::refused("tcp#9", &RULE.rule),
             also: &[],
         },
@@ -60,12 +64,12 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if exchange.is_id_in_use {
         exchange.violates(context, || {
             let id = exchange.id.map(body::quoted).unwrap_or_default();
-            Detail::new(format!("another request with the id {id} waits for its answer")).at("/id")
+            Detail::new(format!("another request with the id {id} is not answered yet")).at("/id")
         });
     }
 }
 
 fn requests() -> Vec<Request> {
-    let request = Request::new("an id that is answered", json!({ "type": "SYS-VER" }));
+    let request = Request::new("an answered id", json!({ "type": "SYS-VER" }));
     vec![Request { is_repeated: true, ..request }]
 }

@@ -12,22 +12,28 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-21",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A request whose id is unusual but allowed is answered, and the answer has that id: 36 characters, letters that aren't ASCII, spaces.",
+        statement: "A request with an unusual but valid id is answered with that id in `refs`: 36 characters, \
+                    non-ASCII letters, spaces.",
         source: source::DERIVED,
         applies_to: served::APPLIES_TO,
-        why: "",
-        example: "",
-        fix: "",
+        why: "Any string is a valid id. A client that uses such ids gets no usable responses from this server.",
+        example: r#"→ {"$fw.version":"1.0","id":"Höhe 1","body":{"type":"SYS-PING"}}
+← {"$fw.version":"1.0","id":"s1","refs":"Hhe1","body":{"type":"ACK-ACK"}}"#,
+        fix: "Treat ids as opaque Unicode strings. Do not trim, filter, re-encode or truncate them.",
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],
-    bug: Bug::message("Responses refer to ids without what isn't an ASCII letter, digit, - or _.", |out| {
-        if let Some(refs) = out.message()["refs"].as_str() {
-            let is_plain = |character: &char| character.is_ascii_alphanumeric() || "-_".contains(*character);
-            let plain: String = refs.chars().filter(is_plain).collect();
-            out.message()["refs"] = json!(plain);
-        }
-    })
+    bug: Bug::message(
+        "Responses refer to ids without characters other than ASCII letters, digits, - and _.",
+        |out| {
+            if let Some(refs) = out.message()["refs"].as_str() {
+                let is_plain =
+                    |character: &char| character.is_ascii_alphanumeric() || "-_".contains(*character);
+                let plain: String = refs.chars().filter(is_plain).collect();
+                out.message()["refs"] = json!(plain);
+            }
+        },
+    )
     .with(&[&env_05::RULE.rule, &env_06::RULE.rule]),
     trial: Some(Trial::Attempts(Strain::Sound, |_| attempts())),
     mutants: &[
@@ -42,7 +48,7 @@ fn attempts() -> Vec<Attempt> {
     let ids = [
         ("an id of 36 characters", "c0ffee00-1234-4abc-9def-0123456789ab"),
         ("an id with spaces", " two words "),
-        ("an id that isn't ASCII", "Höhe 高度 \u{1fa82}"),
+        ("a non-ASCII id", "Höhe 高度 \u{1fa82}"),
         ("an id with characters that JSON escapes", "\"\\/\u{7}\t<&>"),
     ];
     ids.map(|(how, id)| Attempt::new(how, [Step::request(id)])).into()

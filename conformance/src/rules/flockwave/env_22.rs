@@ -1,6 +1,6 @@
 //! `FW-ENV-22`.
 //!
-//! It is tried with two requests: one that is malformed, and a sound one after it. To either any answer will do.
+//! The probe sends two requests: a malformed one and a valid one after it. Any response to either is accepted.
 
 use serde_json::json;
 
@@ -14,22 +14,24 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-22",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A malformed request that has an id gets an answer, and the connection goes on.",
+        statement: "A malformed request with an id is answered, and the connection stays usable.",
         source: source::DERIVED,
-        applies_to: "requests that try it",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "probe requests that test this rule",
+        why: "One faulty request of one client ends its session, or hangs a server that all clients share.",
+        example: r#"→ {"$fw.version":"1.0","id":"c1","body":"SYS-PING"}
+(the server closes the connection without a response)"#,
+        fix: "Catch decoding errors for each message. Answer with ACK-NAK and the reason, then continue with the \
+              next message.",
     },
     checks: &[Check::Exchange(|exchange, context| {
         served::tried(exchange, context);
     })],
     covers: &[],
-    bug: Bug::behaviour("A request that is malformed ends the connection."),
+    bug: Bug::behaviour("A malformed request ends the connection."),
     trial: Some(Trial::Attempts(Strain::Malformed, |_| attempts())),
     mutants: &[
         Mutant {
-            name: "no answer to a malformed request",
+            name: "no response to a malformed request",
             make: || {
                 mutant::over("tcp#9", |session| {
                     session.tries_with(&RULE.rule, "a malformed request", ("body", json!(7)), None);
@@ -38,7 +40,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "no answer to the request after it",
+            name: "no response to the next request",
             make: || mutant::unanswered("tcp#9", &RULE.rule),
             also: &[],
         },
@@ -50,9 +52,9 @@ const ID: &str = "malformed";
 
 /// An attempt for each kind of malformed request.
 fn attempts() -> Vec<Attempt> {
-    let attempt = |of: Malformed| {
-        let first = Sent::text(of.text, of.has_id.then_some(ID));
-        Attempt::new(of.how, [Step::Send(first), Step::request("next")])
+    let attempt = |request: Malformed| {
+        let first = Sent::text(request.text, request.has_id.then_some(ID));
+        Attempt::new(request.how, [Step::Send(first), Step::request("next")])
     };
     malformed::all(ID).into_iter().map(attempt).collect()
 }

@@ -13,16 +13,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-23",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A message is strict JSON: no `NaN` or `Infinity`, and no key twice in an object.",
+        statement: "A message is strict JSON: no `NaN` or `Infinity`, and no duplicate keys in an object.",
         source: source::DERIVED,
         applies_to: "messages of the server",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Standard JSON parsers reject `NaN`, so the whole message is lost. For duplicate keys, parsers keep \
+              different values.",
+        example: r#"{"$fw.version":"1.0","id":"s1","body":{"type":"DEV-INF","values":{"/uav-1/cpu/temp":NaN}}}"#,
+        fix: "Configure the serializer to reject NaN and infinities. Send null or omit the field if there is no \
+              value.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("Notifications have a key twice.", |out| {
+    bug: Bug::message("Notifications have a duplicate key.", |out| {
         if out.is_notification() {
             out.write = |message| {
                 let text = message.to_string();
@@ -42,7 +44,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "a key twice",
+            name: "a duplicate key",
             make: || {
                 let session = Session::new();
                 let text = String::from_utf8(session.to_bytes()).ok()?;
@@ -55,40 +57,37 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// How many keys are few.
+/// The maximum number of keys that are compared pairwise.
 const MAX_SCANNED_KEYS: usize = 16;
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     context.covered();
-    if let Some((path, what)) = loose(message.value) {
+    if let Some((path, what)) = non_strict(message.value) {
         message.violates(context, || Detail::new(what).at(path));
     }
 }
 
-/// The first place in a value that JSON doesn't have, or doesn't say the meaning of.
-fn loose(value: &Tree<'_>) -> Option<(String, String)> {
+/// The path and description of the first value that is not strict JSON.
+fn non_strict(value: &Tree<'_>) -> Option<(String, String)> {
     let below = |key: &str, (path, what): (String, String)| (pointer(&[key]) + &path, what);
     match value {
-        Tree::Token(word) => Some((String::new(), format!("{word} is no JSON"))),
+        Tree::Token(word) => Some((String::new(), format!("{word} is not valid JSON"))),
         Tree::List(values) => {
-            values.iter().enumerate().find_map(|(at, value)| Some(below(&at.to_string(), loose(value)?)))
+            values.iter().enumerate().find_map(|(at, value)| Some(below(&at.to_string(), non_strict(value)?)))
         }
         Tree::Object(members) => {
             let mut seen = HashSet::new();
             members.iter().enumerate().find_map(|(at, (key, value))| {
-                // A few keys are sooner compared with each other than put into a set.
+                // For a few keys, pairwise comparison is faster than a set.
                 let is_repeated = if members.len() <= MAX_SCANNED_KEYS {
                     members[..at].iter().any(|(other, _)| other == key)
                 } else {
                     !seen.insert(key.as_ref())
                 };
                 if is_repeated {
-                    return Some((
-                        String::new(),
-                        format!("the key {} stands there twice", body::quoted(key)),
-                    ));
+                    return Some((String::new(), format!("duplicate key {}", body::quoted(key))));
                 }
-                Some(below(key, loose(value)?))
+                Some(below(key, non_strict(value)?))
             })
         }
         _ => None,

@@ -1,10 +1,10 @@
 //! `FW-ENV-24`.
 //!
-//! Whoever tries it asks something of each family, and on the same connection for a type that there isn't: a family has
-//! no handler where all that was asked of it is refused just as that was. ACK has no requests that could be tried.
+//! The probe sends requests of each family, and a request of an unknown type on the same connection. A family has no
+//! handler if all of its requests are refused like the unknown type. ACK has no requests, so it is not tested.
 //!
-//! Servers that need a login may refuse everything before it alike. So nothing is said of connections without one, where
-//! the server has said that it needs one.
+//! A server that requires a login may refuse every request before it in the same way. If the server reports that it
+//! requires a login, connections without one are not checked.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,20 +20,26 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-24",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each mandatory family has a handler: ASYNC, AUTH, CONN, DEV, EXT, OBJ, RTK, SYS and UAV. (Nothing can be asked of ACK.)",
+        statement: "Each mandatory message family has a handler: ASYNC, AUTH, CONN, DEV, EXT, OBJ, RTK, SYS and \
+                    UAV. ACK has no requests.",
         source: source::GENERAL,
-        applies_to: "requests that try it",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "probe requests that test this rule",
+        why: "Clients rely on these families without checking for them. Their views for devices or connections stay \
+              empty.",
+        example: r#"→ {"type":"UAV-SOAR"}
+← {"type":"ACK-NAK","reason":"No handler for UAV-SOAR"}
+→ {"type":"DEV-LIST","ids":["uav-1"]}
+← {"type":"ACK-NAK","reason":"No handler for DEV-LIST"}"#,
+        fix: "Add handlers for the family. If the server has no such objects, return empty lists and an `error` \
+              entry for each unknown id.",
     },
     checks: &[Check::Session(|| Box::new(Families::default()))],
     covers: &[],
-    bug: Bug::behaviour("Nothing of the family DEV is handled."),
+    bug: Bug::behaviour("The DEV family has no handler."),
     trial: None,
     mutants: &[
         Mutant {
-            name: "DEV is refused as what there isn't",
+            name: "DEV is refused like an unknown type",
             make: || {
                 mutant::over("tcp#9", |session| {
                     session.logs_in();
@@ -48,7 +54,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "CONN is refused without a reason, as is what there isn't",
+            name: "CONN is refused like an unknown type, without a reason",
             make: || {
                 mutant::over("tcp#9", |session| {
                     session.logs_in();
@@ -65,7 +71,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "no answer to a family",
+            name: "no response to a family",
             make: || {
                 mutant::over("tcp#9", |session| {
                     session.tries(&RULE.rule, "", json!({ "type": "RTK-LIST" }));
@@ -76,33 +82,33 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The families that can be asked.
+/// The families that have requests.
 const FAMILIES: [&str; 9] = ["ASYNC", "AUTH", "CONN", "DEV", "EXT", "OBJ", "RTK", "SYS", "UAV"];
 
-/// How much of a reason is compared, in characters.
+/// The maximum length of a compared reason, in characters.
 const MAX_REASON: usize = 256;
 
-/// How many ways to refuse are told apart.
+/// The maximum number of distinct reasons.
 const MAX_REASONS: usize = 16;
 
-/// How families are refused, connection by connection.
+/// The refusals, by connection.
 #[derive(Default)]
 struct Families {
     is_login_needed: bool,
     connections: PerConnection<Refusals>,
 }
 
-/// How requests on a connection are refused.
+/// The refused requests on a connection.
 #[derive(Default)]
 struct Refusals {
     is_logged_in: bool,
-    /// How a type is that there isn't.
+    /// The reasons for refusing an unknown type.
     unknown: BTreeSet<String>,
-    /// How each family is.
+    /// The families that were tested.
     families: BTreeMap<&'static str, Family>,
 }
 
-/// What came of asking a family.
+/// The responses to requests of a family.
 struct Family {
     is_served: bool,
     reasons: BTreeSet<String>,
@@ -135,7 +141,7 @@ impl SessionCheck for Families {
             }
         }
         if served::tried(exchange, context) {
-            self.tried(exchange);
+            self.add(exchange);
         }
     }
 
@@ -145,7 +151,7 @@ impl SessionCheck for Families {
 }
 
 impl Families {
-    fn tried(&mut self, exchange: &Exchange<'_>) {
+    fn add(&mut self, exchange: &Exchange<'_>) {
         let Some(name) = exchange.request.as_ref().and_then(|request| request.type_name.as_deref()) else {
             return;
         };
@@ -158,7 +164,7 @@ impl Families {
         let family = families.entry(family).or_insert_with(new);
         match reason(exchange, name) {
             Some(reason) if family.reasons.len() < MAX_REASONS => _ = family.reasons.insert(reason),
-            // What is refused in ever other ways is refused for a reason.
+            // With that many different reasons, a handler refuses the requests.
             Some(_) | None => family.is_served = true,
         }
     }
@@ -171,7 +177,7 @@ impl Families {
             let is_absent = !family.is_served && family.reasons.is_subset(&refusals.unknown);
             if is_absent {
                 context.violation(name, family.location, || {
-                    Detail::new("requests are refused just as one of a type that there isn't")
+                    Detail::new("requests are refused like a request of an unknown type")
                         .expected("a handler")
                         .actual("none")
                 });
@@ -180,7 +186,7 @@ impl Families {
     }
 }
 
-/// The reason with which a request is refused, but for its type; empty where there is none.
+/// The reason of an ACK-NAK with the request type replaced; empty if it has no reason.
 fn reason(exchange: &Exchange<'_>, type_name: &str) -> Option<String> {
     let body = exchange.response("ACK-NAK")?;
     let reason = body.get("reason").and_then(Tree::as_str).unwrap_or_default();

@@ -1,7 +1,7 @@
 //! `FW-ENV-25`.
 //!
-//! The specification lets answers come in any order. Most clients never see another than that of their requests, so it is
-//! good to know of a server that doesn't keep to it. That a request isn't answered at all is another rule's matter.
+//! The specification allows responses in any order. Most clients only ever see responses in the order of their
+//! requests, so a server that deviates is worth knowing. `FW-ENV-07` reports unanswered requests.
 
 use super::{
     Attempt, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
@@ -14,41 +14,46 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-25",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "Answers to requests that are sent at once come in the order of the requests.",
+        statement: "Requests that are sent together are answered in their order.",
         source: source::DERIVED,
-        applies_to: "requests that try it",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "probe requests that test this rule",
+        why: "The specification allows any order, but many clients have never seen another one. A client that \
+              matches responses by position mixes them up.",
+        example: r#"→ {"type":"SYS-VER"}
+→ {"type":"CONN-LIST"}
+← {"type":"CONN-LIST","ids":[]}
+← {"type":"SYS-VER","software":"Example","version":"1.0"}"#,
+        fix: "In a server, answer in order if that costs nothing. In a client, match responses by `refs`, never by \
+              order.",
     },
     checks: &[Check::Session(|| Box::new(Order::default()))],
     covers: &[],
-    bug: Bug::behaviour("Over TCP, requests that come at once are answered from the last to the first."),
+    bug: Bug::behaviour("Over TCP, requests that arrive together are answered in reverse order."),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[Mutant {
-        name: "the last one is answered first",
+        name: "the last request is answered first",
         make: || mutant::over("tcp#9", |session| session.pipelines(&RULE.rule, &[2, 0, 1])),
         also: &[],
     }],
 };
 
-/// The order of answers, connection by connection.
+/// The order of responses, by connection.
 #[derive(Default)]
 struct Order(PerConnection<Answered>);
 
-/// What was answered on a connection.
+/// The answered requests of a connection.
 #[derive(Default)]
 struct Answered {
-    /// Where the request stands that was sent last of those.
+    /// The location of the last answered request in the order of sending.
     latest: Option<Location>,
     is_reported: bool,
 }
 
 impl SessionCheck for Order {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        let is_answer = exchange.role == Role::Response && exchange.record.connection.is_ordered;
+        let is_response = exchange.role == Role::Response && exchange.record.connection.is_ordered;
         let Some(request) =
-            exchange.request.as_ref().filter(|_| is_answer && exchange.tried(&RULE.rule).is_some())
+            exchange.request.as_ref().filter(|_| is_response && exchange.tried(&RULE.rule).is_some())
         else {
             return;
         };
@@ -58,7 +63,7 @@ impl SessionCheck for Order {
         if let Some(later) = later.filter(|_| !answered.is_reported) {
             exchange.violates(context, || {
                 Detail::new(format!(
-                    "the request in {later} was answered before that in {}",
+                    "the request in {later} was answered before the earlier request in {}",
                     request.location
                 ))
                 .at("/refs")
@@ -73,13 +78,13 @@ impl SessionCheck for Order {
     }
 }
 
-/// Many requests in one pass. Over other transports there is no order.
+/// Several requests that are sent together. Other transports have no order.
 fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
     if !matches!(endpoint, Endpoint::Tcp(_) | Endpoint::SocketIo { .. }) {
         return Vec::new();
     }
     let kinds =
         ["SYS-VER", "SYS-TIME", "UAV-LIST", "SYS-PORTS", "CONN-LIST", "OBJ-LIST", "SYS-VER", "SYS-TIME"];
-    let requests = kinds.iter().enumerate().map(|(at, kind)| Sent::request(&format!("at-once-{at}"), kind));
+    let requests = kinds.iter().enumerate().map(|(at, kind)| Sent::request(&format!("together-{at}"), kind));
     vec![Attempt::new("", [Step::Together(requests.collect())])]
 }

@@ -11,18 +11,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-03",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "Codes from 256 to 32767 are reserved.",
+        statement: "Error codes from 256 to 32767 are reserved and not used.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "A later version of the specification may assign the code another meaning, and clients then show the \
+              wrong problem.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[300]}}}"#,
+        fix: "Use a code below 256 from the specification, or a custom code from 32768 up.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("An error code is reserved.", |out| out.set_in_state("errors", json!([300]))),
+    bug: Bug::message("A reserved error code is sent.", |out| out.set_in_state("errors", json!([300]))),
     trial: None,
-    mutants: &[Mutant { name: "300", make: || mutant::errors(&[300]), also: &[] }],
+    mutants: &[Mutant { name: "the reserved code 300", make: || mutant::errors(&[300]), also: &[] }],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

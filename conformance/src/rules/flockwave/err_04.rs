@@ -13,21 +13,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-04",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A code below 256 is one that the specification has.",
+        statement: "An error code below 256 is defined by the specification.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients have no text for the code. The operator sees a bare number, or nothing.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[50]}}}"#,
+        fix: "Replace the code with the matching one in the specification. Use 127, 191 or 255 if none fits, or a \
+              code from 32768 up.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("An error code isn't registered.", |out| out.set_in_state("errors", json!([50]))),
+    bug: Bug::message("An undefined error code is sent.", |out| out.set_in_state("errors", json!([50]))),
     trial: None,
-    mutants: &[Mutant { name: "12", make: || mutant::errors(&[12]), also: &[] }],
+    mutants: &[Mutant { name: "the undefined code 12", make: || mutant::errors(&[12]), also: &[] }],
 };
 
-/// The codes that there are, but for 0.
+/// The defined codes, except 0.
 const KNOWN: [RangeInclusive<i128>; 9] =
     [1..=11, 63..=63, 64..=75, 127..=127, 128..=142, 188..=191, 192..=207, 253..=254, 255..=255];
 
@@ -36,6 +37,6 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
         let is_known =
             |code: &i128| *code <= 0 || *code > 255 || KNOWN.iter().any(|known| known.contains(code));
         let unknown = codes.iter().find(|code| !is_known(code))?;
-        Some(format!("the specification has no code {unknown}"))
+        Some(format!("the specification does not define code {unknown}"))
     });
 }

@@ -13,24 +13,24 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-06",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "No code stands twice in a list.",
+        statement: "The list of errors contains no code twice.",
         source: source::DERIVED,
         applies_to: "`errors` of UAV-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients that show one line per entry repeat the problem, and counts of problems are too high.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[64,64]}}}"#,
+        fix: "Collect the active codes in a set before you send them.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("An error code is listed twice.", |out| out.set_in_state("errors", json!([64, 64]))),
+    bug: Bug::message("An error code is sent twice.", |out| out.set_in_state("errors", json!([64, 64]))),
     trial: None,
-    mutants: &[Mutant { name: "a code twice", make: || mutant::errors(&[1, 1]), also: &[] }],
+    mutants: &[Mutant { name: "a duplicate code", make: || mutant::errors(&[1, 1]), also: &[] }],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     body::codes(message, context, |codes| {
         let mut seen = HashSet::new();
-        let twice = codes.iter().find(|code| !seen.insert(**code))?;
-        Some(format!("{twice} stands there twice"))
+        let duplicate = codes.iter().find(|code| !seen.insert(**code))?;
+        Some(format!("{duplicate} is listed twice"))
     });
 }

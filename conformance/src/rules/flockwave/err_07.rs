@@ -11,22 +11,26 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-07",
         level: Level::Should,
         status: Status::Disputed(
-            "The text of code 65 names 131 as its alternative, which has nothing to do with it; 132 is meant.",
+            "The specification text of code 65 names 131 as its alternative, which is unrelated. This rule uses 132.",
         ),
-        statement: "Codes that are alternatives don't stand together: 65 and 132; 66, 134 and 199; 133 and 197; 71 and 201; 72 and 139.",
+        statement: "Alternative error codes are not listed together: 65 and 132; 66, 134 and 199; 133 and 197; 71 \
+                    and 201; 72 and 139.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Alternatives report one condition at different severities. With both, the operator does not know \
+              whether the UAV can continue or has to land.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[66,134]}}}"#,
+        fix: "Send only the code that matches the current severity. Remove the other one when the condition changes.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("A battery is low in two ways.", |out| out.set_in_state("errors", json!([66, 134]))),
+    bug: Bug::message("Two low-battery codes are sent together.", |out| {
+        out.set_in_state("errors", json!([66, 134]))
+    }),
     trial: None,
     mutants: &[
-        Mutant { name: "both on the battery", make: || mutant::errors(&[66, 134]), also: &[] },
-        Mutant { name: "both on the fence", make: || mutant::errors(&[71, 201]), also: &[] },
+        Mutant { name: "two low-battery codes", make: || mutant::errors(&[66, 134]), also: &[] },
+        Mutant { name: "two geofence codes", make: || mutant::errors(&[71, 201]), also: &[] },
     ],
 };
 
@@ -34,10 +38,10 @@ const ALTERNATIVES: [&[i128]; 5] = [&[65, 132], &[66, 134, 199], &[133, 197], &[
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     body::codes(message, context, |codes| {
-        let both = ALTERNATIVES.iter().find_map(|group| {
+        let conflict = ALTERNATIVES.iter().find_map(|group| {
             let mut found = group.iter().filter(|code| codes.contains(code));
             found.next().zip(found.next())
         });
-        both.map(|(one, other)| format!("{one} and {other} are alternatives"))
+        conflict.map(|(one, other)| format!("{one} and {other} are alternatives"))
     });
 }

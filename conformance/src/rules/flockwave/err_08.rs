@@ -11,21 +11,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-08",
         level: Level::Should,
         status: Status::Normative,
-        statement: "201, outside the fence in the air, doesn't stand beside 1, on the ground; 71 does.",
+        statement: "201 (outside the geofence in the air) is not listed with 1 (on the ground); 71 is used on the \
+                    ground.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "201 is fatal and means that the UAV attempts to land. On the ground, it raises a false alarm.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[1,201]}}}"#,
+        fix: "Send 71 instead of 201 while the UAV is on the ground.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("On the ground a UAV has left the fence in the air.", |out| {
+    bug: Bug::message("201 is sent for a UAV on the ground.", |out| {
         out.set_in_state("errors", json!([1, 201]));
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "outside the fence, on the ground",
+        name: "the in-air geofence code on the ground",
         make: || mutant::errors(&[1, 201]),
         also: &[],
     }],
@@ -36,6 +37,6 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
         [201, 1]
             .iter()
             .all(|code| codes.contains(code))
-            .then(|| "201 is for the air, and 1 says that the UAV is on the ground".to_owned())
+            .then(|| "201 means in the air, but 1 means on the ground".to_owned())
     });
 }

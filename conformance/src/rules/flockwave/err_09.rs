@@ -11,16 +11,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-09",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "1, on the ground, doesn't stand beside 5, 6 or 63, taking off, landing and flying home.",
+        statement: "1 (on the ground) is not listed with 5 (taking off), 6 (landing) or 63 (returning to home).",
         source: source::DERIVED,
         applies_to: "`errors` of UAV-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client does not know whether the UAV flies. An operator may approach a UAV whose propellers are \
+              turning.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[1,5]}}}"#,
+        fix: "Remove code 1 when the takeoff starts, and add it again when the landing is complete.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("A UAV stands on the ground and takes off.", |out| {
+    bug: Bug::message("A UAV is on the ground and taking off.", |out| {
         out.set_in_state("errors", json!([1, 5]));
     }),
     trial: None,
@@ -30,6 +31,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     body::codes(message, context, |codes| {
         let flying = codes.iter().find(|code| [5, 6, 63].contains(*code)).filter(|_| codes.contains(&1))?;
-        Some(format!("{flying} is for the air, and 1 says that the UAV is on the ground"))
+        Some(format!("{flying} means in flight, but 1 means on the ground"))
     });
 }

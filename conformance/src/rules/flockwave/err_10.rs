@@ -11,26 +11,27 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-10",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "188 and 253 are made up for a test; they are shown.",
+        statement: "188 and 253 are simulated errors for tests; each use is reported.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "A simulated error triggers a return to home or an emergency landing. It should not appear in normal \
+              operation.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[188]}}}"#,
+        fix: "Turn off the error simulation outside tests. In a test, ignore this finding.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("An error is simulated.", |out| out.set_in_state("errors", json!([188]))),
+    bug: Bug::message("A simulated error is sent.", |out| out.set_in_state("errors", json!([188]))),
     trial: None,
     mutants: &[
-        Mutant { name: "188", make: || mutant::errors(&[188]), also: &[] },
-        Mutant { name: "253", make: || mutant::errors(&[253]), also: &[] },
+        Mutant { name: "the simulated error 188", make: || mutant::errors(&[188]), also: &[] },
+        Mutant { name: "the simulated fatal error 253", make: || mutant::errors(&[253]), also: &[] },
     ],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     body::codes(message, context, |codes| {
         let simulated = codes.iter().find(|code| [188, 253].contains(*code))?;
-        Some(format!("{simulated} is made up for a test"))
+        Some(format!("{simulated} is a simulated error"))
     });
 }

@@ -11,52 +11,57 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-INF-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each id or path that was asked for stands in exactly one map of the reply.",
+        statement: "Each requested id or path is in exactly one map of the response.",
         source: source::MESSAGES,
         applies_to: "BCN-INF, CLK-INF, DEV-INF, EXT-INF, RTK-INF, UAV-PREFLT, WTH-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client does not know whether a missing object is unknown or was forgotten by the server. It keeps \
+              old data on the display.",
+        example: r#"→ {"type":"WTH-INF","ids":["mast-1","mast-2"]}
+← {"type":"WTH-INF","error":{"mast-1":"No data yet"}}"#,
+        fix: "Add an entry for every requested id or path: its data, or a reason in `error`.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("The last thing that was asked for is missing, in BCN-INF and the like.", |out| {
-        out.lose_last(&["BCN-INF", "CLK-INF", "WTH-INF", "RTK-INF", "EXT-INF", "UAV-PREFLT"]);
-    }),
+    bug: Bug::message(
+        "The response lacks the last requested object, in BCN-INF and similar messages.",
+        |out| {
+            out.drop_last(&["BCN-INF", "CLK-INF", "WTH-INF", "RTK-INF", "EXT-INF", "UAV-PREFLT"]);
+        },
+    ),
     trial: None,
     mutants: &[
         Mutant {
-            name: "nothing of what was asked for, BCN-INF",
+            name: "no data for a requested object, BCN-INF",
             make: || mutant::reply("BCN-INF", |body| body["status"] = json!({})),
             also: &[],
         },
         Mutant {
-            name: "nothing of what was asked for, CLK-INF",
+            name: "no data for a requested object, CLK-INF",
             make: || mutant::reply("CLK-INF", |body| body["status"] = json!({})),
             also: &[],
         },
         Mutant {
-            name: "nothing of what was asked for, DEV-INF",
+            name: "no data for a requested object, DEV-INF",
             make: || mutant::reply("DEV-INF", |body| body["values"] = json!({})),
             also: &[],
         },
         Mutant {
-            name: "nothing of what was asked for, EXT-INF",
+            name: "no data for a requested object, EXT-INF",
             make: || mutant::reply("EXT-INF", |body| body["status"] = json!({})),
             also: &[],
         },
         Mutant {
-            name: "nothing of what was asked for, RTK-INF",
+            name: "no data for a requested object, RTK-INF",
             make: || mutant::reply("RTK-INF", |body| body["preset"] = json!({})),
             also: &[],
         },
         Mutant {
-            name: "nothing of what was asked for, UAV-PREFLT",
+            name: "no data for a requested object, UAV-PREFLT",
             make: || mutant::reply("UAV-PREFLT", |body| body["status"] = json!({})),
             also: &[],
         },
         Mutant {
-            name: "nothing of what was asked for, WTH-INF",
+            name: "no data for a requested object, WTH-INF",
             make: || mutant::reply("WTH-INF", |body| body["status"] = json!({})),
             also: &[],
         },

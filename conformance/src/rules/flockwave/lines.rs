@@ -1,4 +1,4 @@
-//! Messages that don't go as they should over transports that carry one message each in a line or a datagram.
+//! Detects messages that violate the framing of a transport: one message per line or per datagram.
 
 use std::collections::BTreeMap;
 
@@ -7,39 +7,39 @@ use crate::flockwave::record::{Connection, Direction};
 use crate::json::Frame;
 use crate::model::Location;
 
-/// How long a message over several lines may be, in bytes: what is longer is taken for no message.
+/// The maximum size of a message over several lines, in bytes. Longer texts are not treated as a message.
 const MAX_TEXT: usize = 1 << 20;
 
-/// How many lines it may have.
+/// The maximum number of lines of a message.
 const MAX_LINES: usize = 10_000;
 
-/// On how many connections lines are followed at the same time.
+/// The maximum number of connections with open lines.
 const MAX_CONNECTIONS: usize = 16;
 
-/// A line that is no message.
+/// A line that is not a message.
 #[derive(Debug)]
 pub(super) struct Line {
-    /// Where it stands.
+    /// The location of the line.
     pub(super) location: Location,
-    /// What it is instead of an object, where it is JSON.
+    /// The JSON value, if the line is JSON but not an object.
     pub(super) actual: Option<String>,
-    /// How it begins.
+    /// The start of the line.
     pub(super) excerpt: String,
 }
 
-/// Lines of servers that are no messages. Those that make up one together are told from others, which may take until the
-/// next message comes.
+/// Lines from servers that are not messages: either parts of a message over several lines, or others. The decision may
+/// have to wait for the next message.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
-    /// By the index of the connection.
+    /// Undecided lines, by index of the connection.
     open: BTreeMap<usize, Open>,
-    /// The first lines of what is a message together, and how many lines it has.
-    pub(super) whole: Vec<(Line, usize)>,
-    /// Lines that aren't part of a message.
+    /// The first line and the number of lines of each message over several lines.
+    pub(super) split: Vec<(Line, usize)>,
+    /// Lines that are not part of a message.
     pub(super) other: Vec<Line>,
 }
 
-/// Lines that may be the beginning of a message.
+/// Lines that may be the start of a message.
 #[derive(Debug, Default)]
 struct Open {
     lines: Vec<Line>,
@@ -48,28 +48,28 @@ struct Open {
 }
 
 impl Lines {
-    /// Follows what goes over a connection.
+    /// Processes a record.
     pub(super) fn follow(&mut self, exchange: &Exchange<'_>) {
         let index = exchange.record.connection.index;
         match exchange.role {
             Role::Unanswered => {}
             Role::Unreadable if exchange.record.direction == Direction::In => self.line(index, exchange),
-            // What clients send doesn't part what servers do.
+            // Messages of the client do not separate lines of the server.
             _ if exchange.record.direction == Direction::Out => {}
-            // The client didn't wait for the rest.
+            // The client closed the connection without waiting for the rest.
             Role::Event if exchange.record.note == Some("client") => _ = self.open.remove(&index),
             _ => self.end_of(index),
         }
     }
 
-    /// What may be lost, or is at its end, isn't going to be a message any more.
-    pub(super) fn part_all(&mut self) {
+    /// Moves all open lines to `other`, because the rest may be missing or the session has ended.
+    pub(super) fn discard_open(&mut self) {
         while let Some((_, open)) = self.open.pop_first() {
             self.other.extend(open.lines);
         }
     }
 
-    /// Another message goes over the connection: open lines are no message.
+    /// Moves the open lines of a connection to `other`, because another message follows.
     pub(super) fn end_of(&mut self, index: usize) {
         if let Some(open) = self.open.remove(&index) {
             self.other.extend(open.lines);
@@ -83,14 +83,14 @@ impl Lines {
             actual: record.value.map(ToString::to_string),
             excerpt: exchange.excerpt(),
         };
-        // A number between others is JSON as well, and it doesn't matter which it is.
+        // A line that is a JSON value on its own may be part of a message. Any value serves as its placeholder.
         let text = if record.value.is_some() { "0" } else { record.text };
         let is_first = !self.open.contains_key(&index);
-        if is_first && (!is_of_lines(exchange) || !text.trim_start().starts_with('{')) {
+        if is_first && (!is_tcp(exchange) || !text.trim_start().starts_with('{')) {
             return self.other.push(line);
         }
         if is_first && self.open.len() >= MAX_CONNECTIONS {
-            self.part_all();
+            self.discard_open();
         }
         let open = self.open.entry(index).or_default();
         open.lines.push(line);
@@ -109,38 +109,38 @@ impl Lines {
         }
         let open = self.open.remove(&index).unwrap_or_default();
         let count = open.lines.len();
-        self.whole.extend(open.lines.into_iter().next().map(|first| (first, count)));
+        self.split.extend(open.lines.into_iter().next().map(|first| (first, count)));
     }
 }
 
-/// Whether messages are lines on this connection: those of TCP are called `tcp` or begin so.
-fn is_of_lines(exchange: &Exchange<'_>) -> bool {
-    is_called(exchange.record.connection, "tcp")
+/// True if messages are lines on this connection: names of TCP connections start with `tcp`.
+fn is_tcp(exchange: &Exchange<'_>) -> bool {
+    name_starts_with(exchange.record.connection, "tcp")
 }
 
-/// Whether the name of the connection begins so.
-pub(super) fn is_called(connection: Connection<'_>, start: &str) -> bool {
+/// True if the name of the connection starts with `start`, ignoring case.
+pub(super) fn name_starts_with(connection: Connection<'_>, start: &str) -> bool {
     let name = connection.name.get(..start.len());
     name.is_some_and(|name| name.eq_ignore_ascii_case(start))
 }
 
-/// Whether a server sends several messages in the place of one: in one line, or in one datagram.
-pub(super) fn are_several(exchange: &Exchange<'_>, transport: &str) -> bool {
+/// True if a server sends several messages in one line or one datagram.
+pub(super) fn has_several_messages(exchange: &Exchange<'_>, transport: &str) -> bool {
     let record = exchange.record;
     if exchange.role != Role::Unreadable || record.direction != Direction::In || record.value.is_some() {
         return false;
     }
     let is_object = |text: &str| matches!(Tree::read(text), Ok(Tree::Object(_)));
-    is_called(exchange.record.connection, transport)
+    name_starts_with(exchange.record.connection, transport)
         && Tree::read(record.text).err().is_some_and(|error| {
             let (first, rest) = record.text.split_at_checked(error.at).unwrap_or_default();
-            // Of more than two, the first is enough to see it.
+            // The first two messages are sufficient.
             is_object(first)
-                && (is_object(rest) || Tree::read(rest).is_err_and(|error| starts_object(rest, error.at)))
+                && (is_object(rest) || Tree::read(rest).is_err_and(|error| is_object_up_to(rest, error.at)))
         })
 }
 
-/// Whether an object stands before this byte.
-fn starts_object(text: &str, at: usize) -> bool {
+/// True if the text before this byte is an object.
+fn is_object_up_to(text: &str, at: usize) -> bool {
     text.get(..at).is_some_and(|text| matches!(Tree::read(text), Ok(Tree::Object(_))))
 }

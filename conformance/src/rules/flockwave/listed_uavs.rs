@@ -1,7 +1,8 @@
 //! The check of UAV-INF against the UAVs that UAV-LIST lists.
 //!
-//! UAVs come and go. So UAV-INF lacks one only if the lists before and after it have that UAV, and no OBJ-DEL in between
-//! names it. If the request has the id twice, that may be the cause, and the other rule reports it.
+//! UAVs come and go. UAV-INF therefore lacks a UAV only if the lists before and after it contain that UAV, and no
+//! OBJ-DEL in between names it. If the request has the id twice, that may be the cause, and `FW-UAV-INF-07` reports it
+//! instead of `FW-UAV-LIST-03`.
 
 use std::collections::BTreeSet;
 
@@ -12,24 +13,24 @@ use super::{
     uav_inf_07,
 };
 
-/// Puts records between two lists of the same UAVs.
-pub(super) fn listed_twice(session: &mut Session, say: impl FnOnce(&mut Session)) {
+/// Adds records between two UAV-LIST exchanges with the same UAVs.
+pub(super) fn listed_twice(session: &mut Session, add: impl FnOnce(&mut Session)) {
     let list = || -> (Value, Value) { (json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] })) };
     let (request, answer) = list();
     session.exchange(request, answer);
-    say(session);
+    add(session);
     let (request, answer) = list();
     session.exchange(request, answer);
 }
 
-/// How many UAVs that aren't known are kept of a connection.
-const MAX_DOUBTED: usize = 1_000;
+/// The maximum number of stored unknown UAVs per connection.
+const MAX_UNKNOWN: usize = 1_000;
 
-/// UAVs that UAV-INF doesn't know, connection by connection.
+/// UAVs that UAV-INF does not know, by connection.
 #[derive(Default)]
 pub(super) struct Unknown {
-    /// True if it looks at trials with an id twice in the request, false if it looks at all other requests.
-    is_of_repeated: bool,
+    /// True to check only trials with a repeated id, false to check all other requests.
+    checks_repeated: bool,
     connections: PerConnection<Listed>,
 }
 
@@ -38,34 +39,36 @@ pub(super) struct Unknown {
 struct Listed {
     /// The latest list.
     uavs: BTreeSet<String>,
-    /// Those of it that UAV-INF hasn't known since, and where it says so.
-    doubted: Vec<(String, Location)>,
+    /// UAVs in that list that UAV-INF does not know, and the locations of those responses.
+    unknown: Vec<(String, Location)>,
 }
 
 impl SessionCheck for Unknown {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if self.is_of_repeated {
+        if self.checks_repeated {
             served::served(exchange, context);
         }
         if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         if exchange.response("UAV-INF").is_some() {
-            return self.inform(exchange, context);
+            return self.uav_inf(exchange, context);
         }
         let list = reply::listed(exchange);
         let listed = self.connections.get(exchange);
         if exchange.notification("OBJ-DEL").is_some() {
-            let is_left = |id: &String| list.as_ref().is_some_and(|gone| !gone.contains(id));
-            listed.uavs.retain(is_left);
-            listed.doubted.retain(|(id, _)| is_left(id));
+            let is_present = |id: &String| list.as_ref().is_some_and(|deleted| !deleted.contains(id));
+            listed.uavs.retain(is_present);
+            listed.unknown.retain(|(id, _)| is_present(id));
         } else if let (Some(_), Some(list)) = (exchange.response("UAV-LIST"), list) {
-            for (id, location) in listed.doubted.drain(..).filter(|(id, _)| list.contains(id)) {
+            for (id, location) in listed.unknown.drain(..).filter(|(id, _)| list.contains(id)) {
                 context.violation("UAV-INF", location, || {
                     let id = body::quoted(&id);
-                    Detail::new(format!("{id} isn't known, and UAV-LIST has it before and after"))
-                        .expected("a state")
-                        .actual("an error")
+                    Detail::new(format!(
+                        "UAV-INF does not know {id}, but UAV-LIST contains it before and after"
+                    ))
+                    .expected("a state")
+                    .actual("an error")
                 });
             }
             listed.uavs = list;
@@ -78,26 +81,26 @@ impl SessionCheck for Unknown {
 }
 
 impl Unknown {
-    /// UAVs that UAV-INF doesn't know if the request has their id twice.
+    /// Checks UAVs that UAV-INF does not know if the request has their id twice.
     pub(super) fn to_repeated_ids() -> Self {
-        Self { is_of_repeated: true, ..Self::default() }
+        Self { checks_repeated: true, ..Self::default() }
     }
 
-    /// UAV-INF tells of UAVs.
-    fn inform(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    /// Processes a UAV-INF response.
+    fn uav_inf(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         let Some(request) = exchange.same_type_request() else { return };
         let is_repeated = request.repeated.is_some() && exchange.tried(&uav_inf_07::RULE.rule).is_some();
-        if is_repeated != self.is_of_repeated {
+        if is_repeated != self.checks_repeated {
             return;
         }
         let listed = self.connections.get(exchange);
         let known = request.objects.iter().flatten().filter(|id| listed.uavs.contains(*id));
-        let unknown = body::members(exchange.body, "error");
+        let errors = body::members(exchange.body, "error");
         for id in known {
             context.covered();
-            let is_doubted = unknown.iter().any(|(unknown, _)| unknown == id);
-            if is_doubted && listed.doubted.len() < MAX_DOUBTED {
-                listed.doubted.push((id.clone(), exchange.record.location));
+            let is_unknown = errors.iter().any(|(key, _)| key == id);
+            if is_unknown && listed.unknown.len() < MAX_UNKNOWN {
+                listed.unknown.push((id.clone(), exchange.record.location));
             }
         }
     }

@@ -1,26 +1,25 @@
-//! Requests that are not as they should be. What has an id can be answered by it; whatever it is, the next request has
-//! to be served.
+//! Malformed requests. A server can answer those with an id. In all cases it must serve the next request.
 
 use serde_json::{Value, json};
 
-/// How long something is that is too long for its purpose, and yet no burden.
+/// The length of an oversized string that is still easy to process.
 const LONG_LENGTH: usize = 10_000;
 
-/// How deep something is nested that nobody nests so deep, and readers of JSON that call themselves fail at.
+/// A nesting depth at which recursive JSON parsers fail.
 const DEEP_NESTING: usize = 5_000;
 
 /// A malformed request.
 #[derive(Debug)]
 pub(super) struct Malformed {
-    /// What is wrong with it.
+    /// A description of the fault.
     pub(super) how: &'static str,
-    /// It.
+    /// The text of the request.
     pub(super) text: String,
-    /// Whether an answer to it can be expected, which names the id that it was made with.
+    /// True if a response that refers to its id can be expected.
     pub(super) has_id: bool,
 }
 
-/// One of each kind, with this id.
+/// One malformed request of each kind, with this id.
 pub(super) fn all(id: &str) -> Vec<Malformed> {
     let envelope = |body: Value| json!({ "$fw.version": "1.0", "id": id, "body": body });
     let mut kinds: Vec<(&'static str, String, bool)> = [
@@ -34,45 +33,47 @@ pub(super) fn all(id: &str) -> Vec<Malformed> {
         ("a type that is null", envelope(json!({ "type": null }))),
         ("a type that is a number", envelope(json!({ "type": 17 }))),
         ("a type that is an object", envelope(json!({ "type": { "type": "SYS-PING" } }))),
-        ("ids that are missing", envelope(json!({ "type": "UAV-INF" }))),
+        ("missing ids", envelope(json!({ "type": "UAV-INF" }))),
         ("ids that are null", envelope(json!({ "type": "UAV-INF", "ids": null }))),
         ("ids that are a string", envelope(json!({ "type": "UAV-INF", "ids": "all" }))),
         ("ids that are an object", envelope(json!({ "type": "UAV-INF", "ids": { "id": 1 } }))),
         ("ids that are numbers", envelope(json!({ "type": "UAV-INF", "ids": [1, 2.5, -3] }))),
-        ("an id among ids that is a list", envelope(json!({ "type": "UAV-INF", "ids": [["uav"]] }))),
-        ("an id among ids that is empty", envelope(json!({ "type": "UAV-INF", "ids": [""] }))),
+        ("an id that is a list among ids", envelope(json!({ "type": "UAV-INF", "ids": [["uav"]] }))),
+        ("an empty id among ids", envelope(json!({ "type": "UAV-INF", "ids": [""] }))),
         ("a filter that is a string", envelope(json!({ "type": "OBJ-LIST", "filter": "uav" }))),
         (
             "both a body and an error",
             json!({
-                "$fw.version": "1.0", "id": id, "body": { "type": "SYS-PING" }, "error": { "code": 1, "message": "odd" },
+                "$fw.version": "1.0", "id": id,
+                "body": { "type": "SYS-PING" }, "error": { "code": 1, "message": "invalid" },
             }),
         ),
     ]
     .map(|(how, message)| (how, message.to_string(), true))
     .into();
     let nested = format!("{}{}", "[".repeat(DEEP_NESTING), "]".repeat(DEEP_NESTING));
-    let written = [
-        ("a key twice", r#"{"type":"SYS-PING","wing":1,"wing":2}"#.to_owned(), true),
-        // Not every reader of JSON can read these, and who can't sees no id.
-        ("a number beyond all numbers", r#"{"type":"SYS-PING","height":1e999999}"#.to_owned(), false),
+    let texts = [
+        ("a duplicate key", r#"{"type":"SYS-PING","wing":1,"wing":2}"#.to_owned(), true),
+        // Some JSON parsers reject these texts and never see the id.
+        ("a number out of range", r#"{"type":"SYS-PING","height":1e999999}"#.to_owned(), false),
         (
             "a number of a thousand digits",
             format!(r#"{{"type":"SYS-PING","height":{}}}"#, "7".repeat(1_000)),
             false,
         ),
-        ("half of a surrogate pair", r#"{"type":"SYS-PING","wing":"\ud800"}"#.to_owned(), false),
+        ("an unpaired surrogate", r#"{"type":"SYS-PING","wing":"\ud800"}"#.to_owned(), false),
         (
-            "lists that are nested five thousand deep",
+            "lists nested five thousand levels deep",
             format!(r#"{{"type":"SYS-PING","wings":{nested}}}"#),
             false,
         ),
     ];
-    let id_written = Value::from(id).to_string();
-    for (how, body, has_id) in written {
-        kinds.push((how, format!(r#"{{"$fw.version":"1.0","id":{id_written},"body":{body}}}"#), has_id));
+    let id_text = Value::from(id).to_string();
+    for (how, body, has_id) in texts {
+        kinds.push((how, format!(r#"{{"$fw.version":"1.0","id":{id_text},"body":{body}}}"#), has_id));
     }
-    // Whether unknown types are answered is tried elsewhere. An id that is no string is not among them: nobody can say what an answer to it should refer to.
+    // FW-ENV-07 tests unknown types. Ids that are not strings are omitted: it is unspecified what a response should
+    // refer to.
     kinds.extend(
         [
             ("an empty type", envelope(json!({ "type": "" }))),
@@ -96,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn malformed_requests_have_distinct_ids() {
+    fn malformed_requests_have_distinct_descriptions() {
         let all = all("kind-1");
         assert!(all.len() >= 20, "{}", all.len());
         let hows: BTreeSet<&str> = all.iter().map(|kind| kind.how).collect();

@@ -1,57 +1,59 @@
-//! Sessions that violate a rule: small changes of the one that conforms.
+//! Sessions that violate a rule: small changes of the conforming session.
 
 use serde_json::{Value, json};
 
 use super::{Rule, Session};
 
-/// The session that conforms, with another body of the first response of this type.
+/// The conforming session with a changed body in the first response of this type.
 pub(super) fn reply(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
     Some(Session::new().reply(type_name, change)?.to_bytes())
 }
 
-/// The session that conforms, with another envelope of that response.
+/// The conforming session with a changed envelope of that response.
 pub(super) fn reply_message(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
     Some(Session::new().reply_message(type_name, change)?.to_bytes())
 }
 
-/// The session that conforms, with another body of the first notification of this type.
+/// The conforming session with a changed body in the first notification of this type.
 pub(super) fn notice(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
     Some(Session::new().notice(type_name, change)?.to_bytes())
 }
 
-/// The session that conforms, with another state of a glider in the last report.
+/// The conforming session with a changed UAV state in the last status report.
 pub(super) fn state(change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
     Some(Session::new().state(change)?.to_bytes())
 }
 
-/// The session that conforms, with other error codes in that state.
+/// The conforming session with these error codes in that state.
 pub(super) fn errors(codes: &[i64]) -> Option<Vec<u8>> {
     Some(Session::new().errors(codes)?.to_bytes())
 }
 
-/// The session that conforms, with these records over another connection.
-#[allow(clippy::unnecessary_wraps)] // as all mutants
-pub(super) fn over(connection: &'static str, say: impl FnOnce(&mut Session)) -> Option<Vec<u8>> {
-    Some(Session::new().then(|session| session.over(connection, say)).to_bytes())
+/// The conforming session with additional records on another connection.
+#[allow(clippy::unnecessary_wraps)] // like all mutants
+pub(super) fn over(connection: &'static str, add: impl FnOnce(&mut Session)) -> Option<Vec<u8>> {
+    Some(Session::new().then(|session| session.over(connection, add)).to_bytes())
 }
 
-/// The session that conforms, with more records before its end.
-#[allow(clippy::unnecessary_wraps)] // as all mutants
-pub(super) fn then(say: impl FnOnce(&mut Session)) -> Option<Vec<u8>> {
-    Some(Session::new().then(say).to_bytes())
+/// The conforming session with additional records before its end.
+#[allow(clippy::unnecessary_wraps)] // like all mutants
+pub(super) fn then(add: impl FnOnce(&mut Session)) -> Option<Vec<u8>> {
+    Some(Session::new().then(add).to_bytes())
 }
 
-/// The session that conforms, with a trial of a rule that gets no answer.
+/// The conforming session with a trial of a rule that gets no response.
 pub(super) fn unanswered(connection: &'static str, rule: &Rule) -> Option<Vec<u8>> {
     over(connection, |session| {
-        session.tries(rule, "without an answer", json!({ "type": "SYS-PING" }));
+        session.tries(rule, "without a response", json!({ "type": "SYS-PING" }));
     })
 }
 
-/// The session that conforms, with a trial of a rule that is refused.
+/// The conforming session with a trial of a rule that is refused.
 pub(super) fn refused(connection: &'static str, rule: &Rule) -> Option<Vec<u8>> {
-    let no = json!({ "type": "ACK-NAK", "reason": "Too windy" });
-    over(connection, |session| session.tries_and_receives(rule, "refused", json!({ "type": "SYS-PING" }), no))
+    let refusal = json!({ "type": "ACK-NAK", "reason": "Too windy" });
+    over(connection, |session| {
+        session.tries_and_receives(rule, "refused", json!({ "type": "SYS-PING" }), refusal)
+    })
 }
 
 /// Removes a member of an object.

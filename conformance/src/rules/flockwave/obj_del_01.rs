@@ -15,16 +15,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "OBJ-DEL is a notification with `ids`, a list of strings.",
         source: source::MESSAGES,
         applies_to: "OBJ-DEL",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client does not know which objects are gone, and keeps showing UAVs that no longer exist.",
+        example: r#"{"type":"OBJ-DEL","ids":"uav-1"}"#,
+        fix: "Send OBJ-DEL without `refs`, with the ids as a list of strings, even if there is only one.",
     },
     checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["OBJ-DEL"], "ids", attribution::MISSING),
         Attribution::new(&["OBJ-DEL"], "ids.*", attribution::MISSING),
     ],
-    bug: Bug::message("OBJ-DEL has its ids as a text.", |out| {
+    bug: Bug::message("The `ids` of OBJ-DEL is a string.", |out| {
         if let Some(body) = out.body_of("OBJ-DEL") {
             body["ids"] = body["ids"][0].take();
         }
@@ -32,12 +32,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "no ids",
+            name: "missing `ids`",
             make: || mutant::notice("OBJ-DEL", |body| *body = json!({ "type": "OBJ-DEL" })),
             also: &[],
         },
         Mutant {
-            name: "as an answer",
+            name: "OBJ-DEL as a response",
             make: || {
                 mutant::then(|session| {
                     let id = session.sends(json!({ "type": "UAV-SOAR" }));
@@ -55,7 +55,7 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     }
     context.covered();
     if message.role != Role::Notification {
-        message.violates(context, || Detail::new("it has `refs`, and is a notification"));
+        message.violates(context, || Detail::new("a notification must not have `refs`"));
     }
     body::field(message, context, "ids", true, &ExpectedValue::List(&ExpectedValue::Text));
 }

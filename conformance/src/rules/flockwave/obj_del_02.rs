@@ -13,19 +13,23 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-OBJ-DEL-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "Objects that OBJ-DEL names aren't in later lists, unless something is told of them again.",
+        statement: "An object that OBJ-DEL names is not listed again until the server reports its state again.",
         source: source::DERIVED,
         applies_to: "OBJ-DEL, OBJ-LIST and UAV-LIST over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "After OBJ-DEL, clients remove the object. If it appears in the next list, the operator sees a UAV \
+              that does not exist.",
+        example: r#"← {"type":"OBJ-DEL","ids":["uav-2"]}
+→ {"type":"OBJ-LIST"}
+← {"type":"OBJ-LIST","ids":["uav-1","uav-2"]}"#,
+        fix: "Remove the object from the registry before you send OBJ-DEL, and build OBJ-LIST and UAV-LIST from the \
+              same registry.",
     },
     checks: &[Check::Session(|| Box::new(Gone::default()))],
     covers: &[],
-    bug: Bug::behaviour("Objects that are gone stay in the lists."),
+    bug: Bug::behaviour("Deleted objects stay in the lists."),
     trial: None,
     mutants: &[Mutant {
-        name: "one is listed again",
+        name: "a deleted object is listed again",
         make: || {
             mutant::then(|session| {
                 session.exchange(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
@@ -35,13 +39,13 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-/// How much is kept, in bytes.
+/// The memory limit, in bytes.
 const MEMORY_LIMIT: usize = 1 << 20;
 
-/// The longest id that is kept, in bytes: 64 characters of up to four.
+/// The maximum length of a stored id, in bytes: 64 characters of up to four bytes.
 const MAX_ID: usize = 256;
 
-/// The objects that are gone, each by its connection and id.
+/// The deleted objects, by connection and id.
 struct Gone(Ids<()>);
 
 impl Default for Gone {
@@ -69,11 +73,8 @@ impl SessionCheck for Gone {
                 let mut ids = ids;
                 if let Some(id) = ids.find(|id| self.0.contains(exchange.serial, id)) {
                     exchange.violates(context, || {
-                        Detail::new(format!(
-                            "{} is listed, and OBJ-DEL has said that it is gone",
-                            body::quoted(id)
-                        ))
-                        .at("/body/ids")
+                        Detail::new(format!("{} is listed after OBJ-DEL named it", body::quoted(id)))
+                            .at("/body/ids")
                     });
                 }
             }

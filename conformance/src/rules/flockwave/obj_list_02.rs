@@ -14,20 +14,25 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-OBJ-LIST-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A filter leaves the objects of its types alone: no object is listed for two types.",
+        statement: "A filtered OBJ-LIST contains only objects of the given types, so no object is listed for two \
+                    types.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients use the filter to find UAVs. If it is ignored, they treat beacons or docks as UAVs and send \
+              flight commands to them.",
+        example: r#"→ {"type":"OBJ-LIST","filter":["uav"]}
+← {"type":"OBJ-LIST","ids":["uav-1","mast-1"]}
+→ {"type":"OBJ-LIST","filter":["beacon"]}
+← {"type":"OBJ-LIST","ids":["uav-1","mast-1"]}"#,
+        fix: "Apply `filter` to the type of each object. Give each object one type.",
     },
     checks: &[Check::Session(|| Box::new(Listed::default()))],
     covers: &[],
-    bug: Bug::behaviour("OBJ-LIST doesn't heed its filter.")
+    bug: Bug::behaviour("OBJ-LIST ignores its filter.")
         .with(&[&obj_list_03::RULE.rule, &uav_list_02::RULE.rule]),
     trial: None,
     mutants: &[Mutant {
-        name: "the filter is left out of account",
+        name: "an ignored filter",
         make: || {
             mutant::over("tcp#9", |session| {
                 for kind in ["uav", "beacon"] {
@@ -40,10 +45,10 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-/// Of how many types the lists of a connection are kept.
+/// The maximum number of stored lists per connection.
 const MAX_KINDS: usize = 8;
 
-/// The latest list for each type, connection by connection.
+/// The latest list for each type, by connection.
 #[derive(Default)]
 struct Listed(PerConnection<BTreeMap<String, BTreeSet<String>>>);
 
@@ -53,14 +58,14 @@ impl SessionCheck for Listed {
             return;
         }
         if exchange.notification("OBJ-DEL").is_some() {
-            // What comes anew with the id of one that is gone may be of another type.
-            let gone = reply::listed(exchange);
-            let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
-            self.0.get(exchange).values_mut().for_each(|list| list.retain(is_left));
+            // A new object with the id of a deleted one may have another type.
+            let deleted = reply::listed(exchange);
+            let is_present = |id: &String| deleted.as_ref().is_some_and(|deleted| !deleted.contains(id));
+            self.0.get(exchange).values_mut().for_each(|list| list.retain(is_present));
             return;
         }
         let request = exchange.response("OBJ-LIST").and(exchange.same_type_request());
-        // What a type may be that there isn't is another rule's matter.
+        // FW-OBJ-LIST-03 checks unknown types.
         let request = request.filter(|_| exchange.tried(&obj_list_03::RULE.rule).is_none());
         let Some(filter) =
             request.and_then(|request| request.filter.as_ref()).filter(|filter| filter.len() == 1)
@@ -74,7 +79,7 @@ impl SessionCheck for Listed {
             if let Some(id) = list.intersection(known).next() {
                 exchange.violates(context, || {
                     let (id, kind, other) = (body::quoted(id), body::quoted(kind), body::quoted(other));
-                    Detail::new(format!("{id} is listed for the type {kind}, and was for {other}"))
+                    Detail::new(format!("{id} is listed for type {kind} and was listed for type {other}"))
                         .at("/body/ids")
                 });
             }

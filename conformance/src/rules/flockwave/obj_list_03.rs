@@ -12,18 +12,21 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-OBJ-LIST-03",
         level: Level::Should,
         status: Status::Normative,
-        statement: "For a type that the server doesn't know OBJ-LIST gives an empty list.",
+        statement: "For an unknown object type in `filter`, OBJ-LIST returns an empty list.",
         source: source::MESSAGES,
-        applies_to: "OBJ-LIST that tries it",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "OBJ-LIST that a probe sends to test this rule",
+        why: "Extensions add object types, so clients ask for types that this server does not know. A refusal looks \
+              like a failure, and a full list like a match.",
+        example: r#"→ {"type":"OBJ-LIST","filter":["cloud"]}
+← {"type":"ACK-NAK","reason":"Unknown object type: cloud"}"#,
+        fix: "Do not validate the types in `filter`. Return the objects that match, which are none for an unknown \
+              type.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::behaviour("OBJ-LIST refuses types that the server doesn't know."),
+    bug: Bug::behaviour("OBJ-LIST refuses unknown object types."),
     trial: Some(Trial::Requests(|_| {
-        vec![Request::new("", json!({ "type": "OBJ-LIST", "filter": ["kite-of-nobody"] }))]
+        vec![Request::new("", json!({ "type": "OBJ-LIST", "filter": ["unknown-type"] }))]
     })),
     mutants: &[
         Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
@@ -47,7 +50,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         && !ids.is_empty()
     {
         exchange.violates(context, || {
-            Detail::differs("an empty list", format!("one of {}", ids.len())).at("/body/ids")
+            Detail::differs("an empty list", format!("{} ids", ids.len())).at("/body/ids")
         });
     }
 }

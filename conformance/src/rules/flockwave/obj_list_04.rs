@@ -1,7 +1,7 @@
 //! `FW-OBJ-LIST-04`.
 //!
-//! Objects come and go. So an object is missing only where the lists of all objects before and after one with a filter are
-//! the same, and nothing has told in between that it is gone.
+//! Objects come and go. An object therefore counts as missing only if the unfiltered lists before and after a filtered
+//! one are equal, and no notification in between reports it as deleted.
 
 use std::collections::BTreeSet;
 
@@ -17,19 +17,25 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-OBJ-LIST-04",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Without a filter OBJ-LIST has all objects.",
+        statement: "OBJ-LIST without a filter lists all objects.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients load the initial state of the fleet with this request. They never show an object that is \
+              missing from it.",
+        example: r#"→ {"type":"OBJ-LIST"}
+← {"type":"OBJ-LIST","ids":["uav-1"]}
+→ {"type":"OBJ-LIST","filter":["beacon"]}
+← {"type":"OBJ-LIST","ids":["mast-1"]}
+→ {"type":"OBJ-LIST"}
+← {"type":"OBJ-LIST","ids":["uav-1"]}"#,
+        fix: "Return the objects of all types if the request has no `filter`.",
     },
     checks: &[Check::Session(|| Box::new(Objects::default()))],
     covers: &[],
-    bug: Bug::behaviour("OBJ-LIST without a filter has UAVs only."),
+    bug: Bug::behaviour("OBJ-LIST without a filter lists UAVs only."),
     trial: None,
     mutants: &[Mutant {
-        name: "those of one type are missing",
+        name: "the objects of one type are missing",
         make: || {
             let all = || json!({ "ids": ["kite", "swift"] });
             let masts = json!({ "type": "OBJ-LIST", "filter": ["beacon"] });
@@ -43,19 +49,19 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-/// How many objects are kept of lists with a filter.
+/// The maximum number of stored objects from filtered lists.
 const MAX_OBJECTS: usize = 10_000;
 
-/// What was listed, connection by connection.
+/// The listed objects, by connection.
 #[derive(Default)]
 struct Objects(PerConnection<Listed>);
 
-/// What was listed on a connection.
+/// The listed objects of a connection.
 #[derive(Default)]
 struct Listed {
-    /// The latest list without a filter.
+    /// The latest unfiltered list.
     all: Option<BTreeSet<String>>,
-    /// What lists with a filter have had since.
+    /// The objects in filtered lists since then.
     others: BTreeSet<String>,
 }
 
@@ -64,11 +70,12 @@ impl SessionCheck for Objects {
         if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
-        let is_end = exchange.notification("OBJ-DEL").or_else(|| exchange.notification("CONN-DEL")).is_some();
-        if is_end {
-            let gone = reply::listed(exchange);
-            let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
-            return self.0.get(exchange).others.retain(is_left);
+        let is_deletion =
+            exchange.notification("OBJ-DEL").or_else(|| exchange.notification("CONN-DEL")).is_some();
+        if is_deletion {
+            let deleted = reply::listed(exchange);
+            let is_present = |id: &String| deleted.as_ref().is_some_and(|deleted| !deleted.contains(id));
+            return self.0.get(exchange).others.retain(is_present);
         }
         let request = exchange.response("OBJ-LIST").and(exchange.same_type_request());
         let (Some(request), Some(list)) = (request, reply::listed(exchange)) else { return };
@@ -86,7 +93,7 @@ impl SessionCheck for Objects {
                     if let Some(id) = others.difference(&list).next() {
                         exchange.violates(context, || {
                             let id = body::quoted(id);
-                            Detail::new(format!("{id} is missing, which a list with a filter has"))
+                            Detail::new(format!("{id} is missing, but a filtered list contains it"))
                                 .at("/body/ids")
                         });
                     }

@@ -1,15 +1,15 @@
-//! What rules keep of connections.
+//! State of checks by connection.
 
 use std::collections::BTreeMap;
 
 use super::{Exchange, Role};
 use crate::flockwave::session::ConnectionId;
 
-/// Of how many connections something is kept; more at the same time are rare, and of the oldest it is forgotten.
+/// The maximum number of connections with a state. If there are more, the state of the one with the lowest index is
+/// dropped.
 const MAX_CONNECTIONS: usize = 16;
 
-/// A state for each connection. It begins anew with the connection, and where nothing is known any more of what went
-/// over it.
+/// A state for each connection. It is reset when the connection is reopened, or when records of it may be missing.
 #[derive(Debug)]
 pub(super) struct PerConnection<T>(BTreeMap<usize, (u64, T)>);
 
@@ -20,7 +20,7 @@ impl<T> Default for PerConnection<T> {
 }
 
 impl<T: Default> PerConnection<T> {
-    /// The state of the connection over which something goes.
+    /// The state of the connection of a record.
     pub(super) fn get(&mut self, exchange: &Exchange<'_>) -> &mut T {
         self.at(exchange.connection_id())
     }
@@ -38,7 +38,7 @@ impl<T: Default> PerConnection<T> {
         state
     }
 
-    /// The state of a connection that comes to its end here, and is known to.
+    /// Removes the state of a connection if this record reports that the connection closed.
     pub(super) fn closed(&mut self, exchange: &Exchange<'_>) -> Option<T> {
         if exchange.role != Role::Event || exchange.record.text != "closed" {
             return None;
@@ -46,7 +46,7 @@ impl<T: Default> PerConnection<T> {
         self.0.remove(&exchange.record.connection.index).map(|(_, state)| state)
     }
 
-    /// Forgets all.
+    /// Removes all states.
     pub(super) fn clear(&mut self) {
         self.0.clear();
     }

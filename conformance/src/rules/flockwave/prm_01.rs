@@ -13,16 +13,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-PRM-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Where `success` is true, `failed` is empty or absent.",
+        statement: "If `success` is true, `failed` is empty or absent.",
         source: source::MESSAGES,
         applies_to: "results of PRM-SET-MANY",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client reports that all parameters were set. The operator flies with parameters that still have \
+              their old values.",
+        example: r#"{"type":"PRM-SET-MANY","result":{"uav-1":{"success":true,"failed":["CRUISE_SPEED"]}}}"#,
+        fix: "Set `success` to true only if all parameters were set. Otherwise send false and list the others in \
+              `failed`.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("PRM-SET-MANY succeeds, and has failed.", |out| {
+    bug: Bug::message("PRM-SET-MANY reports success and failed parameters.", |out| {
         let Some(body) = out.body_of("PRM-SET-MANY") else { return };
         for outcome in body["result"].as_object_mut().into_iter().flat_map(|map| map.values_mut()) {
             *outcome = json!({ "success": true, "failed": ["CRUISE_SPEED"] });
@@ -31,12 +33,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "all is said to be set",
+            name: "success with a failed parameter",
             make: || mutant::reply("PRM-SET-MANY", |body| body["result"]["kite"]["success"] = true.into()),
             also: &[],
         },
         Mutant {
-            name: "the same, later",
+            name: "success with a failed parameter in ASYNC-RESP",
             make: || {
                 let request = json!({ "type": "PRM-SET-MANY", "ids": ["kite"], "parameters": { "GEAR": 1 } });
                 let outcome = json!({ "success": true, "failed": ["GEAR"] });
@@ -51,9 +53,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let at_once =
+    let immediate =
         body::members(exchange.body, "result").iter().filter(|_| exchange.response("PRM-SET-MANY").is_some());
-    for (key, outcome) in at_once {
+    for (key, outcome) in immediate {
         check_outcome(exchange, context, outcome, &["body", "result", key]);
     }
     let later = exchange.notification("ASYNC-RESP").and_then(|body| body.get("result"));
@@ -71,7 +73,7 @@ fn check_outcome(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, outcome
     let failed = if let Some(Tree::List(failed)) = outcome.get("failed") { failed.len() } else { 0 };
     if is_success && failed > 0 {
         exchange.violates(context, || {
-            Detail::new(format!("`success` is true, and {failed} parameters are said to have failed"))
+            Detail::new(format!("`success` is true, but `failed` lists {failed} parameters"))
                 .at(pointer(keys))
         });
     }

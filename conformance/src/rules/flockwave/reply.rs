@@ -1,4 +1,4 @@
-//! Checks of replies against the requests that they answer.
+//! Checks of responses against their requests.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,19 +6,19 @@ use super::{Detail, Exchange, OPERATIONS, Reference, Role, RuleContext, Tree, bo
 use crate::flockwave::session::parts;
 use crate::json::pointer;
 
-/// The size of the lists that are followed, in bytes: the ids of ten thousand UAVs fit.
+/// The maximum size of a stored list, in bytes. The ids of ten thousand UAVs fit.
 const MAX_LISTED: usize = 1 << 19;
 
-/// The size of an id in addition to its text, in bytes; a rough guess.
+/// The approximate overhead of a stored id, in bytes.
 const OVERHEAD: usize = 40;
 
-/// The longest id that is followed, in bytes: 64 characters of up to four.
+/// The maximum length of a stored id, in bytes: 64 characters of up to four bytes.
 const MAX_ID: usize = 256;
 
-/// The number of misplaced objects that a finding names.
+/// The maximum number of misplaced objects in a finding.
 const MAX_LISTED_ITEMS: usize = 4;
 
-/// Checks that each requested object is in exactly one part of a reply of these types.
+/// Checks that each requested object is in exactly one part of a response of these types.
 pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     let Some((request, parts)) = replied(exchange, types) else { return };
     context.covered();
@@ -49,7 +49,7 @@ pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, 
             }
             let reported = reported.join(", ");
             Detail::new(format!(
-                "of what was asked for, there is {reported}; expected each in exactly one of {}",
+                "requested objects: {reported}; expected each in exactly one of {}",
                 parts.join(", ")
             ))
             .at("/body")
@@ -59,23 +59,23 @@ pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, 
     }
 }
 
-/// Checks that a reply of these types has no object that wasn't requested.
-pub(super) fn strangers(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
+/// Checks that a response of these types has no object that was not requested.
+pub(super) fn unrequested(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     let Some((request, parts)) = replied(exchange, types) else { return };
     context.covered();
-    let stranger = parts.iter().find_map(|part| {
+    let found = parts.iter().find_map(|part| {
         let (key, _) =
             body::members(exchange.body, part).iter().find(|(key, _)| !request.contains(key.as_ref()))?;
         Some((*part, key))
     });
-    if let Some((part, key)) = stranger {
+    if let Some((part, key)) = found {
         exchange.violates(context, || {
-            Detail::new(format!("{} wasn't asked for", body::quoted(key))).at(pointer(&["body", part, key]))
+            Detail::new(format!("{} was not requested", body::quoted(key))).at(pointer(&["body", part, key]))
         });
     }
 }
 
-/// The requested objects, and the parts of the reply that name them.
+/// The requested objects, and the parts of the response that name objects.
 pub(super) fn replied<'u>(
     exchange: &'u Exchange<'_>,
     types: &[&str],
@@ -85,7 +85,7 @@ pub(super) fn replied<'u>(
     Some((request, parts(name)?.reply_fields))
 }
 
-/// The objects in a part of a reply: the keys of a map, or the strings of a list.
+/// The objects in a part of a response: the keys of a map, or the strings of a list.
 pub(super) fn named<'t>(exchange: &Exchange<'t>, part: &str) -> impl Iterator<Item = &'t str> {
     let (members, values) = match exchange.field(part) {
         Some(Tree::Object(members)) => (&members[..], &[][..]),
@@ -95,7 +95,7 @@ pub(super) fn named<'t>(exchange: &Exchange<'t>, part: &str) -> impl Iterator<It
     members.iter().map(|(key, _)| key.as_ref()).chain(values.iter().filter_map(Tree::as_str))
 }
 
-/// The ids of a list, if it consists of strings and isn't too long.
+/// The `ids` of a message, if it is a list of strings and not too long.
 pub(super) fn listed(exchange: &Exchange<'_>) -> Option<BTreeSet<String>> {
     let Some(Tree::List(values)) = exchange.field("ids").filter(|_| exchange.role != Role::Unanswered) else {
         return None;
@@ -115,7 +115,7 @@ pub(super) fn refers(exchange: &Exchange<'_>) -> bool {
     is_response && exchange.record.connection.is_ordered && exchange.reference != Reference::Unclear
 }
 
-/// True if replies of a type may have receipts.
+/// True if responses of a type may have receipts.
 pub(super) fn may_have_receipts(name: &str) -> bool {
     name == "LOG-DATA" || OPERATIONS.contains(&name)
 }

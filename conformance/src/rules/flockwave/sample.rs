@@ -1,5 +1,5 @@
-//! A session of Flockwave that conforms: a client looks after two gliders, as a recording of the client shows it. In
-//! the middle it tries how the server takes what is unusual, over connections of their own.
+//! A conforming Flockwave session, recorded by a client that monitors two gliders. In between, the client runs trials
+//! on separate connections.
 
 mod trials;
 
@@ -7,19 +7,19 @@ use serde_json::{Value, json};
 
 use crate::model::Rule;
 
-/// When it begins, in seconds since the epoch.
-const BEGIN: f64 = 1_790_000_000.0;
+/// The start time, in seconds since the epoch.
+const START: f64 = 1_790_000_000.0;
 
-/// From one message to the next, in seconds.
+/// The time between messages, in seconds.
 const STEP: f64 = 0.05;
 
-/// How often states come by themselves towards the end, and how far apart, in seconds.
+/// The number of status reports at the end, and the time between them in seconds.
 const REPORTS: (u32, f64) = (12, 5.0);
 
-/// A recording, line by line.
+/// A recorded session.
 #[derive(Clone, Debug)]
 pub(crate) struct Session {
-    /// Its lines.
+    /// The records.
     pub lines: Vec<Value>,
     connection: &'static str,
     time: f64,
@@ -35,7 +35,7 @@ impl Default for Session {
 
 #[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
 impl Session {
-    /// The whole session.
+    /// Creates the conforming session.
     pub(crate) fn new() -> Self {
         let mut session = Self::opened();
         session.server();
@@ -52,28 +52,28 @@ impl Session {
         session
     }
 
-    /// A connection over which nothing has gone yet.
+    /// Creates a session with an open connection and no messages.
     pub(crate) fn opened() -> Self {
         let mut session =
-            Self { lines: Vec::new(), connection: "hill", time: BEGIN, num_requests: 0, num_messages: 0 };
+            Self { lines: Vec::new(), connection: "hill", time: START, num_requests: 0, num_messages: 0 };
         session.event("connect");
         session
     }
 
-    /// The client asks, and the server answers with a body of the same type.
+    /// Adds a request and a response of the same type.
     pub(crate) fn exchange(&mut self, request: Value, answer: Value) {
         let mut answer = answer;
         answer["type"] = request["type"].clone();
         self.exchange_with(request, answer);
     }
 
-    /// The client asks, and the server answers with this body.
+    /// Adds a request and a response with this body.
     pub(crate) fn exchange_with(&mut self, request: Value, answer: Value) {
         let id = self.sends(request);
         self.answers(&id, json!({ "body": answer }));
     }
 
-    /// The client asks; the id of its request.
+    /// Adds a request and returns its id.
     pub(crate) fn sends(&mut self, request: Value) -> String {
         self.num_requests += 1;
         let id = format!("ask-{}", self.num_requests);
@@ -81,14 +81,14 @@ impl Session {
         id
     }
 
-    /// The client asks, to try a rule; the id of its request.
+    /// Adds a request that tests a rule and returns its id.
     pub(crate) fn tries(&mut self, rule: &Rule, how: &str, request: Value) -> String {
         let id = self.sends(request);
         self.marks_trial(rule, how);
         id
     }
 
-    /// What went last over the connection, or happened to it, tries a rule.
+    /// Marks the last record as a trial of a rule.
     fn marks_trial(&mut self, rule: &Rule, how: &str) {
         if let Some(line) = self.lines.last_mut() {
             line["trial"] = rule.id.into();
@@ -96,8 +96,8 @@ impl Session {
         }
     }
 
-    /// Another connection, over which this is said. Its name begins with its transport.
-    pub(crate) fn over(&mut self, connection: &'static str, say: impl FnOnce(&mut Self)) {
+    /// Adds records on another connection. The name of the connection starts with its transport.
+    pub(crate) fn over(&mut self, connection: &'static str, add: impl FnOnce(&mut Self)) {
         let before = std::mem::replace(&mut self.connection, connection);
         let url = match connection {
             _ if connection.starts_with("udp") => "udp://hill:7002",
@@ -105,30 +105,30 @@ impl Session {
             _ => "tcp://hill:7001",
         };
         self.noted("connect", "url", url);
-        say(self);
+        add(self);
         self.closed("client");
         self.connection = before;
     }
 
-    /// A connection that is to try a rule doesn't come about.
-    pub(crate) fn refused(&mut self, rule: &Rule, how: &str, why: &str) {
-        self.noted("refused", "why", why);
+    /// Adds a refused connection that tests a rule.
+    pub(crate) fn refused(&mut self, rule: &Rule, how: &str, reason: &str) {
+        self.noted("refused", "why", reason);
         self.marks_trial(rule, how);
     }
 
-    /// The server sends what is no JSON.
+    /// Adds a text of the server that is not a message.
     pub(crate) fn send_raw(&mut self, text: &str) {
         let mut line = self.next("in");
         line["raw"] = text.into();
         self.lines.push(line);
     }
 
-    /// The connection ends.
-    fn closed(&mut self, why: &str) {
-        self.noted("closed", "why", why);
+    /// Closes the connection.
+    fn closed(&mut self, reason: &str) {
+        self.noted("closed", "why", reason);
     }
 
-    /// Something happens to the connection, of which more is known.
+    /// Adds a connection event with a note.
     fn noted(&mut self, name: &str, key: &str, note: &str) {
         self.event(name);
         if let Some(line) = self.lines.last_mut() {
@@ -136,7 +136,7 @@ impl Session {
         }
     }
 
-    /// The server answers a request.
+    /// Adds a response to a request.
     pub(crate) fn answers(&mut self, id: &str, answer: Value) {
         self.num_messages += 1;
         let mut message =
@@ -147,21 +147,21 @@ impl Session {
         self.line("in", message);
     }
 
-    /// The server says something unasked.
+    /// Adds a notification.
     pub(crate) fn notify(&mut self, body: Value) {
         self.num_messages += 1;
         let id = format!("say-{}", self.num_messages);
         self.line("in", json!({ "$fw.version": "1.0", "id": id, "body": body }));
     }
 
-    /// Something happens to the connection.
+    /// Adds a connection event.
     pub(crate) fn event(&mut self, name: &str) {
         let mut line = self.next("event");
         line["event"] = name.into();
         self.lines.push(line);
     }
 
-    /// Nothing happens for so many seconds.
+    /// Advances the time.
     pub(crate) fn wait(&mut self, seconds: f64) {
         self.time += seconds;
     }
@@ -177,14 +177,14 @@ impl Session {
         json!({ "t": self.time, "conn": self.connection, "dir": direction })
     }
 
-    /// The time in milliseconds, as the server tells it.
+    /// The server time, in milliseconds.
     pub(crate) fn now(&self) -> u64 {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it is between 2026 and 2027
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // the time is in 2026
         let now = ((self.time + STEP) * 1000.0) as u64;
         now
     }
 
-    /// What the server says of itself.
+    /// Queries the server.
     fn server(&mut self) {
         let version = json!({ "software": "Windward", "version": "3.1", "name": "Hill", "revision": "b7" });
         self.exchange(json!({ "type": "SYS-VER" }), version);
@@ -195,14 +195,15 @@ impl Session {
         }
         self.exchange(json!({ "type": "SYS-PORTS" }), json!({ "ports": { "tcp": 7001, "udp": 7002 } }));
         self.logs_in();
-        // The server wants to know whether the client is there.
+        // The server pings the client.
         self.notify(json!({ "type": "SYS-PING" }));
         let answer = json!({
-            "$fw.version": "1.0", "id": "here-1", "refs": format!("say-{}", self.num_messages), "body": { "type": "ACK-ACK" },
+            "$fw.version": "1.0", "id": "here-1", "refs": format!("say-{}", self.num_messages),
+            "body": { "type": "ACK-ACK" },
         });
         self.line("out", answer);
-        let nobody_knows = json!({ "type": "ACK-NAK", "reason": "Nobody here can soar" });
-        self.exchange_with(json!({ "type": "UAV-SOAR" }), nobody_knows);
+        let refusal = json!({ "type": "ACK-NAK", "reason": "Nobody here can soar" });
+        self.exchange_with(json!({ "type": "UAV-SOAR" }), refusal);
         let id = self.sends(json!({ "type": "LCN-INF" }));
         self.answers(&id, json!({ "error": { "code": 3, "message": "The licence can't be read" } }));
     }
@@ -213,13 +214,13 @@ impl Session {
         self.exchange_with(login, json!({ "type": "AUTH-RESP", "result": true, "user": "wind" }));
     }
 
-    /// Which gliders there are, and how they are.
+    /// Queries the gliders and their states.
     fn fleet(&mut self) {
         self.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] }));
         self.exchange(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
         let status = json!({ "kite": self.kite(), "swift": self.swift() });
-        let num_requests = json!({ "type": "UAV-INF", "ids": ["kite", "swift", "owl"] });
-        self.exchange(num_requests, json!({ "status": status, "error": { "owl": "No such glider" } }));
+        let request = json!({ "type": "UAV-INF", "ids": ["kite", "swift", "owl"] });
+        self.exchange(request, json!({ "status": status, "error": { "owl": "No such glider" } }));
         self.report();
         self.notify(json!({ "type": "OBJ-DEL", "ids": ["vane"] }));
         self.exchange(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift"] }));
@@ -227,7 +228,7 @@ impl Session {
         self.notify(json!({ "type": "SYS-MSG", "items": items }));
     }
 
-    /// States that come by themselves.
+    /// Adds a status report.
     fn report(&mut self) {
         let status = json!({ "kite": self.kite(), "swift": self.swift() });
         self.notify(json!({ "type": "UAV-INF", "status": status }));
@@ -250,9 +251,11 @@ impl Session {
         })
     }
 
-    /// What takes longer than an answer may.
+    /// Adds long operations.
     fn operations(&mut self) {
-        let answer = json!({ "receipt": { "kite": "rcpt-1" }, "result": { "swift": true }, "error": { "owl": "No such glider" } });
+        let answer = json!({
+            "receipt": { "kite": "rcpt-1" }, "result": { "swift": true }, "error": { "owl": "No such glider" },
+        });
         self.exchange(json!({ "type": "UAV-TAKEOFF", "ids": ["kite", "swift", "owl"] }), answer);
         let progress = json!({ "percentage": 40, "message": "Winch is pulling" });
         self.notify(json!({ "type": "ASYNC-ST", "id": "rcpt-1", "progress": progress }));
@@ -278,45 +281,45 @@ impl Session {
         self.exchange(set, json!({ "result": { "kite": { "success": false, "failed": ["GEAR"] } } }));
     }
 
-    /// One of each that is left.
+    /// Adds the remaining message types.
     fn rest(&mut self) {
         let now = self.now();
         let winch =
             json!({ "id": "winch", "purpose": "uavRadioLink", "status": "connected", "timestamp": now });
         let missing = json!({ "gone": "Unknown" });
-        let notified = json!({ "status": { "winch": winch }, "error": missing });
-        self.exchange(json!({ "type": "CONN-INF", "ids": ["winch", "gone"] }), notified);
+        let answer = json!({ "status": { "winch": winch }, "error": missing });
+        self.exchange(json!({ "type": "CONN-INF", "ids": ["winch", "gone"] }), answer);
         self.notify(json!({ "type": "CONN-INF", "status": { "winch": winch } }));
         let clock = json!({ "id": "day", "retrievedAt": now, "running": true, "ticks": 5 });
-        let notified = json!({ "status": { "day": clock }, "error": missing });
-        self.exchange(json!({ "type": "CLK-INF", "ids": ["day", "gone"] }), notified);
+        let answer = json!({ "status": { "day": clock }, "error": missing });
+        self.exchange(json!({ "type": "CLK-INF", "ids": ["day", "gone"] }), answer);
         let paths = json!(["/kite/vario", "/kite/none"]);
         let error = json!({ "/kite/none": "No such channel" });
-        let notified = json!({ "values": { "/kite/vario": 1.5 }, "error": error });
-        self.exchange(json!({ "type": "DEV-INF", "paths": paths }), notified);
-        let notified = json!({ "success": ["/kite/vario"], "error": error });
-        self.exchange(json!({ "type": "DEV-SUB", "paths": paths }), notified);
+        let answer = json!({ "values": { "/kite/vario": 1.5 }, "error": error });
+        self.exchange(json!({ "type": "DEV-INF", "paths": paths }), answer);
+        let answer = json!({ "success": ["/kite/vario"], "error": error });
+        self.exchange(json!({ "type": "DEV-SUB", "paths": paths }), answer);
         self.notify(json!({ "type": "DEV-INF", "values": { "/kite/vario": -0.5 } }));
-        let notified = json!({ "devices": { "kite": { "type": "object" } }, "error": missing });
-        self.exchange(json!({ "type": "DEV-LIST", "ids": ["kite", "gone"] }), notified);
+        let answer = json!({ "devices": { "kite": { "type": "object" } }, "error": missing });
+        self.exchange(json!({ "type": "DEV-LIST", "ids": ["kite", "gone"] }), answer);
         let beacon = json!({ "id": "mast", "timestamp": now, "active": true });
-        let notified = json!({ "status": { "mast": beacon }, "error": missing });
-        self.exchange(json!({ "type": "BCN-INF", "ids": ["mast", "gone"] }), notified);
+        let answer = json!({ "status": { "mast": beacon }, "error": missing });
+        self.exchange(json!({ "type": "BCN-INF", "ids": ["mast", "gone"] }), answer);
         let weather = json!({ "position": [465_410_000, 115_520_000], "timestamp": now, "windSpeed": 6200 });
-        let notified = json!({ "status": { "ridge": weather }, "error": missing });
-        self.exchange(json!({ "type": "WTH-INF", "ids": ["ridge", "gone"] }), notified);
+        let answer = json!({ "status": { "ridge": weather }, "error": missing });
+        self.exchange(json!({ "type": "WTH-INF", "ids": ["ridge", "gone"] }), answer);
         let location = json!({ "type": "WTH-AT", "position": [465_410_000, 115_520_000] });
         self.exchange(location, json!({ "weather": weather }));
         let preset = json!({ "title": "Field", "format": "auto", "sources": ["tcp://field:9000"] });
-        let notified = json!({ "preset": { "field": preset }, "error": missing });
-        self.exchange(json!({ "type": "RTK-INF", "ids": ["field", "gone"] }), notified);
+        let answer = json!({ "preset": { "field": preset }, "error": missing });
+        self.exchange(json!({ "type": "RTK-INF", "ids": ["field", "gone"] }), answer);
         self.exchange_with(json!({ "type": "RTK-SOURCE", "id": "field" }), json!({ "type": "ACK-ACK" }));
         let extension = json!({ "id": "wind", "loaded": true, "name": "Wind" });
-        let notified = json!({ "status": { "wind": extension }, "error": missing });
-        self.exchange(json!({ "type": "EXT-INF", "ids": ["wind", "gone"] }), notified);
+        let answer = json!({ "status": { "wind": extension }, "error": missing });
+        self.exchange(json!({ "type": "EXT-INF", "ids": ["wind", "gone"] }), answer);
         let checks = json!({ "result": "pass", "items": [{ "id": "spoilers", "result": "pass" }] });
-        let notified = json!({ "status": { "kite": checks }, "error": missing });
-        self.exchange(json!({ "type": "UAV-PREFLT", "ids": ["kite", "gone"] }), notified);
+        let answer = json!({ "status": { "kite": checks }, "error": missing });
+        self.exchange(json!({ "type": "UAV-PREFLT", "ids": ["kite", "gone"] }), answer);
     }
 
     /// Changes the body of the first response of the server that has this type.
@@ -341,28 +344,28 @@ impl Session {
         self.change(|line| is(line, "out", type_name), change)
     }
 
-    /// Changes what the last report says of one glider.
+    /// Changes the state of one glider in the last status report.
     pub(crate) fn state(mut self, change: impl FnOnce(&mut Value)) -> Option<Self> {
         let last = self.lines.iter_mut().rfind(|line| is(line, "in", "UAV-INF"))?;
         change(&mut last["msg"]["body"]["status"]["kite"]);
         Some(self)
     }
 
-    /// With other error codes in that report.
+    /// Changes the error codes of that glider.
     pub(crate) fn errors(self, codes: &[i64]) -> Option<Self> {
         self.state(|kite| kite["errors"] = codes.into())
     }
 
-    /// The server says more at the end, before the connection closes.
+    /// Adds records before SYS-CLOSE.
     #[must_use]
-    pub(crate) fn then(mut self, say: impl FnOnce(&mut Self)) -> Self {
+    pub(crate) fn then(mut self, add: impl FnOnce(&mut Self)) -> Self {
         let closing = self.lines.split_off(self.lines.len().saturating_sub(2));
-        say(&mut self);
+        add(&mut self);
         self.lines.extend(closing);
         self
     }
 
-    /// Leaves out the first message of the server that has this type.
+    /// Removes the first message of the server that has this type.
     pub(crate) fn without(mut self, type_name: &str) -> Option<Self> {
         let at = self.lines.iter().position(|line| is(line, "in", type_name))?;
         self.lines.remove(at);
@@ -371,15 +374,15 @@ impl Session {
 
     fn change(
         mut self,
-        is_wanted: impl FnMut(&&mut Value) -> bool,
+        predicate: impl FnMut(&&mut Value) -> bool,
         change: impl FnOnce(&mut Value),
     ) -> Option<Self> {
-        let line = self.lines.iter_mut().find(is_wanted)?;
+        let line = self.lines.iter_mut().find(predicate)?;
         change(&mut line["msg"]);
         Some(self)
     }
 
-    /// The bytes of the file.
+    /// The bytes of the JSON Lines file.
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
         self.lines.iter().map(|line| format!("{line}\n")).collect::<String>().into_bytes()
     }

@@ -11,16 +11,19 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SIO-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Over Socket.IO connections are upgraded and opened as its protocol says, and messages travel as events `fw`.",
+        statement: "Over Socket.IO, connections follow the handshake and upgrade of its protocol, and messages are \
+                    sent as `fw` events.",
         source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,
-        why: "",
-        example: "",
-        fix: "",
+        why: "Socket.IO clients listen for `fw` events only. They get no response, or cannot connect at all.",
+        example: r#"→ 42["fw",{"$fw.version":"1.0","id":"c1","body":{"type":"SYS-PING"}}]
+← 42["flockwave",{"$fw.version":"1.0","id":"s1","refs":"c1","body":{"type":"ACK-ACK"}}]"#,
+        fix: "Use a standard Socket.IO server library. Send and receive each message as the only argument of an \
+              `fw` event.",
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],
-    bug: Bug::behaviour("Over Socket.IO, messages travel as events flockwave.").needs(Needs::SocketIo),
+    bug: Bug::behaviour("Over Socket.IO, messages are sent as `flockwave` events.").needs(Needs::SocketIo),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[
         Mutant { name: served::UNANSWERED, make: || mutant::unanswered("socketio#9", &RULE.rule), also: &[] },

@@ -11,12 +11,14 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SIO-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Over Socket.IO messages also travel by long polling.",
+        statement: "Over Socket.IO, messages can also be exchanged by long polling.",
         source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,
-        why: "",
-        example: "",
-        fix: "",
+        why: "Socket.IO clients start with long polling by default, and stay with it if a proxy blocks WebSockets. \
+              They cannot connect.",
+        example: "→ GET /socket.io/?EIO=4&transport=polling\n← HTTP/1.1 400 Bad Request",
+        fix: "Enable the `polling` transport of the Socket.IO server, and allow it in every proxy in front of the \
+              server.",
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],

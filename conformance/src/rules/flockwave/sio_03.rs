@@ -11,19 +11,20 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SIO-03",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "An event that isn't `fw`, or whose argument is no message, doesn't end the service.",
+        statement: "Over Socket.IO, the server keeps serving after an event other than `fw`, or an `fw` event \
+                    without a message.",
         source: source::DERIVED,
         applies_to: served::APPLIES_TO,
-        why: "",
-        example: "",
-        fix: "",
+        why: "One unexpected event, for example from a newer client, ends the session of that client.",
+        example: r#"→ 42["wind","turns"]
+→ 42["fw",{"$fw.version":"1.0","id":"c1","body":{"type":"SYS-PING"}}]
+(no response)"#,
+        fix: "Ignore events other than `fw` and events whose argument is not an object, and log them.",
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],
-    bug: Bug::behaviour(
-        "Over Socket.IO, nothing is answered any more after an event that is none of Flockwave.",
-    )
-    .needs(Needs::SocketIo),
+    bug: Bug::behaviour("Over Socket.IO, nothing is answered after an event that is not `fw`.")
+        .needs(Needs::SocketIo),
     trial: Some(Trial::Attempts(Strain::Noise, attempts)),
     mutants: &[
         Mutant { name: served::UNANSWERED, make: || mutant::unanswered("socketio#9", &RULE.rule), also: &[] },
@@ -36,18 +37,18 @@ fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
     if !matches!(endpoint, Endpoint::SocketIo { .. }) {
         return Vec::new();
     }
-    let odd = [
-        ("one of another name", r#"2["wind","turns"]"#),
-        ("one without a message", r#"2["fw"]"#),
-        ("one whose message is a number", r#"2["fw",17]"#),
-        ("one whose message is a string", r#"2["fw","the wind turns"]"#),
-        ("one whose message is null", r#"2["fw",null]"#),
-        ("one with two messages", r#"2["fw",{},{}]"#),
-        ("one whose name is a number", r"2[17,{}]"),
+    let events = [
+        ("another name", r#"2["wind","turns"]"#),
+        ("no argument", r#"2["fw"]"#),
+        ("a number as the argument", r#"2["fw",17]"#),
+        ("a string as the argument", r#"2["fw","not a message"]"#),
+        ("null as the argument", r#"2["fw",null]"#),
+        ("two arguments", r#"2["fw",{},{}]"#),
+        ("a number as the name", r"2[17,{}]"),
     ];
     let attempt = |(kind, packet): (&str, &str)| {
         let steps = [Step::Packet(packet.to_owned()), Step::request("one")];
-        Attempt::new(format!("after an odd event: {kind}"), steps)
+        Attempt::new(format!("after an unexpected event: {kind}"), steps)
     };
-    odd.map(attempt).into()
+    events.map(attempt).into()
 }

@@ -15,13 +15,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "SYS-CLOSE is a notification with an optional string `reason`.",
         source: source::MESSAGES,
         applies_to: "SYS-CLOSE",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients show `reason` to the operator before the connection ends. If the message does not decode, the \
+              connection seems to fail for no reason.",
+        example: r#"{"type":"SYS-CLOSE","reason":7}"#,
+        fix: "Send SYS-CLOSE without `refs`. Send `reason` as a human-readable string, or omit it.",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-CLOSE"], "reason", &[Fault::Kind])],
-    bug: Bug::message("The reason of SYS-CLOSE is a number.", |out| {
+    bug: Bug::message("The `reason` of SYS-CLOSE is a number.", |out| {
         out.set("SYS-CLOSE", "reason", json!(7));
     })
     .needs(Needs::Farewell),
@@ -33,7 +34,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "as an answer",
+            name: "SYS-CLOSE as a response",
             make: || {
                 mutant::then(|session| {
                     let id = session.sends(json!({ "type": "UAV-SOAR" }));
@@ -51,7 +52,7 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     }
     context.covered();
     if message.role != Role::Notification {
-        message.violates(context, || Detail::new("it has `refs`, and is a notification"));
+        message.violates(context, || Detail::new("a notification must not have `refs`"));
     }
     body::field(message, context, "reason", false, &ExpectedValue::Nullable(&ExpectedValue::Text));
 }

@@ -13,23 +13,24 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-CLOSE-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "After SYS-CLOSE the server closes the connection.",
+        statement: "After SYS-CLOSE, the server sends no more messages and closes the connection.",
         source: source::DERIVED,
         applies_to: "SYS-CLOSE over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients close the connection or stop reading when SYS-CLOSE arrives. They lose every message after it.",
+        example: r#"← {"type":"SYS-CLOSE","reason":"Restart"}
+← {"type":"OBJ-DEL","ids":["uav-1"]}"#,
+        fix: "Send SYS-CLOSE as the last message, then close the connection.",
     },
     checks: &[Check::Session(|| Box::new(Closing::default()))],
     covers: &[],
-    bug: Bug::message("SYS-CLOSE comes after each SYS-VER, and the connection goes on.", |out| {
+    bug: Bug::message("SYS-CLOSE follows each SYS-VER response, and the connection stays open.", |out| {
         if out.kind() == "SYS-VER" {
             out.follow(None, json!({ "type": "SYS-CLOSE" }));
         }
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "the server speaks on",
+        name: "a message after SYS-CLOSE",
         make: || {
             let mut session = Session::new();
             let closed = session.lines.pop()?;
@@ -41,10 +42,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-/// How much is kept, in bytes.
+/// The memory limit, in bytes.
 const MEMORY_LIMIT: usize = 1 << 20;
 
-/// The connections that are to be closed.
+/// The connections on which SYS-CLOSE was sent.
 struct Closing(Remembered<u64, ()>);
 
 impl Default for Closing {
@@ -75,5 +76,5 @@ impl SessionCheck for Closing {
 }
 
 fn still_sends() -> Detail {
-    Detail::new("the server speaks on after SYS-CLOSE")
+    Detail::new("the server sends a message after SYS-CLOSE")
 }

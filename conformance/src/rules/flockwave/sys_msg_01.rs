@@ -12,12 +12,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-MSG-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`items` is a list, and each has a string `message`.",
+        statement: "`items` is a list, and each item has a string `message`.",
         source: source::MESSAGES,
         applies_to: "SYS-MSG",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients show these messages to the operator. Without a text, a warning goes unseen.",
+        example: r#"{"type":"SYS-MSG","items":[{"severity":"error"}]}"#,
+        fix: "Send `items` as a list of objects, even for one message, and give each a string `message`.",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -25,7 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["SYS-MSG"], "items.*", attribution::MISSING),
         Attribution::new(&["SYS-MSG"], "items.*.message", attribution::MISSING),
     ],
-    bug: Bug::message("Items of SYS-MSG have no message.", |out| {
+    bug: Bug::message("Items of SYS-MSG have no `message`.", |out| {
         if let Some(item) = out.item() {
             item.remove("message");
         }
@@ -38,7 +38,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "no list",
+            name: "`items` is not a list",
             make: || mutant::notice("SYS-MSG", |body| body["items"] = "Thermals".into()),
             also: &[],
         },

@@ -12,23 +12,23 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-MSG-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`severity` of an item is debug, info, warning, error or critical.",
+        statement: "`severity` of an item is `debug`, `info`, `warning`, `error` or `critical`.",
         source: source::MESSAGES,
         applies_to: "SYS-MSG",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients choose colour, sound and filter by severity. An unknown severity may hide a critical message.",
+        example: r#"{"type":"SYS-MSG","items":[{"message":"Battery low","severity":"fatal"}]}"#,
+        fix: "Map internal log levels to the five severities, or omit `severity` for `info`.",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-MSG"], "items.*.severity", attribution::WRONG)],
-    bug: Bug::message("Items of SYS-MSG are of severity loud.", |out| {
+    bug: Bug::message("The severity of SYS-MSG items is `loud`.", |out| {
         if let Some(item) = out.item() {
             item.insert("severity".to_owned(), json!("loud"));
         }
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "a severity of its own",
+        name: "an unknown severity",
         make: || mutant::notice("SYS-MSG", |body| body["items"][0]["severity"] = "loud".into()),
         also: &[],
     }],

@@ -1,6 +1,7 @@
 //! `FW-SYS-PING-01`.
 //!
-//! A server may refuse even this, as long as nobody has logged in. Whoever tries it has seen to that.
+//! Before login, a server may refuse even SYS-PING with ACK-NAK. Only ACK-NAK to a probe, which logs in first, is a
+//! violation.
 
 use serde_json::json;
 
@@ -17,9 +18,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "SYS-PING is answered with ACK-ACK.",
         source: source::MESSAGES,
         applies_to: "SYS-PING",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients ping to check that the server is alive. With another response, they report the connection as \
+              lost and reconnect.",
+        example: r#"→ {"type":"SYS-PING"}
+← {"type":"SYS-PONG"}"#,
+        fix: "Answer every SYS-PING with ACK-ACK, whatever state the server is in.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -30,10 +33,14 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "it is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
-        Mutant { name: "it isn't answered", make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: "SYS-PING is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant {
-            name: "it is answered with something else",
+            name: "SYS-PING is not answered",
+            make: || mutant::unanswered("tcp#9", &RULE.rule),
+            also: &[],
+        },
+        Mutant {
+            name: "SYS-PING is answered with another type",
             make: || mutant::reply("ACK-ACK", |body| *body = json!({ "type": "CONN-LIST", "ids": [] })),
             also: &[&env_16::RULE.rule],
         },

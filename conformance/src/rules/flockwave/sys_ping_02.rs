@@ -12,12 +12,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-PING-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "SYS-PING isn't answered with SYS-PING.",
+        statement: "SYS-PING is not answered with SYS-PING.",
         source: source::MESSAGES,
         applies_to: "SYS-PING",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Both sides may send SYS-PING as a request. A client that answers it may start an endless exchange of \
+              pings.",
+        example: r#"→ {"type":"SYS-PING"}
+← {"type":"SYS-PING"}"#,
+        fix: "Answer with ACK-ACK instead of copying the type of the request.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -29,7 +31,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     .with(&[&sys_ping_01::RULE.rule, &env_16::RULE.rule]),
     trial: None,
     mutants: &[Mutant {
-        name: "it is",
+        name: "a SYS-PING response",
         make: || mutant::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
         also: &[&env_16::RULE.rule, &sys_ping_01::RULE.rule],
     }],
@@ -42,6 +44,6 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     }
     context.covered();
     if exchange.type_name == Some("SYS-PING") {
-        exchange.violates(context, || Detail::new("a request in the place of an answer").at("/body/type"));
+        exchange.violates(context, || Detail::new("SYS-PING is a request, not a response").at("/body/type"));
     }
 }

@@ -12,18 +12,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-PORTS-01",
         level: Level::Must,
         status: Status::Disputed(
-            "A port is one of TCP or UDP by the text, hence from 1 to 65535; the published schema takes any number.",
+            "In the specification text, a port is a TCP or UDP port, so from 1 to 65535; the published JSON Schema \
+             allows any number.",
         ),
-        statement: "`ports` maps names to ports, 1 to 65535.",
+        statement: "`ports` maps service names to port numbers from 1 to 65535.",
         source: source::MESSAGES,
         applies_to: "SYS-PORTS",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients connect to these ports. With a string or an invalid number, they cannot reach the service.",
+        example: r#"{"type":"SYS-PORTS","ports":{"tcp":"5001"}}"#,
+        fix: "Send port numbers as integers, and omit services that are not available.",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-PORTS"], "ports.**", attribution::INVALID)],
-    bug: Bug::message("Ports are texts.", |out| {
+    bug: Bug::message("Port numbers are strings.", |out| {
         for port in out.ports() {
             *port = json!(port.to_string());
         }

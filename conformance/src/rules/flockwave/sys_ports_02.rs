@@ -1,6 +1,6 @@
 //! `FW-SYS-PORTS-02`.
 //!
-//! A port that is forwarded is another for the client than for the server, so this is only shown.
+//! With port forwarding, the client sees another port than the server. The level is therefore INFO.
 
 use serde_json::json;
 
@@ -16,16 +16,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-PORTS-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "Where SYS-PORTS lists the transport that is in use, it is with the port that is in use.",
+        statement: "If SYS-PORTS lists the transport in use, it lists the port in use.",
         source: source::DERIVED,
-        applies_to: "SYS-PORTS on connections whose URL is known",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "SYS-PORTS on connections with a known URL",
+        why: "Clients use these ports for further connections. A wrong port connects them to nothing, or to another \
+              service.",
+        example: r#"(connected to tcp://localhost:5001)
+→ {"type":"SYS-PORTS"}
+← {"type":"SYS-PORTS","ports":{"tcp":5000}}"#,
+        fix: "Read the port from the listening socket instead of the configuration. Ignore this finding if the port \
+              is forwarded.",
     },
     checks: &[Check::Session(|| Box::new(Used::default()))],
     covers: &[],
-    bug: Bug::message("All ports are off by one.", |out| {
+    bug: Bug::message("All port numbers are off by one.", |out| {
         for port in out.ports() {
             let number = port.as_u64().unwrap_or(1);
             *port = json!(if number == 1 { 2 } else { number - 1 });
@@ -42,7 +46,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-/// The transport and the port in use, connection by connection.
+/// The transport and the port in use, by connection.
 #[derive(Default)]
 struct Used(PerConnection<Option<(&'static str, u16)>>);
 

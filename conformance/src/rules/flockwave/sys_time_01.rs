@@ -12,16 +12,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-TIME-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`timestamp` is an integer, in milliseconds.",
+        statement: "`timestamp` is an integer number of milliseconds.",
         source: source::MESSAGES,
         applies_to: "SYS-TIME",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients compute the clock offset from this value. Seconds in place of milliseconds give an offset of \
+              decades.",
+        example: r#"{"type":"SYS-TIME","timestamp":1790000000.25}"#,
+        fix: "Send the Unix time in milliseconds as an integer.",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-TIME"], "timestamp", attribution::MISSING)],
-    bug: Bug::message("The time of the server is in seconds, with a fraction.", |out| {
+    bug: Bug::message("The server time is in seconds, with a fraction.", |out| {
         if let Some(body) = out.body_of("SYS-TIME") {
             #[expect(clippy::cast_precision_loss, reason = "it is a bug")]
             let seconds = body["timestamp"].as_u64().unwrap_or_default() as f64 / 1000.0 + 0.000_5;

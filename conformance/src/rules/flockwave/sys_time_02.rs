@@ -1,7 +1,7 @@
 //! `FW-SYS-TIME-02`.
 //!
-//! A request that sets the clock gives another offset, and nothing is known of it then. Of one that sets it by nothing
-//! another rule tells.
+//! A request that adjusts the clock changes the offset, so the offset is unknown after it. `FW-SYS-TIME-03` checks
+//! adjustments of 0.
 
 use serde_json::json;
 
@@ -15,23 +15,30 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-TIME-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "The time that a server tells lies between sending the request and receiving the answer, but for an offset that stays the same.",
+        statement: "The server time lies between sending the request and receiving the response, apart from a \
+                    constant offset.",
         source: source::DERIVED,
         applies_to: "SYS-TIME over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients use the offset to compare timestamps with their own clock. If it changes, the age of all UAV \
+              states is wrong.",
+        example: r#"→ {"type":"SYS-TIME"}
+← {"type":"SYS-TIME","timestamp":1790000000000}
+(10 s later)
+→ {"type":"SYS-TIME"}
+← {"type":"SYS-TIME","timestamp":1790000000000}"#,
+        fix: "Read the system clock for every SYS-TIME request, and synchronize that clock without jumps, for \
+              example with NTP.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("The clock of the server stands still.", |out| {
+    bug: Bug::message("The server clock stands still.", |out| {
         out.set("SYS-TIME", "timestamp", json!(1_700_000_000_000_u64));
     })
     .with(&[&uav_inf_09::RULE.rule]),
     trial: None,
     mutants: &[
         Mutant {
-            name: "the second answer is ahead",
+            name: "a clock that jumps forward",
             make: || {
                 let later = |session: &mut Session| {
                     session.exchange(
@@ -44,7 +51,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "the time goes back",
+            name: "a clock that jumps back",
             make: || {
                 let before = |session: &mut Session| {
                     session.exchange(
@@ -59,7 +66,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// How much clocks may drift apart from one answer to the next, in seconds.
+/// The maximum clock drift between two responses, in seconds.
 pub(super) const TOLERANCE: f64 = 1.0;
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
@@ -68,7 +75,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if found.by > TOLERANCE && !sys_time_03::is_adjusted(&found) {
         exchange.violates(context, || {
             let by = found.by;
-            Detail::new(format!("the server's clock has moved by {by:.1} s against that of the recording"))
+            Detail::new(format!("the server clock moved by {by:.1} s relative to the clock of the recording"))
                 .at("/body/timestamp")
         });
     }

@@ -1,7 +1,7 @@
 //! `FW-SYS-TIME-03`.
 //!
-//! It shows in the times that the server tells before and after. A clock that stands still or goes wrong moves against
-//! that of the recording no faster than time passes, and is another rule's matter.
+//! The rule compares the server times before and after the adjustment. A stopped or drifting clock deviates from the
+//! recording clock at most by the elapsed time; `FW-SYS-TIME-02` reports it.
 
 use serde_json::json;
 
@@ -16,24 +16,28 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-TIME-03",
         level: Level::Must,
         status: Status::Normative,
-        statement: "An `adjustment` of 0 leaves the server's clock as it is.",
+        statement: "An `adjustment` of 0 does not change the server clock.",
         source: source::MESSAGES,
         applies_to: "SYS-TIME over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients send 0 to find out whether the clock can be adjusted. If that changes the clock, the \
+              timestamps of a running flight become wrong.",
+        example: r#"→ {"type":"SYS-TIME"}
+← {"type":"SYS-TIME","timestamp":1790000000000}
+→ {"type":"SYS-TIME","adjustment":0}
+← {"type":"SYS-TIME","timestamp":1790003600000}"#,
+        fix: "For an adjustment of 0, check the permission to set the clock and return the current time.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::behaviour("An adjustment of 0 puts the clock forward by an hour."),
+    bug: Bug::behaviour("An adjustment of 0 sets the clock forward by an hour."),
     trial: None,
     mutants: &[
-        Mutant { name: "the clock is an hour ahead at once", make: || adjusted(1), also: &[] },
-        Mutant { name: "the clock is an hour ahead afterwards", make: || adjusted(2), also: &[] },
+        Mutant { name: "the response to the adjustment is an hour ahead", make: || adjusted(1), also: &[] },
+        Mutant { name: "the next response is an hour ahead", make: || adjusted(2), also: &[] },
     ],
 };
 
-/// The server's clock is an hour ahead from this answer on, of three.
+/// The session in which the server clock is an hour ahead from one of three responses on.
 fn adjusted(first: usize) -> Option<Vec<u8>> {
     mutant::over("tcp#9", |session| {
         let requests = [json!({}), json!({ "adjustment": 0 }), json!({})];
@@ -46,7 +50,7 @@ fn adjusted(first: usize) -> Option<Vec<u8>> {
     })
 }
 
-/// Whether a clock was adjusted by a request that should have left it as it is.
+/// True if an adjustment of 0 changed the clock.
 pub(super) fn is_adjusted(found: &ClockMove) -> bool {
     found.is_after_nothing && found.by > sys_time_02::TOLERANCE + found.since
 }
@@ -57,10 +61,8 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if is_adjusted(&found) {
         exchange.violates(context, || {
             let by = found.by;
-            Detail::new(format!(
-                "the server's clock has moved by {by:.1} s, after it was to be adjusted by 0"
-            ))
-            .at("/body/timestamp")
+            Detail::new(format!("the server clock moved by {by:.1} s after an adjustment of 0"))
+                .at("/body/timestamp")
         });
     }
 }

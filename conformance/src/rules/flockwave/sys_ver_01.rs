@@ -15,24 +15,24 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`software` is a string.",
         source: source::MESSAGES,
         applies_to: "SYS-VER",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients show the name and switch on workarounds by it. Without it, they cannot identify the server.",
+        example: r#"{"type":"SYS-VER","software":7,"version":"1.0"}"#,
+        fix: "Send the name of the server software as a string.",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-VER"], "software", attribution::MISSING)],
-    bug: Bug::message("The name of the software is a number.", |out| {
+    bug: Bug::message("The `software` of SYS-VER is a number.", |out| {
         out.set("SYS-VER", "software", json!(7));
     }),
     trial: None,
     mutants: &[
         Mutant {
-            name: "a number",
+            name: "`software` is a number",
             make: || mutant::reply("SYS-VER", |body| body["software"] = 7.into()),
             also: &[],
         },
         Mutant {
-            name: "no software",
+            name: "missing `software`",
             make: || mutant::reply("SYS-VER", |body| mutant::remove(body, "software")),
             also: &[],
         },

@@ -12,27 +12,28 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-VER-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`version` is a string of one to three numbers with dots between them.",
+        statement: "`version` is a string of one to three numbers separated by dots.",
         source: source::MESSAGES,
         applies_to: "SYS-VER",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients compare versions number by number to decide which features they use. They cannot compare any \
+              other form.",
+        example: r#"{"type":"SYS-VER","software":"Example","version":"3.1-rc1"}"#,
+        fix: "Send only the numbers in `version`, and move suffixes such as `rc1` to `revision`.",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-VER"], "version", attribution::INVALID)],
-    bug: Bug::message("The version of the software is a word.", |out| {
+    bug: Bug::message("The `version` of SYS-VER is a word.", |out| {
         out.set("SYS-VER", "version", json!("newest"));
     }),
     trial: None,
     mutants: &[
         Mutant {
-            name: "a number",
+            name: "`version` is a number",
             make: || mutant::reply("SYS-VER", |body| body["version"] = 3.1.into()),
             also: &[],
         },
         Mutant {
-            name: "a word behind the numbers",
+            name: "a suffix after the numbers",
             make: || mutant::reply("SYS-VER", |body| body["version"] = "3.1-rc".into()),
             also: &[],
         },
@@ -46,7 +47,7 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if !version.and_then(Tree::as_str).is_some_and(body::is_version) {
         message.violates(context, || {
             let found = version.map_or_else(|| "nothing".to_owned(), ToString::to_string);
-            Detail::differs("one to three numbers with dots between them", found).at("/body/version")
+            Detail::differs("one to three numbers separated by dots", found).at("/body/version")
         });
     }
 }

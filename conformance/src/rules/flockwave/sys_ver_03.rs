@@ -12,19 +12,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-VER-03",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`name` and `revision`, where they are present, are strings.",
+        statement: "`name` and `revision`, if present, are strings.",
         source: source::MESSAGES,
         applies_to: "SYS-VER",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients show the name to tell several servers apart. If it is not a string, the message may fail to \
+              decode.",
+        example: r#"{"type":"SYS-VER","software":"Example","version":"1.0","revision":7}"#,
+        fix: "Convert both to strings, or omit them.",
     },
     checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["SYS-VER"], "name", &[Fault::Kind]),
         Attribution::new(&["SYS-VER"], "revision", &[Fault::Kind]),
     ],
-    bug: Bug::message("The name of the server is a list.", |out| {
+    bug: Bug::message("The `name` of SYS-VER is a list.", |out| {
         out.set("SYS-VER", "name", json!(["glider"]));
     }),
     trial: None,

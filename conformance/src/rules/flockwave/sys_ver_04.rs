@@ -13,22 +13,27 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-VER-04",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "SYS-VER says the same each time.",
+        statement: "SYS-VER returns the same values each time on a connection.",
         source: source::DERIVED,
         applies_to: "SYS-VER over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients query the version once and keep it. If it changes, they use the wrong features for the rest \
+              of the connection.",
+        example: r#"→ {"type":"SYS-VER"}
+← {"type":"SYS-VER","software":"Example","version":"1.0","revision":"b7"}
+→ {"type":"SYS-VER"}
+← {"type":"SYS-VER","software":"Example","version":"1.0","revision":"b8"}"#,
+        fix: "Determine name, version and revision once at startup. If a load balancer is in use, pin each \
+              connection to one server.",
     },
     checks: &[Check::Session(|| Box::new(Versions::default()))],
     covers: &[],
-    bug: Bug::message("The revision of the software is another each time.", |out| {
+    bug: Bug::message("The `revision` of SYS-VER changes each time.", |out| {
         let revision = format!("revision {}", out.number);
         out.set("SYS-VER", "revision", json!(revision));
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "another revision",
+        name: "a changed revision",
         make: || {
             mutant::over("tcp#9", |session| {
                 for revision in ["b7", "b8"] {
@@ -41,13 +46,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-/// What is said of a version.
+/// The compared fields.
 const FIELDS: [&str; 4] = ["software", "version", "name", "revision"];
 
-/// How much of it is compared, in characters.
+/// The maximum compared length of a field, in characters.
 const MAX_TEXT: usize = 256;
 
-/// What was said last, connection by connection.
+/// The values of the latest response, by connection.
 #[derive(Default)]
 struct Versions(PerConnection<Option<[Option<String>; FIELDS.len()]>>);
 

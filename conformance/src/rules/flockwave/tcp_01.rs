@@ -1,7 +1,7 @@
 //! `FW-TCP-01`.
 //!
-//! Lines that are no messages, but make up one together, are one that holds line breaks. What they make up no message
-//! with is no JSON at all, of which another rule tells.
+//! Lines that are not messages but form one together are a message with line breaks. `FW-ENV-01` reports all other
+//! lines that are not messages.
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Location, Mutant, Rule, RuleContext,
@@ -13,12 +13,14 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-TCP-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Over TCP each message ends with a line break, and holds none.",
+        statement: "Over TCP, each message is a single line: it ends with a line break and contains no other.",
         source: source::TRANSPORT,
         applies_to: "messages of the server on connections whose name begins with `tcp`",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients split the stream at line breaks. A message over several lines becomes several invalid \
+              messages; two in one line become one.",
+        example: r#"← {"$fw.version":"1.0","id":"s1",
+←  "body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
+        fix: "Serialize without indentation and line breaks, and write one `\\n` after each message.",
     },
     checks: &[Check::Session(|| Box::new(SplitMessages::default()))],
     covers: &[],
@@ -55,26 +57,26 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// Messages that are broken into lines.
+/// Messages that are split into lines.
 #[derive(Default)]
 struct SplitMessages(Lines);
 
 impl SessionCheck for SplitMessages {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if exchange.is_from_server() && lines::is_called(exchange.record.connection, "tcp") {
+        if exchange.is_from_server() && lines::name_starts_with(exchange.record.connection, "tcp") {
             context.covered();
         }
-        if lines::are_several(exchange, "tcp") {
+        if lines::has_several_messages(exchange, "tcp") {
             exchange.violates(context, || {
-                Detail::new("several messages in a line").expected("one").actual("more than one")
+                Detail::new("several messages in one line").expected("one").actual("more than one")
             });
         } else {
             self.0.follow(exchange);
         }
         self.0.other.clear();
-        for (line, count) in self.0.whole.drain(..) {
+        for (line, count) in self.0.split.drain(..) {
             context.violation("message", line.location, || {
-                Detail::new(format!("a message in {count} lines"))
+                Detail::new(format!("a message split into {count} lines"))
                     .expected("one line")
                     .actual(format!("{count} lines"))
                     .excerpt(line.excerpt)
@@ -83,7 +85,7 @@ impl SessionCheck for SplitMessages {
     }
 
     fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
-        if lines::is_called(report.connection(), "tcp") {
+        if lines::name_starts_with(report.connection(), "tcp") {
             context.covered();
         }
         self.0.end_of(report.connection().index);
@@ -91,6 +93,6 @@ impl SessionCheck for SplitMessages {
     }
 
     fn corruption(&mut self, _: Location) {
-        self.0.part_all();
+        self.0.discard_open();
     }
 }

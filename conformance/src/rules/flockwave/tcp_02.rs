@@ -11,16 +11,21 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-TCP-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Over TCP a message may come in several segments, and several in one.",
+        statement: "Over TCP, the server accepts a message in several segments, and several messages in one segment.",
         source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,
-        why: "",
-        example: "",
-        fix: "",
+        why: "TCP does not preserve message boundaries. A server that handles each segment as one message fails \
+              under load or with long messages.",
+        example: r#"(one message in two TCP segments)
+→ {"$fw.version":"1.0","id":"c1","body":{"ty
+→ pe":"SYS-VER"}}
+(no response)"#,
+        fix: "Append received data to a buffer and process every complete line in it. Keep the rest for the next \
+              segment.",
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],
-    bug: Bug::behaviour("Over TCP, only the first of several requests in a segment is taken."),
+    bug: Bug::behaviour("Over TCP, only the first of several requests in a segment is handled."),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[
         Mutant { name: served::UNANSWERED, make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
@@ -34,13 +39,13 @@ fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
         return Vec::new();
     }
     let (one, two) = (|| Sent::request("one", "SYS-VER"), || Sent::request("two", "SYS-VER"));
-    let noise = Sent::text("the wind turns", None);
+    let noise = Sent::text("not a message", None);
     vec![
         Attempt::new("a message in two segments", [Step::Pieces(one(), 2, SHORT_PAUSE)]),
         Attempt::new("a message in many segments", [Step::Pieces(one(), 12, SHORT_PAUSE / 4)]),
         Attempt::new("two messages in one segment", [Step::Together(vec![one(), two()])]),
         Attempt::new(
-            "a message in one segment with a line that is no JSON",
+            "a message and a line that is not JSON in one segment",
             [Step::Together(vec![one(), noise])],
         ),
     ]

@@ -11,16 +11,18 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-TCP-03",
         level: Level::Should,
         status: Status::Normative,
-        statement: "Over TCP a line that is no JSON is passed over, and the next one is served.",
+        statement: "Over TCP, a line that is not JSON is ignored, and the next line is processed.",
         source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,
-        why: "",
-        example: "",
-        fix: "",
+        why: "One corrupt line from one client ends its session, or the server stops processing its requests.",
+        example: r#"→ this is not JSON
+→ {"type":"SYS-PING"}
+(the server closes the connection)"#,
+        fix: "Catch the parser error, log the line, and continue with the next one.",
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],
-    bug: Bug::behaviour("Over TCP, a line that is no JSON ends the connection."),
+    bug: Bug::behaviour("Over TCP, a line that is not JSON ends the connection."),
     trial: Some(Trial::Attempts(Strain::Noise, attempts)),
     mutants: &[
         Mutant { name: served::UNANSWERED, make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
@@ -31,7 +33,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
     match endpoint {
-        Endpoint::Tcp(_) => trial::after_noise("after a line that is no JSON", &["one"]),
+        Endpoint::Tcp(_) => trial::after_noise("after a line that is not JSON", &["one"]),
         _ => Vec::new(),
     }
 }

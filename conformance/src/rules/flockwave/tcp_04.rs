@@ -13,16 +13,21 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-TCP-04",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "Over TCP half a message waits for the rest of it.",
+        statement: "Over TCP, the server waits for the rest of an incomplete message.",
         source: source::DERIVED,
         applies_to: served::APPLIES_TO,
-        why: "",
-        example: "",
-        fix: "",
+        why: "Over a slow link, the parts of a message may arrive seconds apart. A server that drops the first part \
+              loses the request.",
+        example: r#"→ {"$fw.version":"1.0","id":"c1","body":{"ty
+(1.2 s later)
+→ pe":"SYS-VER"}}
+(no response)"#,
+        fix: "Keep incomplete lines in the buffer until the line break arrives or the connection closes. Do not use \
+              a timeout shorter than a few seconds.",
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],
-    bug: Bug::behaviour("Over TCP, the beginning of a message is forgotten that ends in another segment.")
+    bug: Bug::behaviour("Over TCP, the start of a message is dropped if its end is in another segment.")
         .with(&[&tcp_02::RULE.rule]),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[
@@ -32,7 +37,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The pause after which a server may think that nothing follows.
+/// The pause between the two halves of a message.
 const LONG_PAUSE: Duration = Duration::from_millis(1_200);
 
 fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {

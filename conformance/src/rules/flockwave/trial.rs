@@ -1,4 +1,4 @@
-//! Trials: requests of a probe that show whether a server keeps a rule.
+//! Trials: probe requests that test whether a server follows a rule.
 
 use std::time::Duration;
 
@@ -8,71 +8,72 @@ use super::RULES;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::model::Rule;
 
-/// The pause between the pieces of a message that follow each other soon.
+/// A short pause between the parts of a message.
 pub(super) const SHORT_PAUSE: Duration = Duration::from_millis(60);
 
-/// An id that no object has.
-pub(crate) const UNKNOWN_ID: &str = "nobody-knows-this";
+/// An id that no object should have.
+pub(crate) const UNKNOWN_ID: &str = "unknown-id";
 
-/// Texts that are no JSON, by kind.
+/// Texts that are not JSON, by description.
 const INVALID_TEXTS: [(&str, &[u8]); 4] = [
-    ("words", b"the wind turns"),
-    ("a message that is cut off", b"{\"$fw.version\":\"1.0\",\"id\":\"cut"),
-    ("bytes that are no UTF-8", b"\xff\xfe\x00\x01"),
-    ("nothing", b""),
+    ("words", b"not a message"),
+    ("a truncated message", b"{\"$fw.version\":\"1.0\",\"id\":\"cut"),
+    ("invalid UTF-8", b"\xff\xfe\x00\x01"),
+    ("empty", b""),
 ];
 
 /// The trial of a rule.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Trial {
-    /// Requests over the connection of the survey, made from the ids of the UAVs.
+    /// Requests on the connection of the survey, created from the ids of the UAVs.
     Requests(fn(&[String]) -> Vec<Request>),
-    /// Attempts over separate connections, none if the rule isn't about this transport.
+    /// Attempts on separate connections; empty if the rule does not apply to the transport.
     Attempts(Strain, fn(&Endpoint) -> Vec<Attempt>),
 }
 
-/// The strain that attempts put on a server. Those with the least come first: a server may not survive the others.
+/// The strain of attempts on a server. Attempts with the least strain come first, because a server may not survive the
+/// others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Strain {
-    /// Sound requests.
+    /// Valid requests.
     Sound,
-    /// Data that is no message.
+    /// Data that is not a message.
     Noise,
-    /// Messages that are malformed.
+    /// Malformed messages.
     Malformed,
 }
 
-/// A request that tries a rule.
+/// A request that tests a rule.
 pub(crate) struct Request {
-    /// How it tries the rule, in a few words.
+    /// A short description of the test.
     pub(crate) how: &'static str,
     /// Its body.
     pub(crate) body: Value,
-    /// A further member of its envelope.
+    /// An additional member of its envelope.
     pub(crate) member: Option<(&'static str, Value)>,
-    /// True if it is sent and answered once before it tries the rule.
+    /// True if it is sent and answered once before the test.
     pub(crate) is_repeated: bool,
 }
 
 impl Request {
-    /// A request with this body.
+    /// Creates a request with this body.
     pub(crate) fn new(how: &'static str, body: Value) -> Self {
         Self { how, body, member: None, is_repeated: false }
     }
 }
 
-/// A trial on a separate connection, so that its result doesn't depend on other trials.
+/// A trial on a separate connection, so its result does not depend on other trials.
 pub(crate) struct Attempt {
-    /// How it tries the rule, in a few words.
+    /// A short description of the test.
     pub(crate) how: String,
-    /// The endpoint; none if it is that of all others.
+    /// A separate endpoint; none for the endpoint of the probe.
     pub(crate) endpoint: Option<Endpoint>,
     /// The steps, in order.
     pub(crate) steps: Vec<Step>,
 }
 
 impl Attempt {
-    /// An attempt with these steps.
+    /// Creates an attempt with these steps.
     pub(super) fn new(how: impl Into<String>, steps: impl Into<Vec<Step>>) -> Self {
         Self { how: how.into(), endpoint: None, steps: steps.into() }
     }
@@ -82,16 +83,16 @@ impl Attempt {
 pub(crate) enum Step {
     /// Sends a message.
     Send(Sent),
-    /// Sends messages in one pass: over TCP in one segment.
+    /// Sends messages together: over TCP in one segment.
     Together(Vec<Sent>),
-    /// Sends a message in so many pieces, with pauses between them.
+    /// Sends a message in this many parts, with pauses between them.
     Pieces(Sent, usize, Duration),
-    /// Sends a packet of Socket.IO.
+    /// Sends a Socket.IO packet.
     Packet(String),
 }
 
 impl Step {
-    /// The id of its last request.
+    /// The id of its last request, if any.
     pub(crate) fn id(&self) -> Option<&str> {
         match self {
             Self::Send(sent) | Self::Pieces(sent, ..) => sent.id(),
@@ -100,13 +101,13 @@ impl Step {
         }
     }
 
-    /// Sends a request that every server answers, and has no reason to refuse.
+    /// Sends a request that every server has to serve.
     pub(super) fn request(id: &str) -> Self {
         Self::Send(Sent::request(id, "SYS-VER"))
     }
 }
 
-/// A message that is sent.
+/// A message to send.
 pub(crate) struct Sent {
     /// The message.
     pub(crate) text: Vec<u8>,
@@ -119,19 +120,19 @@ impl Sent {
         self.id.as_deref()
     }
 
-    /// A request without parameters, of this type.
+    /// Creates a request of this type without parameters.
     pub(super) fn request(id: &str, kind: &str) -> Self {
         let text = json!({ "$fw.version": "1.0", "id": id, "body": { "type": kind } }).to_string();
         Self::text(text, Some(id))
     }
 
-    /// A text, and the id that answers to it refer to; none if it can't be answered.
+    /// Creates a message from a text, with the id that responses refer to; none if it cannot be answered.
     pub(super) fn text(text: impl Into<Vec<u8>>, id: Option<&str>) -> Self {
         Self { text: text.into(), id: id.map(str::to_owned) }
     }
 }
 
-/// An attempt for each kind of noise: the noise, and then these requests.
+/// Creates an attempt for each invalid text, which precedes these requests.
 pub(super) fn after_noise(before: &str, ids: &[&str]) -> Vec<Attempt> {
     let attempt = |(kind, noise): (&str, &[u8])| {
         let noise = Step::Send(Sent::text(noise, None));
@@ -141,23 +142,23 @@ pub(super) fn after_noise(before: &str, ids: &[&str]) -> Vec<Attempt> {
     INVALID_TEXTS.into_iter().map(attempt).collect()
 }
 
-/// All requests that try rules over the connection of the survey.
+/// All requests that test rules on the connection of the survey.
 pub(crate) fn requests(uavs: &[String]) -> Vec<(&'static Rule, Request)> {
     let mut all = Vec::new();
-    for of in RULES {
-        if let Some(Trial::Requests(make)) = of.trial {
-            all.extend(make(uavs).into_iter().map(|request| (&of.rule, request)));
+    for flockwave in RULES {
+        if let Some(Trial::Requests(make)) = flockwave.trial {
+            all.extend(make(uavs).into_iter().map(|request| (&flockwave.rule, request)));
         }
     }
     all
 }
 
-/// All attempts at a server, in the order in which they are made.
+/// All attempts for a server, in order of execution.
 pub(crate) fn attempts(endpoint: &Endpoint) -> Vec<(&'static Rule, Attempt)> {
     let mut all = Vec::new();
-    for of in RULES {
-        if let Some(Trial::Attempts(strain, make)) = of.trial {
-            all.extend(make(endpoint).into_iter().map(|attempt| (strain, &of.rule, attempt)));
+    for flockwave in RULES {
+        if let Some(Trial::Attempts(strain, make)) = flockwave.trial {
+            all.extend(make(endpoint).into_iter().map(|attempt| (strain, &flockwave.rule, attempt)));
         }
     }
     all.sort_by_key(|(strain, ..)| *strain);
@@ -171,7 +172,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_transport_is_tried_by_all_rules_on_it() {
+    fn each_transport_has_trials_of_all_its_rules() {
         let rules = |url: &str| -> BTreeSet<&str> {
             let endpoint: Endpoint = url.parse().expect("a URL");
             attempts(&endpoint).iter().map(|(rule, _)| rule.id).collect()

@@ -9,27 +9,29 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UAV-INF-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each requested id stands in exactly one of `status` and `error`.",
+        statement: "Each requested UAV is in exactly one of `status` and `error` of the response.",
         source: source::MESSAGES,
         applies_to: "UAV-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client does not know whether a missing UAV is unknown or was forgotten by the server. It keeps an \
+              old position on the map.",
+        example: r#"→ {"type":"UAV-INF","ids":["uav-1","uav-2"]}
+← {"type":"UAV-INF","error":{"uav-1":"Unknown UAV"}}"#,
+        fix: "Add an entry for every requested id: its state in `status`, or a reason in `error`.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("The last UAV that was asked for is missing.", |out| {
-        out.lose_last(&["UAV-INF"]);
+    bug: Bug::message("UAV-INF lacks the last requested UAV.", |out| {
+        out.drop_last(&["UAV-INF"]);
     }),
     trial: None,
     mutants: &[
         Mutant {
-            name: "a glider is missing",
+            name: "a missing UAV",
             make: || mutant::reply("UAV-INF", |body| mutant::remove(body, "error")),
             also: &[],
         },
         Mutant {
-            name: "a glider is in both",
+            name: "a UAV in both maps",
             make: || mutant::reply("UAV-INF", |body| body["error"]["kite"] = "Asleep".into()),
             also: &[],
         },

@@ -11,16 +11,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UAV-INF-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A response tells of no UAV that wasn't asked for.",
+        statement: "A UAV-INF response contains no UAV that was not requested.",
         source: source::DERIVED,
         applies_to: "UAV-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client did not ask for this UAV. It may add a UAV to its fleet that the operator has filtered out.",
+        example: r#"→ {"type":"UAV-INF","ids":["uav-9"]}
+← {"type":"UAV-INF","error":{"uav-9":"Unknown UAV","uav-8":"Unknown UAV"}}"#,
+        fix: "Build the maps of the response from the ids of the request only.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("There is a UAV that nobody asked for.", |out| {
+    bug: Bug::message("UAV-INF contains a UAV that was not requested.", |out| {
         if !out.is_notification()
             && let Some(mut state) = out.state().cloned()
         {
@@ -30,12 +31,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "one more glider",
+        name: "an additional UAV",
         make: || mutant::reply("UAV-INF", |body| body["error"]["hawk"] = "Asleep".into()),
         also: &[],
     }],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    reply::strangers(exchange, context, &["UAV-INF"]);
+    reply::unrequested(exchange, context, &["UAV-INF"]);
 }

@@ -11,21 +11,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UAV-INF-03",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The key of each state is the `id` in it.",
+        statement: "The key of each state in `status` equals the `id` in that state.",
         source: source::MESSAGES,
         applies_to: "UAV-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients that index by key and clients that index by `id` assign position and battery to different \
+              UAVs.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-2","timestamp":1790000000000}}}"#,
+        fix: "Use the `id` of each state as its key in `status`.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("A UAV has another id than its key.", |out| {
+    bug: Bug::message("The `id` of a UAV differs from its key.", |out| {
         out.set_in_state("id", json!("ghost-1"));
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "another id",
+        name: "an id that differs from its key",
         make: || mutant::state(|kite| kite["id"] = "hawk".into()),
         also: &[],
     }],

@@ -15,21 +15,23 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`error` maps ids to strings.",
         source: source::SCHEMA,
         applies_to: "UAV-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients show the reason to the operator. If it is not a string, the message may fail to decode, and \
+              the states in it are lost too.",
+        example: r#"→ {"type":"UAV-INF","ids":["uav-9"]}
+← {"type":"UAV-INF","error":{"uav-9":404}}"#,
+        fix: "Send each reason as one human-readable string.",
     },
     checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["UAV-INF"], "error", &[Fault::Kind]),
         Attribution::new(&["UAV-INF"], "error.*", attribution::MISSING),
     ],
-    bug: Bug::message("Errors are objects.", |out| {
+    bug: Bug::message("The values of `error` in UAV-INF are objects.", |out| {
         let Some(body) = out.body_of("UAV-INF") else { return };
         for error in body["error"].as_object_mut().into_iter().flat_map(|errors| errors.values_mut()) {
             *error = json!({ "reason": error.take() });
         }
-        // Reading a field that isn't there makes it one that is null.
+        // Indexing an absent field inserts null.
         if body["error"].is_null()
             && let Some(body) = body.as_object_mut()
         {
@@ -38,7 +40,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "a number for the reason",
+        name: "a reason that is a number",
         make: || mutant::reply("UAV-INF", |body| body["error"]["owl"] = 7.into()),
         also: &[],
     }],

@@ -13,23 +13,24 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UAV-INF-05",
         level: Level::Should,
         status: Status::Normative,
-        statement: "A notification has nothing beside `type` but `status`.",
+        statement: "A UAV-INF notification has no field except `type` and `status`.",
         source: source::MESSAGES,
         applies_to: "UAV-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients do not expect errors without a request, and drop them. The operator never learns about the \
+              problem.",
+        example: r#"{"type":"UAV-INF","status":{},"error":{"uav-9":"Connection lost"}}"#,
+        fix: "Send only `status`. Report problems in the `errors` of a UAV, and lost UAVs with OBJ-DEL.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("Notifications have errors, too.", |out| {
+    bug: Bug::message("UAV-INF notifications have an `error`.", |out| {
         if let Some(body) = out.notification_of("UAV-INF") {
             body["error"] = json!({ "ghost-1": "there is no such UAV" });
         }
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "errors in a notification",
+        name: "a notification with `error`",
         make: || mutant::notice("UAV-INF", |body| body["error"] = json!({ "owl": "Lost" })),
         also: &[],
     }],
@@ -40,7 +41,7 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     context.covered();
     if let Some((key, _)) = members.iter().find(|(key, _)| key != "type" && key != "status") {
         message.violates(context, || {
-            Detail::new(format!("it has {}, too", body::quoted(key))).at(pointer(&["body", key]))
+            Detail::new(format!("unexpected field {}", body::quoted(key))).at(pointer(&["body", key]))
         });
     }
 }

@@ -11,23 +11,24 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UAV-INF-06",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "The id of a UAV that nobody knows has an entry in `error`, and the request isn't refused.",
+        statement: "In a UAV-INF response, an unknown UAV has an entry in `error`; the request is not refused.",
         source: source::DERIVED,
-        applies_to: "UAV-INF that tries it",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "UAV-INF that a probe sends to test this rule",
+        why: "If one unknown id fails the whole request, the client gets no state of any UAV in it.",
+        example: r#"→ {"type":"UAV-INF","ids":["uav-9"]}
+← {"type":"ACK-NAK","reason":"Unknown UAV: uav-9"}"#,
+        fix: "Look up each id separately, and add unknown ids to `error`.",
     },
     checks: &[Check::Exchange(|exchange, context| served::in_error(exchange, context, &["UAV-INF"]))],
     covers: &[],
-    bug: Bug::behaviour("An unknown UAV makes the whole request fail."),
+    bug: Bug::behaviour("An unknown UAV fails the whole request."),
     trial: Some(Trial::Requests(|_| {
         vec![Request::new("", json!({ "type": "UAV-INF", "ids": [trial::UNKNOWN_ID] }))]
     })),
     mutants: &[
         Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant {
-            name: "the UAV has a state",
+            name: "an unknown UAV has a state",
             make: || {
                 let request = json!({ "type": "UAV-INF", "ids": ["nobody"] });
                 let status = json!({ "nobody": { "id": "nobody", "timestamp": 1_790_000_000_000_u64 } });

@@ -11,21 +11,23 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UAV-INF-07",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "UAV-INF serves a request without ids, and one that has an id twice.",
+        statement: "UAV-INF accepts a request with no ids, or with the same id twice.",
         source: source::DERIVED,
-        applies_to: "UAV-INF that tries it",
-        why: "",
-        example: "",
-        fix: "",
+        applies_to: "UAV-INF that a probe sends to test this rule",
+        why: "Clients build the list from a selection, which may be empty or contain duplicates. A refusal shows \
+              the operator an error for no reason.",
+        example: r#"→ {"type":"UAV-INF","ids":[]}
+← {"type":"ACK-NAK","reason":"No ids"}"#,
+        fix: "Answer an empty list with an empty `status`, and handle a repeated id once.",
     },
     checks: &[Check::Session(|| Box::new(listed_uavs::Unknown::to_repeated_ids()))],
     covers: &[],
-    bug: Bug::behaviour("Requests with no ids, or with an id twice, fail."),
+    bug: Bug::behaviour("Requests with no ids or with a repeated id fail."),
     trial: Some(Trial::Requests(requests)),
     mutants: &[
         Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant {
-            name: "a UAV that is asked for twice isn't known",
+            name: "a repeated id is unknown",
             make: || {
                 let request = json!({ "type": "UAV-INF", "ids": ["kite", "kite"] });
                 let error = json!({ "type": "UAV-INF", "error": { "kite": "Again" } });

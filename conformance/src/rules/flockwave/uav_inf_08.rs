@@ -13,31 +13,34 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UAV-INF-08",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "The timestamp of a UAV doesn't go back.",
+        statement: "The timestamp of a UAV does not decrease.",
         source: source::DERIVED,
         applies_to: "UAV-INF over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients ignore states that are older than the current one. The UAV seems to stand still, or jumps \
+              back on the map.",
+        example: r#"← {"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000}}}
+← {"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1789999990000}}}"#,
+        fix: "Keep the latest state of each UAV, and drop data that arrives out of order. Do not set the clock back \
+              during a flight.",
     },
     checks: &[Check::Session(|| Box::new(Latest::default()))],
     covers: &[],
-    bug: Bug::message("Every other time stamp lies ten seconds back.", |out| {
+    bug: Bug::message("Every other timestamp of a UAV is ten seconds too early.", |out| {
         let is_odd = out.number % 2 == 1;
         out.shift_timestamps(|time| if is_odd { time - 10_000 } else { time });
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "it goes back",
+        name: "a timestamp that goes back",
         make: || mutant::state(|kite| kite["timestamp"] = 1_789_000_000_000_u64.into()),
         also: &[],
     }],
 };
 
-/// How much is kept, in bytes.
+/// The memory limit, in bytes.
 const MEMORY_LIMIT: usize = 4 << 20;
 
-/// The longest id that is kept, in bytes: 64 characters of up to four.
+/// The maximum length of a stored id, in bytes: 64 characters of up to four bytes.
 const MAX_ID: usize = 256;
 
 /// The latest timestamp of each UAV, by its connection and id.
@@ -55,8 +58,10 @@ impl SessionCheck for Latest {
             return;
         }
         for (uav, state) in body::members(exchange.body_of("UAV-INF"), "status") {
-            if let Some(before) = self.later(exchange.connection_id(), uav, state.get("timestamp"), context) {
-                exchange.violates(context, || before);
+            if let Some(violation) =
+                self.store(exchange.connection_id(), uav, state.get("timestamp"), context)
+            {
+                exchange.violates(context, || violation);
             }
         }
     }
@@ -66,16 +71,16 @@ impl SessionCheck for Latest {
             return;
         }
         for (uav, timestamp) in report.timestamps() {
-            if let Some(before) = self.later(report.connection_id(), uav, timestamp, context) {
-                report.violates(context, || before);
+            if let Some(violation) = self.store(report.connection_id(), uav, timestamp, context) {
+                report.violates(context, || violation);
             }
         }
     }
 }
 
 impl Latest {
-    /// Keeps the timestamp of a UAV; a violation if a later one precedes it.
-    fn later(
+    /// Stores the timestamp of a UAV. Returns the violation if the previous one is later.
+    fn store(
         &mut self,
         connection: ConnectionId,
         uav: &str,
@@ -90,6 +95,7 @@ impl Latest {
         };
         let before = std::mem::replace(latest, *now);
         let path = || pointer(&["body", "status", uav, "timestamp"]);
-        (*now < before).then(|| Detail::differs(format!("{before} or more, as before"), now).at(path()))
+        (*now < before)
+            .then(|| Detail::differs(format!("at least {before}, the previous timestamp"), now).at(path()))
     }
 }

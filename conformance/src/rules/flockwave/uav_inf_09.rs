@@ -1,6 +1,6 @@
 //! `FW-UAV-INF-09`.
 //!
-//! The time of the server is known from SYS-TIME, as far as it can be: up to the time that its answer took.
+//! The server time is known from SYS-TIME, to within the response time of that request.
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, StatusReport,
@@ -14,57 +14,60 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UAV-INF-09",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "The timestamp of a UAV isn't after the time of the server.",
+        statement: "The timestamp of a UAV is not later than the server time.",
         source: source::DERIVED,
         applies_to: "UAV-INF over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients compute the age of a state from it. A state from the future never looks outdated, so a lost \
+              UAV seems to be live.",
+        example: r#"→ {"type":"SYS-TIME"}
+← {"type":"SYS-TIME","timestamp":1790000000000}
+← {"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790003600000}}}"#,
+        fix: "Set the timestamp from the server clock when the state is received, not from the clock of the UAV.",
     },
     checks: &[Check::Exchange(check), Check::StatusReport(check_status_report)],
     covers: &[],
-    bug: Bug::message("Time stamps lie an hour ahead.", |out| {
+    bug: Bug::message("The timestamps of UAVs are an hour ahead.", |out| {
         out.shift_timestamps(|time| time + 3_600_000);
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "a state of tomorrow",
+        name: "a timestamp that is a day ahead",
         make: || mutant::state(|kite| kite["timestamp"] = 1_790_086_400_000_u64.into()),
         also: &[],
     }],
 };
 
-/// How much clocks may have drifted apart since, in seconds.
+/// The maximum clock drift since the latest SYS-TIME, in seconds.
 const TOLERANCE: f64 = 1.0;
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let states = body::members(exchange.body_of("UAV-INF"), "status");
     let timestamps = states.iter().map(|(uav, state)| (uav.as_ref(), state.get("timestamp")));
-    for (early, uav) in too_early(timestamps, exchange.time, exchange.clock, context) {
-        exchange.violates(context, || detail(early, uav));
+    for (ahead, uav) in future_timestamps(timestamps, exchange.time, exchange.clock, context) {
+        exchange.violates(context, || detail(ahead, uav));
     }
 }
 
 fn check_status_report(report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
-    for (early, uav) in too_early(report.timestamps(), report.time(), report.clock(), context) {
-        report.violates(context, || detail(early, uav));
+    for (ahead, uav) in future_timestamps(report.timestamps(), report.time(), report.clock(), context) {
+        report.violates(context, || detail(ahead, uav));
     }
 }
 
-/// The timestamps that are after the time of the server: by how much, in seconds, and of which UAV.
-fn too_early<'t>(
+/// The UAVs with timestamps later than the server time, and the differences in seconds.
+fn future_timestamps<'t>(
     timestamps: impl Iterator<Item = (&'t str, Option<&'t Tree<'t>>)>,
     time: Option<f64>,
     clock: Option<(f64, f64)>,
     context: &mut RuleContext<'_>,
 ) -> Vec<(f64, &'t str)> {
-    let (Some(time), Some((_, ahead))) = (time, clock) else { return Vec::new() };
+    let (Some(time), Some((_, offset))) = (time, clock) else { return Vec::new() };
     let stamps = timestamps.filter_map(|(uav, stamp)| Some((seconds(stamp?)?, uav)));
-    let early = stamps.inspect(|_| context.covered()).map(|(stamp, uav)| (stamp - time - ahead, uav));
-    early.filter(|(early, _)| *early > TOLERANCE).collect()
+    let ahead = stamps.inspect(|_| context.covered()).map(|(stamp, uav)| (stamp - time - offset, uav));
+    ahead.filter(|(ahead, _)| *ahead > TOLERANCE).collect()
 }
 
-fn detail(early: f64, uav: &str) -> Detail {
+fn detail(ahead: f64, uav: &str) -> Detail {
     let path = pointer(&["body", "status", uav, "timestamp"]);
-    Detail::new(format!("{early:.1} s after the time of the server")).at(path)
+    Detail::new(format!("{ahead:.1} s ahead of the server time")).at(path)
 }

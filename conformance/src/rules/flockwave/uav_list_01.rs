@@ -13,9 +13,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`ids` is a list of strings.",
         source: source::MESSAGES,
         applies_to: "UAV-LIST",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients send these ids back in other requests. An id that is not a string cannot be used there.",
+        example: r#"{"type":"UAV-LIST","ids":["uav-1",2]}"#,
+        fix: "Convert all ids to strings, and send `ids` even if the list is empty.",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -26,7 +26,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "no ids",
+            name: "missing `ids`",
             make: || mutant::reply("UAV-LIST", |body| mutant::remove(body, "ids")),
             also: &[],
         },

@@ -11,12 +11,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UAV-LIST-01J",
         level: Level::Should,
         status: Status::Advisory,
-        statement: "The `ids` are unique, and each has 1 to 64 characters, none of them `/`.",
+        statement: "The `ids` are unique, and each has 1 to 64 characters without `/`.",
         source: source::SCHEMA,
         applies_to: "UAV-LIST",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Device paths start with the UAV id and use `/` as separator, so an id with a slash cannot be \
+              addressed. Clients may list a duplicate id twice.",
+        example: r#"{"type":"UAV-LIST","ids":["fleet/uav-1"]}"#,
+        fix: "Replace slashes in ids, shorten long ids, and remove duplicates.",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -27,7 +28,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "an id twice",
+            name: "a duplicate id",
             make: || mutant::reply("UAV-LIST", |body| body["ids"][0] = "swift".into()),
             also: &[],
         },
@@ -42,7 +43,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     let Some(Tree::List(ids)) = message.body_of("UAV-LIST").and_then(|body| body.get("ids")) else { return };
     body::unique(message, context, "ids");
-    // What is no string is another rule's matter.
+    // FW-UAV-LIST-01 reports ids that are not strings.
     let wrong =
         ids.iter().filter(|id| id.as_str().is_some()).find_map(|id| ExpectedValue::ObjectId.mismatch(id));
     if let Some(found) = wrong {

@@ -1,6 +1,7 @@
 //! `FW-UAV-LIST-02`.
 //!
-//! UAVs come and go. So the lists differ only where those of UAV-LIST before and after that of OBJ-LIST are the same.
+//! UAVs come and go. The lists are therefore compared only if the UAV-LIST responses before and after the OBJ-LIST
+//! response are equal.
 
 use std::collections::BTreeSet;
 
@@ -16,12 +17,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UAV-LIST-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "UAV-LIST has the objects that OBJ-LIST has for the type `uav`.",
+        statement: "UAV-LIST contains the same objects as OBJ-LIST with the filter `uav`.",
         source: source::MESSAGES,
         applies_to: "UAV-LIST and OBJ-LIST over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Some clients load the fleet with UAV-LIST, others with OBJ-LIST. Operators at two consoles see \
+              different fleets.",
+        example: r#"→ {"type":"UAV-LIST"}
+← {"type":"UAV-LIST","ids":["uav-1"]}
+→ {"type":"OBJ-LIST","filter":["uav"]}
+← {"type":"OBJ-LIST","ids":["uav-1","uav-2"]}
+→ {"type":"UAV-LIST"}
+← {"type":"UAV-LIST","ids":["uav-1"]}"#,
+        fix: "Answer both requests from the same registry, for example by handling UAV-LIST as OBJ-LIST with the \
+              filter `uav`.",
     },
     checks: &[Check::Session(|| Box::new(Uavs::default()))],
     covers: &[],
@@ -32,12 +40,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "UAV-LIST lacks one", make: || listed(&["kite"], &["kite", "swift"]), also: &[] },
-        Mutant { name: "UAV-LIST has one more", make: || listed(&["kite", "owl"], &["kite"]), also: &[] },
+        Mutant { name: "UAV-LIST lacks a UAV", make: || listed(&["kite"], &["kite", "swift"]), also: &[] },
+        Mutant {
+            name: "UAV-LIST has an additional UAV",
+            make: || listed(&["kite", "owl"], &["kite"]),
+            also: &[],
+        },
     ],
 };
 
-/// These are listed by UAV-LIST before and after those by OBJ-LIST.
+/// The session with these ids in OBJ-LIST, and those in UAV-LIST before and after it.
 fn listed(uavs: &[&str], objects: &[&str]) -> Option<Vec<u8>> {
     mutant::over("tcp#9", |session| {
         session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
@@ -46,19 +58,19 @@ fn listed(uavs: &[&str], objects: &[&str]) -> Option<Vec<u8>> {
     })
 }
 
-/// How many lists of OBJ-LIST are kept until the next one of UAV-LIST.
+/// The maximum number of OBJ-LIST responses that are stored until the next UAV-LIST.
 const MAX_LISTS: usize = 4;
 
-/// What was listed, connection by connection.
+/// The listed UAVs, by connection.
 #[derive(Default)]
 struct Uavs(PerConnection<Listed>);
 
-/// What was listed on a connection.
+/// The listed UAVs of a connection.
 #[derive(Default)]
 struct Listed {
-    /// The latest list of UAV-LIST.
+    /// The ids of the latest UAV-LIST.
     uavs: Option<BTreeSet<String>>,
-    /// The lists of OBJ-LIST since.
+    /// The ids and locations of OBJ-LIST responses since then.
     objects: Vec<(BTreeSet<String>, Location)>,
 }
 
@@ -73,8 +85,8 @@ impl SessionCheck for Uavs {
         let Some(list) = reply::listed(exchange) else { return };
         let listed = self.0.get(exchange);
         if let Some(request) = exchange.response("OBJ-LIST").and(exchange.same_type_request()) {
-            let is_of_uavs = |filter: &BTreeSet<String>| filter.len() == 1 && filter.contains("uav");
-            if request.filter.as_ref().is_some_and(is_of_uavs) && listed.objects.len() < MAX_LISTS {
+            let is_uav_filter = |filter: &BTreeSet<String>| filter.len() == 1 && filter.contains("uav");
+            if request.filter.as_ref().is_some_and(is_uav_filter) && listed.objects.len() < MAX_LISTS {
                 listed.objects.push((list, exchange.record.location));
             }
         } else if exchange.response("UAV-LIST").is_some() {
@@ -102,10 +114,10 @@ fn compare(
     context.covered();
     if let Some(id) = uavs.symmetric_difference(objects).next() {
         context.violation("UAV-LIST", location, || {
-            let (has, lacks) =
+            let (complete, incomplete) =
                 if objects.contains(id) { ("OBJ-LIST", "UAV-LIST") } else { ("UAV-LIST", "OBJ-LIST") };
             let id = body::quoted(id);
-            Detail::new(format!("{has} has {id}, and {lacks} hasn't, before and after"))
+            Detail::new(format!("{complete} contains {id}, but {incomplete} does not"))
         });
     }
 }

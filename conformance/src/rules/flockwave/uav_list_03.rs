@@ -12,13 +12,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "UAV-INF knows each UAV that UAV-LIST lists.",
         source: source::DERIVED,
         applies_to: "UAV-LIST and UAV-INF over time",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients list the UAVs and then query their states. A UAV that UAV-INF does not know stays on the \
+              display without a position.",
+        example: r#"→ {"type":"UAV-LIST"}
+← {"type":"UAV-LIST","ids":["uav-1"]}
+→ {"type":"UAV-INF","ids":["uav-1"]}
+← {"type":"UAV-INF","error":{"uav-1":"Unknown UAV"}}
+→ {"type":"UAV-LIST"}
+← {"type":"UAV-LIST","ids":["uav-1"]}"#,
+        fix: "Use the same registry for UAV-LIST and UAV-INF. Return the last known state of a UAV, even if it is \
+              old.",
     },
     checks: &[Check::Session(|| Box::new(listed_uavs::Unknown::default()))],
     covers: &[],
-    bug: Bug::message("Lists have a UAV that UAV-INF doesn't know.", |out| {
+    bug: Bug::message("UAV-LIST and OBJ-LIST contain a UAV that UAV-INF does not know.", |out| {
         let has_uavs = match out.kind() {
             "UAV-LIST" => true,
             "OBJ-LIST" => {
@@ -33,7 +40,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "one that it doesn't know",
+        name: "an unknown UAV in the list",
         make: || {
             mutant::over("tcp#9", |session| {
                 listed_uavs::listed_twice(session, |session| {

@@ -1,9 +1,10 @@
-//! The check of requests over UDP that have to be served.
+//! The check of requests over UDP that must be served.
 //!
-//! Datagrams get lost. So a trial has failed where none of its requests got an answer until the connection ended. Who
-//! tries them asks more than once.
+//! Datagrams may be lost. A probe therefore sends several requests for each trial, and the trial fails only if all of
+//! them are unanswered when the connection closes.
 //!
-//! Where nothing is ever heard over UDP, answers don't find their way, and nobody can say what ends the service.
+//! If the server never sends anything over UDP, its responses do not arrive at all. A missing response then does not
+//! prove that the service ended.
 
 use std::collections::BTreeMap;
 
@@ -15,37 +16,37 @@ use super::{
 };
 
 /// The records that these rules apply to.
-pub(super) const APPLIES_TO: &str = "requests that try it, over UDP";
+pub(super) const APPLIES_TO: &str = "probe requests over UDP that test this rule";
 
-/// The ids of the requests of a trial. Datagrams get lost: one answer is enough.
+/// The ids of the requests of a trial. Datagrams may be lost: one response is sufficient.
 pub(super) const REQUESTS: [&str; 3] = ["one", "two", "three"];
 
-/// The session with trials of a rule that get no answer.
+/// The conforming session with trials of a rule that get no response.
 pub(super) fn unanswered(rule: &Rule) -> Option<Vec<u8>> {
     mutant::over("udp#9", |session| {
         for _ in 0..3 {
-            session.tries(rule, "without an answer", json!({ "type": "SYS-PING" }));
+            session.tries(rule, "without a response", json!({ "type": "SYS-PING" }));
         }
     })
 }
 
-/// In how many ways a rule is tried on a connection: more are taken for the same.
-const MAX_WAYS: usize = 64;
+/// The maximum number of distinct trials on a connection. Further ones are counted as one.
+const MAX_TRIALS: usize = 64;
 
-/// What came of the trials of a rule, by how it is tried.
+/// The outcomes of the trials of a rule, by connection and description.
 #[derive(Default)]
 pub(super) struct Trials {
     /// True if a violation is reported although the server never sent anything over UDP.
     is_silence_reported: bool,
-    /// Whether something was.
+    /// True if the server sent something over UDP.
     has_received: bool,
     connections: PerConnection<BTreeMap<String, Outcome>>,
 }
 
-/// What came of one.
+/// The outcome of a trial.
 struct Outcome {
     is_answered: bool,
-    /// Where its latest request without an answer stands.
+    /// The location of its first request.
     location: Location,
 }
 
@@ -63,7 +64,8 @@ impl Trials {
 
 impl SessionCheck for Trials {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        self.has_received |= exchange.is_from_server() && lines::is_called(exchange.record.connection, "udp");
+        self.has_received |=
+            exchange.is_from_server() && lines::name_starts_with(exchange.record.connection, "udp");
         if let Some(trials) = self.connections.closed(exchange) {
             for (how, outcome) in trials {
                 context.covered();
@@ -78,20 +80,20 @@ impl SessionCheck for Trials {
         }
         served::served(exchange, context);
         let is_answered = exchange.role == Role::Response;
-        // Of a recording that doesn't show how the connection ended, nobody knows what was to come.
+        // If the recording does not show the end of the connection, a response may still have arrived.
         let is_over = exchange.role == Role::Unanswered && exchange.record.note.is_some();
         if let (Some(how), true) = (exchange.tried(context.rule), is_answered || is_over) {
             let location =
                 exchange.request.as_ref().map_or(exchange.record.location, |request| request.location);
             let trials = self.connections.get(exchange);
-            let how = if trials.len() < MAX_WAYS { how } else { "" };
+            let how = if trials.len() < MAX_TRIALS { how } else { "" };
             let outcome = trials.entry(how.to_owned()).or_insert(Outcome { is_answered, location });
             outcome.is_answered |= is_answered;
         }
     }
 
     fn status_report(&mut self, report: &StatusReport<'_>, _: &mut RuleContext<'_>) {
-        self.has_received |= lines::is_called(report.connection(), "udp");
+        self.has_received |= lines::name_starts_with(report.connection(), "udp");
     }
 
     fn corruption(&mut self, _: Location) {

@@ -10,16 +10,18 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UDP-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Over UDP each datagram holds one message.",
+        statement: "Over UDP, each datagram contains one message.",
         source: source::TRANSPORT,
         applies_to: "messages of the server on connections whose name begins with `udp`",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients parse each datagram as one JSON value. With two messages in it, both are lost.",
+        example: r#"(one datagram)
+← {"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}
+  {"$fw.version":"1.0","id":"s2","body":{"type":"OBJ-DEL","ids":["uav-2"]}}"#,
+        fix: "Send each message in its own datagram, and do not buffer datagrams.",
     },
     checks: &[Check::Exchange(check), Check::StatusReport(check_status_report)],
     covers: &[],
-    bug: Bug::behaviour("Over UDP, each notification is twice in its datagram.").needs(Needs::Udp),
+    bug: Bug::behaviour("Over UDP, each datagram contains its notification twice.").needs(Needs::Udp),
     trial: None,
     mutants: &[Mutant {
         name: "two messages in a datagram",
@@ -34,19 +36,19 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if !exchange.is_from_server() || !lines::is_called(exchange.record.connection, "udp") {
+    if !exchange.is_from_server() || !lines::name_starts_with(exchange.record.connection, "udp") {
         return;
     }
     context.covered();
-    if lines::are_several(exchange, "udp") {
+    if lines::has_several_messages(exchange, "udp") {
         exchange.violates(context, || {
-            Detail::new("several messages in a datagram").expected("one").actual("more than one")
+            Detail::new("several messages in one datagram").expected("one").actual("more than one")
         });
     }
 }
 
 fn check_status_report(report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
-    if lines::is_called(report.connection(), "udp") {
+    if lines::name_starts_with(report.connection(), "udp") {
         context.covered();
     }
 }

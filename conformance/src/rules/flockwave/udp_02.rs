@@ -11,20 +11,22 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UDP-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "The answer goes to the address and port that the request came from.",
+        statement: "Over UDP, the response goes to the address and port that the request came from.",
         source: source::DERIVED,
         applies_to: udp::APPLIES_TO,
-        why: "",
-        example: "",
-        fix: "",
+        why: "The client receives responses only on the socket that it sent from, and most firewalls and NATs drop \
+              all other datagrams.",
+        example: r#"→ {"type":"SYS-PING"}
+(the request comes from port 40001, the response goes to port 40002)"#,
+        fix: "Send the response to the source address of the request, as `recvfrom` returns it.",
     },
     checks: &[Check::Session(|| Box::new(udp::Trials::new()))],
     covers: &[],
-    bug: Bug::behaviour("Over UDP, answers go to the port after that of the sender.").needs(Needs::Udp),
+    bug: Bug::behaviour("Over UDP, responses go to the port after the client's port.").needs(Needs::Udp),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[
-        Mutant { name: "trials without an answer", make: || udp::unanswered(&RULE.rule), also: &[] },
-        Mutant { name: "a trial that is refused", make: || mutant::refused("udp#9", &RULE.rule), also: &[] },
+        Mutant { name: "requests without a response", make: || udp::unanswered(&RULE.rule), also: &[] },
+        Mutant { name: "a refused request", make: || mutant::refused("udp#9", &RULE.rule), also: &[] },
     ],
 };
 

@@ -11,26 +11,30 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UDP-03",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A datagram that is no message doesn't end the service.",
+        statement: "Over UDP, the server keeps serving after a datagram that is not a message.",
         source: source::DERIVED,
         applies_to: udp::APPLIES_TO,
-        why: "",
-        example: "",
-        fix: "",
+        why: "Anyone can send a datagram to a UDP port. One port scan then ends the service for all clients.",
+        example: r#"→ {"type":"SYS-PING"}
+← {"type":"ACK-ACK"}
+→ this is not JSON
+→ {"type":"SYS-PING"}
+(no response)"#,
+        fix: "Catch the parser error, drop the datagram, and continue to receive.",
     },
     checks: &[Check::Session(|| Box::new(udp::Trials::if_server_sends()))],
     covers: &[],
-    bug: Bug::behaviour("Over UDP, a datagram that is no JSON ends the service.").needs(Needs::Udp),
+    bug: Bug::behaviour("Over UDP, a datagram that is not JSON ends the service.").needs(Needs::Udp),
     trial: Some(Trial::Attempts(Strain::Noise, attempts)),
     mutants: &[
-        Mutant { name: "trials without an answer", make: || udp::unanswered(&RULE.rule), also: &[] },
-        Mutant { name: "a trial that is refused", make: || mutant::refused("udp#9", &RULE.rule), also: &[] },
+        Mutant { name: "requests without a response", make: || udp::unanswered(&RULE.rule), also: &[] },
+        Mutant { name: "a refused request", make: || mutant::refused("udp#9", &RULE.rule), also: &[] },
     ],
 };
 
 fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
     match endpoint {
-        Endpoint::Udp(_) => trial::after_noise("after a datagram that is no JSON", &udp::REQUESTS),
+        Endpoint::Udp(_) => trial::after_noise("after a datagram that is not JSON", &udp::REQUESTS),
         _ => Vec::new(),
     }
 }

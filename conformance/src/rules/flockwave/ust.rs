@@ -1,16 +1,16 @@
-//! The parts that the rules on the state of a UAV share (`FW-UST-…`): each field has the shape that the definitions give it.
+//! Parts shared by the `FW-UST-…` rules. Each of them checks that one field of a UAV state matches its definition.
 
 use serde_json::Value;
 
 use super::{FlockwaveRule, Level, Message, Rule, RuleContext, Status, body, mutant, source};
 
-/// What the specification says of null.
+/// The dispute about null in optional fields.
 pub(super) const NULL: Status = Status::Disputed(
-    "The published schemas don't let a field be null that isn't required; the advice to the authors of the specification \
-     does. Here null is a deviation.",
+    "For optional fields, the published JSON Schemas do not allow null, but the guidelines for authors of the \
+     specification do. This rule reports null.",
 );
 
-/// The statement that these rules have in common.
+/// The common fields of the `FW-UST-…` rules.
 pub(super) const RULE: Rule = Rule {
     id: "",
     level: Level::Must,
@@ -23,20 +23,20 @@ pub(super) const RULE: Rule = Rule {
     fix: "",
 };
 
-/// The session in which a field of a state has another value.
+/// The conforming session with another value in a field of a UAV state.
 pub(super) fn with(field: &str, value: Value) -> Option<Vec<u8>> {
     mutant::state(|kite| kite[field] = value)
 }
 
-/// Counts the states that have a field, and reports the violations of its body schema that the rule covers.
-pub(super) fn check(message: &Message<'_>, context: &mut RuleContext<'_>, of: &FlockwaveRule, field: &str) {
+/// Counts the states with a field, and reports the violations of its body schema that the rule covers.
+pub(super) fn check(message: &Message<'_>, context: &mut RuleContext<'_>, rule: &FlockwaveRule, field: &str) {
     for (_, state) in body::states(message, "UAV-INF") {
         if state.get(field).is_some() {
             context.covered();
         }
     }
     let Some(type_name) = message.type_name else { return };
-    for deviation in message.deviations.into_iter().flatten().filter(|found| of.covers(type_name, found)) {
+    for deviation in message.deviations.into_iter().flatten().filter(|found| rule.covers(type_name, found)) {
         message.deviates(context, "", deviation);
     }
 }

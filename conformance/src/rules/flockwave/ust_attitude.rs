@@ -8,18 +8,24 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-ATTITUDE",
         status: ust::NULL,
-        statement: "`attitude` is roll and pitch, integers from -1800 to 1799, and yaw, 0 to 3599, in tenths of a degree.",
+        statement: "`attitude` is roll and pitch, integers from -1800 to 1799, and yaw from 0 to 3599, in tenths of \
+                    a degree.",
+        why: "Clients draw the attitude from these values. With radians or whole degrees, a strongly \
+              tilted UAV seems to be level.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
+  "attitude":[0,0,3600]}}}"#,
+        fix: "Send three integers in tenths of a degree. Wrap yaw to 0–3599, and roll and pitch to -1800–1799.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "attitude"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.attitude.**", attribution::ALL)],
-    bug: Bug::message("A roll is half a turn to the right.", |out| {
+    bug: Bug::message("The roll of a UAV is 1800.", |out| {
         out.set_in_state("attitude", json!([1800, 0, 0]));
     }),
     trial: None,
     mutants: &[
         Mutant { name: "null", make: || ust::with("attitude", json!(null)), also: &[] },
         Mutant { name: "a yaw of 3600", make: || ust::with("attitude", json!([0, 0, 3600])), also: &[] },
-        Mutant { name: "no yaw", make: || ust::with("attitude", json!([0, 0])), also: &[] },
+        Mutant { name: "a missing yaw", make: || ust::with("attitude", json!([0, 0])), also: &[] },
     ],
 };

@@ -4,31 +4,38 @@ use serde_json::json;
 
 use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, Status, attribution, ust};
 
-/// What the specification says of null, and of negative percentages.
+/// The dispute about null and about negative percentages.
 const NULL_AND_NEGATIVE: Status = Status::Disputed(
-    "The published schemas don't let a field be null that isn't required; the advice to the authors of the specification \
-     does. Here null is a deviation. Any negative percentage says that it is unknown by the text, -1 alone by the \
-     schema; here any does.",
+    "For optional fields, the published JSON Schemas do not allow null, but the guidelines for authors of the \
+     specification do. This rule reports null. In the specification text, any negative percentage means unknown; the \
+     JSON Schema allows only -1. This rule allows any negative percentage.",
 );
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-BATTERY",
         status: NULL_AND_NEGATIVE,
-        statement: "`battery` is the voltage, an integer in tenths of a volt from 0 on; the percentage, 100 at most; and whether it is charged.",
+        statement: "`battery` is the voltage in tenths of a volt (integer, 0 or more), the percentage (integer, at \
+                    most 100), and a boolean for charging.",
+        why: "Operators decide by the battery when a UAV has to land. A wrong unit or value shows a nearly empty \
+              battery as full.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
+  "battery":[11.8,84]}}}"#,
+        fix: "Send the voltage as an integer in tenths of a volt (11.8 V is 118). Send at most 100 for the \
+              percentage, and -1 if it is unknown.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "battery"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.battery.**", attribution::ALL)],
-    bug: Bug::message("A battery is charged to more than all.", |out| {
+    bug: Bug::message("The battery percentage is 101.", |out| {
         out.set_in_state("battery", json!([126, 101]));
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "a fraction of a volt", make: || ust::with("battery", json!([11.8, 84])), also: &[] },
+        Mutant { name: "a fractional voltage", make: || ust::with("battery", json!([11.8, 84])), also: &[] },
         Mutant { name: "101 percent", make: || ust::with("battery", json!([118, 101])), also: &[] },
         Mutant {
-            name: "a number where true or false should be",
+            name: "a number in place of a boolean",
             make: || ust::with("battery", json!([118, 84, 1])),
             also: &[],
         },

@@ -5,15 +5,29 @@ use serde_json::json;
 use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, ust};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule { id: "FW-UST-DEBUG", status: ust::NULL, statement: "`debug` is Base64.", ..ust::RULE },
+    rule: Rule {
+        id: "FW-UST-DEBUG",
+        status: ust::NULL,
+        statement: "`debug` is a Base64 string.",
+        why: "Clients decode the field before they pass it on to debugging tools. An invalid string may make the \
+              whole status report fail.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
+  "debug":"all is well!"}}}"#,
+        fix: "Encode the data with standard Base64 (RFC 4648), including the padding.",
+        ..ust::RULE
+    },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "debug"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.debug.**", attribution::ALL)],
-    bug: Bug::message("What is for debugging isn't in Base64.", |out| {
+    bug: Bug::message("The `debug` field is not Base64.", |out| {
         out.set_in_state("debug", json!("all is well!"));
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "no Base64", make: || ust::with("debug", json!("glide!")), also: &[] },
+        Mutant {
+            name: "a string that is not Base64",
+            make: || ust::with("debug", json!("glide!")),
+            also: &[],
+        },
         Mutant { name: "a number", make: || ust::with("debug", json!(7)), also: &[] },
     ],
 };

@@ -8,18 +8,25 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-GPS",
         status: ust::NULL,
-        statement: "`gps` is the type of the fix, 0 to 7; then the number of satellites, and the horizontal and the vertical accuracy in mm, integers or null.",
+        statement: "`gps` is the fix type (0 to 7), and optionally the number of satellites and the horizontal and \
+                    vertical accuracy in mm, each an integer or null.",
+        why: "Operators decide by the GPS fix whether a UAV is ready for takeoff. A wrong fix type shows an unsafe \
+              UAV as ready.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
+  "gps":[8,12]}}}"#,
+        fix: "Map the fix type of the receiver to 0–7. Send integers, with null for unknown values, and always as a \
+              list.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "gps"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.gps.**", attribution::ALL)],
-    bug: Bug::message("A GPS fix is of a kind that there isn't.", |out| {
+    bug: Bug::message("The GPS fix type is 8.", |out| {
         out.set_in_state("gps", json!([8, 12]));
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "a fix of 8", make: || ust::with("gps", json!([8])), also: &[] },
-        Mutant { name: "nothing", make: || ust::with("gps", json!([])), also: &[] },
-        Mutant { name: "the fix alone, without a list", make: || ust::with("gps", json!(3)), also: &[] },
+        Mutant { name: "a fix type of 8", make: || ust::with("gps", json!([8])), also: &[] },
+        Mutant { name: "an empty list", make: || ust::with("gps", json!([])), also: &[] },
+        Mutant { name: "a fix type without a list", make: || ust::with("gps", json!(3)), also: &[] },
     ],
 };

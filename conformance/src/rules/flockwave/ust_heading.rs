@@ -9,15 +9,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-HEADING",
         status: ust::NULL,
         statement: "`heading` is an integer from 0 to 3599, in tenths of a degree.",
+        why: "Clients rotate the symbol of the UAV by this value. Degrees or radians point it in a wrong direction.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
+  "heading":3600}}}"#,
+        fix: "Multiply degrees by 10, round to an integer, and take the result modulo 3600.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "heading"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.heading.**", attribution::ALL)],
-    bug: Bug::message("A heading is a full turn.", |out| out.set_in_state("heading", json!(3600))),
+    bug: Bug::message("The heading of a UAV is 3600.", |out| out.set_in_state("heading", json!(3600))),
     trial: None,
     mutants: &[
-        Mutant { name: "3600", make: || ust::with("heading", json!(3600)), also: &[] },
-        Mutant { name: "-1", make: || ust::with("heading", json!(-1)), also: &[] },
-        Mutant { name: "a fraction", make: || ust::with("heading", json!(271.5)), also: &[] },
+        Mutant { name: "a heading of 3600", make: || ust::with("heading", json!(3600)), also: &[] },
+        Mutant { name: "a heading of -1", make: || ust::with("heading", json!(-1)), also: &[] },
+        Mutant { name: "a fractional heading", make: || ust::with("heading", json!(271.5)), also: &[] },
     ],
 };

@@ -9,6 +9,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-ID",
         status: Status::Normative,
         statement: "`id` is a string of 1 to 64 characters without `/`.",
+        why: "Clients use the id to assign the state to a UAV and to send commands to it. A state without a valid \
+              id is lost.",
+        example: r#"{"type":"UAV-INF","status":{"7":{"id":7,"timestamp":1790000000000}}}"#,
+        fix: "Convert the id to a string. Replace slashes, which are separators in device paths.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "id"))],
@@ -16,11 +20,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["UAV-INF"], "status.*.id.**", attribution::ALL),
         Attribution::new(&["UAV-INF"], "status.*", attribution::MISSING),
     ],
-    bug: Bug::message("The id of a UAV is a number.", |out| out.set_in_state("id", json!(7))),
+    bug: Bug::message("The `id` of a UAV is a number.", |out| out.set_in_state("id", json!(7))),
     trial: None,
     mutants: &[
-        Mutant { name: "no `id`", make: || mutant::state(|kite| mutant::remove(kite, "id")), also: &[] },
-        Mutant { name: "a number", make: || ust::with("id", json!(7)), also: &[] },
-        Mutant { name: "null", make: || ust::with("id", json!(null)), also: &[] },
+        Mutant { name: "missing `id`", make: || mutant::state(|kite| mutant::remove(kite, "id")), also: &[] },
+        Mutant { name: "an id that is a number", make: || ust::with("id", json!(7)), also: &[] },
+        Mutant { name: "an id that is null", make: || ust::with("id", json!(null)), also: &[] },
     ],
 };

@@ -8,17 +8,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-LIGHT",
         status: ust::NULL,
-        statement: "`light` is a colour in 16 bits, an integer from 0 to 65535.",
+        statement: "`light` is a 16-bit colour, an integer from 0 to 65535.",
+        why: "Clients show the light of each UAV, for example in a drone show. A colour in another format shows as \
+              a wrong one.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
+  "light":16746496}}}"#,
+        fix: "Convert to RGB565: 5 bits red, 6 bits green, 5 bits blue.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "light"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.light.**", attribution::ALL)],
-    bug: Bug::message("A light has a colour of 24 bits.", |out| {
+    bug: Bug::message("The `light` of a UAV is a 24-bit colour.", |out| {
         out.set_in_state("light", json!(0x00FF_8800));
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "65536", make: || ust::with("light", json!(65536)), also: &[] },
-        Mutant { name: "a name", make: || ust::with("light", json!("green")), also: &[] },
+        Mutant { name: "a colour of 65536", make: || ust::with("light", json!(65536)), also: &[] },
+        Mutant { name: "a colour name", make: || ust::with("light", json!("green")), also: &[] },
     ],
 };

@@ -5,13 +5,23 @@ use serde_json::json;
 use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, ust};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule { id: "FW-UST-MODE", status: ust::NULL, statement: "`mode` is a string.", ..ust::RULE },
+    rule: Rule {
+        id: "FW-UST-MODE",
+        status: ust::NULL,
+        statement: "`mode` is a string.",
+        why: "Clients show the flight mode, for example whether the UAV returns to home. Numbers of one autopilot \
+              mean nothing to them.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
+  "mode":4}}}"#,
+        fix: "Map the mode of the autopilot to a name in the specification, or send another string such as `other`.",
+        ..ust::RULE
+    },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "mode"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.mode.**", attribution::ALL)],
-    bug: Bug::message("A mode is a number.", |out| out.set_in_state("mode", json!(4))),
+    bug: Bug::message("The `mode` of a UAV is a number.", |out| out.set_in_state("mode", json!(4))),
     trial: None,
     mutants: &[
-        Mutant { name: "a number", make: || ust::with("mode", json!(4)), also: &[] },
+        Mutant { name: "a mode that is a number", make: || ust::with("mode", json!(4)), also: &[] },
         Mutant { name: "null", make: || ust::with("mode", json!(null)), also: &[] },
     ],
 };

@@ -8,24 +8,39 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-POSITION",
         status: ust::NULL,
-        statement: "`position` is latitude and longitude, integers in units of 1e-7 degrees, and up to three altitudes in mm, integers or null.",
+        statement: "`position` is latitude and longitude, integers in 1e-7 degrees, and up to three altitudes in \
+                    mm, each an integer or null.",
+        why: "Clients place the UAV on the map by these values. Degrees in place of 1e-7 degrees put it near \
+              latitude and longitude 0.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
+  "position":[46.541,11.552]}}}"#,
+        fix: "Multiply degrees by 10,000,000 and metres by 1,000, and round to integers. If there is no position, \
+              omit the field.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "position"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.position.**", attribution::ALL)],
-    bug: Bug::message("A latitude lies beyond the pole.", |out| {
+    bug: Bug::message("The latitude of a UAV is beyond the pole.", |out| {
         out.set_in_state("position", json!([900_000_001, 0]));
     }),
     trial: None,
     mutants: &[
         Mutant { name: "null", make: || ust::with("position", json!(null)), also: &[] },
-        Mutant { name: "degrees", make: || ust::with("position", json!([46.541, 11.552])), also: &[] },
+        Mutant {
+            name: "a position in degrees",
+            make: || ust::with("position", json!([46.541, 11.552])),
+            also: &[],
+        },
         Mutant {
             name: "a longitude of 180°",
             make: || ust::with("position", json!([0, 1_800_000_000])),
             also: &[],
         },
-        Mutant { name: "no longitude", make: || ust::with("position", json!([465_410_000])), also: &[] },
+        Mutant {
+            name: "a missing longitude",
+            make: || ust::with("position", json!([465_410_000])),
+            also: &[],
+        },
         Mutant {
             name: "six elements",
             make: || ust::with("position", json!([465_410_000, 115_520_000, 1, 2, 3, 4])),

@@ -9,17 +9,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-POSITIONXYZ",
         status: ust::NULL,
         statement: "`positionXYZ` is three integers, in mm.",
+        why: "Clients place indoor UAVs by these coordinates. Metres in place of millimetres put all UAVs at the \
+              origin.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
+  "positionXYZ":[1.5,0,0]}}}"#,
+        fix: "Send X, Y and Z in millimetres as integers. If there is no position, omit the field.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "positionXYZ"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.positionXYZ.**", attribution::ALL)],
-    bug: Bug::message("A position in the flat frame has two coordinates.", |out| {
+    bug: Bug::message("The `positionXYZ` of a UAV has two coordinates.", |out| {
         out.set_in_state("positionXYZ", json!([1, 2]));
     }),
     trial: None,
     mutants: &[
         Mutant { name: "null", make: || ust::with("positionXYZ", json!(null)), also: &[] },
-        Mutant { name: "two", make: || ust::with("positionXYZ", json!([1, 2])), also: &[] },
+        Mutant { name: "two coordinates", make: || ust::with("positionXYZ", json!([1, 2])), also: &[] },
         Mutant { name: "a fraction", make: || ust::with("positionXYZ", json!([1.5, 0, 0])), also: &[] },
     ],
 };

@@ -9,14 +9,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-RSSI",
         status: ust::NULL,
         statement: "`rssi` is a list of integers from -1 to 100.",
+        why: "Clients show the signal strength as a percentage. Values in dBm, such as -80, show no signal or an \
+              invalid bar.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
+  "rssi":[-80]}}}"#,
+        fix: "Scale the signal strength to 0–100 for each channel, and send -1 for a channel without a reading.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "rssi"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.rssi.**", attribution::ALL)],
-    bug: Bug::message("A signal is weaker than none.", |out| out.set_in_state("rssi", json!([-60]))),
+    bug: Bug::message("The `rssi` of a UAV is -60.", |out| out.set_in_state("rssi", json!([-60]))),
     trial: None,
     mutants: &[
-        Mutant { name: "-80", make: || ust::with("rssi", json!([-80])), also: &[] },
-        Mutant { name: "one number without a list", make: || ust::with("rssi", json!(71)), also: &[] },
+        Mutant { name: "a value of -80", make: || ust::with("rssi", json!([-80])), also: &[] },
+        Mutant { name: "a number without a list", make: || ust::with("rssi", json!(71)), also: &[] },
     ],
 };

@@ -8,22 +8,30 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-TIMESTAMP",
         status: Status::Normative,
-        statement: "`timestamp` is an integer, in milliseconds.",
+        statement: "`timestamp` is an integer number of milliseconds.",
+        why: "Clients compute the age of the state from it, and warn if it is too old. Without it, a lost UAV seems \
+              to be live.",
+        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":"12:30:00"}}}"#,
+        fix: "Send the Unix time in milliseconds at which the server received the state.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "timestamp"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.timestamp.**", attribution::ALL)],
-    bug: Bug::message("A time stamp is a text.", |out| {
+    bug: Bug::message("The `timestamp` of a UAV is a string.", |out| {
         out.set_in_state("timestamp", json!("noon"));
     }),
     trial: None,
     mutants: &[
         Mutant {
-            name: "no `timestamp`",
+            name: "missing `timestamp`",
             make: || mutant::state(|kite| mutant::remove(kite, "timestamp")),
             also: &[],
         },
-        Mutant { name: "a word", make: || ust::with("timestamp", json!("noon")), also: &[] },
+        Mutant {
+            name: "a timestamp that is a string",
+            make: || ust::with("timestamp", json!("noon")),
+            also: &[],
+        },
         Mutant { name: "null", make: || ust::with("timestamp", json!(null)), also: &[] },
     ],
 };

@@ -1,7 +1,7 @@
-//! The records of a session as checks see them.
+//! Views of session records for checks.
 //!
-//! A check gets the view that its kind allows ([`Check`](super::Check)), so its type says what its result can depend on.
-//! Checks of messages need not run for a status report that says the same as an earlier one.
+//! Each kind of check ([`Check`](super::Check)) gets a view that limits the inputs of its result. Checks of messages
+//! need not run for a status report with the same content as an earlier one.
 
 use super::{Detail, Exchange, Role, RuleContext, Tree};
 use crate::flockwave::body_schema::{Deviation, Mismatch};
@@ -11,12 +11,12 @@ use crate::flockwave::session::ConnectionId;
 /// The type of status reports.
 const STATUS: &str = "UAV-INF";
 
-/// A message of the server alone: its content, and neither its time, connection and location nor what precedes it.
+/// The content of a server message, without time, connection, location and earlier messages.
 #[derive(Debug)]
 pub(crate) struct Message<'t> {
     /// Its part in an exchange.
     pub role: Role,
-    /// The whole message, an object.
+    /// The message, an object.
     pub value: &'t Tree<'t>,
     /// Its `id`, if that is a string.
     pub id: Option<&'t str>,
@@ -26,12 +26,12 @@ pub(crate) struct Message<'t> {
     pub type_name: Option<&'t str>,
     /// The violations of its body schema; none if there is no such schema.
     pub deviations: Option<&'t [Deviation]>,
-    /// For findings only.
+    /// The exchange, for findings only.
     exchange: &'t Exchange<'t>,
 }
 
 impl<'t> Message<'t> {
-    /// The message of a record, if it is one of the server.
+    /// The message of a record, if the server sent it.
     pub(crate) fn from_exchange(exchange: &'t Exchange<'t>) -> Option<Self> {
         let value = exchange.message()?;
         let Exchange { role, id, body, type_name, ref deviations, .. } = *exchange;
@@ -63,7 +63,7 @@ impl<'t> Message<'t> {
         self.exchange.violates(context, detail);
     }
 
-    /// Reports that it violates the rule since its body violates its schema, in a field or elsewhere.
+    /// Reports a violation of its body schema, in a field or in the whole body.
     pub(super) fn deviates(&self, context: &mut RuleContext<'_>, field: &str, deviation: &Deviation) {
         let name = self.exchange.subject();
         let subject = if field.is_empty() { name } else { format!("{name}.{field}").into() };
@@ -74,7 +74,7 @@ impl<'t> Message<'t> {
     }
 }
 
-/// A status report in its session: a notification about UAVs. Of its states it has the ids and timestamps only.
+/// A status report (UAV-INF notification) in its session. It gives access to the ids and timestamps of the states only.
 #[derive(Debug)]
 pub(crate) struct StatusReport<'t>(&'t Exchange<'t>);
 
@@ -94,7 +94,7 @@ impl<'t> StatusReport<'t> {
         self.0.connection_id()
     }
 
-    /// Its time in seconds, if that can be trusted.
+    /// Its time in seconds, if that is reliable.
     pub(super) fn time(&self) -> Option<f64> {
         self.0.time
     }
@@ -109,12 +109,12 @@ impl<'t> StatusReport<'t> {
         self.0.is_id_in_use
     }
 
-    /// The bounds by which the clock of the server is ahead, in seconds.
+    /// The bounds of the clock offset of the server, in seconds.
     pub(super) fn clock(&self) -> Option<(f64, f64)> {
         self.0.clock
     }
 
-    /// The ids of the UAVs, and their timestamps if they have one.
+    /// The ids of the UAVs and their timestamps.
     pub(super) fn timestamps(&self) -> impl Iterator<Item = (&'t str, Option<&'t Tree<'t>>)> + use<'t> {
         let states = super::body::members(self.0.body, "status");
         states.iter().map(|(uav, state)| (uav.as_ref(), state.get("timestamp")))

@@ -12,14 +12,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-WTH-01",
         level: Level::Must,
         status: Status::Disputed(
-            "The text counts whole milliseconds, as all its examples do; most schemas allow any number.",
+            "The specification text requires whole milliseconds, and all its examples are integers; most JSON \
+             Schemas allow any number. This rule requires an integer.",
         ),
-        statement: "`timestamp` of a weather is an integer, in milliseconds.",
+        statement: "`timestamp` of weather data is an integer number of milliseconds.",
         source: source::TYPES,
         applies_to: "WTH-AT, WTH-INF",
-        why: "",
-        example: "",
-        fix: "",
+        why: "Clients compute the age of the weather data from it. With seconds in place of milliseconds, current \
+              wind data looks decades old.",
+        example: r#"{"type":"WTH-AT","weather":{"position":[475000000,190000000],
+  "timestamp":1790000000.25}}"#,
+        fix: "Send the Unix time in milliseconds as an integer.",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -28,7 +31,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["WTH-INF"], "status.*", attribution::MISSING),
         Attribution::new(&["WTH-INF"], "status.*.timestamp", attribution::MISSING),
     ],
-    bug: Bug::message("The time of the weather is a text.", |out| {
+    bug: Bug::message("The `timestamp` of weather data is a string.", |out| {
         out.each_status("WTH-INF", |status| status["timestamp"] = json!("noon"));
         if let Some(body) = out.body_of("WTH-AT") {
             body["weather"]["timestamp"] = json!("noon");
@@ -37,7 +40,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "seconds with a fraction",
+            name: "WTH-INF in seconds with a fraction",
             make: || {
                 mutant::reply("WTH-INF", |body| {
                     body["status"]["ridge"]["timestamp"] = 1_790_000_000.25.into();
@@ -46,7 +49,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "the same, at a place",
+            name: "WTH-AT in seconds with a fraction",
             make: || mutant::reply("WTH-AT", |body| body["weather"]["timestamp"] = 1_790_000_000.25.into()),
             also: &[],
         },

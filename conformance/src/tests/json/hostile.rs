@@ -14,17 +14,17 @@ fn reports_unreadable_lines_and_continues() {
     let good = typed(&glider(PERIOD));
     let long = format!("{{\"type\":\"{}\"", "x".repeat(20 << 20));
     let cases: [(&[u8], &str); 12] = [
-        (b"{\"type\": tru", "line 2: no JSON: it is cut off"),
-        (b"{\"type\":'x'}", "line 2: no JSON: expected a value at byte 8"),
-        (b"{\"type\":\"\xff\"}", "line 2: no UTF-8 from its byte 9 on"),
-        (b"{} {}", "line 2: no JSON: something follows the value at byte 3"),
-        (b"17", "line 2: it is no object"),
-        (b"[]", "line 2: it is no object"),
-        (b"{\"message\":{}}", "line 2: nothing says what message it is"),
-        (b"{\"op\":\"publish\"}", "line 2: rosbridge's `publish` without"),
-        (b"{\"op\":1}", "line 2: `op` is no string"),
+        (b"{\"type\": tru", "line 2: invalid JSON: unexpected end"),
+        (b"{\"type\":'x'}", "line 2: invalid JSON: expected a value at byte 8"),
+        (b"{\"type\":\"\xff\"}", "line 2: invalid UTF-8 at byte 9"),
+        (b"{} {}", "line 2: invalid JSON: unexpected data after the value at byte 3"),
+        (b"17", "line 2: expected an object"),
+        (b"[]", "line 2: expected an object"),
+        (b"{\"message\":{}}", "line 2: unknown message type"),
+        (b"{\"op\":\"publish\"}", "line 2: rosbridge `publish` without"),
+        (b"{\"op\":1}", "line 2: `op`: expected a string"),
         (b"{\"type\":\"a\",\"type\":\"b\",\"message\":{}}", "line 2: a key that says what message"),
-        (b"\xef\xbb\xbf{}", "line 2: no JSON: expected a value at byte 0"),
+        (b"\xef\xbb\xbf{}", "line 2: invalid JSON: expected a value at byte 0"),
         (long.as_bytes(), "line 2: 20971530 bytes, where at most 16777216 are read"),
     ];
     for (bytes, message) in cases {
@@ -39,7 +39,10 @@ fn reports_unreadable_lines_and_continues() {
         let deep = format!("{good}\n{}\n{good}\n", open.repeat(100_000));
         let result = check_bytes(deep.as_bytes());
         assert_eq!(result.checked, 2);
-        assert!(corruption(&result)[0].starts_with("line 2: no JSON: values nest too deep"), "{result:?}");
+        assert!(
+            corruption(&result)[0].starts_with("line 2: invalid JSON: values nest too deep"),
+            "{result:?}"
+        );
     }
     let result = check_bytes(format!("\u{feff}{good}\n").as_bytes());
     assert_eq!(corruption(&result).len(), 1);
@@ -47,7 +50,7 @@ fn reports_unreadable_lines_and_continues() {
     assert_eq!(result.checked, 1);
     let cut = format!("{good}\n{}", &good[..good.len() / 2]);
     let result = check_bytes(cut.as_bytes());
-    assert!(corruption(&result)[0].starts_with("line 2: the last value is cut off after"), "{result:?}");
+    assert!(corruption(&result)[0].starts_with("line 2: the last value is truncated after"), "{result:?}");
 }
 
 #[test]
@@ -55,10 +58,10 @@ fn reports_malformed_arrays() {
     let one = glider(PERIOD);
     for (text, checked, message) in [
         (format!("[{one},{one}"), 2, vec!["line 1: the array is not closed"]),
-        (format!("[{one}\n{one}]"), 2, vec!["line 2: `{` where a comma should be"]),
-        (format!("[{one},\n]"), 1, vec!["line 2: `]` where a value should be"]),
-        (format!("[{one},,\n{one}]"), 2, vec!["line 1: `,` where a value should be"]),
-        (format!("[{one}]\n}}"), 1, vec!["line 2: `}` where a value should be"]),
+        (format!("[{one}\n{one}]"), 2, vec!["line 2: expected a comma, found `{`"]),
+        (format!("[{one},\n]"), 1, vec!["line 2: expected a value, found `]`"]),
+        (format!("[{one},,\n{one}]"), 2, vec!["line 1: expected a value, found `,`"]),
+        (format!("[{one}]\n}}"), 1, vec!["line 2: expected a value, found `}`"]),
     ] {
         let result = check_bare(&text);
         assert_eq!(
@@ -72,7 +75,10 @@ fn reports_malformed_arrays() {
     assert_eq!(violated(&result).len(), 12, "{result:?}");
     let long = format!("[{one}, \"{}\", {one}]", "x".repeat(20 << 20));
     let result = check_bare(&long);
-    assert_eq!(corruption(&result), ["line 1: 20971522 bytes, where at most 16777216 are read; skipped"]);
+    assert_eq!(
+        corruption(&result),
+        ["line 1: skipped a value of 20971522 bytes: the limit is 16777216 bytes"]
+    );
     assert_eq!(result.checked, 2);
 }
 
@@ -155,7 +161,7 @@ fn a_line_without_an_end_takes_no_room() {
 fn names_are_bounded_and_shown_harmlessly() {
     let named = |ty: &str| format!("{}\n", serde_json::json!({"type": ty, "message": {}}));
     let result = check_bytes(format!("{}{}", named(&"x".repeat(300)), named("x/\u{1b}[31m")).as_bytes());
-    assert_eq!(corruption(&result), ["line 1: a topic or type whose name has more than 256 bytes"]);
+    assert_eq!(corruption(&result), ["line 1: the name of the topic or type is longer than 256 bytes"]);
     assert_eq!(source(&result).undefined.iter().collect::<Vec<_>>(), ["x/\\u{1b}[31m"]);
     let mut message = glider(PERIOD);
     message["\u{1b}[31m"] = 1.into();

@@ -43,24 +43,24 @@ fn a_record_that_is_none_is_passed_over() {
     let before = [start(), declarations(), gliders(1..=2)].concat();
     let huge = |opcode: u8| [&[opcode][..], &(1_u64 << 60).to_le_bytes(), &[7; 30]].concat();
     for (violated, message) in [
-        (vec![0; 50], "a record of the unknown kind 0x00 can't have 0 bytes; 50 bytes passed over"),
-        (huge(5), "a message can't have 1,152,921,504,606,846,976 bytes; 39 bytes passed over"),
-        (huge(3), "a schema can't have 1,152,921,504,606,846,976 bytes; 39 bytes passed over"),
-        (huge(6), "a chunk whose parts don't agree with its length; 39 bytes passed over"),
-        (huge(9), "an attachment whose parts don't agree with its length; 39 bytes passed over"),
+        (vec![0; 50], "a record of unknown kind 0x00 can't have 0 bytes; skipped 50 bytes"),
+        (huge(5), "a message can't have 1,152,921,504,606,846,976 bytes; skipped 39 bytes"),
+        (huge(3), "a schema can't have 1,152,921,504,606,846,976 bytes; skipped 39 bytes"),
+        (huge(6), "a chunk has parts that don't match its length; skipped 39 bytes"),
+        (huge(9), "an attachment has parts that don't match its length; skipped 39 bytes"),
         (
             huge(0x99),
-            "a record of the unknown kind 0x99 can't have 1,152,921,504,606,846,976 bytes; 39 bytes passed over",
+            "a record of unknown kind 0x99 can't have 1,152,921,504,606,846,976 bytes; skipped 39 bytes",
         ),
-        (record(2, &[&[0; 20]]), "a footer whose parts don't agree with its length; 29 bytes passed over"),
-        (record(4, &[&[9; 40]]), "a channel whose parts don't agree with its length; 49 bytes passed over"),
+        (record(2, &[&[0; 20]]), "a footer has parts that don't match its length; skipped 29 bytes"),
+        (record(4, &[&[9; 40]]), "a channel has parts that don't match its length; skipped 49 bytes"),
         (
             [&[5][..], &5_000_u64.to_le_bytes(), &[3, 0, 1, 1]].concat(),
-            "a message of 5,000 bytes, more than are left; 13 bytes passed over",
+            "a message of 5,000 bytes is longer than the rest of the file; skipped 13 bytes",
         ),
         (
             [&[5][..], &100_u64.to_le_bytes(), &[3, 0, 1, 1]].concat(),
-            "a message that no record follows where its length ends; 13 bytes passed over",
+            "a message isn't followed by a valid record; skipped 13 bytes",
         ),
     ] {
         assert_corruption(&[before.clone(), violated, rest.clone()], &[(1, message)], 4);
@@ -91,43 +91,39 @@ fn skips_corrupt_chunks() {
     let spoiled = [&inner[..], &[5, 255, 255, 255, 255, 255, 255, 255, 127, 1, 2]].concat();
     let whole = (packed.len() as u64, &packed[..]);
     let (short, long) = (length - 9, length + 9);
-    let bytes_left = format!("a chunk with {length} bytes, where its header says {long}");
+    let bytes_left = format!("a chunk has {length} bytes, but its header says {long}");
     let wrong = format!(
-        "a chunk with the checksum {checksum:08x}, where its header says 00000007: what it holds was changed"
+        "a chunk has the checksum {checksum:08x}, but its header says 00000007: its content was changed"
     );
     for (violated, message, count) in [
         (
             raw_chunk("brotli", length, checksum, whole.0, whole.1),
-            "a chunk packed with `brotli`, where zstd, lz4 or nothing are known",
+            "a chunk has the unknown compression `brotli`: expected zstd, lz4 or none",
             3,
         ),
         (raw_chunk("zstd", length, 7, whole.0, whole.1), &wrong, 6),
         (raw_chunk("", length, 7, length, &inner), &wrong, 6),
         (raw_chunk("zstd", long, checksum, whole.0, whole.1), &bytes_left, 6),
-        (
-            raw_chunk("zstd", short, 0, whole.0, whole.1),
-            "a chunk in which no record begins after 214 bytes",
-            5,
-        ),
+        (raw_chunk("zstd", short, 0, whole.0, whole.1), "a chunk has no valid record after 214 bytes", 5),
         (
             raw_chunk("zstd", length, checksum, cut.len() as u64, cut),
-            "a chunk that can't be unpacked after ",
+            "a chunk can't be decompressed after ",
             3,
         ),
         (
             raw_chunk("lz4", length, checksum, whole.0, whole.1),
-            "a chunk that can't be unpacked after 0 bytes: ",
+            "a chunk can't be decompressed after 0 bytes: ",
             3,
         ),
-        (chunk(Form::Lz4, &spoiled), "a chunk in which no record begins after 321 bytes", 6),
+        (chunk(Form::Lz4, &spoiled), "a chunk has no valid record after 321 bytes", 6),
         (
             raw_chunk("zstd", length, checksum, whole.0 + 5, whole.1),
-            "a chunk whose parts don't agree with its length; ",
+            "a chunk has parts that don't match its length; ",
             3,
         ),
         (
             raw_chunk("", length + 1, checksum, length, &inner),
-            "a chunk whose parts don't agree with its length; ",
+            "a chunk has parts that don't match its length; ",
             6,
         ),
     ] {
@@ -150,7 +146,7 @@ fn a_chunk_without_end_is_read_as_far_as_it_goes() {
     let result = checked(&[start(), declarations(), endless].concat());
     let found = corrupt_count(&result);
     assert_eq!(found.len(), 1, "{found:?}");
-    assert!(found[0].contains("the file ends within a record"), "{found:?} {missing}");
+    assert!(found[0].contains("the file is truncated within a record"), "{found:?} {missing}");
     assert_eq!(result.checked, 5);
 }
 
@@ -181,20 +177,19 @@ fn reports_contradicting_declarations() {
         glider(1),
         end(),
     ];
-    let unreadable =
-        "a channel that can't be read: a text in it is no UTF-8, or a key is there twice (2 times)";
+    let unreadable = "a channel is unreadable: it has invalid UTF-8 or a duplicate key (2 times)";
     let expected = [
-        (2, "channel 3 is another than before; the first one is used"),
-        (3, "schema 1 is another than before; the first one is used"),
-        (4, "a schema of the id 0, which stands for none"),
-        (5, "a message of channel 4, which isn't declared before it"),
-        (6, "channel 8 is of schema 77, which isn't declared before it"),
+        (2, "channel 3 is declared again with other content; the first one is used"),
+        (3, "schema 1 is declared again with other content; the first one is used"),
+        (4, "a schema has the reserved id 0"),
+        (5, "a message refers to channel 4, which isn't declared before it"),
+        (6, "channel 8 refers to schema 77, which isn't declared before it"),
         (
             7,
-            "schema 9 has 1048577 bytes; those of more than 1048576, or of more than 8388608 together, aren't \
-             compared",
+            "schema 9 is too long to be compared: it has 1048577 bytes, but the limit is 1048576 bytes, and \
+             8388608 for all schemas",
         ),
-        (8, "channel 10 has a topic or an encoding of more than 256 bytes"),
+        (8, "channel 10: the topic or the encoding is longer than 256 bytes"),
         (9, unreadable),
     ];
     assert_corruption(&parts, &expected, 1);
@@ -203,11 +198,11 @@ fn reports_contradicting_declarations() {
 #[test]
 fn where_a_file_begins_and_ends_is_looked_at() {
     let body = [declarations(), glider(1)].concat();
-    let ends_early = "the file ends without a footer: it was cut off, or what wrote it didn't finish";
+    let ends_early = "the file ends without a footer: it is truncated, or its writer didn't finish";
     assert_corruption(&[start(), body.clone()], &[(2, ends_early)], 1);
     assert_corruption(
         &[MAGIC.to_vec(), body.clone(), end()],
-        &[(1, "the file has no header at its start")],
+        &[(1, "the file doesn't start with a header record")],
         1,
     );
     let mut no_magic = end();
@@ -229,7 +224,7 @@ fn where_a_file_begins_and_ends_is_looked_at() {
         |stated: u32| [record(15, &[&stated.to_le_bytes()]), record(2, &[&[0; 20]]), MAGIC.to_vec()].concat();
     assert_corruption(&[start(), body.clone(), closed(checksum)], &[], 1);
     let message = format!(
-        "data with the checksum {checksum:08x}, where the file says {:08x}: something before was changed",
+        "the data has the checksum {checksum:08x}, but the file says {:08x}: its content was changed",
         checksum ^ 1
     );
     assert_corruption(&[start(), body, closed(checksum ^ 1)], &[(2, &message)], 1);

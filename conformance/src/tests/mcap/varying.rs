@@ -81,7 +81,7 @@ fn each_mutant_breaks_its_rule() {
         payload
     };
     for (id, payload, message) in [
-        ("PX-BOOL-01", with(knots + 1, 9), "rope.knots: knots[1]: 9 where a bool is 0 or 1"),
+        ("PX-BOOL-01", with(knots + 1, 9), "rope.knots: knots[1]: expected 0 or 1, found 9"),
         ("PX-CDR-02", with(name + 4, b'x'), "rope: name at byte "),
         ("PX-CDR-02", with(name, 0xff), "rope: name at byte "),
         ("PX-CDR-02", with(knots - 4, 200), "rope: knots at byte "),

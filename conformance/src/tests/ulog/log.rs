@@ -30,12 +30,12 @@ fn reports_data_without_a_type() {
         &[
             (early, "data of id 2, which isn't subscribed"),
             (again, "data of id 2, which isn't subscribed"),
-            (late, &format!("2 messages of id 2 came before its subscription, from {early} on")),
+            (late, &format!("2 messages of id 2 precede its subscription, the first one at byte {early}")),
             (missing, "data of id 3, whose topic has no format"),
             (gone, "data of id 1, which was unsubscribed"),
             (twice, "id 1 is unsubscribed, but wasn't subscribed"),
             (same, "id 1 is subscribed again"),
-            (other, "id 1 was `wind` 0 and is `wind` 1 from here on"),
+            (other, "id 1 changes from `wind` 0 to `wind` 1"),
             (short, &size(11)),
             (between, &size(14)),
             (longer, &size(17)),
@@ -69,15 +69,15 @@ fn reports_unusable_and_late_formats() {
     check(
         &log.bytes,
         &[
-            (changed, "format `good` came before with other fields; the first one is used"),
+            (changed, "format `good` is repeated with other fields; the first one is used"),
             (own, "format `self` holds itself"),
             (waits, "format `waits` has a field `a` of type `later`, which has no format"),
-            (recursive, "data of id 1, whose format can't be used"),
-            (waiting, "data of id 2, whose format can't be used"),
-            (later, "format `later` comes after the definitions"),
-            (more, "format `more` comes after the definitions"),
-            (recursive_still, "data of id 1, whose format can't be used"),
-            (unused, "format `unused` comes after the definitions"),
+            (recursive, "data of id 1, whose format is invalid"),
+            (waiting, "data of id 2, whose format is invalid"),
+            (later, "format `later` appears after the definitions section"),
+            (more, "format `more` appears after the definitions section"),
+            (recursive_still, "data of id 1, whose format is invalid"),
+            (unused, "format `unused` appears after the definitions section"),
             (unused, "format `unused` has `what is it` where a type and a name are expected"),
         ],
     );
@@ -91,7 +91,7 @@ fn stores_a_bounded_number_of_formats() {
         log.format(&format!("f{index}:uint8_t a;"));
     }
     let more = log.format("more:uint8_t a;");
-    check(&log.bytes, &[(more, "there are more than 8192 formats; the others aren't used")]);
+    check(&log.bytes, &[(more, "there are more than 8192 formats; the others are ignored")]);
 
     let mut log = Writer::with_flags();
     let text = "x".repeat(60_000);
@@ -100,7 +100,7 @@ fn stores_a_bounded_number_of_formats() {
     }
     let more = log.format(&format!("more:uint8_t {text}"));
     let topic = log.subscribe(1, 0, &text);
-    let problem = "formats and topics take more than 1048576 bytes; this one isn't used";
+    let problem = "formats and topics take more than 1048576 bytes; this one is ignored";
     check(&log.bytes, &[(more, problem), (topic, problem)]);
 
     let mut log = Writer::with_flags();
@@ -113,7 +113,7 @@ fn stores_a_bounded_number_of_formats() {
         log.data(id, &[0]);
     }
     let found = problems(&log.bytes).0;
-    let problem = "formats come late too often; those from here on aren't used";
+    let problem = "too many formats appear after the definitions section; later ones are ignored";
     assert_eq!(found.iter().filter(|found| found.ends_with(problem)).count(), 1, "{found:?}");
-    assert!(found.last().is_some_and(|last| last.ends_with("data of id 29, whose format can't be used")));
+    assert!(found.last().is_some_and(|last| last.ends_with("data of id 29, whose format is invalid")));
 }

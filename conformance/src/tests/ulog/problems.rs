@@ -69,7 +69,10 @@ fn a_log_with_all_kinds_of_messages_is_in_order() {
 fn headers_that_are_none_end_the_log() {
     check(b"", &[(0, "expected a header of 16 bytes, found 0")]);
     check(&Writer::new(1).bytes[..15], &[(0, "expected a header of 16 bytes, found 15")]);
-    check(b"ULog\x01\x12\x36\x01 and more", &[(0, "expected the magic of ULog, found ULog\\x01\\x126")]);
+    check(
+        b"ULog\x01\x12\x36\x01 and more",
+        &[(0, "expected the magic bytes of ULog, found ULog\\x01\\x126")],
+    );
     check(&Writer::new(1).bytes, &[]);
 }
 
@@ -77,7 +80,7 @@ fn headers_that_are_none_end_the_log() {
 fn reports_newer_versions_and_missing_flag_bits() {
     let mut log = Writer::new(2);
     log.flag_bits([0; 8], [0; 3], 0);
-    check(&log.bytes, &[(7, "the log has version 2; versions up to 1 are known")]);
+    check(&log.bytes, &[(7, "the log has version 2; versions up to 1 are supported")]);
     let mut log = Writer::new(0);
     log.sync();
     check(&log.bytes, &[(16, "the log has no flag bits (version 0)")]);
@@ -87,7 +90,7 @@ fn reports_newer_versions_and_missing_flag_bits() {
         &log.bytes,
         &[
             (16, "the log has no flag bits (version 0)"),
-            (late, "flag bits have no effect unless they are the first message"),
+            (late, "flag bits are ignored unless they are the first message"),
         ],
     );
 }
@@ -97,16 +100,13 @@ fn reports_or_refuses_unknown_flag_bits() {
     let mut log = Writer::new(1);
     log.flag_bits([0; 8], [0; 3], 5);
     log.sync();
-    check(&log.bytes, &[(16, "flag bits take 45 bytes; 40 are known")]);
+    check(&log.bytes, &[(16, "expected 40 bytes of flag bits, found 45; the others are ignored")]);
     let mut log = Writer::new(1);
     log.flag_bits([1, 0, 4, 0, 0, 0, 0, 0], [0; 3], 0);
     log.sync();
     check(
         &log.bytes,
-        &[(
-            16,
-            "the log needs a reader that knows more than this one: incompatible bits [00, 00, 04, 00, 00, 00, 00, 00]",
-        )],
+        &[(16, "the log uses unsupported features: incompatible bits [00, 00, 04, 00, 00, 00, 00, 00]")],
     );
 }
 
@@ -115,9 +115,12 @@ fn logs_that_end_within_a_message_say_so() {
     let mut log = definitions();
     let last = log.data(1, &[0; 16]);
     let bytes = &log.bytes;
-    check(&bytes[..bytes.len() - 1], &[(last, "the log ends within a message `D`, after 17 of 18 bytes")]);
+    check(
+        &bytes[..bytes.len() - 1],
+        &[(last, "the log is truncated within a message `D`, after 17 of 18 bytes")],
+    );
     let cut = usize::try_from(last).expect("an offset") + 2;
-    check(&bytes[..cut], &[(last, "the log ends within a header, after 2 of 3 bytes")]);
+    check(&bytes[..cut], &[(last, "the log is truncated within a message header, after 2 of 3 bytes")]);
 }
 
 #[test]
@@ -141,35 +144,35 @@ fn appended_data_is_read_where_it_starts() {
     // Nothing says where data was appended, so a size is wrong.
     check(
         &log.bytes,
-        &[(straddling, &format!("no messages up to {first}, where messages follow each other again"))],
+        &[(straddling, &format!("no valid messages up to byte {first}, where valid messages follow"))],
     );
     let (log, ..) = write([first, second, 0], 1);
-    check(&log.bytes, &[(straddling, &format!("a message is cut off by the data appended at {first}"))]);
+    check(
+        &log.bytes,
+        &[(straddling, &format!("a message is truncated by the data appended at byte {first}"))],
+    );
     assert_eq!(problems(&log.bytes).1, 3);
 
     let (log, ..) = write([first, first, 5], 1);
     check(
         &log.bytes,
         &[
-            (16, &format!("no data is looked for at {first}, where it is said to be appended")),
-            (16, "no data is looked for at 5, where it is said to be appended"),
-            (straddling, &format!("a message is cut off by the data appended at {first}")),
+            (16, &format!("ignored an invalid offset of appended data: {first}")),
+            (16, "ignored an invalid offset of appended data: 5"),
+            (straddling, &format!("a message is truncated by the data appended at byte {first}")),
         ],
     );
     let (log, ..) = write([first, 100_000, u64::MAX], 1);
     check(
         &log.bytes,
         &[
-            (16, "no data is looked for at 18446744073709551615, where it is said to be appended"),
-            (straddling, &format!("a message is cut off by the data appended at {first}")),
-            (log.offset(), "the log ends before the data that is said to be appended at 100000"),
+            (16, "ignored an invalid offset of appended data: 18446744073709551615"),
+            (straddling, &format!("a message is truncated by the data appended at byte {first}")),
+            (log.offset(), "the log ends before the data appended at byte 100000"),
         ],
     );
     let (log, ..) = write([first, 0, 0], 0);
-    assert_eq!(
-        problems(&log.bytes).0[0],
-        format!("16: no data is looked for at {first}, where it is said to be appended")
-    );
+    assert_eq!(problems(&log.bytes).0[0], format!("16: ignored an invalid offset of appended data: {first}"));
 }
 
 #[test]
@@ -179,7 +182,7 @@ fn reports_data_lost_before_appended_data() {
     let noise = log.offset();
     log.bytes.resize(100, 0xff);
     log.dropout(1);
-    check(&log.bytes, &[(noise, "no messages up to 100, where data was appended")]);
+    check(&log.bytes, &[(noise, "no valid messages up to byte 100, where data was appended")]);
 }
 
 #[test]
@@ -195,10 +198,7 @@ fn reports_unknown_kinds_once_with_a_count() {
     log.message(b'x', &[b"at the end"]);
     check(
         &log.bytes,
-        &[
-            (first, "messages `x` are of a kind that isn't known"),
-            (other, "messages `\\xc4` are of a kind that isn't known"),
-        ],
+        &[(first, "messages `x` are of an unknown kind"), (other, "messages `\\xc4` are of an unknown kind")],
     );
     assert_eq!(problems(&log.bytes).1, 4);
     let mut reader = Reader::new(&log.bytes[..]);
@@ -210,16 +210,16 @@ fn reports_unknown_kinds_once_with_a_count() {
 fn messages_that_mean_nothing_are_dropped() {
     let cases: [(u8, &[u8], &str); 11] = [
         (b'F', b"no colon", "expected a name and a colon"),
-        (b'F', b":uint8_t a;", "a name in it is empty"),
-        (b'F', b"caf\xe9:uint8_t a;", "byte 3 of it isn't UTF-8"),
-        (b'I', b"\x10int32_t a", "its key takes 16 bytes where 9 are left"),
-        (b'I', b"\x08int32_ta1234", "expected a type, a blank and a name"),
-        (b'P', b"\x08int32_t 1234", "a name in it is empty"),
-        (b'M', b"\x00\x05int8\xff a", "byte 6 of it isn't UTF-8"),
-        (b'A', b"\x00\x01\x00\xff", "byte 3 of it isn't UTF-8"),
+        (b'F', b":uint8_t a;", "its name is empty"),
+        (b'F', b"caf\xe9:uint8_t a;", "invalid UTF-8 at byte 3 of its payload"),
+        (b'I', b"\x10int32_t a", "expected a key of 16 bytes, found 9 bytes"),
+        (b'I', b"\x08int32_ta1234", "expected a type, a space and a name"),
+        (b'P', b"\x08int32_t 1234", "its name is empty"),
+        (b'M', b"\x00\x05int8\xff a", "invalid UTF-8 at byte 6 of its payload"),
+        (b'A', b"\x00\x01\x00\xff", "invalid UTF-8 at byte 3 of its payload"),
         (b'L', b"6\0\0", "expected at least 9 bytes, found 3"),
         (b'O', b"", "expected at least 2 bytes, found 0"),
-        (b'S', b"8 bytes.", "it isn't the magic of a sync message"),
+        (b'S', b"8 bytes.", "expected the magic of a sync message"),
     ];
     for (kind, payload, text) in cases {
         let mut log = definitions();
@@ -227,10 +227,7 @@ fn messages_that_mean_nothing_are_dropped() {
         log.data(1, &[0; 16]);
         log.data(1, &[0; 16]);
         let kind = char::from(kind);
-        check(
-            &log.bytes,
-            &[(at, &format!("a message `{kind}` of {} bytes is dropped: {text}", payload.len()))],
-        );
+        check(&log.bytes, &[(at, &format!("skipped a message `{kind}` of {} bytes: {text}", payload.len()))]);
     }
 }
 
@@ -247,8 +244,8 @@ fn messages_that_are_odd_are_lent_all_the_same() {
         &log.bytes,
         &[
             (value, "message `I`: expected a value of 4 bytes, found 5"),
-            (text, "message `I`: its value is text, but isn't UTF-8"),
-            (line, "message `L`: byte 12 of it isn't UTF-8"),
+            (text, "message `I`: its text value is invalid UTF-8"),
+            (line, "message `L`: invalid UTF-8 at byte 12 of its payload"),
         ],
     );
     let mut reader = Reader::new(&log.bytes[..]);
@@ -273,7 +270,7 @@ fn a_size_that_is_wrong_swallows_nothing() {
     let at = usize::try_from(wrong).expect("an index");
     // 18 becomes 4,114: the message claims 195 of those that follow.
     log.bytes[at + 1] ^= 0x10;
-    let skipped = format!("no messages up to {next}, where messages follow each other again");
+    let skipped = format!("no valid messages up to byte {next}, where valid messages follow");
     check(&log.bytes, &[(wrong, &skipped)]);
     assert_eq!(problems(&log.bytes).1, 302);
     log.bytes[at + 1] ^= 0x10;
@@ -286,7 +283,7 @@ fn a_size_that_is_wrong_swallows_nothing() {
         &log.bytes,
         &[
             (wrong, "expected 16 or 12 bytes of data of id 1, found 15"),
-            (next - 1, &format!("no messages up to {next}, where messages follow each other again")),
+            (next - 1, &format!("no valid messages up to byte {next}, where valid messages follow")),
         ],
     );
 }

@@ -1,4 +1,4 @@
-// quicktype: its JavaScript, with checks at run time, reads each case.
+// Adapter for quicktype: the generated JavaScript, with run-time checks, reads each case.
 
 import { writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -11,7 +11,7 @@ import { readJobs, serve } from "../protocol.js";
 const require = createRequire(import.meta.url);
 const work = resolve(process.argv[3]);
 
-/** Finds documents by their address. */
+/** Finds documents by their URL. */
 class Store extends JSONSchemaStore {
   constructor(documents) {
     super();

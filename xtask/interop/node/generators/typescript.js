@@ -1,4 +1,4 @@
-// json-schema-to-typescript: the compiler of TypeScript checks each case as a constant of the type that was made.
+// Adapter for json-schema-to-typescript: the TypeScript compiler checks each case as a constant of the generated type.
 
 import { dirname } from "node:path";
 
@@ -25,7 +25,7 @@ for (const [path, module] of modules) {
   report(module, program.getSourceFile(path));
 }
 
-/** The types of a schema, and below them a line for each case. */
+/** The generated types of a schema, followed by one line for each case. */
 async function moduleOf(job) {
   const [address, pointer] = job.schema.split("#");
   const { path, text } = documents.get(address);
@@ -37,7 +37,7 @@ async function moduleOf(job) {
   return { job, start: types.split("\n").length, code: [types, ...cases].join("\n") };
 }
 
-/** Reads modules from memory, and the library of the language from the disk. */
+/** Reads modules from memory, and the standard library from the disk. */
 function host() {
   const found = ts.createCompilerHost(OPTIONS);
   const { getSourceFile, fileExists } = found;
@@ -48,17 +48,17 @@ function host() {
 }
 
 function report({ job, start }, source) {
-  const mistakes = new Map();
+  const errors = new Map();
   for (const diagnostic of [...program.getSyntacticDiagnostics(source), ...program.getSemanticDiagnostics(source)]) {
     const { line } = source.getLineAndCharacterOfPosition(diagnostic.start);
-    mistakes.set(line - start, ts.flattenDiagnosticMessageText(diagnostic.messageText, " ").slice(0, 300));
+    errors.set(line - start, ts.flattenDiagnosticMessageText(diagnostic.messageText, " ").slice(0, 300));
   }
-  const inTypes = [...mistakes].find(([line]) => line < 0);
+  const inTypes = [...errors].find(([line]) => line < 0);
   if (inTypes) {
     return write({ job: job.job, error: inTypes[1] });
   }
   write({ job: job.job });
   for (const index of job.cases.keys()) {
-    write({ job: job.job, case: index, valid: !mistakes.has(index), message: mistakes.get(index) });
+    write({ job: job.job, case: index, valid: !errors.has(index), message: errors.get(index) });
   }
 }

@@ -1,4 +1,4 @@
-// ajv for draft 2020-12, in its strict mode, which refuses schemas with keywords that it doesn't know.
+// Adapter for ajv with draft 2020-12, in strict mode, which rejects schemas with unknown keywords.
 
 import Ajv from "ajv/dist/2020.js";
 

@@ -1,4 +1,4 @@
-// @cfworker/json-schema for draft 2020-12: it compiles nothing, so that it runs where no code may be made at run time.
+// Adapter for @cfworker/json-schema with draft 2020-12. It works in environments without run-time code generation.
 
 import { Validator } from "@cfworker/json-schema";
 

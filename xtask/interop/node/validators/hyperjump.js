@@ -1,4 +1,4 @@
-// @hyperjump/json-schema for draft 2020-12.
+// Adapter for @hyperjump/json-schema with draft 2020-12.
 
 import { registerSchema, validate } from "@hyperjump/json-schema/draft-2020-12";
 
@@ -9,7 +9,7 @@ await serve("@hyperjump/json-schema", (documents) => {
     registerSchema(JSON.parse(text));
   }
   return async (schema) => {
-    const judge = await validate(schema);
-    return (text) => ({ valid: judge(JSON.parse(text)).valid });
+    const check = await validate(schema);
+    return (text) => ({ valid: check(JSON.parse(text)).valid });
   };
 });

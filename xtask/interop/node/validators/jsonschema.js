@@ -1,4 +1,4 @@
-// The npm package jsonschema, which knows drafts up to 7.
+// Adapter for the npm package jsonschema, which supports drafts up to 7.
 
 import { Validator } from "jsonschema";
 

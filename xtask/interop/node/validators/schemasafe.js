@@ -1,5 +1,5 @@
-// @exodus/schemasafe for draft 2020-12, which reads the texts of instances itself. It wants to be told that it may look at
-// contentEncoding, which the specification makes an annotation.
+// Adapter for @exodus/schemasafe with draft 2020-12, which parses instances itself. The option contentValidation is
+// required for schemas with contentEncoding, although the specification defines it as an annotation.
 
 import { parser } from "@exodus/schemasafe";
 

@@ -1,4 +1,4 @@
-"""datamodel-code-generator: its models for pydantic 2 validate each case."""
+"""Adapter for datamodel-code-generator: the generated models for pydantic 2 validate each case."""
 
 import importlib
 import json
@@ -15,7 +15,7 @@ WORK = Path(sys.argv[2]).resolve()
 
 
 def prepare(documents):
-    """Makes one package for each form and package of schemas: a model with a field for each job."""
+    """Generates one module for each form and package of schemas: a model with one field for each job."""
     _, jobs = read_jobs()
     groups = {}
     for job in jobs:
@@ -26,7 +26,7 @@ def prepare(documents):
     for number, group in enumerate(groups.values()):
         try:
             found = models(f"models{number}", group, documents)
-        except Exception as error:  # whatever the generator raises is what comes of all its schemas
+        except Exception as error:  # the result for all schemas of the group
             found = dict.fromkeys((job["schema"] for job in group), error)
         types.update(found)
 
@@ -36,20 +36,20 @@ def prepare(documents):
             raise found
         adapter = TypeAdapter(found)
 
-        def judge(text):
+        def check(text):
             try:
                 adapter.validate_json(text)
             except ValidationError as error:
                 return {"valid": False, "message": str(error.errors()[0]["msg"])[:300]}
             return {"valid": True}
 
-        return judge
+        return check
 
     return compile_schema
 
 
 def models(name, jobs, documents):
-    """The type of each schema."""
+    """Generates the type of each schema."""
     folder = WORK / f"{name}-schemas"
     shutil.rmtree(folder, ignore_errors=True)
     shutil.rmtree(WORK / name, ignore_errors=True)

@@ -1,4 +1,4 @@
-"""fastjsonschema, which knows drafts up to 7."""
+"""Adapter for fastjsonschema, which supports drafts up to 7."""
 
 import json
 
@@ -13,14 +13,14 @@ def prepare(documents):
     def compile_schema(address):
         validate = fastjsonschema.compile({"$ref": address}, handlers={"https": schemas.__getitem__})
 
-        def judge(text):
+        def check(text):
             try:
                 validate(json.loads(text))
             except fastjsonschema.JsonSchemaValueException as error:
                 return {"valid": False, "message": error.message[:300]}
             return {"valid": True}
 
-        return judge
+        return check
 
     return compile_schema
 

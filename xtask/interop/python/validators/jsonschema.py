@@ -1,4 +1,4 @@
-"""The PyPI package jsonschema, for draft 2020-12."""
+"""Adapter for the PyPI package jsonschema, with draft 2020-12."""
 
 import json
 
@@ -17,11 +17,11 @@ def prepare(documents):
         Draft202012Validator.check_schema(resolved)
         validator = Draft202012Validator({"$ref": address}, registry=registry)
 
-        def judge(text):
+        def check(text):
             error = next(validator.iter_errors(json.loads(text)), None)
             return {"valid": error is None, "message": error and error.message[:300]}
 
-        return judge
+        return check
 
     return compile_schema
 

@@ -1,4 +1,4 @@
-"""jsonschema-rs, the Rust crate jsonschema for Python, on values of Python."""
+"""Adapter for jsonschema-rs, the Python bindings of the Rust crate jsonschema."""
 
 import json
 
@@ -13,11 +13,11 @@ def prepare(documents):
     def compile_schema(address):
         validator = jsonschema_rs.Draft202012Validator({"$ref": address}, registry=registry)
 
-        def judge(text):
+        def check(text):
             error = next(validator.iter_errors(json.loads(text)), None)
             return {"valid": error is None, "message": error and error.message[:300]}
 
-        return judge
+        return check
 
     return compile_schema
 

@@ -1,6 +1,6 @@
-//! Makes types of the bundles with typify, and a function that tells what a type makes of a text.
+//! Generates types from the bundles with typify, and a function that returns the check of a type.
 //!
-//! Where typify refuses a bundle, the function says so, and what the other bundle gives is still tried.
+//! If typify rejects a bundle, the function returns the error for its types. Other bundles are still used.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -11,7 +11,7 @@ use std::{env, fs};
 use schemars::schema::{RootSchema, Schema};
 use typify::{TypeSpace, TypeSpaceSettings};
 
-/// The packages that have a bundle.
+/// The packages with bundles.
 const PACKAGES: [&str; 2] = ["flockwave", "px4"];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             Ok((module, names)) => {
                 write!(code, "pub mod {package} {{\n{module}\n}}\n")?;
                 for (definition, name) in names {
-                    writeln!(arms, "({package:?}, {definition:?}) => judge::<{package}::{name}>,")?;
+                    writeln!(arms, "({package:?}, {definition:?}) => check::<{package}::{name}>,")?;
                 }
             }
             Err(error) => {
@@ -36,16 +36,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     write!(
         code,
-        "pub fn judge_of(package: &str, definition: &str) -> Result<Judge, Failure> {{\n\
+        "pub fn check_of(package: &str, definition: &str) -> Result<Check, Failure> {{\n\
          Ok(match (package, definition) {{\n{arms}\
-         _ => return Err(\"typify makes types of the bundles alone\".into()),\n}})\n}}\n"
+         _ => return Err(\"typify supports only bundles\".into()),\n}})\n}}\n"
     )?;
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("cargo sets it")?);
     fs::write(out.join("types.rs"), code)?;
     Ok(())
 }
 
-/// The module of a bundle, and the type of each definition.
+/// Generates the module of a bundle, and returns the type of each definition.
 fn types(root: &RootSchema) -> Result<(String, BTreeMap<String, String>), Box<dyn Error>> {
     let mut space = TypeSpace::new(&TypeSpaceSettings::default());
     space.add_ref_types(root.definitions.clone())?;

@@ -497,11 +497,11 @@ fn facts(limits: &Limits) -> Vec<String> {
         }),
     }
     if let Some(range) = &limits.range {
-        facts.extend(range.said().map(|said| format!("range: {said}")));
+        facts.extend(range.to_text().map(|said| format!("range: {said}")));
     }
     let int = |value: u32| Value::Int(value.into());
     let length = Range { low: limits.least.map(int), high: limits.most.map(int) };
-    facts.extend(length.said().map(|said| format!("length: {said}")));
+    facts.extend(length.to_text().map(|said| format!("length: {said}")));
     facts.extend(limits.is_unique.then(|| "no element stands in it twice".to_owned()));
     facts.extend(limits.pattern.as_ref().map(|pattern| format!("pattern: {}", prose::code(pattern))));
     facts.extend(limits.format.as_ref().map(|format| format!("format: {}", prose::inline(format))));

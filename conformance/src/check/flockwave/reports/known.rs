@@ -1,4 +1,4 @@
-//! What rules say of reports by what these have in common.
+//! The check results of status reports, by the properties that determine them.
 
 use std::collections::BTreeSet;
 
@@ -10,52 +10,54 @@ use crate::model::{Findings, Location, Rule};
 use crate::rules::RuleContext;
 use crate::rules::flockwave::{Check, Message, RULES};
 
-/// How many versions are known, and how many kinds of states: hostile input can have any number.
+/// The maximum number of versions and of kinds of states. Hostile input may contain any number.
 const MAX_KNOWN: usize = 256;
 
-/// The longest text of a version or of error codes that is kept, in bytes.
+/// The maximum length of a stored version or list of error codes, in bytes.
 const MAX_TEXT: usize = 256;
 
-/// What the findings in a state depend on, once its values have the right shape or are null, and its id is that of the UAV.
+/// The properties that determine the findings in a state. Its values must match their schemas or be null, and its id
+/// must be that of the UAV.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Kind<'k> {
-    /// A bit for each field that it has.
+    /// A bit for each present field.
     pub(super) fields: u64,
-    /// A bit for each of them that is null.
+    /// A bit for each field that is null.
     pub(super) nulls: u64,
-    /// Its error codes, as they are written; may be empty.
+    /// The error codes as written in the message; may be empty.
     pub(super) errors: &'k str,
 }
 
-/// What is known of reports.
+/// The known results for reports.
 pub(super) struct Known<'d> {
     definitions: &'d Definitions,
-    /// What comes of a report without any state, by its version.
+    /// The results for a report without states, by version.
     versions: Vec<Entry<Box<str>>>,
-    /// What a state adds to that, by its kind: its fields, which of them are null, and its error codes.
+    /// The results that a state adds, by its kind: present fields, null fields and error codes.
     kinds: Vec<Entry<(u64, u64, Box<str>)>>,
-    /// Where the latest was found.
+    /// The index of the kind that was found last.
     latest: usize,
 }
 
-/// What is known of a version or a kind.
+/// The results for a version or a kind.
 struct Entry<K> {
     key: K,
-    /// What comes of it; none where that isn't known.
+    /// The results; `None` if they are unknown.
     outcome: Option<Outcome>,
-    /// Whether its findings have examples enough, and are only to be counted.
+    /// True if its findings have enough examples and only need counting.
     is_settled: bool,
-    /// The UAVs of which its findings were told since then: messages name them, and each message is looked at once.
+    /// The UAVs whose findings have been reported since then. Messages name the UAV, so the first one of each is
+    /// checked in full.
     reported_uavs: BTreeSet<Box<str>>,
-    /// How often it was counted.
+    /// The number of reports or states.
     times: u64,
 }
 
-/// What rules say that judge a report by itself.
+/// The results of all checks that see only the message.
 struct Outcome {
-    /// How often each is exercised.
+    /// The number of times each rule is covered.
     covered: Vec<(&'static Rule, u64)>,
-    /// What breaks them, in which subject and how often.
+    /// The violations: rule, subject and count.
     violations: Vec<(&'static Rule, String, u64)>,
 }
 
@@ -64,7 +66,7 @@ impl<K> Entry<K> {
         Self { key, outcome, is_settled: false, reported_uavs: BTreeSet::new(), times: 0 }
     }
 
-    /// Whether its findings are only to be counted, where they are of this UAV; how many there are.
+    /// The number of its findings if they only need counting for this UAV.
     fn settled(&mut self, uav: &str, findings: &Findings) -> Option<u64> {
         let violations = &self.outcome.as_ref()?.violations;
         if violations.is_empty() {
@@ -86,12 +88,11 @@ impl<K> Entry<K> {
 }
 
 impl<'d> Known<'d> {
-    /// Nothing is known yet.
     pub(super) fn new(definitions: &'d Definitions) -> Self {
         Self { definitions, versions: Vec::new(), kinds: Vec::new(), latest: 0 }
     }
 
-    /// The number of a version, if nothing is to be told of a report that has it, and no states.
+    /// The index of a version, if its findings only need counting.
     pub(super) fn version(&mut self, version: &str, findings: &Findings) -> Option<usize> {
         let found = self.versions.iter().position(|known| *known.key == *version);
         let at = found.unwrap_or(self.versions.len());
@@ -105,20 +106,19 @@ impl<'d> Known<'d> {
         self.versions[at].settled("", findings).map(|_| at)
     }
 
-    /// The number of a kind, if nothing is to be told of a state of it, such as this one, of this UAV; and how many findings
-    /// are to be counted.
+    /// The index of a kind and its number of findings, if these only need counting for this UAV.
     pub(super) fn kind(
         &mut self,
         kind: Kind<'_>,
         (uav, state): (&str, &str),
         findings: &Findings,
     ) -> Option<(usize, u64)> {
-        let is_it = |known: &Entry<(u64, u64, Box<str>)>| {
+        let is_match = |known: &Entry<(u64, u64, Box<str>)>| {
             let (fields, nulls, errors) = &known.key;
             (*fields, *nulls, &**errors) == (kind.fields, kind.nulls, kind.errors)
         };
-        if self.kinds.get(self.latest).is_none_or(|known| !is_it(known)) {
-            self.latest = match self.kinds.iter().position(is_it) {
+        if self.kinds.get(self.latest).is_none_or(|known| !is_match(known)) {
+            self.latest = match self.kinds.iter().position(is_match) {
                 Some(at) => at,
                 None => self.learn(kind, uav, state)?,
             };
@@ -131,14 +131,14 @@ impl<'d> Known<'d> {
         if self.kinds.len() == MAX_KNOWN || kind.errors.len() > MAX_TEXT {
             return None;
         }
-        // What a state adds is the same in any version.
+        // The version doesn't change the results for a state.
         let with = self.check("1.0", &format!("\"{uav}\":{state}"));
         let outcome = with.zip(self.check("1.0", "")).and_then(|(with, without)| with.beyond(without));
         self.kinds.push(Entry::new((kind.fields, kind.nulls, kind.errors.into()), outcome));
         Some(self.kinds.len() - 1)
     }
 
-    /// What the rules say of a report that judge it by itself.
+    /// Runs all checks that see only the message on a report.
     fn check(&self, version: &str, states: &str) -> Option<Outcome> {
         let text = format!(
             "{{\"$fw.version\":\"{version}\",\"id\":\"1\",\"body\":{{\"type\":\"{}\",\"status\":{{{states}}}}}}}",
@@ -160,7 +160,7 @@ impl<'d> Known<'d> {
         let mut findings = Findings::default();
         let message = Message::from_exchange(&exchange)?;
         let mut all = Vec::new();
-        let checks = RULES.iter().flat_map(|of| of.checks.iter().map(|check| (&of.rule, check)));
+        let checks = RULES.iter().flat_map(|rule| rule.checks.iter().map(|check| (&rule.rule, check)));
         for (rule, check) in checks {
             let Check::Message(check) = check else { continue };
             let mut covered = 0;
@@ -182,13 +182,13 @@ impl<'d> Known<'d> {
         }
     }
 
-    /// How many reports were counted.
+    /// The number of counted reports.
     #[cfg(test)]
     pub(super) fn seen(&self) -> u64 {
         self.versions.iter().map(|known| known.times).sum()
     }
 
-    /// Tells what came of all that was counted.
+    /// Adds the results of all counted reports to the findings.
     pub(super) fn report_counted(&self, findings: &mut Findings) {
         let versions = self.versions.iter().map(|known| (&known.outcome, known.times));
         let kinds = self.kinds.iter().map(|known| (&known.outcome, known.times));
@@ -205,8 +205,8 @@ impl<'d> Known<'d> {
 }
 
 impl Outcome {
-    /// What comes of a report with a state beyond what comes of one without. None where that isn't more of it all: then
-    /// each state isn't judged by itself.
+    /// The results that a state adds to those of a report without states. `None` if that report has findings or
+    /// covers a rule more often; every such state is then checked in full.
     fn beyond(self, without: Self) -> Option<Self> {
         let is_sound = without.violations.is_empty();
         let counts = self.covered.into_iter().zip(without.covered);

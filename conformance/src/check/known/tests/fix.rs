@@ -1,4 +1,4 @@
-//! What mending takes out of a list, and what it leaves.
+//! Tests of automatic fixes.
 
 use std::fmt::Write as _;
 
@@ -8,17 +8,17 @@ use proptest::prelude::*;
 use super::*;
 
 #[test]
-fn what_belongs_to_an_entry_goes_with_it_and_nothing_else() {
+fn removes_an_entry_with_its_comments_and_nothing_else() {
     let text = "\
-# All that is known of our gliders.
+# Known failures of our gliders.
 [[known]]
 case = \"a\"
-reason = \"first\" # so it is
-# a word on the first
+reason = \"first\" # as ever
+# note on the first
 
-# Apart from all.
+# Separate comment.
 
-# a word on the second
+# note on the second
   [[known]] # more
   # inside
 reason = \"second\"
@@ -45,16 +45,16 @@ reason = \"third\"";
         let fixed = list.fixed(&list.find_stale(Scope::Cases, &checked, TODAY)).expect("a list");
         fixed.texts().collect::<String>()
     };
-    assert_eq!(fixed(&names), "# All that is known of our gliders.\n\n# Apart from all.\n");
-    let second = text.find("# a word on the second").expect("a comment");
+    assert_eq!(fixed(&names), "# Known failures of our gliders.\n\n# Separate comment.\n");
+    let second = text.find("# note on the second").expect("a comment");
     let third = text.find("# before the third").expect("a comment");
-    let head = "# All that is known of our gliders.\n\n# Apart from all.\n\n";
+    let head = "# Known failures of our gliders.\n\n# Separate comment.\n\n";
     assert_eq!(fixed(&["a", "c"]), head.to_owned() + &text[second..third]);
     assert_eq!(fixed(&["b"]), text[..second].to_owned() + &text[third..]);
     assert_eq!(fixed(&[]), text);
 }
 
-/// An entry as text, with what came of the cases that it names.
+/// The text of an entry, and the results of the cases that it matches.
 #[derive(Clone, Debug)]
 struct Sample {
     text: String,
@@ -93,7 +93,7 @@ fn sample() -> impl Strategy<Value = Sample> {
 }
 
 proptest! {
-    /// What isn't stale stays byte for byte, and what is left holds true, or is what only a person can mend.
+    /// Entries that aren't stale stay byte for byte. Only entries that a person must fix remain stale.
     #[test]
     fn a_fixed_list_has_no_stale_entries(samples in vec(sample(), 0..6), is_dos in any::<bool>()) {
         let line_end = if is_dos { "\r\n" } else { "\n" };
@@ -123,7 +123,7 @@ proptest! {
         prop_assert!(rest.starts_with("# head"));
         for (at, (text, _)) in texts.iter().zip(&samples).enumerate().filter(|(_, (_, sample))| !sample.is_stale) {
             let body = &text[text.find("[[").expect("a header")..text.find("2026").expect("a date") + 10];
-            // What it names and its message may change.
+            // The pattern and the message may change.
             let (before, body) = body.split_once(&format!("\"case-{at}/*\"")).expect("a pattern");
             let mut parts = vec![before];
             match body.split_once("message = '") {

@@ -1,91 +1,91 @@
-//! Lists and mistakes in them.
+//! Tests of the parser and its error messages.
 
 use proptest::prelude::*;
 
 use super::*;
 
-const MISTAKES: &str = r#"error[known-key]: a list has no `title`
+const MISTAKES: &str = r#"error[known-key]: unknown key `title`
  --> known.toml:1:1
   |
 1 | title = 1
   | ^^^^^ start each entry with `[[known]]` or `[[flaky]]`
-error[known-type]: `flaky` is no list of tables
+error[known-type]: `flaky`: expected an array of tables
  --> known.toml:2:1
   |
 2 | flaky = [{ case = "a", reason = "b" }]
   | ^^^^^ start each entry with a line `[[flaky]]`
-error[known-rule]: no rule `PX-RANGE-1`
+error[known-rule]: unknown rule `PX-RANGE-1`
  --> known.toml:5:8
   |
 5 | rule = "PX-RANGE-1"
-  |        ^^^^^^^^^^^^ `uavspec rules` lists all
-error[known-key]: an entry has no `subjct`
+  |        ^^^^^^^^^^^^ `uavspec rules` lists all rules
+error[known-key]: unknown key `subjct` in an entry
  --> known.toml:6:1
   |
 6 | subjct = "x"
-  | ^^^^^^ keys are rule, subject, file or case, and reason, link, expires, message
+  | ^^^^^^ expected rule, subject, file, case, reason, link, expires or message
 error[known-reason]: the entry has no `reason`
  --> known.toml:7:10
   |
 7 | reason = "  "
-  |          ^^^^ say why, so that others can tell when it no longer holds
-error[known-selector]: `case` beside `rule`
+  |          ^^^^ explain the failure, so others know when to remove the entry
+error[known-selector]: `case` and `rule` in one entry
   --> known.toml:11:8
    |
 11 | case = "decode-cdr/*"
-   |        ^^^^^^^^^^^^^^ leave one of them out: an entry names a rule or cases
-error[known-type]: `reason` is a string, not this integer
+   |        ^^^^^^^^^^^^^^ remove one of them: an entry is for a rule or for cases
+error[known-type]: `reason`: expected a string, found type integer
   --> known.toml:12:10
    |
 12 | reason = 7
    |          ^ put it in quotes
-error[known-date]: `expires` is a date
+error[known-date]: `expires`: expected a date
   --> known.toml:13:11
    |
 13 | expires = "2027-06-30"
-   |           ^^^^^^^^^^^^ write it without quotes, as 2027-06-30
-error[known-selector]: the entry names nothing
+   |           ^^^^^^^^^^^^ write it without quotes, e.g. 2027-06-30
+error[known-selector]: the entry has neither `rule` nor `case`
   --> known.toml:15:1
    |
 15 | [[known]]
-   | ^^^^^^^^^ name a `rule`, or `case`s by a pattern
+   | ^^^^^^^^^ add a `rule`, or a `case` pattern
 error[known-reason]: the entry has no `reason`
   --> known.toml:15:1
    |
 15 | [[known]]
-   | ^^^^^^^^^ say why, so that others can tell when it no longer holds
+   | ^^^^^^^^^ explain the failure, so others know when to remove the entry
 error[known-selector]: `subject` without `rule`
   --> known.toml:16:11
    |
 16 | subject = "["
-   |           ^^^ it narrows a rule down: name the rule, or remove it
+   |           ^^^ add the `rule` that it restricts, or remove it
 error[known-selector]: `file` without `rule`
   --> known.toml:17:8
    |
 17 | file = "*.ulg"
-   |        ^^^^^^^ it narrows a rule down: name the rule, or remove it
-error[known-type]: `link` has a line break or another control character
+   |        ^^^^^^^ add the `rule` that it restricts, or remove it
+error[known-type]: `link` contains a line break or another control character
   --> known.toml:18:8
    |
 18 | link = "a\nb"
-   |        ^^^^^^ write it in one line
-error[known-pattern]: `decode-[/px4` is no pattern: unclosed character class; missing ']'
+   |        ^^^^^^ write it on one line without control characters
+error[known-pattern]: invalid pattern `decode-[/px4`: unclosed character class; missing ']'
   --> known.toml:21:8
    |
 21 | case = "decode-[/px4"
-   |        ^^^^^^^^^^^^^^ for the characters themselves write `decode-[[]/px4`
-error[known-type]: `reason` has a line break or another control character
+   |        ^^^^^^^^^^^^^^ to match this text literally, write `decode-[[]/px4`
+error[known-type]: `reason` contains a line break or another control character
   --> known.toml:22:10
    |
 22 | reason = "a\u001b[31m"
-   |          ^^^^^^^^^^^^^ write it in one line
-error[known-date]: `expires` is a date
+   |          ^^^^^^^^^^^^^ write it on one line without control characters
+error[known-date]: `expires`: expected a date
   --> known.toml:23:11
    |
 23 | expires = 2027-06-30T10:00:00Z
-   |           ^^^^^^^^^^^^^^^^^^^^ write it without quotes, as 2027-06-30"#;
+   |           ^^^^^^^^^^^^^^^^^^^^ write it without quotes, e.g. 2027-06-30"#;
 
-/// Every mistake is told at once, with its place and what to do.
+/// Every error has a location and a fix.
 #[test]
 fn reports_all_mistakes_together() {
     let text = "\
@@ -126,26 +126,26 @@ fn reports_invalid_toml_with_its_location() {
  --> known.toml:2:8
   |
 2 | rule = 
-  |        ^ this is no TOML: correct it
+  |        ^ correct the TOML syntax
 error[known-syntax]: invalid basic string, expected `"`
  --> known.toml:3:12
   |
 3 | reason = "a
-  |            ^ this is no TOML: correct it
+  |            ^ correct the TOML syntax
 error[known-syntax]: invalid date, expected day between 01 and 28
  --> known.toml:4:11
   |
 4 | expires = 2027-02-30
-  |           ^^^^^^^^^^ this is no TOML: correct it"#
+  |           ^^^^^^^^^^ correct the TOML syntax"#
     );
-    let not_text = Lists::parse([("known.toml".to_owned(), b"\xff".to_vec())]).expect_err("no text");
-    assert!(not_text.to_string().contains("save the file as UTF-8"), "{not_text}");
+    let invalid = Lists::parse([("known.toml".to_owned(), b"\xff".to_vec())]).expect_err("invalid UTF-8");
+    assert!(invalid.to_string().contains("save the file as UTF-8"), "{invalid}");
 }
 
 proptest! {
-    /// No text makes it panic, and mistakes have a place.
+    /// Arbitrary text causes no panic, and every error has a location.
     #[test]
-    fn any_text_is_read_or_refused(text in "([\\[\\]=\"'#{},.\n a-z0-9-]|known|flaky|rule|case|reason|expires){0,40}") {
+    fn any_text_is_parsed_or_rejected(text in "([\\[\\]=\"'#{},.\n a-z0-9-]|known|flaky|rule|case|reason|expires){0,40}") {
         if let Err(error) = parse(&text) {
             prop_assert!(error.to_string().starts_with("error["), "{}", error);
         }

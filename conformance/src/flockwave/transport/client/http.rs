@@ -1,8 +1,8 @@
-//! HTTP one-shots: each message is a POST, and the answer comes in its response. What comes by itself later, nobody
-//! hears.
+//! Stateless HTTP: each message is a POST request, and its response contains the answer. Later messages of the server
+//! are lost.
 //!
-//! The specification doesn't know this transport. The body of the response is handed on as it came: some servers put
-//! the body of their answer into it without its envelope.
+//! The specification doesn't describe this transport. The body of a response is returned unchanged; some servers send
+//! the body of their answer without the envelope.
 
 use std::collections::VecDeque;
 use std::io;
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use ureq::Agent;
 
-use super::{Client, Received, odd};
+use super::{Client, Received, invalid};
 use crate::flockwave::transport::MESSAGE_LIMIT;
 use crate::net::Address;
 
@@ -21,7 +21,7 @@ pub(super) struct OneShot {
 }
 
 impl OneShot {
-    /// A client of a server that may take so long for an answer.
+    /// Creates a client that waits up to `limit` for each answer.
     pub(super) fn new(address: &Address, path: &str, limit: Duration) -> Self {
         let url = format!("http://{address}{path}");
         Self { agent: agent(limit), url, answers: VecDeque::new() }
@@ -40,20 +40,20 @@ impl Client for OneShot {
         if let Some(answer) = self.answers.pop_front() {
             return Ok(Received::Message(answer));
         }
-        // Nothing can come without a request, but those who wait for a time shall not be called all the time.
+        // Nothing arrives without a request. Sleep, so that callers don't loop without a pause.
         std::thread::sleep(until.saturating_duration_since(Instant::now()));
         Ok(Received::Silence)
     }
 }
 
-/// What sends requests of HTTP, each within a time.
+/// Creates an agent for HTTP requests with a time limit.
 pub(super) fn agent(limit: Duration) -> Agent {
-    // Where the environment names a proxy, a server in the same room isn't reached through it.
+    // Requests to local servers must not go through a proxy from the environment.
     let config = Agent::config_builder().timeout_global(Some(limit)).http_status_as_error(false).proxy(None);
     config.build().into()
 }
 
-/// The body of a response, where the status says that it is one.
+/// The body of a response, if its status is a success.
 pub(super) fn body(response: Result<ureq::http::Response<ureq::Body>, ureq::Error>) -> io::Result<Vec<u8>> {
     let mut response = response.map_err(ureq::Error::into_io)?;
     let read = response.body_mut().with_config().limit(MESSAGE_LIMIT as u64 * 2).read_to_vec();
@@ -63,5 +63,5 @@ pub(super) fn body(response: Result<ureq::http::Response<ureq::Body>, ureq::Erro
         return Ok(body);
     }
     let text = String::from_utf8_lossy(&body[..body.len().min(200)]).trim().to_owned();
-    Err(odd(format!("HTTP status {status}: {text}")))
+    Err(invalid(format!("HTTP status {status}: {text}")))
 }

@@ -1,4 +1,4 @@
-//! Socket.IO by long polling, and what it has in common with Socket.IO over a WebSocket.
+//! Socket.IO over HTTP long polling, and the parts that it shares with Socket.IO over WebSocket.
 
 use std::collections::VecDeque;
 use std::io;
@@ -10,24 +10,24 @@ use serde::Deserialize;
 use ureq::Agent;
 
 use super::http::{agent, body};
-use super::{Client, Received, late, odd, text_of};
+use super::{Client, Received, invalid, text_of, timed_out};
 use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
 use crate::flockwave::transport::{SOCKET_IO_PATH, socketio};
 use crate::net::Address;
 
-/// How long a poll may stay open. Servers end one after their interval between pings, mostly 25 s.
+/// The maximum duration of a poll. Servers end a poll after their ping interval, usually 25 s.
 const POLL_LIMIT: Duration = Duration::from_secs(90);
 
-/// How many payloads wait to be heard before nothing more is asked for.
+/// The maximum number of payloads in the queue. Polling pauses when it is full.
 const WAITING_LIMIT: usize = 16;
 
-/// How many packets may come before the namespace is joined. Some servers greet a client before they let it in.
+/// The maximum number of packets before the namespace is joined. Some servers send messages before that.
 const EARLY_LIMIT: usize = 1000;
 
-/// The interval between pings, where a server doesn't say it.
+/// The default interval between pings.
 const USUAL_INTERVAL: Duration = Duration::from_secs(25);
 
-/// What the server says when it opens a session.
+/// The content of the packet that opens a session.
 #[derive(Deserialize)]
 struct Session {
     sid: String,
@@ -35,7 +35,7 @@ struct Session {
     ping_interval: Option<u64>,
 }
 
-/// Tells when a ping is due. In revision 3 clients ask for signs of life; later the server does.
+/// Schedules pings. In revision 3, clients send pings; in later revisions, servers do.
 pub(super) struct Heartbeat {
     revision: Revision,
     interval: Duration,
@@ -47,12 +47,12 @@ impl Heartbeat {
         Self { revision, interval: USUAL_INTERVAL, next: Instant::now() + USUAL_INTERVAL }
     }
 
-    /// When something is to be done at the latest.
+    /// The time of the next action.
     pub(super) fn next(&self) -> Instant {
         self.next
     }
 
-    /// The ping to be sent now.
+    /// The ping to send now, if it is due.
     pub(super) fn due(&mut self) -> Option<Packet> {
         if Instant::now() < self.next {
             return None;
@@ -63,19 +63,19 @@ impl Heartbeat {
 
     fn agree(&mut self, interval: Option<u64>) {
         if let Some(interval) = interval {
-            // Shorter than a second is no interval that a server can mean, and longer than usual no one needs.
+            // Intervals below a second are implausible, and longer ones than usual aren't necessary.
             self.interval = Duration::from_millis(interval).clamp(Duration::from_secs(1), USUAL_INTERVAL);
             self.next = Instant::now() + self.interval;
         }
     }
 }
 
-/// The steps up to where messages can be sent: the session is opened, the namespace is joined.
+/// The handshake: opening the session and joining the namespace.
 pub(super) struct Opening {
     revision: Revision,
     sid: Option<String>,
     is_done: bool,
-    /// What came too early, and is to be heard afterwards.
+    /// Packets that arrived during the handshake, to be returned later.
     pub(super) early: VecDeque<Packet>,
 }
 
@@ -88,12 +88,13 @@ impl Opening {
         self.is_done
     }
 
-    /// Takes what the server sent; what is to be sent to it.
+    /// Handles a packet of the server. Returns the packet to send, if there is one.
     pub(super) fn take(&mut self, packet: &Packet, heartbeat: &mut Heartbeat) -> io::Result<Option<Packet>> {
         match packet.kind {
             Kind::Open => {
-                let session: Session = serde_json::from_str(&packet.data)
-                    .map_err(|error| odd(format!("the packet that opens a session: {error}")))?;
+                let session: Session = serde_json::from_str(&packet.data).map_err(|error| {
+                    invalid(format!("invalid packet at the start of the session: {error}"))
+                })?;
                 heartbeat.agree(session.ping_interval);
                 self.sid = Some(session.sid);
                 Ok((self.revision == Revision::Four).then(|| Packet::new(Kind::Message, "0")))
@@ -104,29 +105,29 @@ impl Opening {
                     Ok(None)
                 }
                 Some(socketio::Packet::Refusal(reason)) => {
-                    Err(odd(format!("it refuses the namespace: {reason}")))
+                    Err(invalid(format!("the server refuses the namespace: {reason}")))
                 }
                 _ if self.early.len() < EARLY_LIMIT => {
                     self.early.push_back(packet.clone());
                     Ok(None)
                 }
-                _ => Err(odd("too much came before the namespace was joined")),
+                _ => Err(invalid("too many packets arrived before the namespace was joined")),
             },
             Kind::Ping => Ok(Some(Packet::new(Kind::Pong, packet.data.clone()))),
             Kind::Pong | Kind::Noop => Ok(None),
-            Kind::Close | Kind::Upgrade => Err(odd("it closed the session at once")),
+            Kind::Close | Kind::Upgrade => Err(invalid("the server closed the session during the handshake")),
         }
     }
 }
 
-/// What a packet means to a client.
+/// The action that a packet requires.
 pub(super) enum Step {
     Received(Received),
     Answer(Packet),
     Nothing,
 }
 
-/// What is to be done about a packet after the opening.
+/// The action for a packet after the handshake.
 pub(super) fn step(packet: Packet) -> Step {
     match packet.kind {
         Kind::Ping => Step::Answer(Packet::new(Kind::Pong, packet.data)),
@@ -157,18 +158,18 @@ impl Polling {
         let url = format!("http://{address}{SOCKET_IO_PATH}?EIO={number}&transport=polling");
         let limit = until.saturating_duration_since(Instant::now());
         if limit.is_zero() {
-            return Err(late("no session"));
+            return Err(timed_out("no session was opened"));
         }
         let opened = body(agent(limit).get(&url).call())?;
         let (mut heartbeat, mut opening) = (Heartbeat::new(revision), Opening::new(revision));
-        let mut packets: VecDeque<Packet> = decode(revision, &opened).map_err(odd)?.into();
+        let mut packets: VecDeque<Packet> = decode(revision, &opened).map_err(invalid)?.into();
         let mut answers = Vec::new();
         while !opening.is_done()
             && let Some(packet) = packets.pop_front()
         {
             answers.extend(opening.take(&packet, &mut heartbeat)?);
         }
-        let sid = opening.sid.as_deref().ok_or_else(|| odd("it opened no session"))?;
+        let sid = opening.sid.as_deref().ok_or_else(|| invalid("the server opened no session"))?;
         let url = format!("{url}&sid={sid}");
         let (sender, polled) = sync_channel(WAITING_LIMIT);
         let poll_url = url.clone();
@@ -176,7 +177,7 @@ impl Polling {
         let mut client = Self { agent: agent(limit), url, revision, heartbeat, polled, packets };
         client.send_packets(&answers)?;
         while !opening.is_done() {
-            let packet = client.packet(until)?.ok_or_else(|| late("the namespace wasn't joined"))?;
+            let packet = client.packet(until)?.ok_or_else(|| timed_out("the namespace wasn't joined"))?;
             let answer = opening.take(&packet, &mut client.heartbeat)?;
             client.send_packets(answer.as_slice())?;
         }
@@ -194,14 +195,14 @@ impl Polling {
         body(request.send(encode(self.revision, packets))).map(|_| ())
     }
 
-    /// The next packet; nothing where none came in time. The end of the session is a packet as well.
+    /// The next packet. `None` if none arrives in time. The end of the session is a packet as well.
     fn packet(&mut self, until: Instant) -> io::Result<Option<Packet>> {
         loop {
             if let Some(packet) = self.packets.pop_front() {
                 return Ok(Some(packet));
             }
             match self.polled.recv_timeout(until.saturating_duration_since(Instant::now())) {
-                Ok(payload) => self.packets = decode(self.revision, &payload?).map_err(odd)?.into(),
+                Ok(payload) => self.packets = decode(self.revision, &payload?).map_err(invalid)?.into(),
                 Err(RecvTimeoutError::Timeout) => return Ok(None),
                 Err(RecvTimeoutError::Disconnected) => return Ok(Some(Packet::new(Kind::Close, ""))),
             }
@@ -239,12 +240,12 @@ impl Client for Polling {
 
 impl Drop for Polling {
     fn drop(&mut self) {
-        // The server then ends the poll that is open. Where it is gone, that is as good.
+        // This makes the server end the open poll. Errors don't matter, since the connection is closed anyway.
         let _ = self.send_packets(&[Packet::new(Kind::Close, "")]);
     }
 }
 
-/// Polls until nobody wants the payloads, or the session ends.
+/// Polls until the receiver is gone or the session ends.
 fn poll(url: &str, payloads: &SyncSender<io::Result<Vec<u8>>>) {
     let agent = agent(POLL_LIMIT);
     loop {
@@ -260,12 +261,12 @@ fn poll(url: &str, payloads: &SyncSender<io::Result<Vec<u8>>>) {
 mod tests {
     use super::*;
 
-    /// What is sent while these packets come, what is heard afterwards, and whether messages can be sent.
+    /// The sent packets, the packets returned later, and true if the handshake is complete.
     fn opened(revision: Revision, packets: &[&str]) -> io::Result<(Vec<String>, Vec<String>, bool)> {
         let (mut opening, mut heartbeat) = (Opening::new(revision), Heartbeat::new(revision));
         let mut sent = Vec::new();
         for text in packets {
-            let packet = Packet::parse(text).ok_or_else(|| odd("no packet"))?;
+            let packet = Packet::parse(text).ok_or_else(|| invalid("not a packet"))?;
             sent.extend(opening.take(&packet, &mut heartbeat)?.map(|packet| packet.to_text()));
         }
         let early = opening.early.iter().map(Packet::to_text).collect();
@@ -273,13 +274,13 @@ mod tests {
     }
 
     #[test]
-    fn a_session_opens_as_each_revision_has_it() {
+    fn opens_a_session_in_each_revision() {
         let session = "0{\"sid\":\"a\",\"pingInterval\":25000}";
-        let (sent, early, is_done) = opened(Revision::Three, &[session, "40"]).expect("it opens");
+        let (sent, early, is_done) = opened(Revision::Three, &[session, "40"]).expect("a session");
         assert_eq!((sent.len(), early.len(), is_done), (0, 0, true));
-        let (sent, _, is_done) = opened(Revision::Four, &[session]).expect("it opens");
+        let (sent, _, is_done) = opened(Revision::Four, &[session]).expect("a session");
         assert_eq!((sent, is_done), (vec!["40".to_owned()], false));
-        assert!(opened(Revision::Four, &[session, "40{\"sid\":\"b\"}"]).expect("it opens").2);
+        assert!(opened(Revision::Four, &[session, "40{\"sid\":\"b\"}"]).expect("a session").2);
         for packets in [&["0{}"][..], &[session, "44{\"message\":\"full\"}"], &[session, "1"]] {
             assert!(opened(Revision::Four, packets).is_err(), "{packets:?}");
         }
@@ -289,7 +290,7 @@ mod tests {
     fn receives_messages_sent_before_the_handshake_ends() {
         let session = "0{\"sid\":\"a\"}";
         let (_, early, is_done) =
-            opened(Revision::Four, &[session, "42[\"fw\",{}]", "40"]).expect("it opens");
+            opened(Revision::Four, &[session, "42[\"fw\",{}]", "40"]).expect("a session");
         assert_eq!((early, is_done), (vec!["42[\"fw\",{}]".to_owned()], true));
         let mut flood = vec![session];
         flood.resize(EARLY_LIMIT + 2, "42[\"fw\",{}]");

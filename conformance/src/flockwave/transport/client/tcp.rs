@@ -1,4 +1,4 @@
-//! TCP: a message a line.
+//! TCP: one message on each line.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{Shutdown, TcpStream};
@@ -9,7 +9,7 @@ use crate::flockwave::transport::http::is_silence;
 use crate::flockwave::transport::lines::{Line, Lines};
 use crate::net::{Address, Connection};
 
-/// How long a server may take none of what is sent.
+/// The maximum time that sending may block.
 const SEND_LIMIT: Duration = Duration::from_secs(30);
 
 pub(super) struct Tcp {

@@ -1,4 +1,4 @@
-//! UDP: a message a datagram.
+//! UDP: one message in each datagram.
 
 use std::io;
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
@@ -8,7 +8,7 @@ use super::{Client, Received};
 use crate::flockwave::transport::http::is_silence;
 use crate::net::{Address, resolve};
 
-/// The longest datagram that there can be.
+/// The maximum size of a datagram, in bytes.
 const DATAGRAM_LIMIT: usize = 64 << 10;
 
 pub(super) struct Udp(UdpSocket);
@@ -18,12 +18,12 @@ impl Udp {
         let found = resolve(address, until)?.into_iter().next();
         let found =
             found.ok_or_else(|| io::Error::new(io::ErrorKind::NotFound, "the host has no address"))?;
-        let own: SocketAddr = match found {
+        let local: SocketAddr = match found {
             SocketAddr::V4(_) => (Ipv4Addr::UNSPECIFIED, 0).into(),
             SocketAddr::V6(_) => (Ipv6Addr::UNSPECIFIED, 0).into(),
         };
-        let socket = UdpSocket::bind(own)?;
-        // Connected, it hears only that server: an answer from elsewhere doesn't count.
+        let socket = UdpSocket::bind(local)?;
+        // A connected socket only receives datagrams from this server.
         socket.connect(found)?;
         Ok(Self(socket))
     }
@@ -52,7 +52,7 @@ impl Client for Udp {
                     return Ok(Received::Message(datagram));
                 }
                 Err(error) if is_silence(&error) => {}
-                // Nobody listens there (any more).
+                // The server doesn't listen on this port.
                 Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => return Ok(Received::End),
                 Err(error) => return Err(error),
             }

@@ -1,4 +1,4 @@
-//! Socket.IO over a WebSocket.
+//! Socket.IO over WebSocket.
 
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
@@ -9,17 +9,17 @@ use tungstenite::client::IntoClientRequest as _;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, HandshakeError, Message, WebSocket};
 
-use super::{Client, Received, late, odd, text_of};
+use super::{Client, Received, invalid, text_of, timed_out};
 use crate::flockwave::transport::client::polling::{Heartbeat, Opening, Step, step};
 use crate::flockwave::transport::engine::{Kind, Packet, Revision};
 use crate::flockwave::transport::http::is_silence;
 use crate::flockwave::transport::{MESSAGE_LIMIT, SOCKET_IO_PATH, socketio};
 use crate::net::{Address, Connection};
 
-/// How long a server may take none of what is sent.
+/// The maximum time that sending may block.
 const SEND_LIMIT: Duration = Duration::from_secs(30);
 
-/// A stream from which nothing is read after some time: not even a byte now and then.
+/// A stream with a deadline for reading, which also applies if single bytes keep arriving.
 struct Limited {
     stream: TcpStream,
     until: Instant,
@@ -47,7 +47,7 @@ pub(super) struct WebSocketClient {
     _connection: Connection,
     socket: WebSocket<Limited>,
     heartbeat: Heartbeat,
-    /// What came before messages could be sent.
+    /// Packets that arrived during the handshake.
     early: VecDeque<Packet>,
 }
 
@@ -63,7 +63,7 @@ impl WebSocketClient {
         let handshake = tungstenite::client::client_with_config(request, stream, Some(config()));
         let (socket, _) = handshake.map_err(|error| match error {
             HandshakeError::Failure(error) => to_io(error),
-            HandshakeError::Interrupted(_) => late("no WebSocket handshake"),
+            HandshakeError::Interrupted(_) => timed_out("no WebSocket handshake"),
         })?;
         let heartbeat = Heartbeat::new(revision);
         let mut client = Self { _connection: connection, socket, heartbeat, early: VecDeque::new() };
@@ -71,7 +71,7 @@ impl WebSocketClient {
         while !opening.is_done() {
             left(until)?;
             let Some(packet) = client.packet(until)? else {
-                return Err(odd("it closed the connection at once"));
+                return Err(invalid("the server closed the connection during the handshake"));
             };
             if let Some(answer) = opening.take(&packet, &mut client.heartbeat)? {
                 client.send_packet(&answer)?;
@@ -85,7 +85,7 @@ impl WebSocketClient {
         self.socket.send(Message::text(packet.to_text())).map_err(to_io)
     }
 
-    /// The next packet; nothing where the connection has ended.
+    /// The next packet. `None` at the end of the connection.
     fn packet(&mut self, until: Instant) -> io::Result<Option<Packet>> {
         if let Some(packet) = self.early.pop_front() {
             return Ok(Some(packet));
@@ -95,11 +95,11 @@ impl WebSocketClient {
             self.socket.get_mut().until = until;
             match self.socket.read() {
                 Ok(Message::Text(text)) => {
-                    let packet =
-                        Packet::parse(&text).ok_or_else(|| odd("a packet of no kind that there is"))?;
+                    let packet = Packet::parse(&text)
+                        .ok_or_else(|| invalid("received a packet of an unknown kind"))?;
                     return Ok(Some(packet));
                 }
-                Ok(Message::Binary(_)) => return Err(odd("a binary packet")),
+                Ok(Message::Binary(_)) => return Err(invalid("received a binary packet")),
                 Ok(Message::Close(_)) | Err(Error::ConnectionClosed | Error::AlreadyClosed) => {
                     return Ok(None);
                 }
@@ -146,19 +146,19 @@ impl Client for WebSocketClient {
 }
 
 fn config() -> WebSocketConfig {
-    // What stands around a message is short.
+    // The packet adds only a few bytes to the message.
     let limit = MESSAGE_LIMIT + 1024;
     WebSocketConfig::default().max_message_size(Some(limit)).max_frame_size(Some(limit))
 }
 
 fn left(until: Instant) -> io::Result<Duration> {
     let left = until.saturating_duration_since(Instant::now());
-    if left.is_zero() { Err(late("no packet")) } else { Ok(left) }
+    if left.is_zero() { Err(timed_out("no packet")) } else { Ok(left) }
 }
 
 fn to_io(error: Error) -> io::Error {
     match error {
         Error::Io(error) => error,
-        other => odd(other.to_string()),
+        other => invalid(other.to_string()),
     }
 }

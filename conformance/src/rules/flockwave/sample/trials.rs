@@ -1,4 +1,4 @@
-//! What a client tries, over connections of their own.
+//! Trials of the client on separate connections.
 
 use serde_json::{Value, json};
 
@@ -9,20 +9,20 @@ use crate::rules::flockwave::{
     sio_02, sio_03, sys_ping_01, tcp_02, tcp_03, tcp_04, uav_inf_06, uav_inf_07, udp_02, udp_03,
 };
 
-/// Trials over TCP that any request makes.
-static LINES: [(&Rule, &str); 4] = [
+/// Trials over TCP that work with any request.
+static TCP_TRIALS: [(&Rule, &str); 4] = [
     (&tcp_02::RULE.rule, "a message in two segments"),
     (&tcp_02::RULE.rule, "two messages in a segment"),
-    (&tcp_03::RULE.rule, "after a line that is no JSON"),
+    (&tcp_03::RULE.rule, "after a line that is not JSON"),
     (&tcp_04::RULE.rule, "the rest of a message after a pause"),
 ];
 
-/// How often something is asked over UDP.
+/// The number of requests for each trial over UDP.
 const ATTEMPTS: u32 = 3;
 
 #[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
 impl Session {
-    /// All of them.
+    /// Adds all trials.
     pub(super) fn trials(&mut self) {
         self.over("tcp#2", |session| {
             session.envelopes();
@@ -33,18 +33,19 @@ impl Session {
         self.over("tcp#5", |session| {
             let login = json!({ "methods": ["basic"], "required": true });
             session.exchange(json!({ "type": "AUTH-INF" }), login);
-            let nobody = json!({ "type": "ACK-NAK", "reason": "Log in first" });
+            let refusal = json!({ "type": "ACK-NAK", "reason": "Log in first" });
             session.tries_and_receives(
                 &ack_06::RULE.rule,
                 "before the login",
                 json!({ "type": "UAV-LIST" }),
-                nobody,
+                refusal,
             );
         });
         self.over("udp#1", |session| {
-            for (rule, how) in
-                [(&udp_02::RULE.rule, "any request"), (&udp_03::RULE.rule, "after what is no JSON")]
-            {
+            for (rule, how) in [
+                (&udp_02::RULE.rule, "any request"),
+                (&udp_03::RULE.rule, "after a datagram that is not JSON"),
+            ] {
                 for _ in 0..ATTEMPTS {
                     session.pings(rule, how);
                 }
@@ -57,18 +58,18 @@ impl Session {
         self.over("socketio#2", |session| session.pings(&sio_02::RULE.rule, "by long polling"));
     }
 
-    /// The client asks, to try a rule, and the server answers with this body.
+    /// Adds a request that tests a rule, and a response with this body.
     pub(crate) fn tries_and_receives(&mut self, rule: &Rule, how: &str, request: Value, answer: Value) {
         let id = self.tries(rule, how, request);
         self.answers(&id, json!({ "body": answer }));
     }
 
-    /// The same, of any request.
+    /// Adds a SYS-PING that tests a rule, and its response.
     pub(crate) fn pings(&mut self, rule: &Rule, how: &str) {
         self.tries_and_receives(rule, how, json!({ "type": "SYS-PING" }), json!({ "type": "ACK-ACK" }));
     }
 
-    /// Requests of a rule are all sent before the first of these answers comes: each by the number of its request.
+    /// Adds several requests that test a rule, and then their responses in the given order of requests.
     pub(crate) fn pipelines(&mut self, rule: &Rule, answered: &[usize]) {
         let ids: Vec<String> =
             answered.iter().map(|_| self.tries(rule, "", json!({ "type": "SYS-PING" }))).collect();
@@ -77,7 +78,7 @@ impl Session {
         }
     }
 
-    /// The client tries a rule with a request whose envelope is another.
+    /// Adds a request with a changed envelope that tests a rule.
     pub(crate) fn tries_with(
         &mut self,
         rule: &Rule,
@@ -97,25 +98,30 @@ impl Session {
     }
 
     fn envelopes(&mut self) {
-        for (rule, how) in LINES {
+        for (rule, how) in TCP_TRIALS {
             self.pings(rule, how);
         }
-        let done = || Some(json!({ "type": "ACK-ACK" }));
-        self.tries_with(&env_13::RULE.rule, "an unknown key", ("wind", "fair".into()), done());
+        let acknowledged = || Some(json!({ "type": "ACK-ACK" }));
+        self.tries_with(&env_13::RULE.rule, "an unknown key", ("wind", "fair".into()), acknowledged());
         for _ in 0..2 {
-            self.tries_with(&env_19::RULE.rule, "an id that was answered", ("id", "again".into()), done());
+            self.tries_with(
+                &env_19::RULE.rule,
+                "an id that was answered",
+                ("id", "again".into()),
+                acknowledged(),
+            );
         }
         self.tries_with(
             &env_21::RULE.rule,
             "an id with other letters",
             ("id", "Höhe über Grund".into()),
-            done(),
+            acknowledged(),
         );
         let no_list = json!({ "type": "UAV-INF", "ids": "kite" });
         let refused = json!({ "type": "ACK-NAK", "reason": "The ids aren't a list" });
         self.tries_and_receives(
             &env_22::RULE.rule,
-            "a malformed request: ids that are no list",
+            "a malformed request: ids that are not a list",
             no_list,
             refused,
         );
@@ -151,21 +157,26 @@ impl Session {
         self.command("rcpt-20");
         let resume = json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-20"] });
         let error = json!({ "type": "ASYNC-RESUME", "error": { "rcpt-20": "It isn't suspended" } });
-        self.tries_and_receives(&asy_19::RULE.rule, "an operation that goes on", resume, error);
+        self.tries_and_receives(&asy_19::RULE.rule, "a running operation", resume, error);
         self.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-20", "result": "Flaps out" }));
     }
 
-    /// A glider is told to do what takes longer than an answer may.
+    /// Adds a command that is answered with a receipt.
     pub(crate) fn command(&mut self, receipt: &str) {
         let command = json!({ "type": "OBJ-CMD", "ids": ["kite"], "command": "flaps" });
         self.exchange(command, json!({ "receipt": { "kite": receipt } }));
     }
 
-    /// A request of each family that servers have to know, and one of a family that there isn't.
+    /// Adds a request of each mandatory family, and one of an unknown type.
     fn families(&mut self) {
         self.logs_in();
-        let nobody = json!({ "type": "ACK-NAK", "reason": "No handler for UAV-SOAR" });
-        self.tries_and_receives(&env_07::RULE.rule, "an unknown type", json!({ "type": "UAV-SOAR" }), nobody);
+        let refusal = json!({ "type": "ACK-NAK", "reason": "No handler for UAV-SOAR" });
+        self.tries_and_receives(
+            &env_07::RULE.rule,
+            "an unknown type",
+            json!({ "type": "UAV-SOAR" }),
+            refusal,
+        );
         let none = json!({ "ids": [] });
         let version = json!({ "software": "Windward", "version": "3.1", "name": "Hill", "revision": "b7" });
         let error = json!({ "error": { "rcpt-none": "No such receipt" } });
@@ -189,7 +200,7 @@ impl Session {
         }
     }
 
-    /// What is asked more than once, or in more than one way.
+    /// Adds repeated and filtered queries.
     fn lists(&mut self) {
         let version =
             || json!({ "software": "Windward", "version": "3.1", "name": "Hill", "revision": "b7" });

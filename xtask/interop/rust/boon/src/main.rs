@@ -1,4 +1,4 @@
-//! The crate boon, for draft 2020-12.
+//! Adapter for the crate boon, with draft 2020-12.
 
 use boon::{Compiler, Draft, Schemas};
 use uavspec_interop_protocol::{Failure, serve, version};

@@ -1,4 +1,4 @@
-//! The crate jsonschema, for draft 2020-12.
+//! Adapter for the crate jsonschema, with draft 2020-12.
 
 use jsonschema::{Registry, Resource};
 use serde_json::json;

@@ -1,5 +1,5 @@
-//! What all adapters of Rust share: they read the jobs, and write a line of JSON for each schema and each case.
-//! `xtask/interop/README.md` describes both.
+//! Shared code of the Rust adapters. They read jobs, and write one JSON line for each schema and case; see
+//! `xtask/interop/README.md`.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -9,13 +9,13 @@ use std::io::{self, BufRead as _, BufReader, Write as _};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-/// Whatever went wrong, to be shown.
+/// Any error.
 pub type Failure = Box<dyn Error>;
 
-/// The documents by their address.
+/// The documents by URL.
 pub type Documents = BTreeMap<String, Value>;
 
-/// A line of what is to be done.
+/// A line of the input file.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Line {
@@ -30,17 +30,18 @@ struct Job {
     cases: Vec<String>,
 }
 
-/// Runs all jobs of the file that the command line names. `prepare` takes all documents and gives what compiles the
-/// schema of an address, which in turn gives the function that judges an instance: what is wrong with it, if anything.
-pub fn serve<Compile, Judge>(
+/// Runs all jobs in the file given on the command line. `prepare` receives all documents and returns a function that
+/// compiles the schema with a URL. That function returns a function that checks an instance and returns the error, if
+/// any.
+pub fn serve<Compile, Check>(
     version: &str,
     prepare: impl FnOnce(Documents) -> Result<Compile, Failure>,
 ) -> Result<(), Failure>
 where
-    Compile: FnMut(&str) -> Result<Judge, Failure>,
-    Judge: Fn(&str) -> Result<(), String>,
+    Compile: FnMut(&str) -> Result<Check, Failure>,
+    Check: Fn(&str) -> Result<(), String>,
 {
-    let path = std::env::args().nth(1).ok_or("name the file with the jobs")?;
+    let path = std::env::args().nth(1).ok_or("expected the path of the jobs file")?;
     let mut documents = Documents::new();
     let mut jobs = Vec::new();
     for line in BufReader::new(fs::File::open(path)?).lines() {
@@ -54,8 +55,8 @@ where
     write(&json!({ "version": version }))?;
     let mut compile = prepare(documents)?;
     for Job { job, schema, cases } in jobs {
-        let judge = match compile(&schema) {
-            Ok(judge) => judge,
+        let check = match compile(&schema) {
+            Ok(check) => check,
             Err(error) => {
                 write(&json!({ "job": job, "error": error.to_string() }))?;
                 continue;
@@ -63,7 +64,7 @@ where
         };
         write(&json!({ "job": job }))?;
         for (case, text) in cases.iter().enumerate() {
-            let verdict = judge(text);
+            let verdict = check(text);
             let message = verdict.as_ref().err().map(|message| message.chars().take(300).collect::<String>());
             write(&json!({ "job": job, "case": case, "valid": verdict.is_ok(), "message": message }))?;
         }
@@ -71,12 +72,12 @@ where
     Ok(())
 }
 
-/// Standard output ends each line at once, so that what was judged before a crash is known.
+/// Writes a line. Standard output is flushed after each line, so that verdicts before a crash are preserved.
 fn write(line: &Value) -> io::Result<()> {
     writeln!(io::stdout(), "{line}")
 }
 
-/// The version of a dependency by the lock file beside this crate.
+/// The version of a dependency in the lock file of this workspace.
 pub fn version(name: &str) -> String {
     let lock = include_str!("../../Cargo.lock");
     let entry = lock.split("[[package]]").find(|entry| entry.contains(&format!("\nname = \"{name}\"\n")));

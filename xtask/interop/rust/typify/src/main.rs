@@ -1,13 +1,13 @@
-//! The Rust types that typify makes of the bundles: what deserialises is taken.
+//! Adapter for typify: the Rust types generated from the bundles accept an instance if it can be deserialized.
 
 use serde::de::DeserializeOwned;
 use uavspec_interop_protocol::{Failure, serve, version};
 
-type Judge = fn(&str) -> Result<(), String>;
+type Check = fn(&str) -> Result<(), String>;
 
-#[allow(warnings)] // it is not ours to mend
+#[allow(warnings)] // generated code
 mod generated {
-    use super::{Failure, Judge, judge};
+    use super::{Check, Failure, check};
     include!(concat!(env!("OUT_DIR"), "/types.rs"));
 }
 
@@ -16,11 +16,11 @@ fn main() -> Result<(), Failure> {
         Ok(|address: &str| {
             let (document, definition) = address.split_once("#/$defs/").unwrap_or((address, ""));
             let file = document.rsplit('/').next().unwrap_or(document);
-            generated::judge_of(file.trim_end_matches(".bundle.schema.json"), definition)
+            generated::check_of(file.trim_end_matches(".bundle.schema.json"), definition)
         })
     })
 }
 
-fn judge<T: DeserializeOwned>(text: &str) -> Result<(), String> {
+fn check<T: DeserializeOwned>(text: &str) -> Result<(), String> {
     serde_json::from_str::<T>(text).map(|_| ()).map_err(|error| error.to_string())
 }

@@ -1,4 +1,4 @@
-//! Where things are.
+//! Paths of the repository.
 
 use std::env;
 use std::fs;
@@ -9,10 +9,10 @@ pub(crate) fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
 }
 
-/// A path as it is shown: from the current folder, where it is below that.
+/// A path for display, relative to the current folder if it is below.
 pub(crate) fn shown(path: &Path) -> PathBuf {
     let here = env::current_dir().and_then(fs::canonicalize).unwrap_or_default();
-    // What isn't there yet has no canonical path.
+    // A path that doesn't exist has no canonical form.
     let whole = fs::canonicalize(path).or_else(|_| std::path::absolute(path));
     let whole = whole.unwrap_or_else(|_| path.to_path_buf());
     whole.strip_prefix(&here).map_or_else(|_| path.to_path_buf(), Path::to_path_buf)
