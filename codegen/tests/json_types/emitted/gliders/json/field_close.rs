@@ -8,7 +8,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `FIELD-CLOSE`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 ///         Responses: `TOWER-ACK`, `GLIDER-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -8,7 +8,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a response of type `TOWER-ACK`.
 ///
-/// No fields beside type.
+/// No fields besides type.
 ///
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
