@@ -108,7 +108,7 @@ macro_rules! problems {
         $message:literal, $hint:literal;)*) => {
         /// A problem, with the values for its message.
         #[derive(Clone, Debug, PartialEq)]
-        #[allow(missing_docs)] // of the fields: each is named in the message
+        #[allow(missing_docs)] // the messages name the fields
         pub enum Problem {
             $($(#[$doc])* $kind $({ $($field: $type),* })?,)*
         }

@@ -1,5 +1,5 @@
-//! Messages whose definitions are known only when the program runs, such as those that logs and bags
-//! bring with them: the codecs and checks of generated types, driven by the model.
+//! Messages whose definitions are only known at run time, such as the definitions inside logs and bags. The codecs and
+//! checks are those of generated types, driven by the schema.
 //!
 //! ```
 //! use uavspec_codegen::{PackageInput, SourceMap, dynamic::Types, msg::Dialect, read, schema::Form};
@@ -16,23 +16,21 @@
 //! let payload = message.to_cdr(ByteOrder::LittleEndian)?;
 //! let message = wind.decode_cdr(&payload)?;
 //! assert_eq!(message.get("speed[0]").unwrap().number().unwrap().to_string(), "1.5");
-//! assert_eq!(message.validate()[0].to_string(), "speed[1]: NaN, which has no meaning here (PX-NAN-01)");
+//! assert_eq!(message.validate()[0].to_string(), "speed[1]: NaN is not allowed here (PX-NAN-01)");
 //! # Ok::<(), uavspec_codegen::dynamic::Error>(())
 //! ```
 //!
 //! # How it works
 //!
-//! A message is one buffer. Its fields lie in it as in uORB, so a message of fixed size is its own memory
-//! form, and a payload of uORB or `ULog` can be looked at where it is ([`DynamicView`]). Strings and
-//! sequences have a slot of eight bytes there, which says where behind the fields their bytes or
-//! elements start, and how many there are. For CDR, a type is a list of steps, mostly copies of
-//! numbers that lie side by side in both forms.
+//! A message is one buffer. The fields are laid out as in uORB, so a message of fixed size is already in memory form,
+//! and a uORB or `ULog` payload can be read in place ([`DynamicView`]). A string or sequence has a slot of eight bytes,
+//! which contains the offset and number of its bytes or elements behind the fields. For CDR, a type is compiled to a
+//! list of steps. Most of them copy numbers that are contiguous in both forms.
 //!
-//! Nothing panics on any input, and no payload asks for more room than it has the right to: a message
-//! takes at most eight times as many bytes as its CDR payload, or as the text of its JSON. (Eight is what
-//! an array of messages with one `uint8` each comes to.) Payloads that are refused take no more than
-//! that; JSON takes the fixed size of each message as soon as it begins. The vectors that hold all this
-//! may have twice the room. Messages nest at most 32 deep.
+//! No input causes a panic, and memory is bounded. A message takes at most eight times as many bytes as its CDR payload
+//! or JSON text. The worst case is an array of messages with one `uint8` each. Rejected payloads stay within the same
+//! limit. JSON allocates the fixed size of each message when the message starts. The capacity of the vectors may be
+//! twice as large. Messages nest at most 32 levels deep.
 
 mod bytes;
 mod cdr;

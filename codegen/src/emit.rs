@@ -1,4 +1,4 @@
-//! Output: each emitter turns a schema into files, and none touches a disk.
+//! Emitters turn a schema into files in memory. They never write to disk.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
@@ -34,50 +34,46 @@ pub use self::emitter::{Emitter, Input};
 pub(crate) use self::emitter::{Others, Output, Table};
 pub use self::file::{GENERATED_BY, OutputFile};
 
-/// All emitters. A row gives the name of one, below `output` in the configuration and for `--emit`, a short
-/// description, and the keys of its options with their meanings.
+/// All emitters. A row has the name used as a key of `output` in the configuration and with `--emit`, a short
+/// description, and the option keys with their meanings.
 #[cfg(feature = "files")]
 pub const EMITTERS: &[Emitter] = &[
     Emitter::new::<RustOptions>(
         "rust",
         "Rust modules",
         &[
-            ("root", "the file at the root of the module tree: `mod.rs`, or `lib.rs` for a whole crate"),
-            ("readme", "a page for the documentation of the root"),
+            ("root", "the root file of the module tree: `mod.rs`, or `lib.rs` for a whole crate"),
+            ("readme", "a Markdown file for the documentation of the root module"),
         ],
     ),
     Emitter::new::<json_schema::Options>(
         "json_schema",
         "JSON Schemas",
-        &[("base", "the address that every `$id` starts with")],
+        &[("base", "the URL prefix of every `$id`")],
     ),
     Emitter::new::<vectors::Options>(
         "vectors",
-        "Test vectors, as JSON",
-        &[("base", "that of the schemas, unless given")],
+        "Test vectors in JSON",
+        &[("base", "the URL prefix of every `$id`, by default that of the schemas")],
     ),
     Emitter::new::<docs::Configuration>(
         "docs",
-        "Documentation in Markdown, laid out for mdBook",
+        "Documentation in Markdown, structured for mdBook",
         &[
             ("title", "the title of the book"),
-            ("rules", "`true` to describe the rules of uavspec, too"),
-            ("contents", "a file, or a list of files, with links to more pages, for the table of contents"),
+            ("rules", "`true` to include the pages about the lint and breaking-change rules"),
+            ("contents", "a file or a list of files with links for the table of contents"),
         ],
     ),
     Emitter::new::<typescript::Options>(
         "typescript",
-        "TypeScript modules, with `labels` where there are translations",
+        "TypeScript modules, with `labels` if there are translations",
         &[("form", "`source`, or `compiled` for JavaScript with declarations")],
     ),
-    Emitter::new::<python::Options>(
-        "python",
-        "Python modules, with `labels` where there are translations",
-        &[],
-    ),
+    Emitter::new::<python::Options>("python", "Python modules, with `labels` if there are translations", &[]),
 ];
 
-/// The emitter of a name, or why there is none.
+/// Returns the emitter with this name, or an error that lists the known names.
 #[cfg(feature = "files")]
 pub(crate) fn emitter(name: &str) -> Result<&'static Emitter, String> {
     EMITTERS.iter().find(|emitter| emitter.name == name).ok_or_else(|| {
@@ -86,7 +82,7 @@ pub(crate) fn emitter(name: &str) -> Result<&'static Emitter, String> {
     })
 }
 
-/// The options of the Rust emitter, which may be absent from the build.
+/// Options of the Rust emitter. A build without the feature `rust` accepts no options for it.
 #[cfg(all(feature = "files", feature = "rust"))]
 type RustOptions = rust::Options;
 #[cfg(all(feature = "files", not(feature = "rust")))]

@@ -1,7 +1,7 @@
-//! The one layout of definitions and of pages with error-code tables: text in, text out.
+//! The formatter for definitions and for pages with error-code tables. It maps text to text.
 //!
-//! What a source says stays as it is: each result is read again, and where the model, a comment or a second
-//! run would differ, the source is kept as it was written.
+//! Formatting never changes the meaning. Each result is parsed again. If the parsed model or a comment differs, or a
+//! second run would produce another text, the source is left unchanged.
 
 mod aligned;
 mod comment;
@@ -14,22 +14,25 @@ use crate::msg::{Dialect, Kind};
 use crate::schema::Form;
 use crate::source::{SourceId, SourceMap};
 
-/// A source in its layout.
+/// The result of formatting a source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Formatted {
-    /// The whole text.
+    /// The formatted text.
     pub text: String,
-    /// Whether the text is kept as it was, since the layout would have changed what it says. No source is
-    /// known that is.
+    /// True if the source was left unchanged because formatting would have changed its meaning. No known source
+    /// triggers this.
     pub is_kept: bool,
 }
 
-/// Lays out the source `id`, which is written in `form`.
+/// Formats the source `id`, which is written in `form`.
 ///
-/// In `.msg` files and their relatives: declarations with single blanks, comments aligned in each block of
-/// lines, annotations at the head of a comment in one order and spelling, one blank line where there were
-/// several. In pages: the columns of error-code tables; of the rest only white space at the ends of lines. A
-/// source with mistakes is not laid out: the diagnostics are all that the parser says of it.
+/// In `.msg`, `.srv` and `.action` files, it writes declarations with single spaces, aligns comments within each block
+/// of lines, and collapses consecutive blank lines. Annotations move to the start of their comment, in a fixed order
+/// and spelling.
+///
+/// In pages, it aligns the columns of error-code tables. Elsewhere it only removes trailing white space.
+///
+/// A source with errors is not formatted. The result then contains the diagnostics of the parser.
 ///
 /// ```
 /// use uavspec_codegen::{SourceMap, format::format, msg::Dialect, schema::Form};
@@ -41,19 +44,21 @@ pub struct Formatted {
 /// ```
 pub fn format(sources: &SourceMap, id: SourceId, form: Form) -> Result<Formatted, Vec<Diagnostic>> {
     let source = read(sources, id, form)?;
-    let kept = || Formatted { text: sources.text(id).to_owned(), is_kept: true };
+    let unchanged = || Formatted { text: sources.text(id).to_owned(), is_kept: true };
     let mut again = SourceMap::default();
-    let Ok(second) = again.add(sources.path(id), source.text.clone().into_bytes()) else { return Ok(kept()) };
-    let is_same = read(&again, second, form)
+    let Ok(second) = again.add(sources.path(id), source.text.clone().into_bytes()) else {
+        return Ok(unchanged());
+    };
+    let is_stable = read(&again, second, form)
         .is_ok_and(|second| second.meaning == source.meaning && second.text == source.text);
-    Ok(if is_same { Formatted { text: source.text, is_kept: false } } else { kept() })
+    Ok(if is_stable { Formatted { text: source.text, is_kept: false } } else { unchanged() })
 }
 
-/// What one reading of a source gives.
+/// One parsed source.
 struct Reading {
-    /// The source laid out.
+    /// The formatted source.
     text: String,
-    /// What it says.
+    /// A description of its content, for comparison.
     meaning: Vec<String>,
 }
 
@@ -65,14 +70,14 @@ fn read(sources: &SourceMap, id: SourceId, form: Form) -> Result<Reading, Vec<Di
 }
 
 fn read_definition(sources: &SourceMap, id: SourceId, dialect: Dialect) -> Result<Reading, Vec<Diagnostic>> {
-    // By any other name it is read as a message.
+    // A file with another extension is read as a message.
     let kind = Kind::of(sources.path(id)).unwrap_or(Kind::Message);
     let (definition, diagnostics) = crate::msg::parse(sources, id, kind, dialect);
     if has_errors(&diagnostics) {
         return Err(diagnostics);
     }
     let text = msg::lay_out(sources, id, &definition, dialect);
-    Ok(Reading { text, meaning: meaning::of_definition(sources, &definition, dialect) })
+    Ok(Reading { text, meaning: meaning::describe_definition(sources, &definition, dialect) })
 }
 
 fn read_page(sources: &SourceMap, id: SourceId) -> Result<Reading, Vec<Diagnostic>> {
@@ -81,5 +86,5 @@ fn read_page(sources: &SourceMap, id: SourceId) -> Result<Reading, Vec<Diagnosti
         return Err(diagnostics);
     }
     let text = table::lay_out(sources.path(id), sources.text(id), &page);
-    Ok(Reading { text, meaning: meaning::of_page(sources.path(id), sources.text(id), &page) })
+    Ok(Reading { text, meaning: meaning::describe_page(sources.path(id), sources.text(id), &page) })
 }

@@ -1,4 +1,4 @@
-//! Diagnostics and findings as text: path, line, the line itself, a caret and a hint.
+//! Rendering of diagnostics and findings as text: path, line, source line, caret and hint.
 //!
 //! ```
 //! use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, render, schema::Form};
@@ -18,48 +18,48 @@ use crate::diagnostic::{Diagnostic, Level};
 use crate::finding::Finding;
 use crate::source::{SourceMap, Span};
 
-/// How many diagnostics of one source are shown: what stands there is then no definition.
+/// Maximum number of diagnostics shown per source. A file with more is probably not a definition.
 const MAX_PER_SOURCE: usize = 200;
 
-/// Longest message or hint, in bytes: what definitions have in them may be of any length.
+/// Maximum length in bytes of a message or hint, which may quote text of any length.
 const MAX_TEXT_LEN: usize = 400;
 
-/// How much of a line is quoted after what is marked in it, in bytes.
+/// Maximum number of bytes quoted after the marked part of a line.
 const MAX_REST_LEN: usize = 200;
 
-/// Renders `diagnostics` in the order of their sources and places, with colours where `styled`.
+/// Renders `diagnostics` ordered by source and position, with colours if `styled`.
 pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, styled: bool) -> String {
     let mut ordered: Vec<Finding> = diagnostics.iter().map(Finding::from).collect();
     ordered.sort_by_key(|finding| finding.span);
     findings(&ordered, sources, styled)
 }
 
-/// Renders `findings` in their order, with colours where `styled`. Those in a row that say the same of one
-/// place in several categories are shown as one.
+/// Renders `findings` in the given order, with colours if `styled`. Consecutive findings that differ only in category
+/// are shown as one.
 pub fn findings(findings: &[Finding], sources: &SourceMap, styled: bool) -> String {
     let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
     let mut text = String::new();
-    let is_of_one_source =
+    let is_in_same_source =
         |left: &Finding, right: &Finding| sources.source_of(left.span) == sources.source_of(right.span);
-    let is_one = |left: &Finding, right: &Finding| {
+    let is_equal = |left: &Finding, right: &Finding| {
         (left.rule, left.span, &left.message) == (right.rule, right.span, &right.message)
             && left.category.is_some()
     };
-    for of_source in findings.chunk_by(is_of_one_source) {
-        for same in of_source.chunk_by(is_one).take(MAX_PER_SOURCE) {
+    for in_source in findings.chunk_by(is_in_same_source) {
+        for same in in_source.chunk_by(is_equal).take(MAX_PER_SOURCE) {
             text.push_str(&renderer.render(&[group(same, sources)]));
             text.push('\n');
         }
-        let count = of_source.chunk_by(is_one).count();
+        let count = in_source.chunk_by(is_equal).count();
         if let Some(more) = count.checked_sub(MAX_PER_SOURCE).filter(|more| *more > 0) {
-            let path = sources.path(sources.source_of(of_source[0].span));
+            let path = sources.path(sources.source_of(in_source[0].span));
             let _ = writeln!(text, "… and {more} more in {path}");
         }
     }
     text
 }
 
-/// An error of another tool at a place, in the same form.
+/// Renders an error of another tool at a source location, without `error: ` and colours.
 #[cfg(feature = "files")]
 pub(crate) fn plain(message: &str, span: Span, sources: &SourceMap) -> String {
     let snippet = quote(span, AnnotationKind::Primary, String::new(), sources);
@@ -67,7 +67,7 @@ pub(crate) fn plain(message: &str, span: Span, sources: &SourceMap) -> String {
     text.strip_prefix("error: ").map(str::to_owned).unwrap_or(text)
 }
 
-/// What is shown of findings that say the same of one place.
+/// The rendered form of findings that differ only in category.
 fn group<'a>(same: &[Finding], sources: &'a SourceMap) -> Group<'a> {
     let finding = &same[0];
     let level = same.iter().map(|finding| finding.level).max().unwrap_or(Level::Note);
@@ -78,7 +78,7 @@ fn group<'a>(same: &[Finding], sources: &'a SourceMap) -> Group<'a> {
     };
     let title = title.primary_title(shorten(finding.message.clone())).id(finding.rule);
     let mut group = Group::with_title(title);
-    // In one set of definitions the help stands beside the caret; between two it tells each who is broken.
+    // Without categories, the help is the label of the caret. With categories, it is a note for each category.
     let label = if finding.category.is_none() { shorten(finding.help.clone()) } else { String::new() };
     match finding.sides {
         None => group = group.element(quote(finding.span, AnnotationKind::Primary, label, sources)),
@@ -114,8 +114,8 @@ fn floor_char_boundary(text: &str, mut at: usize) -> usize {
     at
 }
 
-/// The lines that `span` touches, and the caret under them. Only those are handed on, so that the
-/// time to render doesn't depend on the length of the file.
+/// Quotes the lines that `span` touches, with a caret below. Only these lines are passed on, so the rendering time
+/// doesn't depend on the size of the file.
 fn quote(
     span: Span,
     kind: AnnotationKind,
@@ -125,10 +125,10 @@ fn quote(
     let (text, range) = sources.locate(span);
     let first = text[..range.start].rfind('\n').map_or(0, |at| at + 1);
     let end_of_line = |from: usize| text[from..].find('\n').map_or(text.len(), |at| from + at);
-    // A span over several lines is shown by its first.
+    // A span over several lines is marked on its first line only.
     let last = end_of_line(range.start);
     let end = range.end.min(last);
-    // The renderer counts columns from the start, so that only the end of an overlong line is left out.
+    // The renderer counts columns from the start of the line, so only the end of an overlong line is omitted.
     let last = floor_char_boundary(text, last.min(end + MAX_REST_LEN));
     Snippet::source(&text[first..last])
         .path(sources.path(sources.source_of(span)))

@@ -1,4 +1,4 @@
-//! Translations: what definitions say, in other languages.
+//! Translations of the texts in definitions.
 //!
 //! ```text
 //!  definitions ──▶ Schema ──text──▶ texts with keys ─┐
@@ -6,13 +6,13 @@
 //!                               └─────────────────────────update──▶ uk.po, brought up to date
 //! ```
 //!
-//! A language has one catalogue, a file of gettext's PO form that is called after the language (`uk.po`). That form,
-//! since every translator's tool takes it, and since an entry holds the text that was translated beside its
-//! translation: whether the definition has changed since is seen by comparing the two, and no hashes need be kept.
-//! `msgctxt` is the [key](Text::key) of the thing, so that an entry stays with it whatever its text becomes.
+//! Each language has one catalogue, a gettext PO file named after the language (`uk.po`). All translation tools support
+//! this format. An entry contains the source text next to its translation, so a changed definition is detected by
+//! comparison, without hashes. `msgctxt` is the [key](Text::key) of the text. It ties an entry to its text when the
+//! text changes.
 //!
-//! The crates that read this form report no places, give up previous texts and obsolete entries, and panic on some
-//! inputs; what is needed of it takes a few screens.
+//! Existing PO crates report no positions, discard previous texts and obsolete entries, and panic on some inputs. The
+//! required subset is small.
 
 pub(crate) mod catalogue;
 mod language;

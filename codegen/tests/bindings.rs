@@ -1,5 +1,4 @@
-//! TypeScript and Python: what is in the modules, as far as it can be told without either language. `xtask` has the
-//! tests that run their type checkers.
+//! Tests of the TypeScript and Python modules that need neither language. The tests in `xtask` run their type checkers.
 
 use crate::support;
 
@@ -11,7 +10,7 @@ use uavspec_codegen::schema::{Form, Schema};
 use uavspec_codegen::translation::{self, Translations};
 use uavspec_codegen::{SourceMap, read};
 
-/// Of definitions that are in English alone.
+/// Emits definitions without translations.
 const NONE: Translations = Translations { languages: Vec::new() };
 
 const WIND: &str = "# Wind over ground: */ \"\"\" {@link x} \\\n\nuint8 KIND_STEADY=0 # Blows\nuint8 KIND_GUST=1\n\
@@ -42,18 +41,18 @@ fn text<'f>(files: &'f [OutputFile], path: &str) -> &'f str {
 }
 
 #[track_caller]
-fn has(text: &str, wanted: &str) {
-    assert!(text.contains(wanted), "{wanted}\n--- is not in\n{text}");
+fn has(text: &str, expected: &str) {
+    assert!(text.contains(expected), "{expected}\n--- not found in\n{text}");
 }
 
-fn of_form(schema: &Schema, form: typescript::Form) -> Vec<OutputFile> {
+fn emit_typescript(schema: &Schema, form: typescript::Form) -> Vec<OutputFile> {
     typescript::emit(schema, &NONE, &typescript::Options { form })
 }
 
 #[test]
-fn fields_have_the_types_of_their_json() {
+fn declares_fields_with_their_json_types() {
     let schema = px4(&[("Wind.msg", WIND)]);
-    let modules = of_form(&schema, typescript::Form::Source);
+    let modules = emit_typescript(&schema, typescript::Form::Source);
     let module = text(&modules, "demo.ts");
     for line in [
         "timestamp: number;",
@@ -66,7 +65,7 @@ fn fields_have_the_types_of_their_json() {
     }
     has(
         module,
-        "   * Type: float32\\[2\\]; unit: m/s (metres per second); range: 0 to 60; null stands for NaN.\n",
+        "   * Type: float32\\[2\\]; unit: m/s (metres per second); range: 0 to 60; null represents NaN.\n",
     );
     has(module, "export type WindKind = (typeof WindKind)[keyof typeof WindKind] | (number & {});");
     has(module, "GREATEST: 18446744073709551615n,");
@@ -84,16 +83,16 @@ fn fields_have_the_types_of_their_json() {
 }
 
 #[test]
-fn texts_end_neither_comments_nor_strings() {
+fn escapes_texts_in_comments_and_strings() {
     let schema = px4(&[("Wind.msg", WIND)]);
-    let modules = of_form(&schema, typescript::Form::Source);
+    let modules = emit_typescript(&schema, typescript::Form::Source);
     let module = text(&modules, "demo.ts");
     has(module, "Wind over ground: \\*&#47; \"\"\" {\\@link x} \\\\\n");
     assert_eq!(module.matches("/**").count(), module.matches("*/").count());
     has(text(&python::emit(&schema, &NONE), "demo.py"), "Wind over ground: */ \\\"\\\"\" {@link x} \\\\\n");
 }
 
-/// The names that a module of Python declares for others.
+/// The names that a Python module exports.
 fn python_names(module: &str) -> BTreeSet<String> {
     let list = module.split("__all__ = [").nth(1).and_then(|rest| rest.split(']').next()).expect("a list");
     list.lines()
@@ -102,7 +101,7 @@ fn python_names(module: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// The names that follow any of `starts` at the start of a line.
+/// The names that follow one of `starts` at the start of a line.
 fn names_after(module: &str, starts: &[&str]) -> BTreeSet<String> {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let after = |line: &str| {
@@ -113,7 +112,7 @@ fn names_after(module: &str, starts: &[&str]) -> BTreeSet<String> {
 }
 
 #[test]
-fn names_are_the_same_in_both_languages() {
+fn uses_the_same_names_in_both_languages() {
     let gliders = include_str!("fixtures/ok/type-tables/gliders.md");
     let odd = include_str!("fixtures/ok/type-tables-names/odd.md");
     let schemas = [
@@ -123,10 +122,10 @@ fn names_are_the_same_in_both_languages() {
     ];
     for schema in &schemas {
         let starts = ["export interface ", "export type ", "export const "];
-        let modules = of_form(schema, typescript::Form::Source);
+        let modules = emit_typescript(schema, typescript::Form::Source);
         let mut typescript = names_after(text(&modules, "demo.ts"), &starts);
         let python = python_names(text(&python::emit(schema, &NONE), "demo.py"));
-        // Maps from names to types are of no use to Python.
+        // Python doesn't need maps from message names to types.
         for map in ["Messages", "Requests", "Responses", "Notifications"] {
             typescript.remove(map);
         }
@@ -140,10 +139,10 @@ fn names_are_the_same_in_both_languages() {
 }
 
 #[test]
-fn both_kinds_of_modules_export_what_is_declared() {
+fn exports_the_same_names_from_both_kinds_of_modules() {
     let page = "# Errors\n\n## Warnings (64-127)\n\n| Code | Abbreviation | Description |\n|---|---|---|\n| 66 | WINCH | Rope slack |\n";
     for schema in [px4(&[("Wind.msg", WIND)]), schema(Form::Table, &[("errors.md", page)])] {
-        let modules = of_form(&schema, typescript::Form::Compiled);
+        let modules = emit_typescript(&schema, typescript::Form::Compiled);
         let paths: Vec<&str> = modules.iter().map(|file| file.path.as_str()).collect();
         assert_eq!(
             paths,
@@ -174,7 +173,7 @@ const GLIDER: &str = "# A glider\n\nuint8 MODE_SOAR=1 # Soaring\nuint8 MODE_GLID
 
 const TOW: &str = "uint8[2] mode # [@enum Glider.MODE] What both do\n";
 
-/// Definitions, and what is translated of them into Portuguese.
+/// Definitions with a partial translation into Portuguese.
 fn translated() -> (Schema, Translations) {
     let mut sources = SourceMap::default();
     let mut package = support::package("demo", Form::Msg(Dialect::Px4));
@@ -191,7 +190,7 @@ fn translated() -> (Schema, Translations) {
 }
 
 #[test]
-fn each_language_is_a_module_and_english_has_all_texts() {
+fn creates_a_module_per_language_with_all_texts_in_english() {
     let (schema, translations) = translated();
     let source = typescript::emit(&schema, &translations, &typescript::Options::default());
     let paths: Vec<&str> = source.iter().map(|file| file.path.as_str()).collect();
@@ -227,7 +226,7 @@ fn each_language_is_a_module_and_english_has_all_texts() {
 }
 
 #[test]
-fn a_value_has_one_label_also_in_the_fields_of_another_message() {
+fn shares_labels_of_values_between_messages() {
     let (schema, translations) = translated();
     let source = typescript::emit(&schema, &translations, &typescript::Options::default());
     let values = text(&source, "labels/_enumerations.ts");
@@ -246,7 +245,7 @@ fn a_value_has_one_label_also_in_the_fields_of_another_message() {
 }
 
 #[test]
-fn labels_have_both_kinds_of_modules_and_types_where_others_import_them() {
+fn creates_label_modules_of_both_kinds_with_public_types() {
     let (schema, translations) = translated();
     let options = typescript::Options { form: typescript::Form::Compiled };
     let modules = typescript::emit(&schema, &translations, &options);
@@ -264,7 +263,7 @@ fn labels_have_both_kinds_of_modules_and_types_where_others_import_them() {
 }
 
 #[test]
-fn a_package_never_takes_the_name_of_the_labels() {
+fn reserves_the_module_name_of_the_labels() {
     let mut sources = SourceMap::default();
     let mut package = support::package("labels", Form::Msg(Dialect::Px4));
     package.sources.push(sources.add("Glider.msg", GLIDER.into()).expect("a text"));
@@ -274,7 +273,7 @@ fn a_package_never_takes_the_name_of_the_labels() {
 }
 
 #[test]
-fn real_definitions_keep_their_names_apart() {
+fn creates_unique_names_for_real_definitions() {
     let Some(folder) = support::shared("corpus/px4/main/msg") else { return };
     let mut sources = SourceMap::default();
     let mut package = support::package("px4", Form::Msg(Dialect::Px4));
@@ -283,7 +282,7 @@ fn real_definitions_keep_their_names_apart() {
         package.sources.push(sources.add(path.display().to_string(), text).expect("a text"));
     }
     let (schema, _) = read(&sources, &[package]);
-    let modules = of_form(&schema, typescript::Form::Source);
+    let modules = emit_typescript(&schema, typescript::Form::Source);
     let module = text(&modules, "px4.ts");
     let declared = module.lines().filter(|line| line.starts_with("export interface ")).count();
     assert_eq!(declared, names_after(module, &["export interface "]).len());

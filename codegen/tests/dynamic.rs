@@ -1,5 +1,5 @@
-//! Messages handled without types: against what other tools say, against the generated types, and on
-//! whatever bytes there may be.
+//! Tests of messages whose types are known at run time: against other tools, against generated types, and with
+//! arbitrary bytes.
 
 mod hostile;
 mod oracle;

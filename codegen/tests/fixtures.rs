@@ -3,7 +3,7 @@
 //! `err/<code>` causes at least the error `<code>`, `warn/<code>` at least this warning and no error, and `ok/<name>`
 //! no diagnostics. `<code>-<case>` is a further case of a code.
 //!
-//! Markdown, AsciiDoc and text files are pages, and `.po` files are catalogues of translations. Other files are PX4
+//! Markdown, `AsciiDoc` and text files are pages, and `.po` files are catalogues of translations. Other files are PX4
 //! definitions. If a file `dialect` contains `ros2`, they are ROS 2 definitions, and each subfolder is a package.
 //!
 //! To update: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen fixtures::`.

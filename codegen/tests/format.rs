@@ -1,8 +1,8 @@
-//! The layout of definitions and pages: it says the same as before, in the way that the fixtures show, and
-//! a second run finds nothing to do.
+//! Tests of the formatter: the meaning is preserved, the result matches the fixtures, and a second run changes nothing.
 //!
-//! One folder in `fixtures/format` a case: `in.*`, and `out.*` as it should be laid out; a file `dialect`
-//! says `ros2` where it isn't px4. After a change that is meant: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen format::`.
+//! Each folder in `fixtures/format` is a case with the files `in.*` and `out.*`, which contains the expected result. A
+//! file `dialect` selects `ros2` in place of px4. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p
+//! uavspec-codegen format::`.
 
 use crate::support;
 
@@ -21,7 +21,7 @@ fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/format")
 }
 
-/// What is wrong with a case; nothing, if all is as it should be.
+/// The difference between a case and its expected result, if any.
 fn check_fixture(folder: &Path) -> Option<String> {
     let is_ros2 = fs::read_to_string(folder.join("dialect")).is_ok_and(|dialect| dialect.trim() == "ros2");
     let file = |name: &str| {
@@ -51,11 +51,11 @@ fn check_fixture(folder: &Path) -> Option<String> {
         fs::write(&output, found).expect("a writable file");
         return None;
     }
-    Some(format!("{} is laid out as\n{found}and not as\n{expected}", folder.display()))
+    Some(format!("{} found\n{found}expected\n{expected}", folder.display()))
 }
 
 #[test]
-fn each_fixture_is_laid_out_as_expected() {
+fn formats_fixtures_as_expected() {
     let mut failures = String::new();
     let mut folders: Vec<PathBuf> =
         fs::read_dir(fixtures()).expect("fixtures").map(|entry| entry.expect("an entry").path()).collect();
@@ -63,7 +63,7 @@ fn each_fixture_is_laid_out_as_expected() {
     for failure in folders.iter().filter_map(|folder| check_fixture(folder)) {
         writeln!(failures, "{failure}").expect("a string");
     }
-    assert!(failures.is_empty(), "{failures}UAVSPEC_UPDATE_FIXTURES=1 takes this layout for expected");
+    assert!(failures.is_empty(), "{failures}UAVSPEC_UPDATE_FIXTURES=1 accepts the result");
 }
 
 fn texts(files: Vec<PathBuf>) -> Vec<(String, String)> {
@@ -73,7 +73,7 @@ fn texts(files: Vec<PathBuf>) -> Vec<(String, String)> {
     files.into_iter().filter_map(text).collect()
 }
 
-/// Every folder of the corpus that is a package, and how it is written. A quick run omits the older releases of PX4.
+/// All folders of the corpus that are packages, with their dialect. A quick run omits the older releases of PX4.
 fn packages(corpus: &Path) -> Vec<(PathBuf, Dialect)> {
     let below = |path: &str, dialect| {
         let entries = fs::read_dir(corpus.join(path)).expect("a folder of the corpus");
@@ -90,7 +90,7 @@ fn packages(corpus: &Path) -> Vec<(PathBuf, Dialect)> {
 }
 
 #[test]
-fn definitions_of_the_corpus_say_the_same_as_before() {
+fn preserves_the_meaning_of_definitions_in_the_corpus() {
     let Some(corpus) = shared("corpus") else { return };
     let mut count = 0;
     for (folder, dialect) in packages(&corpus) {
@@ -102,7 +102,7 @@ fn definitions_of_the_corpus_say_the_same_as_before() {
 }
 
 #[test]
-fn pages_of_the_specification_say_the_same_as_before() {
+fn preserves_the_meaning_of_specification_pages() {
     let Some(folder) = shared("spec") else { return };
     for (path, text) in texts(files_below(&folder, &["md", "adoc", "txt"])) {
         check_files(Form::Table, &[(path, text)]).unwrap_or_else(|problem| panic!("{problem}"));
@@ -110,7 +110,7 @@ fn pages_of_the_specification_say_the_same_as_before() {
 }
 
 #[test]
-fn our_own_definitions_are_laid_out() {
+fn our_own_definitions_are_formatted() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions");
     for (sub, form) in [("px4", Form::Msg(Dialect::Px4)), ("flockwave", Form::Table)] {
         for (path, text) in texts(files_below(&folder.join(sub), &["msg", "md"])) {
@@ -121,7 +121,7 @@ fn our_own_definitions_are_laid_out() {
 }
 
 #[test]
-fn mistakes_are_reported_all_at_once() {
+fn reports_all_errors() {
     let diagnostics =
         laid_out("A.msg", "uint8 A = 300\nuint8[0] b\n", Form::Msg(Dialect::Px4)).expect_err("two mistakes");
     assert!(has_errors(&diagnostics) && diagnostics.len() == 2, "{diagnostics:?}");

@@ -1,5 +1,4 @@
-//! The layout of whatever may be written: it says the same, keeps every comment, and a second run changes
-//! nothing.
+//! Formatting of generated files: it preserves the meaning and every comment, and a second run changes nothing.
 
 use crate::support;
 
@@ -11,17 +10,16 @@ use uavspec_codegen::schema::Form;
 
 use support::layout::{check_files, laid_out};
 
-/// White space that may stand between words.
-const BLANKS: &[&str] = &[" ", "  ", "\t", " \t ", "     "];
+/// White space between words.
+const SPACES: &[&str] = &[" ", "  ", "\t", " \t ", "     "];
 
-/// White space that may stand where none has to.
+/// Optional white space.
 const GAPS: &[&str] = &["", "", " ", "\t", "   "];
 
-/// Ends of lines; the last line of a text may have none.
+/// Line endings. The last line of a text may have none.
 const ENDS: &[&str] = &["\n", "\n", "\n", "\r\n", " \n", "\t\r\n", "\n\n", "\n \t\n\n"];
 
-/// What declares something in both dialects. `~` stands for white space, `%` for a number that makes the name
-/// one of its own.
+/// Declarations of both dialects. `~` stands for white space, `%` for a number that makes the name unique.
 const DECLARATIONS: &[&str] = &[
     "uint8~mode%",
     "uint64~timestamp%",
@@ -37,7 +35,7 @@ const DECLARATIONS: &[&str] = &[
     "uint16~LIMIT_WITH_A_LONG_NAME%~=~0xFF",
 ];
 
-/// What declares something in ROS 2 alone.
+/// Declarations of ROS 2 only.
 const ROS_DECLARATIONS: &[&str] = &[
     "string~text%",
     "string<=8~text%~\"a # b\"",
@@ -54,7 +52,7 @@ const ROS_DECLARATIONS: &[&str] = &[
     "Thing~thing%",
 ];
 
-/// Pieces of comments of declarations.
+/// Parts of the comment of a declaration.
 const NOTES: &[&str] = &[
     "[m/s]",
     "[ m/s ]",
@@ -118,7 +116,7 @@ const NOTES: &[&str] = &[
     "\"",
 ];
 
-/// Comments on lines of their own, from the `#` on.
+/// Comments on separate lines, from the `#` on.
 const COMMENTS: &[&str] = &[
     "#",
     "# ",
@@ -155,7 +153,7 @@ fn declaration(dialect: Dialect) -> impl Strategy<Value = String> {
         Dialect::Px4 => DECLARATIONS.to_vec(),
         Dialect::Ros2 => [DECLARATIONS, ROS_DECLARATIONS].concat(),
     };
-    (select(all), vec(select(BLANKS), 4), 0..1000_u16).prop_map(|(words, blanks, number)| {
+    (select(all), vec(select(SPACES), 4), 0..1000_u16).prop_map(|(words, blanks, number)| {
         let words = words.replace('%', &number.to_string());
         let pieces = words.split('~').zip(std::iter::once("").chain(blanks));
         pieces.map(|(word, blank)| format!("{blank}{word}")).collect()
@@ -179,7 +177,7 @@ fn line(dialect: Dialect) -> impl Strategy<Value = String> {
     prop_oneof![5 => declared, 4 => comment, 1 => select(GAPS).prop_map(str::to_owned)]
 }
 
-/// Lines with their ends.
+/// Lines with their endings.
 fn part(dialect: Dialect) -> impl Strategy<Value = String> {
     let line = (line(dialect), select(ENDS)).prop_map(|(line, end)| line + end);
     vec(line, 0..12).prop_map(|lines| lines.concat())
@@ -223,7 +221,7 @@ proptest! {
     }
 
     #[test]
-    fn comments_of_any_characters_are_kept(notes in vec("[ \t\\[\\]()@#|,:a-z\u{a0}-]{0,40}", 1..6)) {
+    fn preserves_comments_of_any_characters(notes in vec("[ \t\\[\\]()@#|,:a-z\u{a0}-]{0,40}", 1..6)) {
         let text: String = notes.iter().enumerate().map(|(at, note)| format!("uint8 A{at}=1#{note}\n")).collect();
         check_definition(Dialect::Px4, "Case.msg", &text)?;
         let text: String = notes.iter().enumerate().map(|(at, note)| format!("uint8 a{at}#{note}\n")).collect();
@@ -232,7 +230,7 @@ proptest! {
 }
 
 #[test]
-fn most_generated_definitions_have_no_mistakes() {
+fn most_generated_definitions_are_valid() {
     use proptest::strategy::ValueTree as _;
     use proptest::test_runner::TestRunner;
 
@@ -247,7 +245,7 @@ fn most_generated_definitions_have_no_mistakes() {
     }
 }
 
-/// Lines of pages: tables of error codes with odd spacing among all that Markdown has.
+/// Lines of Markdown pages: error-code tables with odd spacing, and all other constructs.
 const PAGE_LINES: &[&str] = &[
     "# Page",
     "# Page *b*\t",
@@ -293,7 +291,7 @@ const PAGE_LINES: &[&str] = &[
     "\t",
 ];
 
-/// The same for the other forms.
+/// Lines of pages in the other formats.
 const OTHER_LINES: &[&str] = &[
     "== Warnings (codes 64-127)",
     "Warnings (codes 64-127)",
@@ -345,12 +343,12 @@ proptest! {
     #![proptest_config(support::usual(4))]
 
     #[test]
-    fn markdown_says_the_same_as_before(text in page(PAGE_LINES)) {
+    fn preserves_the_meaning_of_markdown(text in page(PAGE_LINES)) {
         check_page("page.md", &text)?;
     }
 
     #[test]
-    fn other_pages_say_the_same_as_before(text in page(OTHER_LINES)) {
+    fn preserves_the_meaning_of_other_pages(text in page(OTHER_LINES)) {
         check_page("page.adoc", &text)?;
         check_page("page.txt", &text)?;
     }

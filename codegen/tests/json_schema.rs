@@ -1,4 +1,4 @@
-//! The emitted JSON Schemas, by meaning: what they let through and what they refuse.
+//! Tests of the emitted JSON Schemas with valid and invalid instances.
 
 use crate::support;
 
@@ -18,9 +18,9 @@ use uavspec_codegen::{Diagnostic, SourceMap, read, render};
 const PX4: Form = Form::Msg(Dialect::Px4);
 const ROS2: Form = Form::Msg(Dialect::Ros2);
 
-/// Keywords that assert, apply or describe, in the drafts from 2019-09 on and in draft 7 alike (`$defs`
-/// is there what `definitions` is, and references into it hold). A strict validator takes no other. The one
-/// exception is `prefixItems`, which no earlier draft knows, and which they pass over.
+/// Keywords with the same meaning in draft 7 and in all drafts since 2019-09. (`$defs` replaces `definitions`, and
+/// references to it are valid.) A strict validator rejects all others. The exception is `prefixItems`, which older
+/// drafts ignore.
 const KEYWORDS: [&str; 27] = [
     "$schema",
     "$id",
@@ -51,7 +51,7 @@ const KEYWORDS: [&str; 27] = [
     "prefixItems",
 ];
 
-/// All emitted documents, by path.
+/// All emitted documents by path.
 struct Documents {
     by_path: BTreeMap<String, Json>,
     registry: Registry<'static>,
@@ -63,7 +63,7 @@ impl Documents {
             .iter()
             .map(|file| (file.path.clone(), serde_json::from_str(&file.text).expect("a schema is JSON")))
             .collect();
-        assert_eq!(by_path.len(), files.len(), "no two files have the same path");
+        assert_eq!(by_path.len(), files.len(), "two files have the same path");
         let resources = by_path.values().map(|document| {
             let id = document["$id"].as_str().expect("an absolute address").to_owned();
             (id, Resource::from_contents(document.clone()))
@@ -83,13 +83,13 @@ impl Documents {
         Self::read(&sources, &schema, &diagnostics)
     }
 
-    /// A validator of what is at `address` below the base of all addresses.
+    /// A validator for the schema at `address`, relative to the base URL.
     fn validator(&self, address: &str) -> Validator {
         let schema = json!({ "$ref": format!("{DEFAULT_BASE}{address}") });
         jsonschema::options().with_registry(&self.registry).build(&schema).expect("a schema that compiles")
     }
 
-    /// What the file of `demo/name` and its copy in the bundle say of `instance`, which is the same.
+    /// The verdict on `instance`. The file of `demo/name` and its copy in the bundle must agree.
     fn accepts(&self, name: &str, instance: &Json) -> bool {
         let file = self.validator(&format!("demo/{name}.schema.json")).is_valid(instance);
         let definition = name.replace('/', ".");
@@ -101,10 +101,10 @@ impl Documents {
 
     fn expect(&self, name: &str, field: &str, good: &[Json], bad: &[Json]) {
         for value in good {
-            assert!(self.accepts(name, &json!({ field: value })), "{name}.{field} should take {value}");
+            assert!(self.accepts(name, &json!({ field: value })), "{name}.{field} should accept {value}");
         }
         for value in bad {
-            assert!(!self.accepts(name, &json!({ field: value })), "{name}.{field} should refuse {value}");
+            assert!(!self.accepts(name, &json!({ field: value })), "{name}.{field} should reject {value}");
         }
     }
 
@@ -113,7 +113,7 @@ impl Documents {
     }
 }
 
-/// A px4 message `A` of one field, with what else is declared.
+/// A px4 message `A` with one field, and additional declarations.
 fn px4_field(text: &str) -> Documents {
     Documents::texts(PX4, &[("A.msg", text)])
 }
@@ -123,7 +123,7 @@ fn number(text: &str) -> Json {
 }
 
 #[test]
-fn integers_have_the_bounds_of_their_type() {
+fn bounds_integers_by_their_type() {
     for (ty, least, below, most, above) in [
         ("int8", "-128", "-129", "127", "128"),
         ("uint8", "0", "-1", "255", "256"),
@@ -144,11 +144,15 @@ fn integers_have_the_bounds_of_their_type() {
         px4_field(&format!("{ty} a\n")).expect("A", "a", &good, &bad);
     }
     let documents = px4_field("uint64 a\n");
-    assert_eq!(documents.field("A", "a")["maximum"].to_string(), "18446744073709551615", "no digit is lost");
+    assert_eq!(
+        documents.field("A", "a")["maximum"].to_string(),
+        "18446744073709551615",
+        "all digits are preserved"
+    );
 }
 
 #[test]
-fn floats_are_numbers_or_null_for_nan() {
+fn accepts_null_as_nan_for_floats() {
     let bad = [json!("NaN"), json!(false), json!(3.5e38), json!(-1e39)];
     let forms_of_the_greatest = ["3.4028235e38", "3.40282347e38", "3.4028234663852886e38"];
     let good: Vec<Json> =
@@ -163,7 +167,7 @@ fn floats_are_numbers_or_null_for_nan() {
 }
 
 #[test]
-fn bools_are_neither_numbers_nor_null() {
+fn rejects_numbers_and_null_for_bools() {
     px4_field("bool a  # [@range 0, 1]\n").expect(
         "A",
         "a",
@@ -173,7 +177,7 @@ fn bools_are_neither_numbers_nor_null() {
 }
 
 #[test]
-fn a_message_is_the_whole_message() {
+fn requires_all_fields_and_no_others() {
     let documents = px4_field("uint8 a\nuint8 b\n");
     assert!(documents.accepts("A", &json!({ "b": 1, "a": 2 })));
     for bad in [json!({ "a": 1 }), json!({ "a": 1, "b": 2, "c": 3 }), json!({}), json!([1, 2]), json!(null)] {
@@ -184,7 +188,7 @@ fn a_message_is_the_whole_message() {
 }
 
 #[test]
-fn a_range_is_enforced_but_the_special_values_pass() {
+fn enforces_ranges_except_for_special_values() {
     let documents = px4_field("float32 a  # [@range 0, 1] [@invalid -1 unknown] [@uncontrolled 7]\n");
     let good = [json!(0), json!(1.0), json!(0.5), json!(-1), json!(-1.0), json!(7), json!(null)];
     documents.expect("A", "a", &good, &[json!(-0.5), json!(-2), json!(1.1), json!(8), json!("x")]);
@@ -204,7 +208,7 @@ fn a_range_is_enforced_but_the_special_values_pass() {
 }
 
 #[test]
-fn a_range_holds_for_each_item_of_an_array() {
+fn enforces_ranges_for_array_elements() {
     let documents = px4_field("float32[2] a  # [@range -1, 1] [@invalid 9]\n");
     documents.expect(
         "A",
@@ -229,7 +233,7 @@ fn a_float32_nearest_to_a_bound_is_within() {
 }
 
 #[test]
-fn a_count_is_at_most_the_length_of_what_it_counts() {
+fn limits_counts_to_the_length_of_the_array() {
     let text = "uint8 n  # [@count list]\nuint8[3] list\n";
     let documents = px4_field(text);
     let message = |count: u8| json!({ "n": count, "list": [1, 2, 3] });
@@ -242,7 +246,7 @@ fn a_count_is_at_most_the_length_of_what_it_counts() {
 }
 
 #[test]
-fn enums_name_their_values_and_stay_open() {
+fn names_enum_values_and_accepts_others() {
     let text = "uint8 MODE_OFF = 0  # All off\nuint8 MODE_ON = 1\nuint8 MODE_RUN = 1  # The same\nuint8 a  # [@enum MODE]\n";
     let documents = px4_field(text);
     documents.expect(
@@ -265,7 +269,7 @@ fn enums_name_their_values_and_stay_open() {
 }
 
 #[test]
-fn alternatives_exclude_each_other_where_every_reader_sees_that_they_do() {
+fn uses_one_of_only_for_alternatives_that_are_disjoint_as_doubles() {
     let keyword = |text: &str| {
         let documents = px4_field(text);
         let field = documents.field("A", "a");
@@ -280,14 +284,14 @@ fn alternatives_exclude_each_other_where_every_reader_sees_that_they_do() {
         &[json!(1.5), json!("0")],
     );
     assert_eq!(keyword("float32 a  # [@range 0, 1] [@invalid -1] [@uncontrolled -1]\n"), Some("anyOf"));
-    // To a reader with floats of 64 bits, the least value that isn't used is the greatest that is.
+    // As 64-bit floats, the special value equals the upper bound of the range.
     let text = "uint64 a  # [@range 0, 18446744073709551614] [@invalid 18446744073709551615]\n";
     assert_eq!(keyword(text), Some("anyOf"));
     assert_eq!(keyword("uint64 a  # [@range 0, 7] [@invalid 18446744073709551615]\n"), Some("oneOf"));
 }
 
 #[test]
-fn flags_are_any_set_of_bits() {
+fn accepts_any_combination_of_flags() {
     let text = "uint8 F_LOW = 1\nuint8 F_HOT = 4  # Too hot\nuint8 a  # [@flags F]\n";
     let documents = px4_field(text);
     documents.expect("A", "a", &[json!(0), json!(5), json!(255)], &[json!(256)]);
@@ -310,7 +314,7 @@ fn char_arrays_are_text_in_px4_and_numbers_in_ros() {
 }
 
 #[test]
-fn strings_and_arrays_keep_their_bounds() {
+fn enforces_bounds_of_strings_and_arrays() {
     let text = "string s\nstring<=2 t\nwstring<=1 w\nbool[] u\nint8[<=2] v\nstring<=1[2] x\nbyte y\n";
     let documents = Documents::texts(ROS2, &[("A.msg", text)]);
     let whole = json!({ "s": "any", "t": "\u{1f681}é", "w": "\u{1f681}", "u": [], "v": [], "x": ["", "a"], "y": 255 });
@@ -325,14 +329,14 @@ fn strings_and_arrays_keep_their_bounds() {
         ("x", json!(["a", "bc"])),
         ("y", json!(-1)),
     ] {
-        let mut broken = whole.clone();
-        broken[field] = bad;
-        assert!(!documents.accepts("A", &broken), "{broken}");
+        let mut invalid = whole.clone();
+        invalid[field] = bad;
+        assert!(!documents.accepts("A", &invalid), "{invalid}");
     }
 }
 
 #[test]
-fn defaults_are_kept_as_instances_have_them() {
+fn writes_defaults_as_instances() {
     let text = "float64 a 1.5\nint8[] b [1, -2]\nstring c 'x'\nbool d true\nfloat32 e nan\n";
     let documents = Documents::texts(ROS2, &[("A.msg", text)]);
     let default = |field| documents.field("A", field)["default"].clone();
@@ -343,7 +347,7 @@ fn defaults_are_kept_as_instances_have_them() {
 }
 
 #[test]
-fn nested_messages_hold_across_files_packages_and_in_the_bundle() {
+fn validates_nested_messages_across_files_and_in_the_bundle() {
     let mut sources = SourceMap::default();
     let mut add = |name: &str, files: &[(&str, &str)]| {
         let mut package = support::package(name, ROS2);
@@ -381,11 +385,15 @@ fn nested_messages_hold_across_files_packages_and_in_the_bundle() {
         ["Inner", "Outer", "srv.Inner_Request", "srv.Inner_Response", "other.msg.Far", "other.msg.Near"];
     assert_eq!(definitions, expected);
     let references = bundle.to_string().matches("\"$ref\":\"#/$defs/").count();
-    assert_eq!(references, bundle.to_string().matches("\"$ref\"").count(), "a bundle refers to itself alone");
+    assert_eq!(
+        references,
+        bundle.to_string().matches("\"$ref\"").count(),
+        "a bundle contains only internal references"
+    );
 }
 
 #[test]
-fn a_bundle_takes_any_message_of_its_package_and_nothing_else() {
+fn bundle_accepts_exactly_the_messages_of_its_package() {
     let documents = Documents::texts(PX4, &[("A.msg", "uint8 a\n"), ("B.msg", "uint8 b\n")]);
     let bundle = documents.validator("demo.bundle.schema.json");
     assert!(bundle.is_valid(&json!({ "a": 1 })) && bundle.is_valid(&json!({ "b": 1 })));
@@ -409,7 +417,7 @@ const CODES: &str = "\
 ";
 
 #[test]
-fn error_codes_are_open_and_say_how_grave_they_are() {
+fn accepts_unlisted_error_codes_and_annotates_severities() {
     let documents = Documents::texts(Form::Table, &[("codes.md", CODES)]);
     for good in [json!(0), json!(66), json!(67), json!(300), json!(40_000)] {
         assert!(documents.accepts("ErrorCode", &good), "{good}");
@@ -429,7 +437,7 @@ fn error_codes_are_open_and_say_how_grave_they_are() {
     assert_eq!(annotations["x-alternatives"], json!([134]));
 }
 
-/// A page with all that type tables have, and error codes beside them.
+/// A page with all features of type tables, and error codes.
 fn gliders() -> Documents {
     Documents::texts(
         Form::Table,
@@ -437,33 +445,43 @@ fn gliders() -> Documents {
     )
 }
 
-fn judge(documents: &Documents, name: &str, good: &[Json], bad: &[Json]) {
+fn check_values(documents: &Documents, name: &str, good: &[Json], bad: &[Json]) {
     for value in good {
-        assert!(documents.accepts(name, value), "{name} should take {value}");
+        assert!(documents.accepts(name, value), "{name} should accept {value}");
     }
     for value in bad {
-        assert!(!documents.accepts(name, value), "{name} should refuse {value}");
+        assert!(!documents.accepts(name, value), "{name} should reject {value}");
     }
 }
 
 #[test]
-fn named_types_and_sets_hold_their_values() {
+fn validates_named_types_and_sets() {
     let documents = gliders();
     let none = json!(null);
-    judge(
+    check_values(
         &documents,
         "Instant",
         &[json!(0), json!(4_102_444_800_000_u64)],
         &[json!(-1), json!(0.5), none.clone()],
     );
-    judge(&documents, "Callsign", &[json!("D1")], &[json!(""), json!("d"), json!("ABCDEFGHI"), json!(1)]);
-    judge(&documents, "Phase", &[json!("towed"), json!("else")], &[json!(0), none.clone()]);
-    judge(&documents, "Fix", &[json!(0), json!(3)], &[json!(1), json!("0"), none.clone()]);
-    judge(&documents, "Marks", &[json!([]), json!(["D1", [1, 2]])], &[json!(["d"]), json!([[1]]), none]);
+    check_values(
+        &documents,
+        "Callsign",
+        &[json!("D1")],
+        &[json!(""), json!("d"), json!("ABCDEFGHI"), json!(1)],
+    );
+    check_values(&documents, "Phase", &[json!("towed"), json!("else")], &[json!(0), none.clone()]);
+    check_values(&documents, "Fix", &[json!(0), json!(3)], &[json!(1), json!("0"), none.clone()]);
+    check_values(
+        &documents,
+        "Marks",
+        &[json!([]), json!(["D1", [1, 2]])],
+        &[json!(["d"]), json!([[1]]), none],
+    );
 }
 
 #[test]
-fn elements_of_tuples_are_left_out_at_the_end_alone() {
+fn tuples_may_omit_optional_elements_at_the_end() {
     let full = json!([1, 2, null, 3000.5]);
     let good = [json!([1, 2]), json!([1, 2, 3]), json!([1, 2, null]), full];
     let bad = [
@@ -476,11 +494,11 @@ fn elements_of_tuples_are_left_out_at_the_end_alone() {
         json!([900_000_001, 2]),
         json!({ "lat": 1 }),
     ];
-    judge(&gliders(), "Mark", &good, &bad);
+    check_values(&gliders(), "Mark", &good, &bad);
 }
 
 #[test]
-fn objects_are_closed_where_the_page_says_so() {
+fn closes_objects_only_if_the_page_does() {
     let documents = gliders();
     let glider = |name: &str, value: Json| json!({ "id": "D1", "time": 1, name: value });
     let good = [
@@ -503,27 +521,27 @@ fn objects_are_closed_where_the_page_says_so() {
         glider("towed_by", json!({ "id": "D2" })),
         glider("else", json!(1)),
     ];
-    judge(&documents, "Glider", &good, &bad);
+    check_values(&documents, "Glider", &good, &bad);
     let known = json!({ "type": "GLIDER-INF", "status": { "D1": { "id": "D1", "time": 1 } }, "else": 1 });
-    judge(
+    check_values(
         &documents,
         "GLIDER-INF.notification",
         std::slice::from_ref(&known),
         &[json!({ "type": "GLIDER-INF" })],
     );
     let response = [json!({ "type": "GLIDER-INF" }), known];
-    judge(&documents, "GLIDER-INF.response", &response, &[json!({}), json!({ "type": "GLIDER" })]);
+    check_values(&documents, "GLIDER-INF.response", &response, &[json!({}), json!({ "type": "GLIDER" })]);
     let bundle = documents.validator("demo.bundle.schema.json");
     assert!(
         bundle.is_valid(&json!({ "type": "FIELD-CLOSE" })) && !bundle.is_valid(&json!("D1")),
         "messages alone"
     );
     let ack = json!({ "type": "TOWER-ACK" });
-    judge(&documents, "TOWER-ACK.response", &[ack], &[json!({ "type": "TOWER-ACK", "else": 1 })]);
+    check_values(&documents, "TOWER-ACK.response", &[ack], &[json!({ "type": "TOWER-ACK", "else": 1 })]);
 }
 
 #[test]
-fn what_restricts_a_type_in_its_place_holds_beside_it() {
+fn combines_restrictions_of_a_type_and_its_use() {
     let text = "# Winch\n\n## Load\n\nnumber, [N] [@range 0, 9000] What pulls.\n\n## Rope\n\n\
         |Field|Required|Type|Description|\n|-|-|-|-|\n\
         |load|no|Load or null|[@range 10, 20000] Now|\n|loads|no|list of Load|[@length 2] [@range , 50] Then|\n\
@@ -543,7 +561,7 @@ fn what_restricts_a_type_in_its_place_holds_beside_it() {
         json!({ "codes": [66, 67] }),
         json!({ "codes": [-1] }),
     ];
-    judge(&documents, "Rope", &good, &bad);
+    check_values(&documents, "Rope", &good, &bad);
     let annotations = &documents.by_path["demo/Load.schema.json"]["$defs"]["annotations"];
     assert_eq!((&annotations["x-unit"], &annotations["x-range"]), (&json!("N"), &json!([0, 9000])));
     assert_eq!(documents.field("Rope", "loads")["$defs"]["annotations"]["x-type"], "list of Load");
@@ -566,7 +584,7 @@ float32 ratio  # [-] No unit
 ";
 
 #[test]
-fn annotations_say_what_no_validator_checks() {
+fn annotates_what_validators_do_not_check() {
     let documents = Documents::texts(PX4, &[("Wind.msg", ANNOTATED)]);
     let document = &documents.by_path["demo/Wind.schema.json"];
     assert_eq!(document["title"], "Wind");
@@ -593,7 +611,7 @@ fn annotations_say_what_no_validator_checks() {
 }
 
 #[test]
-fn commands_keep_their_parameters() {
+fn annotates_parameters_of_commands() {
     let text = "uint16 VEHICLE_CMD_GO = 16  # Go |[m] Radius|[@range 0, 1] Share|Unused|Unused|Unused|Unused|Unused|\n";
     let documents = Documents::texts(PX4, &[("VehicleCommand.msg", text)]);
     let annotations = &documents.by_path["demo/VehicleCommand.schema.json"]["$defs"]["annotations"];
@@ -604,7 +622,7 @@ fn commands_keep_their_parameters() {
 }
 
 #[test]
-fn addresses_start_with_the_base_of_the_options() {
+fn ids_start_with_the_configured_base() {
     let (_, schema, _) = support::texts(PX4, &[("A.msg", "uint8 a\n"), ("B.msg", "A a\n")]);
     for base in ["https://example.org/s", "https://example.org/s/"] {
         let files = emit(&schema, &Options { base: base.to_owned() });
@@ -612,12 +630,12 @@ fn addresses_start_with_the_base_of_the_options() {
             |index: usize| serde_json::from_str::<Json>(&files[index].text).expect("JSON")["$id"].clone();
         assert_eq!(id(0), "https://example.org/s/demo.bundle.schema.json");
         assert_eq!(id(1), "https://example.org/s/demo/A.schema.json");
-        assert!(files[2].text.contains("\"$ref\": \"A.schema.json\""), "references move with the files");
+        assert!(files[2].text.contains("\"$ref\": \"A.schema.json\""), "references are relative");
     }
 }
 
 #[test]
-fn the_order_of_the_input_makes_no_difference() {
+fn does_not_depend_on_the_order_of_the_input() {
     let mut files = vec![("B.msg", "A a\nuint8 b\n"), ("A.msg", ANNOTATED), ("C.srv", "B b\n---\nuint8 x\n")];
     let emitted = |files: &[(&str, &str)]| emit(&support::texts(PX4, files).1, &Options::default());
     let first = emitted(&files);
@@ -634,7 +652,7 @@ fn the_order_of_the_input_makes_no_difference() {
     }
 }
 
-/// Every document passes the meta-schema, and holds no keyword that a strict validator doesn't know.
+/// Every document satisfies the meta-schema, and contains no keyword that a strict validator rejects.
 fn check_documents(documents: &Documents) {
     for (path, document) in &documents.by_path {
         if let Err(error) = jsonschema::meta::validate(document) {
@@ -679,7 +697,7 @@ fn check_keywords(place: &str, schema: &Json) {
 }
 
 #[test]
-fn every_document_passes_the_meta_schema_and_a_strict_reader() {
+fn documents_satisfy_the_meta_schema_and_strict_validators() {
     check_documents(&Documents::texts(
         PX4,
         &[("Wind.msg", ANNOTATED), ("B.msg", "Wind[2] a\n"), ("C.srv", "Wind w\n---\n")],
@@ -692,7 +710,7 @@ fn every_document_passes_the_meta_schema_and_a_strict_reader() {
 }
 
 #[test]
-fn hostile_texts_come_out_as_data() {
+fn escapes_malicious_texts() {
     let text = "# \"}], \\u0000 <b> \u{202e}\n\nuint8 a  # \\ \" \u{1f681} \u{feff}\n";
     let (_, schema, _) = support::texts(PX4, &[("A.msg", text)]);
     let files = emit(&schema, &Options::default());
@@ -705,8 +723,8 @@ fn hostile_texts_come_out_as_data() {
     assert!(documents.field("A", "a")["description"].as_str().expect("text").contains("\\ \" \u{1f681}"));
 }
 
-/// Judges the instances of `oracle` by the schemas; each refusal must be one that `may_refuse` allows.
-fn check_instances(documents: &Documents, oracle: &str, may_refuse: fn(&ValidationErrorKind) -> bool) {
+/// Validates the instances of `oracle`. Each error must satisfy `is_expected`.
+fn check_instances(documents: &Documents, oracle: &str, is_expected: fn(&ValidationErrorKind) -> bool) {
     let Some(path) = support::shared(oracle) else { return };
     let cases: Vec<Json> = serde_json::from_str(&fs::read_to_string(path).expect("an oracle")).expect("JSON");
     let mut validators = BTreeMap::new();
@@ -718,7 +736,7 @@ fn check_instances(documents: &Documents, oracle: &str, may_refuse: fn(&Validati
         let instance = &case["json"];
         for error in validator.iter_errors(instance) {
             assert!(
-                may_refuse(error.kind()),
+                is_expected(error.kind()),
                 "{name} {}: {error} at {}",
                 case["case"],
                 error.instance_path()
@@ -726,14 +744,14 @@ fn check_instances(documents: &Documents, oracle: &str, may_refuse: fn(&Validati
         }
         let mut extra = instance.clone();
         extra["no_such_field"] = json!(0);
-        assert!(!validator.is_valid(&extra), "{name} takes a field too many");
+        assert!(!validator.is_valid(&extra), "{name} accepts an additional field");
         if let Some(field) = instance.as_object().and_then(|fields| fields.keys().next()) {
             let mut missing = instance.clone();
             missing.as_object_mut().expect("an object").remove(field);
-            assert!(!validator.is_valid(&missing), "{name} does without {field}");
+            assert!(!validator.is_valid(&missing), "{name} accepts a missing {field}");
             let mut wrong = instance.clone();
             wrong[field] = json!({ "no": "such" });
-            assert!(!validator.is_valid(&wrong), "{name}.{field} takes anything");
+            assert!(!validator.is_valid(&wrong), "{name}.{field} accepts a value of the wrong type");
         }
     }
 }
@@ -746,7 +764,7 @@ fn px4_of_the_corpus() {
         let documents = Documents::read(&sources, &schema, &diagnostics);
         check_documents(&documents);
         if release == "main" {
-            // The instances are random: they keep to types and lengths, but not to ranges and counts.
+            // The instances are random. They respect types and lengths, but not ranges and counts.
             check_instances(&documents, "oracle/cdr/px4-main.json", |kind| {
                 use ValidationErrorKind::{AnyOf, Maximum, Minimum, OneOfNotValid};
                 matches!(kind, AnyOf { .. } | OneOfNotValid { .. } | Maximum { .. } | Minimum { .. })

@@ -1,9 +1,9 @@
-//! The Rust that is emitted for types and messages of pages: that of `fixtures/ok/type-tables*` is compiled here, and
-//! read and written. After a change that is meant: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen json_types::`.
+//! Tests of the Rust code for types and messages of pages: the code for `fixtures/ok/type-tables*` is compiled here and
+//! executed. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen json_types::`.
 
 use crate::support;
 
-/// What is emitted, as a crate would have it.
+/// The emitted code, in the structure of a crate.
 #[allow(dead_code, missing_docs, unreachable_pub, unused_imports)]
 #[rustfmt::skip]
 mod emitted;
@@ -24,14 +24,14 @@ use uavspec_codegen::emit::{GENERATED_BY, rust, vectors};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{SourceMap, read};
 
-/// The packages: names and pages.
+/// The packages with their pages.
 const PAGES: [(&str, &str); 2] = [
     ("gliders", include_str!("fixtures/ok/type-tables/gliders.md")),
     ("odd", include_str!("fixtures/ok/type-tables-names/odd.md")),
 ];
 
 #[test]
-fn what_is_compiled_here_is_what_is_emitted() {
+fn compiled_code_is_up_to_date() {
     let mut sources = SourceMap::default();
     let packages = PAGES.map(|(name, text)| {
         let mut package = support::package(name, Form::Table);
@@ -53,12 +53,12 @@ fn what_is_compiled_here_is_what_is_emitted() {
         found
             .iter()
             .filter(|path| !known.contains(path))
-            .map(|path| format!("{} is left over", path.display())),
+            .map(|path| format!("{} is obsolete", path.display())),
     );
     assert!(failures.is_empty(), "{}", failures.concat());
 }
 
-/// Reads what was written, and writes what was read.
+/// Checks a round trip.
 fn round<T: DeserializeOwned + Serialize + PartialEq + Debug>(value: &T, json: &Json) {
     assert_eq!(&serde_json::to_value(value).expect("JSON"), json);
     let text = json.to_string();
@@ -76,7 +76,7 @@ fn mark(lat: i64, height: Option<i64>, radius: Option<f64>) -> Mark {
 }
 
 #[test]
-fn tuples_are_as_long_as_they_have_to_be() {
+fn checks_lengths_of_tuples() {
     round(&mark(1, None, None), &json!([1, 2]));
     round(&mark(1, Some(3), None), &json!([1, 2, 3]));
     round(&mark(1, None, Some(0.5)), &json!([1, 2, null, 0.5]));
@@ -90,7 +90,7 @@ fn tuples_are_as_long_as_they_have_to_be() {
 }
 
 #[test]
-fn what_is_left_out_is_not_what_is_null() {
+fn distinguishes_absent_from_null() {
     let glider = Glider { id: Callsign::from("D1".to_owned()), time: Instant(5), ..Glider::default() };
     round(&glider, &json!({ "id": "D1", "time": 5 }));
     round(&Glider { fix: Some(None), ..glider.clone() }, &json!({ "id": "D1", "time": 5, "fix": null }));
@@ -135,7 +135,7 @@ fn what_is_left_out_is_not_what_is_null() {
 }
 
 #[test]
-fn names_know_their_range_and_sets_their_values() {
+fn provides_ranges_and_known_values() {
     assert_eq!(Instant::RANGE, 0..=4_102_444_800_000);
     assert!(Instant(0).is_in_range() && !Instant(-1).is_in_range());
     assert!(odd::json::Option(-0.5).is_in_range() && !odd::json::Option(-0.6).is_in_range());
@@ -148,7 +148,7 @@ fn names_know_their_range_and_sets_their_values() {
 }
 
 #[test]
-fn messages_are_told_apart_by_their_type() {
+fn distinguishes_messages_by_type() {
     let request = Request::from(glider_inf::Request { ids: vec![Callsign::from("D1")] });
     let text = serde_json::to_string(&request).expect("JSON");
     assert_eq!(text, r#"{"type":"GLIDER-INF","ids":["D1"]}"#, "the type comes first");
@@ -172,9 +172,9 @@ fn messages_are_told_apart_by_their_type() {
     refused::<Response>(&json!({ "type": "TOWER-ACK", "else": 1 }), "unknown field `else`");
 }
 
-/// What the vectors say of a type, and what its Rust does: it reads what is valid, and writes it so that it reads the
-/// same again. What is of another shape is refused; ranges, lengths and patterns are not looked at.
-fn keeps_to_the_vectors<T: DeserializeOwned + Serialize + PartialEq + Debug>(
+/// Checks a type against its vectors: valid values survive a round trip, and values with a wrong type or structure are
+/// rejected. Ranges, lengths and patterns are not checked.
+fn check_vectors<T: DeserializeOwned + Serialize + PartialEq + Debug>(
     vectors: &[(String, Json)],
     name: &str,
 ) {
@@ -189,9 +189,9 @@ fn keeps_to_the_vectors<T: DeserializeOwned + Serialize + PartialEq + Debug>(
                 let again: T = serde_json::from_value(written).expect("what was written");
                 assert_eq!(again, read, "{name}: {case}");
             }
-            // Those of tuples are part of their shape, those of lists and strings are not.
+            // Lengths are checked for tuples only.
             (Some("SHAPE-LENGTH"), read) if !name.ends_with("/Mark") => drop(read),
-            // A message of another type is kept as it is.
+            // A message of another type is preserved.
             (Some("SHAPE-VALUE"), read) if name.contains('.') => assert!(read.is_ok(), "{case}"),
             (Some(_), read) => assert!(read.is_err(), "{name}: {case}: {read:?}"),
         }
@@ -199,7 +199,7 @@ fn keeps_to_the_vectors<T: DeserializeOwned + Serialize + PartialEq + Debug>(
 }
 
 #[test]
-fn vectors_say_what_is_read() {
+fn accepts_and_rejects_vectors_as_stated() {
     let mut sources = SourceMap::default();
     let packages = PAGES.map(|(name, text)| {
         let mut package = support::package(name, Form::Table);
@@ -213,7 +213,7 @@ fn vectors_say_what_is_read() {
         files.map(|file| (file.path.clone(), serde_json::from_str(&file.text).expect("JSON"))).collect();
     macro_rules! check {
         ($($package:ident: $($type:ident)*;)*) => {
-            $($(keeps_to_the_vectors::<$package::json::$type>(
+            $($(check_vectors::<$package::json::$type>(
                 &vectors,
                 concat!(stringify!($package), "/", stringify!($type)),
             );)*)*
@@ -223,13 +223,13 @@ fn vectors_say_what_is_read() {
         gliders: Callsign Fix Glider Instant Mark Marks Phase;
         odd: A B D Option Result S Vec Visitor;
     }
-    keeps_to_the_vectors::<Request>(&vectors, "gliders/GLIDER-INF.request");
-    keeps_to_the_vectors::<Response>(&vectors, "gliders/TOWER-ACK.response");
-    keeps_to_the_vectors::<Notification>(&vectors, "gliders/GLIDER-INF.notification");
+    check_vectors::<Request>(&vectors, "gliders/GLIDER-INF.request");
+    check_vectors::<Response>(&vectors, "gliders/TOWER-ACK.response");
+    check_vectors::<Notification>(&vectors, "gliders/GLIDER-INF.notification");
 }
 
 #[test]
-fn words_of_the_language_are_names_like_others() {
+fn escapes_keywords_in_names() {
     use odd::json::{A, AMany, AMap, B, D, S, Visitor};
     assert_eq!(serde_json::to_value(AMany::Other).expect("JSON"), "Other");
     let inner = A { r#type: S("x".to_owned()), ..A::default() };

@@ -1,5 +1,5 @@
-//! The vectors, by meaning: the published schemas, the codecs and the rules say of each case what it
-//! says itself, and nothing that could be tried is left out.
+//! Tests of the vectors: the published schemas, the codecs and the rules agree with each case, and all important inputs
+//! are covered.
 
 use crate::support;
 
@@ -24,14 +24,14 @@ use uavspec_runtime::cdr::ByteOrder;
 const PX4: Form = Form::Msg(Dialect::Px4);
 const ROS2: Form = Form::Msg(Dialect::Ros2);
 
-/// What no corpus has: bounds of all kinds, wide strings, and rules in parts of parts.
+/// Features that no corpus contains: bounds of all kinds, wide strings, and rules in nested messages.
 const CORNERS: [(&str, &str); 3] = [
     ("Inner.msg", "wstring<=3 label\nfloat64[2] pair\nint64 far\nbool flag\n"),
     ("Middle.msg", "Inner[<=2] inners\nstring<=5 name\nbool[<=3] flags\nbyte raw\nchar letter\n"),
     ("Outer.msg", "Middle[2] middles\nMiddle[] more\nstring[<=2] names\nuint16[<=20] numbers\nEmpty empty\n"),
 ];
 
-/// PX4 annotations where they meet: text, ranges with special values, counts, masks of a signed type.
+/// Combinations of PX4 annotations: text, ranges with special values, counts, masks of a signed type.
 const ANNOTATED: [(&str, &str); 1] = [(
     "Annotated.msg",
     "uint8 MODE_A = 3\nuint8 MODE_B = 5\nint8 BIT_LOW = 1\nint8 BIT_HIGH = 64\nuint64 timestamp\n\
@@ -42,7 +42,7 @@ const ANNOTATED: [(&str, &str); 1] = [(
      float32[2] pair # [@range 1,] Two\nuint8[2] modes # [@enum MODE] Two modes\nint64 far # Far\n",
 )];
 
-/// Pages with types and messages of every kind, and error codes that they refer to.
+/// Pages with types and messages of all kinds, and error codes that they refer to.
 const PAGES: [(&str, &str); 4] = [
     ("gliders.md", include_str!("fixtures/ok/type-tables/gliders.md")),
     ("odd.md", include_str!("fixtures/ok/type-tables-names/odd.md")),
@@ -58,7 +58,7 @@ const LIMITS: &str = "# Limits\n\n## Load\n\nnumber, [N] [@range 0, 9000] What p
     |far|no|integer|[@range 9007199254740993, 9007199254740999] Beyond doubles|\n|log|no|string|[@format base64] [@length 4, 8] Bytes|\n\
     |next|no|Rope|The next|\n|ropes|no|list of list of Rope|Others|\n|ends|no|list of (one of a, b)|[@unique] Ends|\n";
 
-/// The definitions, and what is emitted from them.
+/// Definitions and the files emitted from them.
 struct Emitted {
     schema: Schema,
     schemas: Vec<OutputFile>,
@@ -73,7 +73,7 @@ impl Emitted {
         Self { schema, schemas, vectors }
     }
 
-    /// The files whose names end so, read as JSON.
+    /// The files with this extension, parsed as JSON.
     fn files(&self, ending: &str) -> impl Iterator<Item = (&str, Json)> {
         let files = self.vectors.iter().filter(move |file| file.path.ends_with(ending));
         files.map(|file| (file.path.as_str(), serde_json::from_str(&file.text).expect("JSON")))
@@ -119,7 +119,7 @@ fn definitions() -> Emitted {
     Emitted::of((sources, schema, diagnostics))
 }
 
-/// Everything that vectors are emitted from here. A quick run omits the older releases of PX4.
+/// All definitions for which the tests emit vectors. A quick run omits the older releases of PX4.
 static ALL: LazyLock<Vec<Emitted>> = LazyLock::new(|| {
     let corners = CORNERS.iter().chain([&("Empty.msg", "")]).copied().collect::<Vec<_>>();
     let mut all = vec![
@@ -137,7 +137,7 @@ static ALL: LazyLock<Vec<Emitted>> = LazyLock::new(|| {
 });
 
 #[test]
-fn published_schemas_say_what_the_suite_says() {
+fn published_schemas_agree_with_the_suite() {
     for emitted in &*ALL {
         let resources = emitted.schemas.iter().map(|file| {
             let schema: Json = serde_json::from_str(&file.text).expect("JSON");
@@ -168,7 +168,7 @@ fn names(object: &Json) -> Vec<&str> {
 }
 
 #[test]
-fn codecs_and_rules_say_what_the_vectors_say() {
+fn codecs_and_rules_agree_with_the_vectors() {
     for emitted in &*ALL {
         for (message, ty, cases) in emitted.messages() {
             for case in cases {
@@ -183,32 +183,35 @@ fn codecs_and_rules_say_what_the_vectors_say() {
 }
 
 fn check_case(ty: MessageType<'_>, case: &Json, expected: &BTreeSet<String>, name: &str) {
-    let meant = case.get("json").or(case.get("decoded"));
-    let from_json = meant.map(|json| ty.from_json(json));
+    let expected_value = case.get("json").or(case.get("decoded"));
+    let from_json = expected_value.map(|json| ty.from_json(json));
     if let Some(read) = &from_json {
-        assert_eq!(&broken(read), expected, "{name}: JSON");
+        assert_eq!(&violated(read), expected, "{name}: JSON");
     }
-    let meant = from_json.and_then(Result::ok);
+    let expected_value = from_json.and_then(Result::ok);
     let uorb = hex(&case["uorb"]).map(|bytes| (ty.decode_uorb_strict(&bytes), bytes));
     let cdr = hex(&case["cdr"]).map(|bytes| (ty.decode_cdr_strict(&bytes), bytes));
     for (decoded, _) in [&uorb, &cdr].into_iter().flatten() {
-        assert_eq!(&broken(decoded), expected, "{name}: bytes");
-        if let (Ok(decoded), Some(meant)) = (decoded, &meant) {
-            assert!(is_same(&decoded.to_json().expect("JSON"), &meant.to_json().expect("JSON")), "{name}");
+        assert_eq!(&violated(decoded), expected, "{name}: bytes");
+        if let (Ok(decoded), Some(expected_value)) = (decoded, &expected_value) {
+            assert!(
+                is_same(&decoded.to_json().expect("JSON"), &expected_value.to_json().expect("JSON")),
+                "{name}"
+            );
         }
     }
-    if let (Some(meant), Some(json)) = (&meant, case.get("json")) {
-        assert!(is_same(&meant.to_json().expect("JSON"), json), "{name}: JSON survives");
-        let encoded = meant.to_cdr(ByteOrder::LittleEndian).ok();
+    if let (Some(expected_value), Some(json)) = (&expected_value, case.get("json")) {
+        assert!(is_same(&expected_value.to_json().expect("JSON"), json), "{name}: JSON round trip");
+        let encoded = expected_value.to_cdr(ByteOrder::LittleEndian).ok();
         assert_eq!(cdr.as_ref().map(|(_, bytes)| bytes), encoded.as_ref(), "{name}: CDR");
         if let Some((_, bytes)) = &uorb {
-            assert_eq!(bytes, &meant.to_uorb().expect("a memory form"), "{name}: uORB");
+            assert_eq!(bytes, &expected_value.to_uorb().expect("a memory form"), "{name}: uORB");
         }
     }
 }
 
-/// The rules that a message breaks, or that what is none breaks.
-fn broken(read: &Result<DynamicMessage<'_>, uavspec_codegen::dynamic::Error>) -> BTreeSet<String> {
+/// The rules that a message violates, or the rule that a decoding error corresponds to.
+fn violated(read: &Result<DynamicMessage<'_>, uavspec_codegen::dynamic::Error>) -> BTreeSet<String> {
     let rule = match read {
         Ok(message) => {
             return message.validate().iter().map(|violation| violation.rule.id().to_owned()).collect();
@@ -240,7 +243,7 @@ fn hex(text: &Json) -> Option<Vec<u8>> {
     Some((0..text.len()).step_by(2).map(byte).collect())
 }
 
-/// Whether two values are the same to one who reads numbers as their field holds them.
+/// True if two values are equal after conversion to the types of their fields.
 #[allow(clippy::cast_possible_truncation, clippy::float_cmp)] // equal as float32, sign and all, is what is asked
 fn is_same(left: &Json, right: &Json) -> bool {
     match (left, right) {
@@ -258,7 +261,7 @@ fn is_same(left: &Json, right: &Json) -> bool {
 }
 
 #[test]
-fn ids_are_unique_and_files_have_their_form() {
+fn creates_unique_ids_and_valid_files() {
     for emitted in &*ALL {
         let (_, form) = emitted.files("vectors.schema.json").next().expect("the schema of the form");
         let form = jsonschema::validator_for(&form).expect("a schema");
@@ -275,14 +278,14 @@ fn ids_are_unique_and_files_have_their_form() {
 }
 
 #[test]
-fn the_same_definitions_give_the_same_bytes() {
+fn output_is_deterministic() {
     for emitted in &*ALL {
         assert!(vectors::emit(&emitted.schema, &vectors::Options::default()) == emitted.vectors);
     }
 }
 
 #[test]
-fn vectors_name_the_schemas_where_they_are() {
+fn refers_to_the_schemas_by_their_ids() {
     let (_, schema, _) = support::texts(PX4, &[("A.msg", "uint64 timestamp\n")]);
     let schemas = json_schema::Options { base: "https://example.org/x/".to_owned() };
     let files = vectors::emit(&schema, &vectors::Options { base: Some(schemas.base.clone()) });
@@ -292,7 +295,7 @@ fn vectors_name_the_schemas_where_they_are() {
 }
 
 #[test]
-fn what_is_added_keeps_the_ids_of_what_was_there() {
+fn additions_do_not_change_existing_ids() {
     let ids = |text: &str| -> BTreeSet<String> {
         let emitted = Emitted::of(support::texts(PX4, &[("A.msg", text)]));
         let (_, file) = emitted.files(".vectors.json").next().expect("vectors");
@@ -306,9 +309,9 @@ fn what_is_added_keeps_the_ids_of_what_was_there() {
     assert!(before.is_subset(&after), "{:?}", before.difference(&after).collect::<Vec<_>>());
 }
 
-/// In the typical case, no byte of a number equals the byte before it: what is shifted by one shows.
+/// In the typical case, adjacent bytes of a number differ, so shifted bytes are detected.
 #[test]
-fn typical_bytes_differ_from_their_neighbours() {
+fn adjacent_typical_bytes_differ() {
     let text = "uint64 a\nint32 b\nfloat32 c\nuint16 d\nuint8 e\nint8[300] f\nfloat64[2] g\n";
     let emitted = Emitted::of(support::texts(PX4, &[("A.msg", text)]));
     let (_, _, cases) = emitted.messages().next().expect("a message");
@@ -318,7 +321,7 @@ fn typical_bytes_differ_from_their_neighbours() {
 }
 
 #[test]
-fn error_codes_have_the_severity_that_their_bits_say() {
+fn takes_the_severity_of_error_codes_from_their_bits() {
     let emitted = definitions();
     let (_, file) = emitted.files("ErrorCode.vectors.json").next().expect("vectors");
     let cases = file["cases"].as_array().expect("cases");
@@ -332,9 +335,9 @@ fn error_codes_have_the_severity_that_their_bits_say() {
     assert!(known >= 63 && cases.iter().any(|case| case["json"] == json!(4_294_967_296_u64)));
 }
 
-/// What vectors can't be made for has none, and none of it takes long.
+/// Definitions that are too large have no vectors, and are skipped quickly.
 #[test]
-fn definitions_beyond_measure_have_no_cases() {
+fn creates_no_cases_for_oversized_definitions() {
     let cases = |form, files: &[(String, String)], name: &str| {
         let files: Vec<(&str, &str)> =
             files.iter().map(|(path, text)| (path.as_str(), text.as_str())).collect();
@@ -366,12 +369,12 @@ fn definitions_beyond_measure_have_no_cases() {
     assert!(cases(ROS2, &doubling, "Level29") > 0);
     let wide: String = (0..3_000).map(|number| format!("uint64 field_{number}\n")).collect();
     let wide = cases(PX4, &[named("Wide", &wide)], "Wide");
-    assert!((1..20).contains(&wide), "{wide} cases: none field by field");
+    assert!((1..20).contains(&wide), "{wide} cases, but expected none for single fields");
 }
 
-/// Cases of pages try each rule on shapes, and each field is left out once.
+/// Cases of pages cover every rule about body schemas, and omit each field once.
 #[test]
-fn cases_of_pages_break_every_rule_on_shapes() {
+fn cases_of_pages_cover_every_rule_about_body_schemas() {
     let emitted = Emitted::of(support::texts(Form::Table, &PAGES));
     let mut rules = BTreeSet::new();
     for (path, file) in emitted.files(".vectors.json").filter(|(path, _)| !path.contains("/Error")) {
@@ -405,5 +408,5 @@ fn cases_of_pages_break_every_rule_on_shapes() {
         "ropes-item-null",
     ];
     let missing: Vec<_> = expected.into_iter().filter(|id| !ids.contains(id)).collect();
-    assert_eq!(missing, ["log-text-5"], "what breaks two rules at once is no case; of {ids:?}");
+    assert_eq!(missing, ["log-text-5"], "a value that violates two rules is no case: {ids:?}");
 }

@@ -1,8 +1,15 @@
 //! The command line of `uavspec`.
 //!
-//! Exit status: 0 conforms; 1 doesn't; 2 wrong usage, or definitions or lists that can't be read; 3 a source that
-//! can't be read to its end, a report that can't be written, or a testee or server that broke; 4 a list of known failures no longer holds
-//! true; 5 nothing was checked. Where several apply, 2 goes before 3, 1, 4 and 5.
+//! | Exit status | Meaning |
+//! |---:|---|
+//! | 0 | conforms |
+//! | 1 | does not conform |
+//! | 2 | wrong usage, or definitions or lists that can't be read |
+//! | 3 | an input can't be read to the end, a report can't be written, or a testee or server failed |
+//! | 4 | an entry of a list of known failures no longer applies |
+//! | 5 | nothing was checked |
+//!
+//! If several apply, the first of 2, 3, 1, 4 and 5 is used.
 //!
 //! ```no_run
 //! let status: std::process::ExitCode = uavspec_conformance::app::main();
@@ -32,9 +39,26 @@ use crate::flockwave::body_schema::Schemas;
 use crate::report::{OutcomeKind, Report};
 use crate::text::command_line;
 
-/// Judges outputs of drone software by the specification.
+const EXAMPLES: &str = "Examples:
+  uavspec check flight.ulg
+  uavspec test -- ./my-codec --stdio
+  uavspec probe tcp://localhost:5001
+  uavspec rules PX-RANGE-01";
+
+const STATUS: &str = "Exit status:
+  0  conforms, or success
+  1  does not conform
+  2  wrong usage, or definitions or lists that can't be read
+  3  an input, a testee or a server failed, or a report can't be written
+  4  an entry of a list of known failures no longer applies
+  5  nothing was checked
+
+If several apply, the first of 2, 3, 1, 4 and 5 is used.";
+
+/// Checks drone software against its interface specifications.
 #[derive(Debug, Parser)]
 #[command(name = "uavspec", version)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{STATUS}"))]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -42,37 +66,66 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Judge logs and messages that others wrote.
+    /// Check logs, bags, messages and recorded sessions.
     Check(check::CheckArgs),
-    /// Ask a codec or validator in any language, as a child process.
+    /// Test a codec or validator in any language.
+    ///
+    /// The implementation under test is called a testee. It reads one JSON request per line and writes one JSON
+    /// response per line, in any order. uavspec starts it as a child process, or connects to it over TCP.
     Test(test::TestArgs),
-    /// Work on a testee, before it is asked in earnest.
-    #[command(subcommand)]
+    /// Check how a testee implements the test protocol.
+    #[command(subcommand, after_help = "Example:\n  uavspec testee lint -- ./my-codec --stdio")]
     Testee(testee::TesteeCommand),
-    /// Ask a live Flockwave server, and judge what it says.
+    /// Test a live Flockwave server.
+    ///
+    /// The probe sends requests that change nothing, and listens for notifications. Then it tests how the server
+    /// handles split messages, invalid JSON and about thirty malformed requests, each on a new connection.
+    ///
+    /// These trials may crash a server that has bugs. Never probe a server that is controlling flying UAVs.
+    ///
+    /// With --allow-commands, the given UAVs take off, fly to 10 m above home, return and land. They are tested,
+    /// calibrated, put to sleep and woken. The probe also adjusts the server's clock by zero seconds.
     Probe(probe::ProbeArgs),
-    /// Be a Flockwave server with a simulated fleet, for those who write clients, and with a bug for those who judge
-    /// servers.
+    /// Run a reference Flockwave server with a simulated fleet.
+    ///
+    /// The server prints one line per transport with its address. Port 0 selects a free port. HTTP and Socket.IO are
+    /// both served at the addresses of either.
+    ///
+    /// Clients can send commands to the UAVs. In addition, OBJ-CMD accepts the commands error (arguments: error codes;
+    /// none clears them), battery (argument: charge in percent) and lose (the UAV stops reporting).
+    ///
+    /// Everyone who can reach an address can use the server. Prefer loopback addresses.
     Serve(serve::ServeArgs),
-    /// Watch the fleet of a Flockwave server: where its UAVs are, what they do, and what is wrong with them.
+    /// Show the fleet of a Flockwave server in the terminal.
+    ///
+    /// It requests the UAVs and their states, and changes nothing on the server. UAVs that the server doesn't report by
+    /// itself are requested every two seconds. If the connection is lost, it reconnects, and the last known states
+    /// remain visible.
+    ///
+    /// Press ? for a list of all keys. The environment variable `NO_COLOR` disables colours.
     Watch(watch::WatchArgs),
-    /// List the rules, or tell all of one.
+    /// List the rules, or explain one.
     Rules(rules::RulesArgs),
-    /// Judge recordings that are made of the definitions, and others that break each rule: whether this program
-    /// finds what it should, and nothing else.
+    /// Test uavspec itself.
+    ///
+    /// It generates captures that conform to the definitions, and captures that violate each rule. It then probes the
+    /// reference server without bugs, and with the bug of each rule. Each rule must find its violations and nothing
+    /// else.
+    ///
+    /// The probes use free ports of 127.0.0.1 and take about half a minute.
     SelfTest(self_test::SelfTestArgs),
 }
 
-/// How lists are printed.
+/// The format of a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// For people.
+    /// Text for a terminal.
     Text,
-    /// For programs.
+    /// JSON for programs.
     Json,
 }
 
-/// What a run ends with, from the best to that which goes before all others.
+/// The exit status of a run, in ascending precedence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Status {
     Conforms,
@@ -108,7 +161,7 @@ impl From<OutcomeKind> for Status {
     }
 }
 
-/// The whole program.
+/// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
     let status = match Cli::parse().command {
         Command::Check(args) => check::check(&args),
@@ -123,7 +176,7 @@ pub fn main() -> ExitCode {
     ExitCode::from(status.code())
 }
 
-/// Prints and writes a report; the status that the run ends with.
+/// Prints and writes a report, and returns the status of the run.
 fn deliver(args: &ReportArgs, report: &Report) -> Status {
     let failures = args.write(report);
     for failure in &failures {
@@ -139,7 +192,7 @@ fn command() -> String {
     command_line(["uavspec"].into_iter().chain(arguments.iter().map(String::as_str)))
 }
 
-/// The definitions at a path, or those of this program; what is wrong with them has been told.
+/// Loads the definitions at a path, or the built-in ones. Errors are printed.
 fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
     path.map_or_else(|| Ok(Definitions::built_in()), Definitions::load).map_err(|failure| {
         anstream::eprintln!("{failure}");
@@ -147,7 +200,7 @@ fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
     })
 }
 
-/// The same, with JSON Schemas for bodies of Flockwave that they don't have.
+/// Loads definitions, and adds JSON Schemas for Flockwave types without a definition. Errors are printed.
 fn definitions_with(path: Option<&Path>, schemas: &[PathBuf]) -> Result<Definitions, Status> {
     let definitions = definitions(path)?;
     let schemas = Schemas::load(schemas).map_err(|error| {

@@ -1,16 +1,16 @@
-//! Judges outputs of implementations by the definitions that `uavspec-codegen` reads: logs of PX4 (`ULog`), MCAP,
-//! messages as JSON, recorded conversations of Flockwave, codecs ([`testee`]) and live servers ([`probe`]). For these there
-//! is a reference ([`serve`]), and `uavspec watch` shows their fleets.
+//! Checks drone software against its interface specifications.
+//!
+//! It checks PX4 logs (`ULog`), MCAP, JSON messages, recorded Flockwave sessions, codecs ([`testee`]) and live servers
+//! ([`probe`]). [`serve`] is a reference server, and `uavspec watch` shows the fleet of a server.
+//! `uavspec-codegen` reads the definitions.
 //!
 //! ```text
-//!  bytes ──capture──▶ records ──check (with the rules)──▶ findings ──▶ verdicts ──report──▶ terminal, JSON, HTML, SARIF, JUnit
+//!  bytes ──capture──▶ records ──check──▶ findings ──▶ verdicts ──report──▶ text, JSON, HTML, SARIF, …
 //! ```
 //!
-//! Captures lend their records one by one, so memory doesn't grow with the length of the input. Values are
-//! checked by a plan that is made once for each format; what happens over time is checked by rules that keep a
-//! small state for each channel.
-//!
-//! Each of these rooms uses only those below it.
+//! Captures are read record by record, so memory use doesn't depend on the size of the input. For each format, a
+//! plan is compiled once that checks the values of messages. Rules about several messages keep a small state per
+//! channel.
 
 #[cfg(test)]
 extern crate self as uavspec_conformance;

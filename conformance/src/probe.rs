@@ -1,4 +1,4 @@
-//! Asks a live Flockwave server, and judges what it says.
+//! Sends requests to a live Flockwave server, and checks the session.
 //!
 //! ```text
 //!  survey, commands, trials ──▶ session ──▶ tape ──line──▶ checker ──▶ findings
@@ -6,12 +6,13 @@
 //!                                server
 //! ```
 //!
-//! First comes a *survey*: requests that change nothing, over one connection, then listening for what comes by itself,
-//! and, where the caller allows it, *commands* for the UAVs that he names. Then come *trials* of what a server has to
-//! bear, each on a connection of its own. All that goes over the wire is written to a *tape* as a line of a recording,
-//! and judged as that: [`check`](crate::check) finds the same in the recording later on.
+//! A probe starts with a *survey* over one connection: requests that change nothing, and a period of listening to
+//! notifications. If the caller allows it, *commands* for the named UAVs follow. Then each *trial* uses a separate
+//! connection to test how the server handles unusual input. All messages are written to a *tape*, as lines of a
+//! recorded session, and checked in that form, so a later [`check`](crate::check) of the recording returns the same
+//! findings.
 //!
-//! Nothing here waits without a limit; a server that is silent, floods, or dies is told of in the findings and notes.
+//! All waiting times are limited. Findings and notes report servers that don't respond, flood the client, or crash.
 //!
 //! ```
 //! use std::time::Duration;
@@ -52,69 +53,69 @@ use crate::model::Rule;
 use crate::rules::flockwave::trial::{self, Attempt, Request, Sent, Step};
 use crate::rules::flockwave::{FlockwaveRule, env_07, sio_01, udp_02};
 
-/// How long a probe may take that only asks, but for listening.
+/// The time limit of a probe without commands, excluding the listening period.
 const TIME_LIMIT: Duration = Duration::from_secs(45);
 
-/// How long a server may take to take a connection, and until it answers the first request.
+/// The time limit for connecting, and for the answer to the first request.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// How long it waits from one attempt to connect to the next.
+/// The delay between attempts to connect.
 const PAUSE: Duration = Duration::from_millis(250);
 
-/// How long an answer is waited for, before the next request is sent; it may still come later.
+/// The timeout of a request, after which the next one is sent. The answer may still come later.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// The same once the server has left so many requests without an answer.
+/// The reduced timeout, and the number of unanswered requests after which it applies.
 const REDUCED_TIMEOUT: (u32, Duration) = (3, Duration::from_millis(300));
 
-/// How long late answers may take that nobody waits for any more.
+/// The time limit for late answers.
 const LATE_ANSWER_TIME: Duration = Duration::from_millis(400);
 
-/// How far apart messages are sent, so that each comes in a segment of its own.
+/// The delay between messages, so that each is sent in a separate segment.
 const SEND_INTERVAL: Duration = Duration::from_millis(20);
 
-/// How often a connection is made anew after the server has closed it.
+/// The maximum number of reconnections after the server closed the connection.
 const MAX_RECONNECTS: u32 = 20;
 
-/// How many notes are kept.
+/// The maximum number of notes.
 const MAX_NOTES: usize = 50;
 
-/// How a server is to be probed.
+/// Options of a probe.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// How long to listen for what comes by itself.
+    /// The duration of listening to notifications.
     pub observe: Duration,
-    /// Name and password to log in with.
+    /// Name and password for the login.
     pub login: Option<(String, String)>,
-    /// The UAVs that commands may be sent to; none, where commands aren't allowed.
+    /// The UAVs that may receive commands; empty if commands aren't allowed.
     pub uavs: Vec<String>,
-    /// How long all of it may take, but for [`observe`](Self::observe).
+    /// The time limit of the probe, excluding [`observe`](Self::observe).
     pub limit: Duration,
 }
 
 impl Options {
-    /// To listen so long, log in so, and send commands to these UAVs, within the time that is usual for that.
+    /// Options with the default time limit.
     pub fn new(observe: Duration, login: Option<(String, String)>, uavs: Vec<String>) -> Self {
         let limit = if uavs.is_empty() { TIME_LIMIT } else { TIME_LIMIT + commands::EXTRA_TIME };
         Self { observe, login, uavs, limit }
     }
 }
 
-/// What came of a probe.
+/// The result of a probe.
 #[derive(Debug)]
 pub struct Probed {
-    /// What was found in all that went over the wire.
+    /// The findings in the session.
     pub result: CaptureResult,
-    /// What happened on the way, in order.
+    /// Notable events during the probe, in order.
     pub notes: Vec<String>,
-    /// Why not all could be asked.
+    /// Why the probe ended early.
     pub failure: Option<String>,
-    /// Why the recording isn't whole.
+    /// Why the recording is incomplete.
     pub unrecorded: Option<io::Error>,
 }
 
-/// Probes a server. What goes over the wire is also written to `record`; `on_progress` hears how many of how many steps are
-/// done.
+/// Probes a server. The session is also written to `record`. `on_progress` receives the number of finished steps and
+/// their total.
 pub fn probe<'d>(
     endpoint: &Endpoint,
     options: &Options,
@@ -154,7 +155,7 @@ pub fn probe<'d>(
     probe.finish()
 }
 
-/// A probe under way.
+/// The state of a probe.
 struct Probe<'p, 'd> {
     endpoint: &'p Endpoint,
     options: &'p Options,
@@ -164,22 +165,22 @@ struct Probe<'p, 'd> {
     connections: usize,
     reconnects: u32,
     requests: u64,
-    /// How many requests had no answer in time.
+    /// The number of requests without an answer in time.
     silences: u32,
-    /// The longest that an answer took.
+    /// The longest time until an answer.
     slowest: Duration,
-    /// When all has to be over.
+    /// The time limit of the probe.
     end: Instant,
     notes: Vec<String>,
     failure: Option<String>,
-    /// Whether answers come without an envelope.
+    /// True if answers have no envelope.
     is_bare: bool,
     steps: (usize, usize),
     on_progress: &'p dyn Fn(usize, usize),
 }
 
 impl Probe<'_, '_> {
-    /// Waits until the server can be reached, and answers.
+    /// Connects to the server, and waits for its first answer.
     fn begin(&mut self) -> bool {
         let until = Instant::now() + CONNECT_TIMEOUT;
         loop {
@@ -190,7 +191,7 @@ impl Probe<'_, '_> {
                 }
                 Err(error) if Instant::now() + PAUSE >= until => {
                     self.refused(self.endpoint, &error, None);
-                    self.fail(format!("no connection: {error}"));
+                    self.fail(format!("can't connect: {error}"));
                     return false;
                 }
                 Err(_) => thread::sleep(PAUSE),
@@ -205,7 +206,7 @@ impl Probe<'_, '_> {
         let until = until.max(Instant::now() + ANSWER_TIMEOUT);
         let answer = self.post(&json!({ "type": "SYS-VER" }), trial, until);
         if answer.is_none() {
-            self.fail("it answers nothing".to_owned());
+            self.fail("the server doesn't answer".to_owned());
         }
         answer.is_some()
     }
@@ -216,19 +217,19 @@ impl Probe<'_, '_> {
         Probed { result, notes: self.notes, failure: self.failure, unrecorded }
     }
 
-    /// A new connection.
+    /// Opens a new connection.
     fn open(&mut self, endpoint: Option<&Endpoint>) -> io::Result<Session> {
         self.connections += 1;
         let limit = CONNECT_TIMEOUT.min(self.left()).max(PAUSE);
         Session::open(endpoint.unwrap_or(self.endpoint), self.connections, &mut self.tape, limit)
     }
 
-    /// A connection didn't come about.
+    /// Records that a connection was refused.
     fn refused(&mut self, endpoint: &Endpoint, error: &io::Error, trial: Option<Trial<'_>>) {
         self.tape.refused(&session::name(endpoint, self.connections), &error.to_string(), trial);
     }
 
-    /// The connection of the survey, made anew where the server closed it.
+    /// Makes sure that the survey has an open connection. Reconnects if the server closed it.
     fn ensure_connected(&mut self) -> bool {
         if self.session.as_ref().is_some_and(|session| !session.is_over()) {
             return true;
@@ -237,7 +238,7 @@ impl Probe<'_, '_> {
             return false;
         }
         if self.reconnects >= MAX_RECONNECTS {
-            self.fail(format!("it closed the connection {MAX_RECONNECTS} times"));
+            self.fail(format!("the server closed the connection {MAX_RECONNECTS} times"));
             return false;
         }
         self.reconnects += 1;
@@ -252,7 +253,7 @@ impl Probe<'_, '_> {
         self.session.is_some()
     }
 
-    /// A new connection to a server that may just be starting anew.
+    /// Opens a new connection to a server that may be restarting.
     fn reopen(&mut self, endpoint: Option<&Endpoint>) -> Option<Session> {
         let until = Instant::now() + CONNECT_TIMEOUT;
         loop {
@@ -261,14 +262,14 @@ impl Probe<'_, '_> {
                 Err(_) if Instant::now() + PAUSE < until.min(self.end) => thread::sleep(PAUSE),
                 Err(error) => {
                     self.refused(endpoint.unwrap_or(self.endpoint), &error, None);
-                    self.fail(format!("it can't be reached any more: {error}"));
+                    self.fail(format!("can't reconnect: {error}"));
                     return None;
                 }
             }
         }
     }
 
-    /// Ends the connection of the survey, after a while for late answers.
+    /// Ends the connection of the survey after waiting for late answers.
     fn leave(&mut self) {
         let Some(mut session) = self.session.take() else { return };
         let until =
@@ -277,26 +278,24 @@ impl Probe<'_, '_> {
             session.settle(&mut self.tape, until);
         }
         if session.bare_answers() > 0 && !std::mem::replace(&mut self.is_bare, true) {
-            self.note(
-                "answers over HTTP come without an envelope, and are judged as if they had one".to_owned(),
-            );
+            self.note("answers over HTTP have no envelope; uavspec adds one before checking them".to_owned());
         }
         session.close(&mut self.tape);
     }
 
-    /// Asks on the connection of the survey, and waits for the answer. That it comes at all is judged as well.
-    #[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
+    /// Sends a request on the connection of the survey, and waits for its answer. A missing answer violates a rule.
+    #[allow(clippy::needless_pass_by_value)] // callers build the body in the call
     fn query(&mut self, body: Value) -> Option<Value> {
         self.query_for_trial(&env_07::RULE, body)
     }
 
-    /// Asks on the connection of the survey to try a rule, and waits for the answer.
+    /// Like [`query`](Self::query), but the request tests a rule.
     #[allow(clippy::needless_pass_by_value)] // as above
-    fn query_for_trial(&mut self, of: &'static FlockwaveRule, body: Value) -> Option<Value> {
-        self.request(&of.rule, Request::new("", body))
+    fn query_for_trial(&mut self, rule: &'static FlockwaveRule, body: Value) -> Option<Value> {
+        self.request(&rule.rule, Request::new("", body))
     }
 
-    /// Makes a request that tries a rule, and waits for the answer.
+    /// Sends a request that tests a rule, and waits for the answer.
     fn request(&mut self, rule: &'static Rule, request: Request) -> Option<Value> {
         self.step();
         if self.is_late() || !self.ensure_connected() {
@@ -345,7 +344,7 @@ impl Probe<'_, '_> {
         format!("probe-{}", self.requests)
     }
 
-    /// Logs in, where the caller gave a name.
+    /// Logs in, if the caller provided a name.
     fn log_in(&mut self) {
         let Some((name, password)) = &self.options.login else { return };
         let data = base64::encode(format!("{name}:{password}").as_bytes());
@@ -357,18 +356,18 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Makes an attempt on a connection of its own; whether the next one can be made.
+    /// Makes an attempt on a separate connection. Returns true if the next one can follow.
     fn attempt(&mut self, rule: &'static Rule, attempt: &Attempt) -> bool {
         let Attempt { how, endpoint, steps } = attempt;
         if self.is_late() {
             let (done, all) = self.steps;
-            self.fail(format!("the time was over: {} trials were not made", all - done));
+            self.fail(format!("time limit reached: {} trials were not run", all - done));
             return false;
         }
         self.step();
         let trial = Trial { rule, how };
         let session = match endpoint {
-            // That there is no such connection is what is tried.
+            // Some trials test that such a connection is accepted.
             Some(other) => match self.open(Some(other)) {
                 Ok(session) => Some(session),
                 Err(error) => {
@@ -385,19 +384,19 @@ impl Probe<'_, '_> {
         self.carry_out(&mut session, steps, trial);
         let is_answered = !session.is_waiting();
         session.close(&mut self.tape);
-        // What comes next would say nothing of a server that is dead already.
+        // If the server has crashed, further trials are meaningless.
         if is_answered || self.is_alive() {
             return true;
         }
-        self.fail(format!("it answers nothing any more, after a trial of {}: {how}", rule.id));
+        self.fail(format!("the server has stopped answering after a trial of {}: {how}", rule.id));
         false
     }
 
-    /// Does what an attempt consists of, and waits for all answers.
+    /// Performs the steps of an attempt, and waits for all answers.
     fn carry_out(&mut self, session: &mut Session, steps: &[Step], trial: Trial<'_>) {
         let grace = LATE_ANSWER_TIME.max(self.slowest * 4);
         for (at, step) in steps.iter().enumerate() {
-            // What goes before has its effect, and its answer, before the next message comes.
+            // The server should process each step, and answer it, before the next message arrives.
             match at {
                 0 => {}
                 _ if session.is_waiting() => session.settle(&mut self.tape, Instant::now() + grace),
@@ -409,7 +408,7 @@ impl Probe<'_, '_> {
         let mut until = Instant::now() + self.answer_timeout();
         let mut is_last_answered = false;
         while session.is_waiting() && session.receive(&mut self.tape, until).is_some() {
-            if !is_last_answered && last.is_some_and(|id| !session.waits_for(id)) {
+            if !is_last_answered && last.is_some_and(|id| !session.awaits(id)) {
                 is_last_answered = true;
                 until = until.min(Instant::now() + grace);
             }
@@ -422,7 +421,7 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Whether the server still serves others.
+    /// True if the server answers on a new connection.
     fn is_alive(&mut self) -> bool {
         self.session = self.reopen(None);
         self.log_in();
@@ -433,7 +432,7 @@ impl Probe<'_, '_> {
         answer.is_some()
     }
 
-    /// How long an answer is waited for.
+    /// The time limit for an answer.
     fn answer_timeout(&self) -> Duration {
         let usual = if self.silences < REDUCED_TIMEOUT.0 {
             ANSWER_TIMEOUT
@@ -456,7 +455,7 @@ impl Probe<'_, '_> {
         (self.on_progress)(self.steps.0, self.steps.1);
     }
 
-    /// So many steps are done, whether or not there was something to do in each.
+    /// Sets the number of finished steps, since some steps may have been skipped.
     fn reset_steps(&mut self, done: usize) {
         self.steps.0 = done;
     }
@@ -472,39 +471,39 @@ impl Probe<'_, '_> {
     }
 }
 
-/// What every request tries: that it has an answer.
+/// The trial of every request: the server must answer it.
 fn plain() -> Trial<'static> {
     Trial { rule: &env_07::RULE.rule, how: "" }
 }
 
-/// The trial of a message. One that can't be answered tries nothing by itself.
-fn tries<'t>(sent: &Sent, trial: Trial<'t>) -> Option<Trial<'t>> {
+/// The trial of a message. A message that can't be answered tests nothing by itself.
+fn trial_of<'t>(sent: &Sent, trial: Trial<'t>) -> Option<Trial<'t>> {
     sent.id().is_some().then_some(trial)
 }
 
 fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial<'_>) {
-    // Then something that went before has no answer, which is enough to know.
+    // A finding already reports that an earlier message has no answer.
     if session.is_over() {
         return;
     }
     match step {
-        Step::Send(sent) => session.send(tape, &sent.text, sent.id(), tries(sent, trial)),
+        Step::Send(sent) => session.send(tape, &sent.text, sent.id(), trial_of(sent, trial)),
         Step::Together(all) if !session.is_stream() => {
             for sent in all {
-                session.send(tape, &sent.text, sent.id(), tries(sent, trial));
+                session.send(tape, &sent.text, sent.id(), trial_of(sent, trial));
             }
         }
         Step::Together(all) => {
             let mut bytes = Vec::new();
             for sent in all {
-                session.note(tape, &sent.text, sent.id(), tries(sent, trial));
+                session.note(tape, &sent.text, sent.id(), trial_of(sent, trial));
                 bytes.extend_from_slice(&sent.text);
                 bytes.push(b'\n');
             }
             session.send_raw(tape, &bytes);
         }
         Step::Pieces(sent, count, pause) => {
-            session.note(tape, &sent.text, sent.id(), tries(sent, trial));
+            session.note(tape, &sent.text, sent.id(), trial_of(sent, trial));
             let line = [&sent.text[..], b"\n"].concat();
             for (at, piece) in line.chunks(line.len().div_ceil(*count)).enumerate() {
                 if at > 0 {

@@ -1,4 +1,4 @@
-//! What came of a run: one value, from which everything is rendered that is said of it.
+//! The report of a run: one value, from which all formats are rendered.
 //!
 //! ```text
 //!  results of `check`    ──capture─┐
@@ -6,8 +6,8 @@
 //!  outcome of `test` ─────testee───┘
 //! ```
 //!
-//! The JSON form is the value itself, so that nothing can be said elsewhere that programs don't get. Whatever
-//! comes from the input stands in it as it is; each format escapes it in its own way.
+//! The JSON format is the value itself, so it contains everything that the other formats show. Text from the input is
+//! stored unchanged; each format escapes it.
 //!
 //! ```
 //! use uavspec_conformance::check::check_capture;
@@ -15,9 +15,9 @@
 //! use uavspec_conformance::report::{Action, CheckedCapture, Kind, OutcomeKind, Report, Settings, Subject};
 //!
 //! let definitions = Definitions::built_in();
-//! let of = definitions.message_of_type("px4/ArmingCheckRequest");
+//! let message_type = definitions.message_of_type("px4/ArmingCheckRequest");
 //! let record = r#"{"timestamp": 7, "request_id": 30, "valid_registrations_mask": 1}"#;
-//! let result = check_capture(record.as_bytes(), of, &definitions)?;
+//! let result = check_capture(record.as_bytes(), message_type, &definitions)?;
 //! let checked = CheckedCapture { path: "requests.jsonl".to_owned(), result, notes: Vec::new(), elapsed: 0 };
 //! let subject = Subject::from_capture(checked, &definitions, &Settings::default());
 //! let command = "uavspec check requests.jsonl".to_owned();
@@ -52,145 +52,144 @@ use crate::definitions::Definitions;
 use crate::model::{Excuse, Extent, Level, Location, Reason, Rule, Status};
 use crate::rules::RULES;
 
-/// The version of the form; it rises when a member changes its meaning or goes.
+/// The version of the JSON format.
 const VERSION: u32 = 1;
 
-/// What came of a run.
+/// The report of a run.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Report {
-    /// The version of this form. It rises when a member changes its meaning or goes; new ones may come.
+    /// The version of this format. It increases if a member is removed or changes its meaning.
     pub version: u32,
     /// The version of uavspec.
     pub uavspec: String,
-    /// What was done.
+    /// The command that was run.
     pub action: Action,
-    /// The command line, which gives the same report again.
+    /// The command line, which reproduces the report.
     pub command: String,
-    /// What was judged by: a path, or the definitions that the program carries along.
+    /// The path of the definitions, or the name of the built-in ones.
     pub definitions: String,
-    /// What it comes to.
+    /// The outcome of the run.
     #[serde(rename = "conclusion")]
     pub outcome: Outcome,
-    /// Why the run as a whole fails, beside what was found: a rule that had to be exercised and wasn't, or an entry of a
-    /// list of known failures that no longer holds true.
+    /// The reasons for failure that are not findings: required rules that are not covered, and entries of lists of known
+    /// failures that no longer apply.
     pub reasons: Vec<Reason>,
-    /// The rules that were applied, by id, with what came of them in all subjects.
+    /// The rules that were checked, sorted by id, with their results in all subjects.
     pub rules: Vec<RuleReport>,
-    /// What was judged.
+    /// The captures and testees that were checked.
     pub subjects: Vec<Subject>,
-    /// What couldn't be read.
+    /// The files that couldn't be read.
     pub unreadable: Vec<Unreadable>,
 }
 
-/// What was done.
+/// A command that writes reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Action {
-    /// Sources were judged.
+    /// Captures were checked.
     Check,
-    /// A testee was asked.
+    /// A testee was tested.
     Test,
-    /// A live server was asked.
+    /// A live server was probed.
     Probe,
 }
 
-/// A rule, and what came of it in all subjects.
+/// A rule with its results in all subjects.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RuleReport {
-    /// The id, which is permanent.
+    /// The permanent id.
     pub id: &'static str,
-    /// How much the rule binds.
+    /// The level of the rule.
     pub level: Level,
-    /// Whether it is beyond doubt: normative, disputed or advisory.
+    /// The status: normative, disputed or advisory.
     pub status: String,
-    /// How the specification contradicts itself, where the rule is disputed.
+    /// The contradiction in the specification, if the rule is disputed.
     pub dispute: Option<&'static str>,
-    /// What has to hold.
+    /// The requirement.
     pub statement: &'static str,
-    /// What lays it down.
+    /// The source of the requirement.
     pub source: &'static str,
-    /// What it is about.
+    /// The kind of data that the rule applies to.
     pub applies_to: &'static str,
-    /// A page that says more.
+    /// The page of the rule.
     pub url: String,
-    /// The worst that came of it in any subject.
+    /// The worst verdict in all subjects.
     pub verdict: Verdict,
-    /// How often there was something that it could judge.
+    /// The number of times that the rule was checked.
     #[serde(rename = "exercised")]
     pub covered: u64,
-    /// How often it was broken.
+    /// The number of findings.
     pub findings: u64,
 }
 
-/// What came of a rule; in the order of how much each weighs where there are several.
+/// The result of a rule, in ascending precedence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// Nothing was there that it could have judged. That is no pass.
+    /// The input has nothing that the rule applies to. This is not a pass.
     #[serde(rename = "not exercised")]
     NotCovered,
-    /// The testee doesn't do what it is about. That is no failure, and no pass.
+    /// The testee doesn't support what the rule is about. This is neither a failure nor a pass.
     Unsupported,
-    /// Nothing breaks it.
+    /// There are no violations.
     Pass,
-    /// It is broken, or rather shown: it judges nothing.
+    /// There are findings for information only.
     Shown,
-    /// All that breaks it is known, and let stand.
+    /// All violations are in a list of known failures.
     Known,
-    /// It could not be judged to the end.
+    /// The rule could not be checked completely.
     Inconclusive,
-    /// Something breaks it, and should be looked at.
+    /// A rule of level SHOULD is violated.
     Warn,
-    /// Something breaks it that must not.
+    /// A rule of level MUST is violated.
     Fail,
 }
 
-/// Something that was judged: a file, or a testee.
+/// A capture, a server or a testee that was checked.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Subject {
-    /// The path of a file as it was given, or the name of a testee.
+    /// The path of a file as given, the URL of a server, or the name of a testee.
     pub path: String,
-    /// What it is.
+    /// The kind of the subject, and its summary.
     #[serde(flatten)]
     pub about: About,
-    /// How many messages it has, or for a testee, cases there are.
+    /// The number of messages; for a testee, the number of cases.
     pub records: u64,
-    /// How many of them were judged: those that have a type and can be read as it, or that were answered.
+    /// The number of messages that could be read as their type; for a testee, the number of cases with a result.
     #[serde(rename = "judged")]
     pub checked: u64,
-    /// From the first to the last timestamp, in µs.
+    /// The time from the first to the last timestamp, in µs.
     pub duration_us: u64,
-    /// What it comes to.
+    /// The outcome for this subject.
     #[serde(rename = "conclusion")]
     pub outcome: Outcome,
-    /// What came of each rule, by id.
+    /// The verdict of each rule, sorted by id.
     pub rules: Vec<RuleVerdict>,
-    /// What breaks rules, by rule and subject.
+    /// The findings, grouped by rule and subject.
     pub findings: Vec<Finding>,
-    /// How many other findings there are; only a thousand different ones are kept of each rule.
+    /// The number of further findings. At most a thousand different findings of each rule are kept.
     pub more_findings: u64,
-    /// What can't be read, and where; the first of it.
+    /// The first corrupt or unreadable parts.
     #[serde(rename = "damage")]
     pub corruption: Vec<Corruption>,
-    /// How much more of that there is.
+    /// The number of further corrupt or unreadable parts.
     #[serde(rename = "more_damage")]
     pub more_corruption: u64,
-    /// How much of it could be read.
+    /// The extent to which the input could be read.
     pub extent: Extent,
-    /// What happened while a server was probed, in order, that is no finding.
+    /// Events during a probe that are not findings, in order.
     pub notes: Vec<String>,
-    /// How long judging took, in milliseconds; no part of what is written for programs, as it differs from run to
-    /// run.
+    /// The time of the check, in milliseconds. It is not in the JSON report because it differs between runs.
     #[serde(skip)]
     pub elapsed: u128,
 }
 
-/// What a subject is, and its summary.
+/// The kind of a subject, with its summary.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(untagged)]
@@ -201,30 +200,30 @@ pub enum About {
     Testee(Testee),
 }
 
-/// A codec or validator under test, and its answers.
+/// A codec or validator under test, with its results.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Testee {
     /// The kind of the subject.
     pub kind: TesteeKind,
-    /// What it calls its version; empty where it says none.
+    /// The version that it reports; empty if unknown.
     pub version: String,
-    /// How many cases came to what.
+    /// The number of cases by result.
     pub counts: Counts,
-    /// The same for each op with its form, and type.
+    /// The counts for each operation and type.
     pub table: Vec<Row>,
-    /// The cases; those that passed are counted only.
+    /// The cases that did not pass.
     #[serde(serialize_with = "testee::not_passed")]
     pub cases: Vec<Case>,
-    /// What was against the protocol.
+    /// The violations of the test protocol.
     #[serde(rename = "manners")]
     pub protocol_remarks: Vec<Remark>,
-    /// How many other remarks there are on that.
+    /// The number of further protocol violations.
     #[serde(rename = "more_manners")]
     pub more_protocol_remarks: u64,
-    /// How often the process had to be started again.
+    /// The number of restarts.
     pub restarts: u32,
-    /// Why the run ended early.
+    /// The reason why the run ended early, if it did.
     pub gave_up: Option<String>,
 }
 
@@ -238,170 +237,170 @@ pub enum TesteeKind {
     Testee,
 }
 
-/// How many cases came to what.
+/// Numbers of cases by result.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Counts {
-    /// Right answers.
+    /// Correct responses.
     pub pass: u64,
-    /// Wrong answers, crashes and hangs.
+    /// Wrong responses, crashes and hangs.
     pub fail: u64,
-    /// Those that are known, and let stand.
+    /// Failures that are in a list of known failures.
     pub known: u64,
-    /// What the testee doesn't do.
+    /// Cases that the testee doesn't support.
     pub unsupported: u64,
-    /// What it wasn't asked.
+    /// Cases that were not run.
     pub not_run: u64,
 }
 
-/// The counts of an op and a type.
+/// The counts of an operation and a type.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Row {
-    /// The op with its form, such as `decode-uorb`.
+    /// The operation and format, such as `decode-uorb`.
     pub op: String,
     /// The type, such as `px4/Event`.
     #[serde(rename = "type")]
     pub type_name: String,
-    /// What its cases came to.
+    /// The number of cases by result.
     pub counts: Counts,
 }
 
-/// What came of a case.
+/// A case with its result.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Case {
-    /// Its name, such as `decode-uorb/px4/Event/typical`.
+    /// The name, such as `decode-uorb/px4/Event/typical`.
     #[serde(rename = "case")]
     pub name: String,
-    /// The op with its form.
+    /// The operation and format.
     pub op: String,
     /// The type.
     #[serde(rename = "type")]
     pub type_name: String,
-    /// What is tried, in words.
+    /// The purpose of the case.
     pub description: String,
-    /// The id of the rule that the input breaks.
+    /// The id of the rule that the input violates.
     pub rule: Option<String>,
-    /// What came of it.
+    /// The result.
     pub verdict: CaseVerdict,
-    /// Where in the answer it is wrong, as a JSON pointer; empty for the whole.
+    /// The location of the error in the response, as a JSON pointer; empty for the whole response.
     pub path: String,
-    /// What should be there.
+    /// The expected value.
     pub expected: String,
-    /// What is there.
+    /// The value found.
     pub actual: String,
-    /// How the process ended, or how long was waited; empty where an answer came.
+    /// The exit of the process, or the time without a response; empty if there was a response.
     pub message: String,
-    /// What the process said last on standard error.
+    /// The last lines that the process wrote to standard error.
     pub stderr: String,
-    /// Where the type is defined.
+    /// The definition of the type.
     pub definition: Option<Definition>,
-    /// The command that asks this alone again.
+    /// The command that runs this case alone.
     pub reproduce: String,
-    /// Why it is let stand, where a list says so.
+    /// The entry of a list of known failures that matches.
     pub known: Option<Known>,
 }
 
-/// What came of a case.
+/// The result of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum CaseVerdict {
-    /// The answer was right.
+    /// The response was correct.
     Pass,
-    /// The answer was wrong.
+    /// The response was wrong.
     Fail,
-    /// The testee doesn't do this. That is no failure, and no pass.
+    /// The testee doesn't support this. This is neither a failure nor a pass.
     Unsupported,
-    /// The process ended over it.
+    /// The process ended.
     Crashed,
-    /// No answer came in time.
+    /// There was no response in time.
     #[serde(rename = "timed out")]
     TimedOut,
-    /// It was not asked: the run ended before, or the answer is absent from a file.
+    /// The case was not run: the run ended early, or the file has no response.
     #[serde(rename = "not run")]
     NotRun,
 }
 
-/// Something against the protocol.
+/// A violation of the test protocol.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Remark {
-    /// What.
+    /// The description.
     pub message: String,
-    /// How often.
+    /// The number of times.
     pub count: u64,
 }
 
-/// What came of a rule in a subject.
+/// The result of a rule in a subject.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RuleVerdict {
     /// The id of the rule.
     pub id: &'static str,
-    /// How much it binds.
+    /// The level of the rule.
     pub level: Level,
-    /// What came of it.
+    /// The verdict.
     pub verdict: Verdict,
-    /// How often there was something that it could judge.
+    /// The number of times that the rule was checked.
     #[serde(rename = "exercised")]
     pub covered: u64,
-    /// How often it was broken.
+    /// The number of findings.
     pub findings: u64,
 }
 
-/// Equal findings: of one rule, in one topic or field.
+/// A group of findings of one rule in one topic or field.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Finding {
     /// The id of the rule.
     pub rule: &'static str,
-    /// How much it binds.
+    /// The level of the rule.
     pub level: Level,
-    /// Whether it is beyond doubt: normative, disputed or advisory.
+    /// The status of the rule: normative, disputed or advisory.
     pub status: String,
-    /// What has to hold.
+    /// The requirement.
     pub statement: &'static str,
-    /// A page that says more of the rule.
+    /// The page of the rule.
     pub url: String,
-    /// What it comes to: fail, warn, known or shown.
+    /// The verdict: fail, warn, known or shown.
     pub verdict: Verdict,
-    /// What breaks the rule: a topic, or a field of one.
+    /// The topic or field that violates the rule.
     pub subject: String,
-    /// How often.
+    /// The number of findings in this group.
     pub count: u64,
-    /// The first of them.
+    /// The first findings.
     pub examples: Vec<Example>,
-    /// Where the definition says what should be.
+    /// The line of the definition that the rule refers to.
     pub definition: Option<Definition>,
-    /// The command that finds this again.
+    /// The command that reproduces the finding.
     pub reproduce: String,
-    /// Why it is let stand, where a list says so.
+    /// The entry of a list of known failures that matches.
     pub known: Option<Known>,
 }
 
-/// A breach.
+/// A single finding.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Example {
-    /// Where in the file.
+    /// The location in the file.
     #[serde(flatten)]
     pub location: Location,
-    /// Where in the record: of JSON a pointer, as `/msg/events/2/id`, otherwise the path of a field, as `events[2].id`.
-    /// Empty where it is about the whole record, or more than one.
+    /// The location in the record: a pointer such as `/msg/events/2/id` for JSON, or else the path of a field, such as
+    /// `events[2].id`. It is empty if the finding concerns the whole record or several records.
     pub path: String,
-    /// What the words are about, where the subject doesn't say it all; no part of what is written for programs, which
-    /// have the path.
+    /// The part of the subject that the message refers to; may be empty. It is not in the JSON report, which has the
+    /// path.
     #[serde(skip)]
     pub part: String,
-    /// What is the matter, in words.
+    /// The description.
     pub message: String,
-    /// What should have been; empty where that can't be said alone.
+    /// The expected value; may be empty.
     pub expected: String,
-    /// What was found in its place; may be empty.
+    /// The value found; may be empty.
     pub actual: String,
-    /// The bytes or the text that were judged, shortened; may be empty.
+    /// The start of the bytes or text that were checked; may be empty.
     pub excerpt: String,
 }
 
@@ -411,34 +410,34 @@ pub struct Example {
 pub struct Definition {
     /// The file.
     pub file: String,
-    /// Which line, from 1.
+    /// The line number, from 1.
     pub line: u64,
-    /// What it says.
+    /// The text of the line.
     pub text: String,
 }
 
-/// Why something that is wrong is let stand.
+/// An entry of a list of known failures.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Known {
-    /// Whether it always fails: `known`, or else `flaky`.
+    /// `known` if it always fails, or else `flaky`.
     pub kind: String,
     /// The reason.
     pub reason: String,
-    /// A page on it.
+    /// A link, such as to an issue.
     pub link: Option<String>,
-    /// The last day that it is let stand, as `2027-06-30`.
+    /// The last day on which the entry applies, such as `2027-06-30`.
     pub expires: Option<String>,
 }
 
-/// Something that can't be read.
+/// A corrupt or unreadable part of a file.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Corruption {
-    /// Where in the file.
+    /// The location in the file.
     #[serde(flatten)]
     pub location: Location,
-    /// What is the matter.
+    /// The description.
     pub message: String,
 }
 
@@ -446,16 +445,14 @@ pub struct Corruption {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Unreadable {
-    /// Its path, as it was given.
+    /// The path as given.
     pub path: String,
-    /// Why.
+    /// The reason.
     pub message: String,
 }
 
 impl Report {
-    /// Puts a report together.
-    ///
-    /// `reasons` not to conform are no findings, such as that a rule had to be exercised.
+    /// Creates a report. `reasons` are reasons for failure that are not findings.
     pub fn new(
         action: Action,
         command: String,
@@ -479,8 +476,7 @@ impl Report {
         }
     }
 
-    /// The same, where these entries of lists of known failures don't hold true any more; that weighs less than what
-    /// fails.
+    /// Adds the entries of lists of known failures that no longer apply. They don't hide a failure.
     #[must_use]
     pub(crate) fn with_stale(mut self, entries: Vec<Reason>) -> Self {
         if entries.is_empty() {
@@ -490,7 +486,7 @@ impl Report {
         remarks.extend(entries.iter().map(Reason::to_string));
         self.reasons.extend(entries);
         if self.outcome.kind < OutcomeKind::Stale {
-            let text = "A list of known failures no longer holds true";
+            let text = "A list of known failures is out of date";
             self.outcome = Outcome { remarks, ..Outcome::new(OutcomeKind::Stale, text) };
         }
         self
@@ -508,9 +504,9 @@ impl From<&Excuse> for Known {
     }
 }
 
-/// The rules of all subjects, each with the worst that came of it.
+/// The rules of all subjects, each with its worst verdict.
 fn rules(subjects: &[Subject]) -> Vec<RuleReport> {
-    let of = |rule: &&'static Rule| {
+    let result = |rule: &&'static Rule| {
         let verdicts = subjects.iter().flat_map(|subject| &subject.rules).filter(|found| found.id == rule.id);
         let mut report = None;
         for found in verdicts {
@@ -521,7 +517,7 @@ fn rules(subjects: &[Subject]) -> Vec<RuleReport> {
         }
         report
     };
-    RULES.iter().filter_map(of).collect()
+    RULES.iter().filter_map(result).collect()
 }
 
 impl RuleReport {
@@ -531,7 +527,7 @@ impl RuleReport {
             level: rule.level,
             status: rule.status.to_string(),
             dispute: match rule.status {
-                Status::Disputed(how) => Some(how),
+                Status::Disputed(dispute) => Some(dispute),
                 Status::Normative | Status::Advisory => None,
             },
             statement: rule.statement,
@@ -546,23 +542,23 @@ impl RuleReport {
 }
 
 impl Verdict {
-    /// Its name.
+    /// The name in reports for people.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::NotCovered => "not exercised",
+            Self::NotCovered => "not covered",
             Self::Unsupported => "unsupported",
             Self::Pass => "pass",
-            Self::Shown => "shown",
+            Self::Shown => "info",
             Self::Known => "known",
             Self::Inconclusive => "inconclusive",
-            Self::Warn => "warn",
+            Self::Warn => "warning",
             Self::Fail => "fail",
         }
     }
 }
 
 impl CaseVerdict {
-    /// Its name.
+    /// The name.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Pass => "pass",
@@ -574,48 +570,48 @@ impl CaseVerdict {
         }
     }
 
-    /// Whether it counts against the testee.
+    /// True if the case counts as failed.
     pub const fn is_failure(self) -> bool {
         matches!(self, Self::Fail | Self::Crashed | Self::TimedOut)
     }
 }
 
 impl Subject {
-    /// The counts that all captures have in common.
+    /// The counts that all captures share.
     fn totals(&self) -> Totals {
         Totals { records: self.records, duration_us: self.duration_us }
     }
 
-    /// True if it is a testee, and no capture.
+    /// True if the subject is a testee.
     fn is_testee(&self) -> bool {
         matches!(self.about, About::Testee(_))
     }
 
-    /// How many of its rules came to a verdict.
+    /// The number of rules with this verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
         self.rules.iter().filter(|rule| rule.verdict == verdict).count()
     }
 
-    /// How many places of damage there are.
+    /// The number of corrupt or unreadable parts.
     pub(crate) fn corrupt_count(&self) -> u64 {
         self.corruption.len() as u64 + self.more_corruption
     }
 }
 
 impl Report {
-    /// How many rules came to a verdict.
+    /// The number of rules with this verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
         self.rules.iter().filter(|rule| rule.verdict == verdict).count()
     }
 }
 
 impl Example {
-    /// Where in the record, unless the words begin with that.
+    /// The location in the record; empty if [`Self::text`] starts with it.
     pub(crate) fn at(&self) -> &str {
         if self.path == self.part { "" } else { &self.path }
     }
 
-    /// What is the matter, and with what part.
+    /// The message, after the part that it refers to.
     pub(crate) fn text(&self) -> String {
         if self.part.is_empty() { self.message.clone() } else { format!("{}: {}", self.part, self.message) }
     }

@@ -1,4 +1,4 @@
-//! The reference server: Flockwave over TCP, UDP, HTTP and Socket.IO, with a simulated fleet behind it.
+//! A reference Flockwave server with a simulated fleet, over TCP, UDP, HTTP and Socket.IO.
 //!
 //! ```text
 //!  listen ──bytes──▶ hub ──request──▶ family ──▶ world, uav, operation
@@ -6,10 +6,10 @@
 //!     └──outbox◀─bug──┘ └────answer──────┘
 //! ```
 //!
-//! It keeps to the specification, so that authors of clients have something to try them against, and so that this
-//! program can be tried on it: without a bug nothing is to be found, and with the bug of a rule that rule.
+//! The server follows the specification, so authors of clients can test against it, and uavspec can be tested with it:
+//! a check of the server finds nothing, unless the server runs with the bug of a rule.
 //!
-//! The hub knows neither sockets nor the time of day: the same calls give the same messages.
+//! The hub uses neither sockets nor the system time, so the same calls always produce the same messages.
 //!
 //! ```
 //! use std::io::{BufRead, BufReader, Write};
@@ -21,7 +21,7 @@
 //! let server = Server::start(Options::default(), &[(Transport::Tcp, address)])?;
 //! let mut stream = TcpStream::connect(server.listening()[0].address)?;
 //! stream.write_all(b"{\"$fw.version\": \"1.0\", \"id\": \"42\", \"body\": {\"type\": \"SYS-PING\"}}\n")?;
-//! // Notifications may come first.
+//! // Notifications may precede the response.
 //! let lines = BufReader::new(stream).lines().map_while(Result::ok);
 //! let answer = lines.into_iter().find(|line| line.contains(r#""refs":"42""#)).unwrap();
 //! assert!(answer.contains("ACK-ACK"));
@@ -36,9 +36,9 @@ mod message;
 mod operation;
 mod outbox;
 mod random;
-#[cfg(test)]
-mod rehearsal;
 mod request;
+#[cfg(test)]
+mod tests;
 mod uav;
 mod world;
 
@@ -52,21 +52,21 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use self::listen::Shared;
 use crate::rules::flockwave::FlockwaveRule;
 
-/// The transports, by the names that the protocol's reference server has for them.
+/// The transports, named as in the protocol's reference server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Transport {
-    /// A message a line.
+    /// One message per line.
     Tcp,
-    /// A message a datagram.
+    /// One message per datagram.
     Udp,
-    /// A message a request.
+    /// One message per request.
     Http,
-    /// A message an event.
+    /// One message per event.
     SocketIo,
 }
 
 impl Transport {
-    /// Its name: the scheme of its URLs.
+    /// The name, which is the scheme of URLs.
     pub fn name(self) -> &'static str {
         match self {
             Self::Tcp => "tcp",
@@ -77,12 +77,12 @@ impl Transport {
     }
 }
 
-/// Where a server listens.
+/// A transport and the address at which a server listens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Listening {
-    /// Over which transport.
+    /// The transport.
     pub transport: Transport,
-    /// The address, with the port that was found where 0 was given.
+    /// The address, with the actual port if port 0 was requested.
     pub address: SocketAddr,
 }
 
@@ -92,30 +92,30 @@ impl fmt::Display for Listening {
     }
 }
 
-/// How a server is to be.
+/// Options of a server.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// How many UAVs the fleet has: `glider-1` and so on.
+    /// The number of UAVs in the fleet: `glider-1` and so on.
     pub uavs: usize,
-    /// What the small variations of the simulation depend on.
+    /// The seed of the small variations in the simulation.
     pub seed: u64,
-    /// How many seconds of the simulation a second has.
+    /// The simulation speed: 2 runs twice as fast as real time.
     pub speed: f64,
-    /// How often clients are told of the fleet, a second.
+    /// The number of fleet notifications per second.
     pub rate: f64,
-    /// The charge of all batteries at the start, in percent.
+    /// The initial charge of all batteries, in percent.
     pub charge: f64,
-    /// Error codes that UAVs have from the start ([`error`]).
+    /// Initial error codes of UAVs (see [`error`]).
     pub errors: Vec<(String, u16)>,
-    /// UAVs that get lost, and how long after the start ([`loss`]).
+    /// UAVs that get lost, with the time since the start (see [`loss`]).
     pub losses: Vec<(String, Duration)>,
-    /// How long a client may stay; then the server says farewell to it.
+    /// The maximum duration of a connection, after which the server sends SYS-CLOSE and disconnects.
     pub stay: Option<Duration>,
-    /// Name and password without which nobody is served.
+    /// The name and password that clients must log in with.
     pub login: Option<(String, String)>,
-    /// The rule whose bug the server has.
+    /// The rule that the server violates.
     pub bug: Option<&'static FlockwaveRule>,
-    /// The time of the server at the start, in milliseconds since 1970.
+    /// The initial time of the server, in milliseconds since 1970.
     pub start: u64,
 }
 
@@ -138,23 +138,23 @@ impl Default for Options {
     }
 }
 
-/// Reads an error code for a UAV of the fleet: `glider-2=66`.
+/// Parses an error code for a UAV of the fleet, such as `glider-2=66`.
 pub fn error(text: &str) -> Result<(String, u16), String> {
-    let (id, code) = text.split_once('=').ok_or("write UAV=CODE, such as glider-2=66")?;
-    let code = code.parse().map_err(|_| "the code is no number from 0 to 65535".to_owned())?;
+    let (id, code) = text.split_once('=').ok_or("expected UAV=CODE, such as glider-2=66")?;
+    let code = code.parse().map_err(|_| "expected a code from 0 to 65535".to_owned())?;
     error_code::settable(code)?;
     Ok((id.to_owned(), code))
 }
 
-/// Reads when a UAV of the fleet gets lost: `glider-2@30`, in seconds.
+/// Parses the time at which a UAV of the fleet gets lost, such as `glider-2@30`, in seconds.
 pub fn loss(text: &str) -> Result<(String, Duration), String> {
-    let (id, time) = text.split_once('@').ok_or("write UAV@SECONDS, such as glider-2@30")?;
-    let seconds = time.parse().map_err(|_| "the time is no number of seconds".to_owned())?;
+    let (id, time) = text.split_once('@').ok_or("expected UAV@SECONDS, such as glider-2@30")?;
+    let seconds = time.parse().map_err(|_| "expected a number of seconds".to_owned())?;
     let time = Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())?;
     Ok((id.to_owned(), time))
 }
 
-/// A server that runs. It ends when it is dropped, or with [`end`](Self::end).
+/// A running server. It ends when it is dropped, or with [`end`](Self::end).
 pub struct Server {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,
@@ -162,7 +162,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Listens at these addresses, and serves whoever connects. Port 0 finds a free one.
+    /// Listens at these addresses, and serves all clients. Port 0 selects a free port.
     pub fn start(options: Options, addresses: &[(Transport, SocketAddr)]) -> io::Result<Self> {
         let mut bound = Vec::new();
         for (transport, address) in addresses {
@@ -170,17 +170,17 @@ impl Server {
         }
         let listening: Vec<Listening> = bound.iter().map(listen::Bound::listening).collect();
         let shared = Arc::new(Shared::new(options, &listening));
-        let mut threads = vec![listen::keep_time(&shared)];
+        let mut threads = vec![listen::start_simulation(&shared)];
         threads.extend(bound.into_iter().map(|bound| bound.serve(&shared)));
         Ok(Self { shared, threads, listening })
     }
 
-    /// Where it listens, in the order that was asked for.
+    /// The addresses of the server, in the requested order.
     pub fn listening(&self) -> &[Listening] {
         &self.listening
     }
 
-    /// Says farewell to all clients, and ends.
+    /// Sends SYS-CLOSE to all clients, and ends the server.
     pub fn end(self) {
         drop(self);
     }
@@ -190,7 +190,7 @@ impl Drop for Server {
     fn drop(&mut self) {
         self.shared.end();
         for thread in self.threads.drain(..) {
-            // A thread that panicked has ended, too.
+            // A thread that panicked has ended as well.
             let _ = thread.join();
         }
         self.shared.wait_for_connections();

@@ -1,11 +1,11 @@
-//! Codecs and validators in any language, asked over pipes or a connection.
+//! Tests codecs and validators written in any language, over pipes or a TCP connection.
 //!
 //! ```text
-//!  definitions ──vectors──▶ cases ──run──▶ link ──answers──▶ compare ──▶ verdicts ──▶ report
+//!  definitions ──vectors──▶ cases ──run──▶ link ──responses──▶ compare ──▶ verdicts ──▶ report
 //!                              └────────dump──▶ file ──▶ … ──▶ file ──replay──┘
 //! ```
 //!
-//! `protocol.rs` defines the lines on the pipes, `wire.rs` the form of the values in them.
+//! `protocol.rs` defines the lines of the protocol, `wire.rs` the encoding of values in them.
 //!
 //! ```
 //! use uavspec_conformance::definitions::Definitions;
@@ -17,7 +17,7 @@
 //! let hashes: Vec<usize> = (0..cases.len()).filter(|id| cases[*id].op == Op::Hash).collect();
 //! assert!(!hashes.is_empty());
 //!
-//! // A testee that doesn't start is an error, not a verdict.
+//! // A testee that can't be started is an error, not a verdict.
 //! let options = Options::new(Target::Command(vec!["./no-such-codec".into()]));
 //! assert!(run(&cases, &hashes, types, &options, &|_, _| {}).is_err());
 //! ```
@@ -36,9 +36,9 @@ pub(crate) mod run;
 pub(crate) mod target;
 pub(crate) mod wire;
 
-pub use self::case::{Case, Expected, ExpectedAnswer, Input, cases};
+pub use self::case::{Case, Expected, ExpectedResponse, Input, cases};
 pub use self::compare::Difference;
-pub use self::lint::{CHECKS, Check, CheckOutcome, Found, check, lint};
+pub use self::lint::{CHECKS, Check, CheckOutcome, LintResult, check, lint};
 pub use self::options::Options;
 pub use self::outcome::{Counts, Outcome, ProtocolRemarks, Verdict};
 pub use self::protocol::{Format, Hello, Op, PROTOCOL};

@@ -1,4 +1,4 @@
-//! Tests of the parts, each of which may see what is private; those of the program are in `tests/`.
+//! Tests of internals; the tests of the program are in `tests/`.
 
 mod body_schemas;
 mod browser;
@@ -14,7 +14,7 @@ mod mutants;
 mod report;
 mod reports;
 mod rule_list;
-#[allow(dead_code, reason = "the tests of the program use the rest of it")]
+#[allow(dead_code, reason = "the tests of the program use the rest")]
 #[path = "../tests/support/mod.rs"]
 pub(crate) mod support;
 mod trials;

@@ -6,7 +6,7 @@ use std::fmt;
 
 pub(crate) use self::shown::{command_line, shown};
 
-/// A number with its thousands apart: 1,234,567.
+/// A number with thousands separators: 1,234,567.
 pub(crate) struct Grouped(pub(crate) u64);
 
 impl fmt::Display for Grouped {

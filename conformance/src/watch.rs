@@ -1,15 +1,15 @@
-//! The fleet of a live Flockwave server, as people watch it in a terminal.
+//! A terminal display of the fleet of a live Flockwave server.
 //!
 //! ```text
-//!  client ──bytes──▶ message ──▶ poller           what is to be asked next
+//!  client ──bytes──▶ message ──▶ poller           chooses the next request
 //!     ▲                 │          │
 //!     └────requests─────│──────────┘  session: a thread
 //!                       ▼
-//!                     fleet ──▶ view, list        what is known, and how it is shown
+//!                     fleet ──▶ view, list        known states, and their display
 //! ```
 //!
-//! Nothing here trusts a server: of each message no more is kept than a fleet may need ([`message`]), of fleets no
-//! more than [`UAV_LIMIT`](roster::UAV_LIMIT), and no text of a server reaches the terminal as it came.
+//! Servers are not trusted. A [`message`] keeps only the data that the display needs, a fleet has at most
+//! [`UAV_LIMIT`](roster::UAV_LIMIT) UAVs, and all texts of a server are escaped before they are shown.
 
 pub(crate) mod codes;
 pub(crate) mod fleet;

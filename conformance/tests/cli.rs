@@ -1,4 +1,4 @@
-//! `uavspec` as a user meets it.
+//! Tests of the command line of `uavspec`.
 
 use crate::support;
 
@@ -13,7 +13,7 @@ use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use serde_json::Value;
 use support::typical;
 
-/// Status, what was printed, and what was said.
+/// Runs `uavspec`, and returns its exit status, standard output and standard error.
 fn uavspec(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     let run = Command::new(env!("CARGO_BIN_EXE_uavspec")).args(arguments).current_dir(folder).output();
     let output = run.expect("uavspec runs");
@@ -36,14 +36,14 @@ fn the_exit_status_is_the_outcome_for_a_log() {
     let (status, printed, _) = uavspec(folder.path(), &["check", "cut.ulg"]);
     assert_eq!(status, Some(0), "{printed}");
     assert!(
-        printed.contains("damage       byte") && printed.ends_with("conforms, and not all can be read\n"),
+        printed.contains("corrupt      byte") && printed.ends_with("conforms; the log is truncated\n"),
         "{printed}"
     );
 
     fs::write(folder.path().join("empty.ulg"), "").expect("a file");
     let (status, printed, _) = uavspec(folder.path(), &["check", "empty.ulg"]);
     assert_eq!(status, Some(5), "{printed}");
-    assert!(printed.contains("nothing was judged"), "{printed}");
+    assert!(printed.contains("nothing was checked"), "{printed}");
     let (status, _, output) = uavspec(folder.path(), &["check", "absent.ulg", "flight.ulg"]);
     assert_eq!(status, Some(3));
     assert!(output.contains("error: absent.ulg"), "{output}");
@@ -53,18 +53,18 @@ fn the_exit_status_is_the_outcome_for_a_log() {
     assert_eq!(uavspec(folder.path(), &["check"]).0, Some(2));
 }
 
-/// What a run of `check` on a file says in each kind of report.
+/// The reports of `check` on a file, in all formats.
 fn reports(folder: &Path, file: &str) -> Vec<(&'static str, String)> {
     let kinds = ["text", "json", "junit", "sarif", "html", "markdown"];
     let printed = |kind| uavspec(folder, &["check", "--format", kind, file]).1;
     kinds.into_iter().map(|kind| (kind, printed(kind))).collect()
 }
 
-/// How grave damage is in a report of SARIF.
+/// The level of the first corrupt part in a SARIF report.
 fn corruption_level(report: &str) -> String {
     let report: Value = serde_json::from_str(report).expect("JSON");
     let results = report["runs"][0]["results"].as_array().expect("a list");
-    let corruption = results.iter().find(|result| result["ruleId"] == "damage").expect("damage");
+    let corruption = results.iter().find(|result| result["ruleId"] == "damage").expect("a corrupt part");
     corruption["level"].as_str().expect("a level").to_owned()
 }
 
@@ -75,20 +75,20 @@ fn an_unreadable_file_fails_in_each_format() {
     gzip.write_all(&typical(200)).expect("memory");
     let gzip = gzip.finish().expect("memory");
     let zstd = compress_to_vec(&typical(200)[..], CompressionLevel::Fastest);
-    let behind = [&zstd[..], b"no frame"].concat();
-    // Of a frame that is cut off within its window nothing can be read at all.
+    let trailing = [&zstd[..], b"not a frame"].concat();
+    // A frame that is truncated within its window is completely unreadable.
     fs::write(folder.path().join("cut.ulg"), &zstd[..zstd.len() - 9]).expect("a file");
     assert_eq!(uavspec(folder.path(), &["check", "cut.ulg"]).0, Some(3));
-    for packed in [&gzip[..gzip.len() / 2], &behind] {
+    for packed in [&gzip[..gzip.len() / 2], &trailing] {
         fs::write(folder.path().join("flight.ulg"), packed).expect("a file");
         assert_eq!(uavspec(folder.path(), &["check", "flight.ulg"]).0, Some(3));
         for (kind, reported) in reports(folder.path(), "flight.ulg") {
             let output = match kind {
-                "text" => "; it could not be read to its end\n",
+                "text" => "incomplete: the log can't be read to the end; ",
                 "json" => "\"extent\": \"broken off\"",
-                "junit" => "message=\"it can&apos;t be read to its end\"",
+                "junit" => "message=\"the file can&apos;t be read to the end\"",
                 "sarif" => "the rest is unreadable",
-                _ => "Could not be read to its end",
+                _ => "Incomplete: the log can't be read to the end",
             };
             assert!(reported.contains(output), "{kind}: {reported}");
             assert!(kind != "sarif" || corruption_level(&reported) == "error", "{reported}");
@@ -98,7 +98,7 @@ fn an_unreadable_file_fails_in_each_format() {
     let (status, printed, _) = uavspec(folder.path(), &["check", "good.ulg", "flight.ulg", "--format=json"]);
     let report: Value = serde_json::from_str(&printed).expect("JSON");
     let output = &report["conclusion"]["text"];
-    assert_eq!((status, output), (Some(3), &"1 of 2 files could not be read to their ends".into()));
+    assert_eq!((status, output), (Some(3), &"Incomplete: 1 of 2 files can't be read to the end".into()));
 }
 
 #[test]
@@ -109,14 +109,16 @@ fn skipped_data_is_reported_and_keeps_the_status() {
     let garbage = [start, &[0xff; 3_000], end].concat();
     let early = &log[..log.len() - 3];
     let message = r#"{"type":"px4/UnregisterExtComponent","message":{"timestamp":1,"name":"a","arming_check_id":0,"mode_id":0,"mode_executor_id":0}}"#;
-    let lines = format!("{message}\nno JSON\n{message}\n");
-    for (name, bytes, is_error) in
-        [("gap.ulg", &garbage[..], true), ("early.ulg", early, false), ("gap.jsonl", lines.as_bytes(), true)]
-    {
+    let lines = format!("{message}\nnot JSON\n{message}\n");
+    for (name, bytes, outcome, is_error) in [
+        ("gap.ulg", &garbage[..], "onforms; parts of the log are unreadable", true),
+        ("early.ulg", early, "onforms; the log is truncated", false),
+        ("gap.jsonl", lines.as_bytes(), "onforms; parts of the file are unreadable", true),
+    ] {
         fs::write(folder.path().join(name), bytes).expect("a file");
         let (status, printed, _) = uavspec(folder.path(), &["check", name]);
         assert_eq!(status, Some(0), "{name}: {printed}");
-        assert!(printed.ends_with("conforms, and not all can be read\n"), "{name}: {printed}");
+        assert!(printed.ends_with(&format!("c{outcome}\n")), "{name}: {printed}");
         for (kind, reported) in reports(folder.path(), name) {
             match kind {
                 "text" => {}
@@ -124,22 +126,22 @@ fn skipped_data_is_reported_and_keeps_the_status() {
                 "sarif" => {
                     assert_eq!(corruption_level(&reported) == "warning", is_error, "{name}: {reported}");
                 }
-                _ => assert!(
-                    reported.contains("Conforms, as far as it can be read"),
-                    "{name}: {kind}: {reported}"
-                ),
+                _ => assert!(reported.contains(&format!("C{outcome}")), "{name}: {kind}: {reported}"),
             }
         }
     }
 }
 
 #[test]
-fn tells_encrypted_and_very_short_logs_from_json() {
+fn detects_encrypted_and_very_short_logs() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("a.ulge"), b"ULogEnc\x01\0\0\0\0\0\0\0\0\x04").expect("a file");
     let (status, printed, output) = uavspec(folder.path(), &["check", "a.ulge"]);
     assert_eq!((status, printed.as_str()), (Some(3), ""));
-    assert!(output.contains("an encrypted log of PX4") && output.contains("decrypt it first"), "{output}");
+    assert!(
+        output.contains("an encrypted PX4 log") && output.contains("decrypt it with its key first"),
+        "{output}"
+    );
     for begun in [&b"ULog"[..], b"ULog\x01\x12", b"ULog\x01\x12\x35\x01"] {
         fs::write(folder.path().join("begun.ulg"), begun).expect("a file");
         let (status, printed, _) = uavspec(folder.path(), &["check", "begun.ulg"]);
@@ -156,7 +158,7 @@ fn tells_encrypted_and_very_short_logs_from_json() {
 }
 
 #[test]
-fn checks_json_messages_with_and_without_their_type() {
+fn checks_json_messages_with_and_without_a_type() {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
     let message = r#"{"timestamp":1,"request_id":2,"registration_id":0}"#;
@@ -180,16 +182,16 @@ fn checks_json_messages_with_and_without_their_type() {
         "bare.jsonl  4 lines, 4 messages of 1 type (",
         "dialect      bare NaN or Infinity (Python)",
         "PX-JSON-01   MUST   UnregisterExtComponent.request_id: UnregisterExtComponent has no such field; found 2",
-        "once, first at line 3   definitions/px4/UnregisterExtComponent.msg:",
+        "once, at line 3   definitions/px4/UnregisterExtComponent.msg:",
         "PX-JSON-02   MUST   UnregisterExtComponent.name: expected a string, found a bare NaN",
-        "once, first at line 2   definitions/px4/UnregisterExtComponent.msg:",
+        "once, at line 2   definitions/px4/UnregisterExtComponent.msg:",
     ] {
         assert!(printed.contains(wanted), "{wanted}: {printed}");
     }
     let (status, printed, _) = uavspec(folder.path(), &["check", "bare.jsonl"]);
     assert_eq!(status, Some(5), "{printed}");
-    assert!(printed.contains("damage       line 1: unknown message type"), "{printed}");
-    assert!(printed.ends_with("and not all can be read\n"), "{printed}");
+    assert!(printed.contains("corrupt      line 1: unknown message type"), "{printed}");
+    assert!(printed.ends_with("nothing was checked; parts of the file are unreadable\n"), "{printed}");
     let (status, _, output) = uavspec(folder.path(), &["check", "bare.jsonl", "--type", "px4/Nothing"]);
     assert_eq!(status, Some(2));
     assert!(output.contains("--type px4/Nothing: the definitions have no such message"), "{output}");
@@ -203,7 +205,7 @@ fn checks_json_messages_with_and_without_their_type() {
 }
 
 #[test]
-fn checks_folders_and_packed_files_in_order() {
+fn checks_folders_and_compressed_files_in_order() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("day")).expect("a folder");
     let zstd = compress_to_vec(&typical(20)[..], CompressionLevel::Fastest);
@@ -219,7 +221,7 @@ fn checks_folders_and_packed_files_in_order() {
 }
 
 #[test]
-fn strict_formats_and_required_rules_count_on_request() {
+fn strict_formats_and_required_rules_fail_the_run() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("flight.ulg"), typical(20)).expect("a file");
     fs::create_dir(folder.path().join("msg")).expect("a folder");
@@ -236,13 +238,13 @@ fn strict_formats_and_required_rules_count_on_request() {
     assert_eq!(check(&["--require", "PX-TIME-01,PX-FMT-01"]).0, Some(0));
     let (status, _, output) = check(&["--require", "PX-VER-01"]);
     assert_eq!(status, Some(1));
-    assert!(output.contains("PX-VER-01 was required"), "{output}");
+    assert!(output.contains("PX-VER-01 is required"), "{output}");
     for (kind, marks) in [
-        ("junit", &["failures=\"1\"", "name=\"as a whole\"", "PX-VER-01 was required"][..]),
-        ("sarif", &["\"ruleId\": \"run\"", "PX-VER-01 was required"]),
-        ("json", &["\"reasons\": [\n    {\n      \"message\": \"PX-VER-01 was required"]),
-        ("markdown", &["PX-VER-01 was required"]),
-        ("html", &["PX-VER-01 was required"]),
+        ("junit", &["failures=\"1\"", "name=\"as a whole\"", "PX-VER-01 is required"][..]),
+        ("sarif", &["\"ruleId\": \"run\"", "PX-VER-01 is required"]),
+        ("json", &["\"reasons\": [\n    {\n      \"message\": \"PX-VER-01 is required"]),
+        ("markdown", &["PX-VER-01 is required"]),
+        ("html", &["PX-VER-01 is required"]),
     ] {
         let (_, printed, _) = check(&["--require", "PX-VER-01", "--format", kind]);
         assert!(marks.iter().all(|mark| printed.contains(mark)), "{kind}: {printed}");
@@ -253,17 +255,16 @@ fn strict_formats_and_required_rules_count_on_request() {
 }
 
 #[test]
-fn a_pattern_that_is_none_is_a_mistake() {
+fn rejects_an_invalid_glob_pattern() {
     let folder = tempfile::tempdir().expect("a folder");
     let (status, _, output) = uavspec(folder.path(), &["check", "[day"]);
     assert_eq!(status, Some(2));
     assert!(output.starts_with("error: [day: "), "{output}");
 }
 
-/// A disk may be full.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_report_that_can_not_be_printed_fails_the_run() {
+fn a_report_that_cannot_be_printed_fails_the_run() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("flight.ulg"), typical(20)).expect("a file");
     for arguments in [&["check", "flight.ulg"][..], &["check", "flight.ulg", "--format", "json"], &["rules"]]
@@ -279,7 +280,7 @@ fn a_report_that_can_not_be_printed_fails_the_run() {
 }
 
 #[test]
-fn programs_get_json() {
+fn prints_json_reports() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("flight.ulg"), typical(20)).expect("a file");
     let (status, printed, _) = uavspec(folder.path(), &["check", "--format", "json", "flight.ulg"]);
@@ -298,7 +299,7 @@ fn programs_get_json() {
 }
 
 #[test]
-fn several_reports_come_of_one_run() {
+fn writes_several_reports_in_one_run() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("flight.ulg"), typical(20)).expect("a file");
     let read = |name: &str| fs::read_to_string(folder.path().join(name)).expect("a report");
@@ -308,7 +309,7 @@ fn several_reports_come_of_one_run() {
         &["check", "flight.ulg", all, "--report", "html=a.html", "--report=markdown=a.md,text=a.txt"],
     );
     assert_eq!(status, Some(0), "{printed}");
-    assert!(printed.ends_with("conforms\n"), "text is printed beside: {printed}");
+    assert!(printed.ends_with("conforms\n"), "the text report is still printed: {printed}");
     let report: Value = serde_json::from_str(&read("a.json")).expect("JSON");
     assert_eq!(report["conclusion"]["text"], "Conforms");
     assert!(
@@ -324,7 +325,7 @@ fn several_reports_come_of_one_run() {
     ] {
         assert!(read(name).starts_with(start), "{name}");
     }
-    // One of them may go to standard output, in place of text.
+    // One report can replace the text on standard output.
     let (_, printed, _) =
         uavspec(folder.path(), &["check", "flight.ulg", "--report", "markdown=-,json=b.json"]);
     assert_eq!(printed.lines().nth(2), Some("# ✅ Conforms"), "{printed}");
@@ -332,23 +333,23 @@ fn several_reports_come_of_one_run() {
         uavspec(folder.path(), &["check", "flight.ulg", "--format", "markdown"]).1.lines().nth(2),
         Some("# ✅ Conforms")
     );
-    // All that can be written is, and what can't is an error of its own.
+    // An unwritable report is an error, but the other reports are written.
     let (status, _, output) =
         uavspec(folder.path(), &["check", "flight.ulg", "--report", "json=no/a.json,html=c.html"]);
     assert_eq!(status, Some(3), "{output}");
-    assert!(output.contains("error: no/a.json: the report can't be written"), "{output}");
+    assert!(output.contains("error: no/a.json: can't write the report"), "{output}");
     assert!(read("c.html").ends_with("</html>\n"));
 }
 
 #[test]
-fn reports_that_cannot_be_meant_are_refused() {
+fn rejects_invalid_report_arguments() {
     let here = Path::new(".");
     for (arguments, wanted) in [
-        (&["--report", "pdf=a.pdf"][..], "kinds are text, json, junit, sarif, html, markdown"),
+        (&["--report", "pdf=a.pdf"][..], "expected one of text, json, junit, sarif, html, markdown"),
         (&["--report", "html"], "KIND=PATH"),
-        (&["--report", "html=-,json=-"], "only one report can go to standard output"),
-        (&["--report", "html=-", "--format", "json"], "only one report can go to standard output"),
-        (&["--report", "html=a,json=a"], "two reports would go to a"),
+        (&["--report", "html=-,json=-"], "only one report can be printed to standard output"),
+        (&["--report", "html=-", "--format", "json"], "only one report can be printed to standard output"),
+        (&["--report", "html=a,json=a"], "two reports have the path a"),
     ] {
         for command in ["check", "test"] {
             let rest: &[&str] = if command == "check" { &["absent.ulg"] } else { &["--", "absent"] };
@@ -360,7 +361,7 @@ fn reports_that_cannot_be_meant_are_refused() {
 }
 
 #[test]
-fn rules_and_help_are_printed() {
+fn prints_rules_and_help() {
     let here = Path::new(".");
     let (status, printed, _) = uavspec(here, &["rules", "PX-RANGE-01"]);
     assert_eq!(status, Some(0));
@@ -395,7 +396,7 @@ fn rules_and_help_are_printed() {
     assert!(printed.contains("Examples:") && printed.contains("uavspec check flight.ulg"), "{printed}");
 }
 
-/// A record of MCAP: its kind, its length, and what it holds.
+/// Encodes an MCAP record.
 fn mcap_record(opcode: u8, parts: &[&[u8]]) -> Vec<u8> {
     let body = parts.concat();
     [&[opcode][..], &(body.len() as u64).to_le_bytes(), &body].concat()

@@ -1,4 +1,4 @@
-//! The rooms of the crate import each other in one direction.
+//! Tests that the modules of the crate import each other in one direction only.
 
 #[path = "../../codegen/tests/imports/graph.rs"]
 mod graph;
@@ -7,8 +7,8 @@ use std::path::Path;
 
 use graph::Imports;
 
-/// The rooms from the top down: each imports rooms of lower floors only.
-const FLOORS: &[&[&str]] = &[
+/// The modules in layers, from the top down: each imports only modules of lower layers.
+const LAYERS: &[&[&str]] = &[
     &["app"],
     &["report"],
     &["matrix"],
@@ -24,19 +24,19 @@ const FLOORS: &[&[&str]] = &[
 ];
 
 #[test]
-fn rooms_import_lower_floors_only() {
-    let found = Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))).upward(FLOORS);
+fn modules_import_only_lower_layers() {
+    let found = Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))).upward(LAYERS);
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
-/// Rules name each other where one can't be violated without the other, so their files may form rings.
+/// Files of rules may form cycles: rules that are always violated together refer to each other.
 const RULES: &str = "rules::flockwave::";
 
 #[test]
-fn no_files_of_a_room_import_each_other_in_a_ring() {
+fn files_of_a_module_have_no_import_cycles() {
     let levels = Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))).between_siblings();
-    let rings = levels.iter().flat_map(Imports::cycles);
+    let cycles = levels.iter().flat_map(Imports::cycles);
     let found: Vec<String> =
-        rings.filter(|ring| !ring.split(", ").all(|file| file.starts_with(RULES))).collect();
+        cycles.filter(|cycle| !cycle.split(", ").all(|file| file.starts_with(RULES))).collect();
     assert!(found.is_empty(), "{}", found.join("\n"));
 }

@@ -1,4 +1,4 @@
-//! Lists of known failures as a user meets them.
+//! Tests of lists of known failures, through the command line.
 
 use std::fs;
 use std::path::Path;
@@ -15,10 +15,10 @@ float32 speed     # [m/s] [@range 0, 60] [@invalid -1] Speed
 uint8 mark        # [-] Which mark it flies to
 ";
 
-/// The ninth of May 2026, in seconds since 1970.
+/// 9 May 2026, in seconds since 1970.
 const TODAY: &str = "1778284800";
 
-/// A folder with definitions and two files of messages: in one all is well, in the other are two breaches.
+/// A folder with definitions and two files of messages: one conforms, the other has two violations.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("msg")).expect("a folder");
@@ -34,7 +34,7 @@ fn folder() -> TempDir {
     folder
 }
 
-/// Status, what was printed, and what was said.
+/// Runs uavspec. Returns the exit status, standard output and standard error.
 fn uavspec(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
     command.args(arguments).current_dir(folder).env("SOURCE_DATE_EPOCH", TODAY);
@@ -43,7 +43,7 @@ fn uavspec(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     (output.status.code(), text(output.stdout), text(output.stderr))
 }
 
-/// `check` with a list.
+/// Runs `check` with a list.
 fn check(folder: &TempDir, list: &str, arguments: &[&str]) -> (Option<i32>, String, String) {
     fs::write(folder.path().join("known.toml"), list).expect("a file");
     let always = ["check", "--definitions", "msg", "--type", "px4/Glider", "--known", "known.toml"];
@@ -66,7 +66,7 @@ expires = 2026-05-09
 ";
 
 #[test]
-fn a_known_finding_is_shown_and_does_not_count() {
+fn shows_a_known_finding_without_counting_it() {
     let folder = folder();
     let (status, printed, output) = check(&folder, MARKS, &["logs"]);
     assert_eq!(status, Some(0), "{printed}{output}");
@@ -77,7 +77,7 @@ fn a_known_finding_is_shown_and_does_not_count() {
     ] {
         assert!(printed.contains(wanted), "{wanted}: {printed}");
     }
-    assert!(printed.ends_with("\nconforms, 1 SHOULD to be looked at, 1 known\n"), "{printed}");
+    assert!(printed.ends_with("\nconforms, with 1 warning and 1 known failure\n"), "{printed}");
     assert_eq!(output, "");
 
     let (status, printed, _) = check(&folder, MARKS, &["--format", "json", "logs/odd.jsonl"]);
@@ -97,7 +97,7 @@ fn a_known_finding_is_shown_and_does_not_count() {
     };
     assert_eq!((verdict("PX-JSON-02"), verdict("PX-RANGE-01")), (Some("known".into()), Some("warn".into())));
 
-    // What isn't listed counts, in another file too.
+    // Findings that aren't listed count, including those in other files.
     let elsewhere = MARKS.replace("reason", "file = \"old/*\"\nreason");
     let (status, printed, output) = check(&folder, &elsewhere, &["logs"]);
     assert_eq!(status, Some(1), "{printed}");
@@ -105,7 +105,7 @@ fn a_known_finding_is_shown_and_does_not_count() {
 }
 
 #[test]
-fn a_list_that_no_longer_holds_true_fails_the_run() {
+fn fails_if_the_list_is_out_of_date() {
     let folder = folder();
     let (status, printed, output) = check(&folder, MARKS, &["logs/good.jsonl"]);
     assert_eq!(status, Some(4), "{printed}{output}");
@@ -117,21 +117,21 @@ error[known-passes]: everything that matches this rule passes
   |
 4 | rule = \"PX-JSON-02\" # MUST
   |        ^^^^^^^^^^^^ remove the entry
-error: a list of known failures no longer holds true
-  help: --fix-known mends it
+error: a list of known failures is out of date
+  help: run again with --fix-known to update it
 "
     );
-    assert_eq!(list_of(&folder), MARKS, "nothing is written unasked");
-    // What is flaky may pass.
+    assert_eq!(list_of(&folder), MARKS, "the list changes only with --fix-known");
+    // A flaky rule may pass.
     assert_eq!(check(&folder, &MARKS.replace("[[known]]", "[[flaky]]"), &["logs/good.jsonl"]).0, Some(0));
     let (status, _, output) = check(&folder, &MARKS.replace("05-09", "05-08"), &["logs"]);
     assert_eq!(status, Some(4));
     assert!(output.contains("error[known-expired]: the entry expired on 2026-05-08"), "{output}");
-    // A file that can't be read is the graver matter, and might have had what is listed.
+    // An unreadable file has priority: it might have the listed findings.
     let (status, _, output) = check(&folder, MARKS, &["logs/good.jsonl", "logs/absent.jsonl"]);
     assert_eq!(status, Some(3));
     assert!(!output.contains("known"), "{output}");
-    // Another failure is no known one.
+    // A different failure of the rule isn't known.
     let (status, printed, output) = check(&folder, &(MARKS.to_owned() + "message = \"null\"\n"), &["logs"]);
     assert_eq!(status, Some(1));
     assert!(printed.contains("FAIL  PX-JSON-02"), "{printed}");
@@ -146,21 +146,21 @@ fn fixes_a_list_and_checks_by_the_remaining_entries() {
     let list = MARKS.to_owned() + "message = \"null\"\n" + gone + speed;
     let (status, printed, output) = check(&folder, &list, &["--fix-known", "logs"]);
     assert_eq!(status, Some(0), "{printed}{output}");
-    assert!(output.contains("note[known-fails-otherwise]") && output.contains("mended"), "{output}");
-    assert!(printed.ends_with("\nconforms, 2 known\n"), "{printed}");
+    assert!(output.contains("note[known-fails-otherwise]") && output.contains("fixed: "), "{output}");
+    assert!(printed.ends_with("\nconforms, with 2 known failures\n"), "{printed}");
     let fixed = "message = \"expected an integer from 0 to 255, found 300\"\n";
     assert_eq!(list_of(&folder), MARKS.to_owned() + fixed + speed);
     let again = list_of(&folder);
     let (status, _, output) = check(&folder, &again, &["--fix-known", "logs"]);
     assert_eq!((status, output.as_str(), list_of(&folder)), (Some(0), "", again));
-    // What has expired counts again.
+    // An expired entry no longer excuses findings.
     let (status, printed, _) = check(&folder, &MARKS.replace("05-09", "05-08"), &["--fix-known", "logs"]);
     assert!(status == Some(1) && printed.contains("FAIL  PX-JSON-02"), "{printed}");
     assert_eq!(list_of(&folder), "# What is known of our gliders.\n");
 }
 
 #[test]
-fn a_known_message_hides_no_other_however_late_it_comes() {
+fn reports_a_new_message_after_many_known_ones() {
     let folder = folder();
     let marks = |marks: &[u32]| -> String {
         marks.iter().map(|mark| format!("{{\"timestamp\":1,\"speed\":7,\"mark\":{mark}}}\n")).collect()
@@ -186,21 +186,21 @@ fn does_not_fix_messages_without_a_common_prefix() {
     let (status, printed, output) = check(&folder, &(entry.to_owned() + gone), &["--fix-known", "logs"]);
     assert_eq!(status, Some(4), "{printed}{output}");
     assert!(
-        output.contains("error[known-fails-otherwise]") && output.contains("write an entry for each"),
+        output.contains("error[known-fails-otherwise]") && output.contains("write one entry for each"),
         "{output}"
     );
     assert!(printed.contains("warn  PX-RANGE-01"), "{printed}");
-    assert_eq!(list_of(&folder), entry, "the other entry is mended");
+    assert_eq!(list_of(&folder), entry, "the other entry is fixed");
 }
 
 #[test]
-fn a_list_that_cannot_be_fixed_fails_the_run() {
+fn fails_if_the_list_cannot_be_fixed() {
     let folder = folder();
     fs::write(folder.path().join("known.toml"), MARKS).expect("a file");
     let path = folder.path().join("known.toml");
     let mut permissions = fs::metadata(&path).expect("a file").permissions();
     permissions.set_readonly(true);
-    fs::set_permissions(&path, permissions).expect("a file of ours");
+    fs::set_permissions(&path, permissions).expect("permissions can be set");
     let check = |file: &str| {
         let always = ["check", "--definitions", "msg", "--type", "px4/Glider", "--known", "known.toml"];
         uavspec(folder.path(), &[&always[..], &["--fix-known", "--format", "json", file]].concat())
@@ -210,21 +210,21 @@ fn a_list_that_cannot_be_fixed_fails_the_run() {
     assert!(output.contains("known.toml") && list_of(&folder) == MARKS, "{output}");
     let report: Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!(report["conclusion"]["outcome"], "stale list");
-    assert_eq!(check("logs/odd.jsonl").0, Some(0), "there is nothing to mend");
+    assert_eq!(check("logs/odd.jsonl").0, Some(0), "nothing to fix");
 
-    answer(&folder, &json!("CDR"));
+    write_responses(&folder, &json!("CDR"));
     let list = "[[known]]\ncase = \"decode-uorb/*\"\nreason = \"it was to come\"\n";
     fs::remove_file(&path).expect("a file");
     fs::write(&path, list).expect("a file");
     let mut permissions = fs::metadata(&path).expect("a file").permissions();
     permissions.set_readonly(true);
-    fs::set_permissions(&path, permissions).expect("a file of ours");
+    fs::set_permissions(&path, permissions).expect("permissions can be set");
     let always = ["test", "--definitions", "msg", "--replay", "answers", "--known", "known.toml"];
     assert_eq!(uavspec(folder.path(), &[&always[..], &["--fix-known"]].concat()).0, Some(2));
 }
 
 #[test]
-fn what_lies_behind_a_break_may_hold_what_is_listed() {
+fn keeps_entries_that_an_unreadable_part_may_match() {
     let folder = folder();
     let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::none());
     let text = fs::read(folder.path().join("logs/good.jsonl")).expect("a file").repeat(100);
@@ -237,7 +237,7 @@ fn what_lies_behind_a_break_may_hold_what_is_listed() {
 }
 
 #[test]
-fn what_is_no_list_is_wrong_usage() {
+fn rejects_invalid_lists() {
     let folder = folder();
     let (status, printed, output) = check(&folder, "[[known]]\nrule = \"PX-NONE-01\"\n", &["logs"]);
     assert_eq!((status, printed.as_str()), (Some(2), ""));
@@ -249,7 +249,7 @@ fn what_is_no_list_is_wrong_usage() {
     fs::write(folder.path().join("long.toml"), "#".repeat((1 << 20) + 1)).expect("a file");
     let (status, _, output) = check(&["--known", "long.toml"]);
     assert!(status == Some(2) && output.contains("the limit for a list"), "{output}");
-    assert_eq!(check(&["--fix-known"]).0, Some(2), "there is nothing to mend");
+    assert_eq!(check(&["--fix-known"]).0, Some(2), "nothing to fix");
     let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
     command.args(["check", "logs"]).current_dir(folder.path()).env("SOURCE_DATE_EPOCH", "soon");
     assert_eq!(command.output().expect("uavspec runs").status.code(), Some(2));
@@ -262,27 +262,27 @@ fn what_is_no_list_is_wrong_usage() {
     }
 }
 
-/// Answers that are right but for decoding CDR, where all are the same wrong one.
-fn answer(folder: &TempDir, wrong: &Value) {
-    let (status, questions, output) =
+/// Writes correct responses, except for decoding CDR: there, all responses are this wrong one.
+fn write_responses(folder: &TempDir, wrong: &Value) {
+    let (status, requests, output) =
         uavspec(folder.path(), &["test", "--definitions", "msg", "--dump-cases", "-"]);
     assert_eq!(status, Some(0), "{output}");
     let mut answers = String::new();
-    for question in questions.lines().map(|line| serde_json::from_str::<Value>(line).expect("JSON")) {
-        let expected = &question["expected"];
+    for request in requests.lines().map(|line| serde_json::from_str::<Value>(line).expect("JSON")) {
+        let expected = &request["expected"];
         let (key, value) = match (&expected["ok"], &expected["rejected"]) {
-            _ if (&question["op"], &question["format"]) == (&"decode".into(), &"cdr".into()) => ("ok", wrong),
+            _ if (&request["op"], &request["format"]) == (&"decode".into(), &"cdr".into()) => ("ok", wrong),
             (_, Value::Bool(true)) => ("rejected", &Value::Null),
             (Value::Array(right), _) => ("ok", &right[0]),
             _ => ("ok", &Value::Null),
         };
-        answers += &json!({ "id": question["id"], key: value }).to_string();
+        answers += &json!({ "id": request["id"], key: value }).to_string();
         answers.push('\n');
     }
     fs::write(folder.path().join("answers"), answers).expect("a file");
 }
 
-/// `test` with answers and a list.
+/// Runs `test` with responses and a list.
 fn test(folder: &TempDir, list: &str, arguments: &[&str]) -> (Option<i32>, String, String) {
     fs::write(folder.path().join("known.toml"), list).expect("a file");
     let always = ["test", "--definitions", "msg", "--replay", "answers", "--known", "known.toml"];
@@ -290,9 +290,9 @@ fn test(folder: &TempDir, list: &str, arguments: &[&str]) -> (Option<i32>, Strin
 }
 
 #[test]
-fn known_cases_are_counted_apart() {
+fn counts_known_cases_separately() {
     let folder = folder();
-    answer(&folder, &json!("CDR"));
+    write_responses(&folder, &json!("CDR"));
     let list = "[[known]]\ncase = \"decode-cdr/*\"\nreason = \"CDR is to come\"\n";
     let (status, printed, output) = test(&folder, "", &[]);
     assert!(status == Some(1) && printed.contains("fail decode-cdr/px4/Glider/zero:"), "{printed}{output}");
@@ -314,7 +314,7 @@ fn known_cases_are_counted_apart() {
         (&"fail".into(), &"CDR is to come".into())
     );
 
-    // Of a pattern that names more than fails, mending leaves that which fails.
+    // If a pattern matches cases that pass, the fix restricts it to failing ones.
     let all = list.replace("decode-cdr/*", "decode-*/zero");
     let zeros = ["--filter", "decode-*/zero"];
     let (status, _, output) = test(&folder, &all, &zeros);
@@ -326,7 +326,7 @@ fn known_cases_are_counted_apart() {
     assert_eq!(test(&folder, &all, &[&zeros[..], &["--fix-known"]].concat()).0, Some(0));
     assert_eq!(list_of(&folder), list.replace("decode-cdr/*", "decode-cdr/px4/Glider/zero"));
 
-    // Only known failures are something that was checked; entries on what wasn't asked are left alone.
+    // Known failures alone count as checked. Entries for cases that weren't run stay unchanged.
     let (status, printed, output) = test(&folder, list, &["--filter", "decode-cdr/px4/Glider/zero"]);
     assert_eq!((status, output.as_str()), (Some(0), ""), "{printed}");
     let (status, _, output) = test(&folder, list, &["--filter", "decode-uorb/*"]);
@@ -336,7 +336,7 @@ fn known_cases_are_counted_apart() {
 #[test]
 fn reports_stale_entries_for_cases() {
     let folder = folder();
-    answer(&folder, &json!("CDR"));
+    write_responses(&folder, &json!("CDR"));
     let list = "\
 [[known]]
 case = \"decode-cdr/px4/Glider/*\"

@@ -1,5 +1,4 @@
-//! The tests of the program `uavspec` and of what its library offers, in one program; each file is a module. Tests of
-//! the parts are in `src/tests/`.
+//! Tests of the program `uavspec` and of the public API, one module per file. Tests of internals are in `src/tests/`.
 
 mod cli;
 mod imports;
@@ -7,7 +6,7 @@ mod known;
 mod probe;
 mod schema;
 mod serve;
-#[allow(dead_code, reason = "the tests of the parts use the rest of it")]
+#[allow(dead_code, reason = "the tests in src/tests use the rest")]
 mod support;
 mod testee;
 mod watch;

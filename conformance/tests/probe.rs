@@ -1,6 +1,6 @@
-//! Probing servers that are as they should be, and others that are not.
+//! Tests of the probe, with conforming servers and with faulty ones.
 //!
-//! Nothing here depends on something being fast, but a probe may be told to be over at some time.
+//! No test depends on speed, but a probe may have a time limit.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -20,15 +20,15 @@ use uavspec_conformance::transport::Endpoint;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
-/// How much longer a probe may take than it was told: for what it has just begun, and the last report.
+/// The time that a probe may exceed its time limit, for its last request and its report.
 const SLACK: Duration = Duration::from_secs(20);
 
-/// A probe that is over soon.
-fn brief() -> Options {
+/// Options of a short probe.
+fn short_options() -> Options {
     Options { limit: Duration::from_secs(8), ..Options::new(Duration::from_millis(200), None, Vec::new()) }
 }
 
-/// What is written, for two to see.
+/// A shared buffer.
 #[derive(Clone, Default)]
 struct Shared(Arc<Mutex<Vec<u8>>>);
 
@@ -42,26 +42,26 @@ impl std::io::Write for Shared {
     }
 }
 
-/// Probes a server. What the recording comes to has to be the same.
+/// Probes a server, and asserts that a check of the recording has the same findings.
 fn probed(url: &str, options: &Options) -> Probed {
     let endpoint: Endpoint = url.parse().expect("an endpoint");
     let tape = Shared::default();
     let began = Instant::now();
     let probed = probe(&endpoint, options, &DEFINITIONS, Some(Box::new(tape.clone())), &|_, _| {});
-    assert!(began.elapsed() < options.limit + options.observe + SLACK, "it is over in time");
+    assert!(began.elapsed() < options.limit + options.observe + SLACK, "the probe exceeds its time limit");
     assert!(probed.unrecorded.is_none());
     let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
     let replayed = check_capture(&*recording, None, &DEFINITIONS).expect("bytes can be read");
-    let of = |result: &uavspec_conformance::check::CaptureResult| -> Vec<String> {
+    let summary = |result: &uavspec_conformance::check::CaptureResult| -> Vec<String> {
         result.findings.groups().map(|group| format!("{group:?}")).collect()
     };
-    assert_eq!(of(&replayed), of(&probed.result));
-    assert_eq!(probed.result.corruption, vec![], "the recording is what recordings are");
+    assert_eq!(summary(&replayed), summary(&probed.result));
+    assert_eq!(probed.result.corruption, vec![], "the recording is readable");
     probed
 }
 
-/// How often each rule is broken.
-fn broken(probed: &Probed) -> BTreeMap<&'static str, u64> {
+/// The number of violations per rule.
+fn violations(probed: &Probed) -> BTreeMap<&'static str, u64> {
     let mut counts = BTreeMap::new();
     for group in probed.result.findings.groups() {
         *counts.entry(group.rule.id).or_default() += group.count;
@@ -69,13 +69,13 @@ fn broken(probed: &Probed) -> BTreeMap<&'static str, u64> {
     counts
 }
 
-/// The rules that are broken.
+/// The violated rules.
 fn rules(probed: &Probed) -> BTreeSet<&'static str> {
-    broken(probed).into_keys().collect()
+    violations(probed).into_keys().collect()
 }
 
-/// Serves each connection over TCP in a thread of its own; the URL.
-fn served(serve: impl Fn(TcpStream, usize) + Clone + Send + 'static) -> String {
+/// Serves each TCP connection in a separate thread, and returns the URL.
+fn serve(serve: impl Fn(TcpStream, usize) + Clone + Send + 'static) -> String {
     let listener = TcpListener::bind(SocketAddr::from(([127, 0, 0, 1], 0))).expect("a free port");
     let address = listener.local_addr().expect("an address");
     thread::spawn(move || {
@@ -87,7 +87,7 @@ fn served(serve: impl Fn(TcpStream, usize) + Clone + Send + 'static) -> String {
     format!("tcp://{address}")
 }
 
-/// The answer to a request, from a server that knows no more than to acknowledge.
+/// The answer of a minimal server, which rejects most requests.
 fn answer(line: &[u8], number: &mut u64) -> Option<String> {
     let message: Value = serde_json::from_slice(line).ok()?;
     *number += 1;
@@ -104,7 +104,7 @@ fn answer(line: &[u8], number: &mut u64) -> Option<String> {
     Some(format!("{answer}\n"))
 }
 
-/// Takes all that comes, and hands on the segments.
+/// Passes received segments to a function until it returns false.
 fn segments(stream: &TcpStream, mut take: impl FnMut(&[u8]) -> bool) {
     let (mut stream, mut piece) = (stream, vec![0; 1 << 16]);
     while let Ok(length) = stream.read(&mut piece) {
@@ -117,54 +117,54 @@ fn segments(stream: &TcpStream, mut take: impl FnMut(&[u8]) -> bool) {
 #[test]
 fn reports_a_refused_connection() {
     let free = TcpListener::bind("127.0.0.1:0").expect("a free port").local_addr().expect("an address");
-    let probed = probed(&format!("tcp://{free}"), &brief());
-    assert!(probed.failure.expect("a reason").starts_with("no connection"));
+    let probed = probed(&format!("tcp://{free}"), &short_options());
+    assert!(probed.failure.expect("a reason").starts_with("can't connect"));
     assert_eq!(probed.result.checked, 0);
 }
 
 #[test]
-fn a_silent_server_ends_in_time() {
-    let probed = probed(&served(|stream, _| segments(&stream, |_| true)), &brief());
-    assert_eq!(probed.failure.as_deref(), Some("it answers nothing"));
-    assert_eq!(broken(&probed), BTreeMap::from([("FW-ENV-07", 1)]));
+fn ends_in_time_with_a_silent_server() {
+    let probed = probed(&serve(|stream, _| segments(&stream, |_| true)), &short_options());
+    assert_eq!(probed.failure.as_deref(), Some("the server doesn't answer"));
+    assert_eq!(violations(&probed), BTreeMap::from([("FW-ENV-07", 1)]));
 }
 
 #[test]
-fn garbage_is_found_and_ends_in_time() {
+fn reports_garbage_and_ends_in_time() {
     let probed = probed(
-        &served(|mut stream, _| {
+        &serve(|mut stream, _| {
             while stream.write_all(b"\xff\xfe wind \x00\n{\"half\n[[[[\n").is_ok() {
                 thread::sleep(Duration::from_millis(20));
             }
         }),
-        &brief(),
+        &short_options(),
     );
-    assert_eq!(probed.failure.as_deref(), Some("it answers nothing"));
-    // One of these lines may have been the answer.
+    assert_eq!(probed.failure.as_deref(), Some("the server doesn't answer"));
+    // The probe reports garbage once: one of the lines may have been the answer.
     assert_eq!(rules(&probed), BTreeSet::from(["FW-ENV-01"]));
 }
 
 #[test]
-fn a_byte_a_second_and_a_line_without_end_end_in_time() {
+fn ends_in_time_with_slow_bytes_and_an_endless_line() {
     for pause in [1_000, 0] {
         let probed = probed(
-            &served(move |mut stream, _| {
+            &serve(move |mut stream, _| {
                 let piece = if pause == 0 { vec![b'x'; 1 << 16] } else { vec![b'x'] };
                 while stream.write_all(&piece).is_ok() {
                     thread::sleep(Duration::from_millis(pause));
                 }
             }),
-            &brief(),
+            &short_options(),
         );
-        assert_eq!(probed.failure.as_deref(), Some("it answers nothing"));
-        assert_eq!(rules(&probed).contains("FW-ENV-01"), pause == 0, "a line beyond all limits is found");
+        assert_eq!(probed.failure.as_deref(), Some("the server doesn't answer"));
+        assert_eq!(rules(&probed).contains("FW-ENV-01"), pause == 0, "an endless line is reported");
     }
 }
 
 #[test]
-fn a_million_notifications_end_in_time() {
+fn ends_in_time_with_a_million_notifications() {
     let probed = probed(
-        &served(|mut stream, _| {
+        &serve(|mut stream, _| {
             let one = json!({
                 "$fw.version": "1.0", "id": "same", "body": { "type": "SYS-MSG", "items": [{ "message": "gust" }] },
             });
@@ -175,7 +175,7 @@ fn a_million_notifications_end_in_time() {
                 }
             }
         }),
-        &brief(),
+        &short_options(),
     );
     assert_eq!(rules(&probed), BTreeSet::from(["FW-ENV-04", "FW-ENV-07"]));
 }
@@ -186,7 +186,7 @@ fn reports_a_server_that_dies_during_the_probe() {
     let url = format!("tcp://{}", listener.local_addr().expect("an address"));
     thread::spawn(move || {
         let (mut stream, _) = listener.accept().expect("a client");
-        // Nobody can come after it.
+        // No further connection is accepted.
         drop(listener);
         let reader = BufReader::new(stream.try_clone().expect("a stream"));
         let mut number = 0;
@@ -195,8 +195,8 @@ fn reports_a_server_that_dies_during_the_probe() {
             stream.write_all(answer.as_bytes()).expect("it is written");
         }
     });
-    let probed = probed(&url, &brief());
-    assert!(probed.failure.expect("a reason").starts_with("it can't be reached any more"));
+    let probed = probed(&url, &short_options());
+    assert!(probed.failure.expect("a reason").starts_with("can't reconnect"));
     let reported = probed.result.findings.groups().flat_map(|group| &group.examples);
     let lost = reported.filter(|(_, detail)| detail.message.ends_with("; the server closed the connection"));
     assert_eq!(lost.count(), 1, "a request without an answer");
@@ -205,7 +205,7 @@ fn reports_a_server_that_dies_during_the_probe() {
 #[test]
 fn probes_a_server_that_closes_connections_to_the_end() {
     let probed = probed(
-        &served(|mut stream, number| {
+        &serve(|mut stream, number| {
             let reader = BufReader::new(stream.try_clone().expect("a stream"));
             let mut count = 0;
             // The first connections end early, between an answer and the next request.
@@ -216,25 +216,25 @@ fn probes_a_server_that_closes_connections_to_the_end() {
                 }
             }
         }),
-        &Options { limit: Duration::from_secs(30), ..brief() },
+        &Options { limit: Duration::from_secs(30), ..short_options() },
     );
     assert_eq!(probed.failure, None);
     let again = probed.notes.iter().filter(|note| note.contains("connected again")).count();
     assert_eq!(again, 3, "{:?}", probed.notes);
 }
 
-/// The first word of each finding of a rule on trials: how it was tried, and how often that failed.
+/// The findings of rules on trials: the rule, the trial, and the number of violations.
 fn trials(probed: &Probed) -> Vec<(&'static str, String, u64)> {
     let groups = probed.result.findings.groups();
     groups.map(|group| (group.rule.id, group.subject.clone(), group.count)).collect()
 }
 
 #[test]
-fn each_weakness_of_a_server_over_tcp_is_named_once() {
-    // It answers what came in a segment all at once, the last first; and of a segment with a line that is no JSON
-    // nothing, but ends the connection.
+fn reports_each_weakness_of_a_tcp_server_once() {
+    // This server answers all lines of a segment together, the last first. If a line isn't JSON, it closes the
+    // connection without an answer.
     let probed = probed(
-        &served(|stream, _| {
+        &serve(|stream, _| {
             let (mut rest, mut number) = (Vec::new(), 0);
             segments(&stream, |segment| {
                 rest.extend_from_slice(segment);
@@ -250,23 +250,23 @@ fn each_weakness_of_a_server_over_tcp_is_named_once() {
                 (&stream).write_all(answers.as_bytes()).is_ok()
             });
         }),
-        &Options { limit: Duration::from_secs(45), ..brief() },
+        &Options { limit: Duration::from_secs(45), ..short_options() },
     );
     assert_eq!(probed.failure, None);
     let found = trials(&probed);
-    let of = |rule: &str| -> Vec<(&str, u64)> {
+    let findings_of = |rule: &str| -> Vec<(&str, u64)> {
         found.iter().filter(|found| found.0 == rule).map(|found| (found.1.as_str(), found.2)).collect()
     };
-    assert_eq!(of("FW-TCP-03"), [("after a line that is not JSON", 4)]);
-    assert_eq!(of("FW-TCP-02"), [("a message and a line that is not JSON in one segment", 1)]);
-    assert_eq!(of("FW-ENV-25").len(), 1);
-    assert_eq!(of("FW-TCP-04"), []);
+    assert_eq!(findings_of("FW-TCP-03"), [("after a line that is not JSON", 4)]);
+    assert_eq!(findings_of("FW-TCP-02"), [("a message and a line that is not JSON in one segment", 1)]);
+    assert_eq!(findings_of("FW-ENV-25").len(), 1);
+    assert_eq!(findings_of("FW-TCP-04"), []);
 }
 
 #[test]
-fn a_server_that_a_trial_kills_is_accused_of_that_alone() {
+fn reports_only_the_trial_that_stops_the_server() {
     let is_dead = Arc::new(Mutex::new(false));
-    let url = served(move |stream, _| {
+    let url = serve(move |stream, _| {
         let mut number = 0;
         segments(&stream, |segment| {
             let mut is_dead = is_dead.lock().unwrap_or_else(PoisonError::into_inner);
@@ -276,16 +276,16 @@ fn a_server_that_a_trial_kills_is_accused_of_that_alone() {
             *is_dead || (&stream).write_all(answers.as_bytes()).is_ok()
         });
     });
-    let probed = probed(&url, &Options { limit: Duration::from_secs(45), ..brief() });
+    let probed = probed(&url, &Options { limit: Duration::from_secs(45), ..short_options() });
     let failure = probed.failure.as_deref().expect("a reason");
-    assert!(failure.starts_with("it answers nothing any more, after a trial of FW-TCP-03"), "{failure}");
+    assert!(failure.starts_with("the server has stopped answering after a trial of FW-TCP-03"), "{failure}");
     let of_trials = trials(&probed).into_iter().filter(|found| found.0.starts_with("FW-TCP"));
-    // This server doesn't wait for the rest of a message either.
+    // This server also requires a message to arrive in one segment.
     let rules: BTreeSet<&str> = of_trials.map(|found| found.0).collect();
     assert_eq!(rules, BTreeSet::from(["FW-TCP-02", "FW-TCP-03", "FW-TCP-04"]));
 }
 
-/// Runs the program; its exit status, what it printed, and what it said besides.
+/// Runs the program. Returns the exit status, standard output and standard error.
 fn uavspec(arguments: &[&str]) -> (Option<i32>, String, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_uavspec")).args(arguments).output().expect("it runs");
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
@@ -328,13 +328,17 @@ fn probe_prints_its_outcome_and_records_the_session() {
 }
 
 #[test]
-fn reports_what_is_wrong_with_the_usage() {
+fn reports_invalid_usage() {
     for (arguments, status, wanted) in [
         (&["probe", "localhost:5001"][..], 2, "tcp://localhost:5001"),
         (&["probe", "--uav", "00", "tcp://localhost:5001"], 2, "--allow-commands"),
         (&["probe", "--allow-commands", "tcp://localhost:5001"], 2, "--uav"),
         (&["probe", "--require", "FW-NONE-01", "tcp://localhost:5001"], 2, "no such rule"),
-        (&["probe", "--record", "/no/such/folder/run.jsonl", "tcp://localhost:5001"], 3, "can't be written"),
+        (
+            &["probe", "--record", "/no/such/folder/run.jsonl", "tcp://localhost:5001"],
+            3,
+            "can't write the recording",
+        ),
     ] {
         let (found, printed, output) = uavspec(arguments);
         assert_eq!((found, printed.as_str()), (Some(status), ""), "{output}");

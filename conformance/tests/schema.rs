@@ -1,4 +1,4 @@
-//! JSON Schemas for types of messages that the definitions don't have, as a user meets them.
+//! Tests of user-defined JSON Schemas for message types that the definitions don't contain.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// Files by their names.
+/// Files by name.
 type Files<'f> = &'f [(&'f str, Value)];
 
 /// A folder with files.
@@ -25,7 +25,7 @@ fn write(folder: &Path, name: &str, text: &str) {
     fs::write(path, text).expect("a file");
 }
 
-/// A recording of responses and notifications with these bodies.
+/// Writes a recorded session of responses and notifications with these bodies.
 fn recording(folder: &Path, responses: &[Value], notifications: &[Value]) {
     let line = |body: &Value, refs: Option<&str>| {
         let mut message = json!({ "$fw.version": "1.0", "id": "say", "body": body });
@@ -39,7 +39,7 @@ fn recording(folder: &Path, responses: &[Value], notifications: &[Value]) {
     write(folder, "hill.jsonl", &responses.chain(notifications).collect::<String>());
 }
 
-/// The exit status, what was printed, and what was said.
+/// Runs `check`. Returns the exit status, standard output and standard error.
 fn check(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
     let output = command.arg("check").args(arguments).current_dir(folder).output().expect("it runs");
@@ -47,7 +47,7 @@ fn check(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     (output.status.code(), text(output.stdout), text(output.stderr))
 }
 
-/// The findings of a check of the recording: rule, subject, place, what should be there, and what is.
+/// The findings in the recorded session: rule, subject, location, expected and actual value.
 fn findings(folder: &Path, arguments: &[&str]) -> Vec<[String; 5]> {
     let all = [&["--format", "json", "hill.jsonl"], arguments].concat();
     let (status, printed, output) = check(folder, &all);
@@ -65,7 +65,7 @@ fn findings(folder: &Path, arguments: &[&str]) -> Vec<[String; 5]> {
         .collect()
 }
 
-/// A schema of bodies of this type, with a field `lift`.
+/// A schema for bodies of this type, with a field `lift`.
 fn lift(type_name: &str, lift: &Value) -> Value {
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -76,7 +76,7 @@ fn lift(type_name: &str, lift: &Value) -> Value {
 }
 
 #[test]
-fn checks_bodies_by_the_schema_of_their_type() {
+fn checks_bodies_against_the_schema_of_their_type() {
     let number = json!({ "type": "number", "minimum": 0 });
     let by_name = json!({ "required": ["marks"] });
     let one_of_two =
@@ -98,12 +98,15 @@ fn checks_bodies_by_the_schema_of_their_type() {
     recording(folder.path(), &responses, &[]);
     let slash = std::path::MAIN_SEPARATOR;
     let expected: Vec<[String; 5]> = [
-        ["SOAR-INF", "/body/lift", "lift.json has at /properties/lift/minimum: 0", "-1"],
-        ["SOAR-LIST", "/body", "more/SOAR-LIST.json has at /required: [\"marks\"]", "an object"],
-        ["SOAR-OFF", "/body", "more/switch.json has at /maxProperties: 1", "an object"],
+        ["SOAR-INF", "/body/lift", "lift.json at /properties/lift/minimum: 0", "-1"],
+        ["SOAR-LIST", "/body", "more/SOAR-LIST.json at /required: [\"marks\"]", "an object"],
+        ["SOAR-OFF", "/body", "more/switch.json at /maxProperties: 1", "an object"],
     ]
     .map(|[subject, path, what, actual]| {
-        let expected = format!("what schemas{slash}{}", what.replacen("more/", &format!("more{slash}"), 1));
+        let expected = format!(
+            "a value that matches schemas{slash}{}",
+            what.replacen("more/", &format!("more{slash}"), 1)
+        );
         ["FW-ENV-18".to_owned(), subject.to_owned(), path.to_owned(), expected, actual.to_owned()]
     })
     .to_vec();
@@ -111,11 +114,11 @@ fn checks_bodies_by_the_schema_of_their_type() {
 
     let (_, text, _) = check(folder.path(), &["--schema", "schemas", "hill.jsonl"]);
     assert!(text.contains("unsupported  1 message of types without a definition: SOAR-HIGH"), "{text}");
-    assert!(findings(folder.path(), &[]).is_empty(), "without schemas nothing says what they have to be");
+    assert!(findings(folder.path(), &[]).is_empty(), "bodies aren't checked without schemas");
 }
 
 #[test]
-fn the_name_of_a_file_may_say_the_direction() {
+fn reads_the_direction_from_the_file_name() {
     let folder = folder(&[
         ("a/response_SOAR-INF.json", lift("SOAR-INF", &json!({ "type": "number" }))),
         ("b/SOAR-INF.notification.schema.json", json!({ "required": ["wind"] })),
@@ -129,17 +132,17 @@ fn the_name_of_a_file_may_say_the_direction() {
     assert_eq!(found.len(), 1, "{found:?}");
 }
 
-/// What the definitions have is judged by them.
+/// Definitions have priority over user-defined schemas.
 #[test]
-fn definitions_go_before_schemas() {
+fn prefers_definitions_to_schemas() {
     let folder = folder(&[("schemas/SYS-VER.json", json!({ "maxProperties": 0 }))]);
     recording(folder.path(), &[json!({ "type": "SYS-VER", "software": "Windward", "version": "3.1" })], &[]);
     assert!(findings(folder.path(), &["--schema", "schemas"]).is_empty());
 }
 
-/// Files refer to each other by name or by `$id`, and are of the draft that one of them names.
+/// Schemas refer to each other by file name or by `$id`, and share the draft that one of them declares.
 #[test]
-fn schemas_refer_to_each_other() {
+fn resolves_references_between_schemas() {
     let common = json!({
         "pair": { "type": "array", "items": [{ "type": "integer" }, { "type": "string" }] },
         "$schema": "http://json-schema.org/draft-07/schema#",
@@ -169,13 +172,13 @@ fn reports_an_invalid_schema_with_its_location() {
     let bad_type = lift("SOAR-INF", &json!({ "type": "altitude" }));
     let missing = lift("SOAR-INF", &json!({ "$ref": "https://example.org/none.json" }));
     let cases: [(Files<'_>, &str, &str); 5] = [
-        (&[("s/a.json", bad_type)], "a.json:/properties/lift/type: no schema", "altitude"),
+        (&[("s/a.json", bad_type)], "a.json:/properties/lift/type: invalid JSON Schema", "altitude"),
         (
             &[("s/a.json", missing)],
             "a.json",
             "no file in the folder is named `none.json`, and remote schemas aren't fetched",
         ),
-        (&[("s/a.json", json!({ "type": "object" }))], "s: no file `*.json` in it", "SYS-VER.json"),
+        (&[("s/a.json", json!({ "type": "object" }))], "s: no file `*.json` in this folder", "SYS-VER.json"),
         (
             &[("s/a.json", good()), ("s/b.json", good())],
             "b.json: ",
@@ -200,9 +203,9 @@ fn reports_an_invalid_schema_with_its_location() {
     assert!(output.contains("a.json:2:11: invalid JSON: "), "{output}");
 }
 
-/// What is no JSON, and numbers that no float holds, are matters of other rules.
+/// Invalid JSON, and numbers that no float can represent, are covered by other rules.
 #[test]
-fn bodies_that_schemas_can_not_see_are_left_alone() {
+fn ignores_bodies_that_schemas_cannot_represent() {
     let folder = folder(&[("s/a.json", lift("SOAR-INF", &json!({ "type": "string" })))]);
     let line = |lift: &str| {
         let body = format!("{{\"type\":\"SOAR-INF\",\"lift\":{lift}}}");

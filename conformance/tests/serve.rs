@@ -1,6 +1,6 @@
-//! The reference server over its transports, with the clients that `uavspec` has for live servers.
+//! Tests of the reference server over its transports, with the clients of `uavspec`.
 //!
-//! Nothing here depends on something being fast: whoever waits for a message has plenty of time.
+//! No test depends on speed: expected messages have generous time limits.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -16,16 +16,16 @@ use uavspec_conformance::rules::flockwave;
 use uavspec_conformance::serve::{Options, Server, Transport};
 use uavspec_conformance::transport::{Client, MESSAGE_LIMIT, Received, connect};
 
-/// How long something may take that has to happen.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// The time limit for expected events.
+const TIMEOUT: Duration = Duration::from_secs(60);
 
-/// How long it is listened for something that must not happen.
-const SILENCE: Duration = Duration::from_millis(500);
+/// The time to wait for unexpected messages.
+const QUIET_TIME: Duration = Duration::from_millis(500);
 
 const ALL: [Transport; 4] = [Transport::Tcp, Transport::Udp, Transport::Http, Transport::SocketIo];
 
-/// The ways to connect, but for host and port.
-const WAYS: [(Transport, &str); 7] = [
+/// The transports and their URLs without host and port.
+const ENDPOINTS: [(Transport, &str); 7] = [
     (Transport::Tcp, ""),
     (Transport::Udp, ""),
     (Transport::Http, "/api/v1"),
@@ -37,22 +37,22 @@ const WAYS: [(Transport, &str); 7] = [
 
 fn serve(options: Options) -> Server {
     let location = SocketAddr::from(([127, 0, 0, 1], 0));
-    Server::start(options, &ALL.map(|transport| (transport, location))).expect("it starts")
+    Server::start(options, &ALL.map(|transport| (transport, location))).expect("a server")
 }
 
-/// A server that breaks a rule, and that tells often of the fleet.
-fn broken(rule: &str) -> Server {
+/// A server with the bug of a rule and frequent notifications.
+fn serve_with_bug(rule: &str) -> Server {
     serve(Options { bug: Some(flockwave::rule(rule).expect("a rule")), rate: 20.0, ..Options::default() })
 }
 
 fn address(server: &Server, transport: Transport) -> SocketAddr {
     let location = server.listening().iter().find(|location| location.transport == transport);
-    location.expect("it listens there").address
+    location.expect("the server listens on this transport").address
 }
 
 fn client(server: &Server, (transport, rest): (Transport, &str)) -> Box<dyn Client> {
     let url = format!("{}://{}{rest}", transport.name(), address(server, transport));
-    connect(&url.parse().expect("an endpoint"), Instant::now() + PATIENCE).expect("a connection")
+    connect(&url.parse().expect("an endpoint"), Instant::now() + TIMEOUT).expect("a connection")
 }
 
 fn request(id: &str, body: &Value) -> String {
@@ -61,15 +61,15 @@ fn request(id: &str, body: &Value) -> String {
 
 /// The next message.
 fn receive(client: &mut dyn Client) -> Value {
-    match client.receive(Instant::now() + PATIENCE).expect("the connection holds") {
+    match client.receive(Instant::now() + TIMEOUT).expect("an open connection") {
         Received::Message(text) => serde_json::from_slice(&text).expect("JSON"),
         other => panic!("{other:?}"),
     }
 }
 
-/// The answer to a request, after notifications.
+/// The answer to a request. Notifications that precede it are skipped.
 fn answer(client: &mut dyn Client, id: &str) -> Value {
-    let until = Instant::now() + PATIENCE;
+    let until = Instant::now() + TIMEOUT;
     while Instant::now() < until {
         let message = receive(client);
         if message.get("refs").is_some() {
@@ -80,24 +80,24 @@ fn answer(client: &mut dyn Client, id: &str) -> Value {
     panic!("no answer to {id}");
 }
 
-fn ask(client: &mut dyn Client, id: &str, body: &Value) -> Value {
-    client.send(request(id, body).as_bytes()).expect("it is sent");
+fn request_body(client: &mut dyn Client, id: &str, body: &Value) -> Value {
+    client.send(request(id, body).as_bytes()).expect("sent");
     answer(client, id)["body"].take()
 }
 
-/// The next message that fits, whatever comes between.
+/// The next message that matches a predicate.
 fn until(client: &mut dyn Client, fits: impl Fn(&Value) -> bool) -> Value {
-    let end = Instant::now() + PATIENCE;
+    let end = Instant::now() + TIMEOUT;
     while Instant::now() < end {
         let message = receive(client);
         if fits(&message) {
             return message;
         }
     }
-    panic!("what was waited for didn't come");
+    panic!("no matching message");
 }
 
-/// Whether an answer comes.
+/// True if an answer arrives in time.
 fn is_answered(client: &mut dyn Client, patience: Duration) -> bool {
     let end = Instant::now() + patience;
     loop {
@@ -115,7 +115,7 @@ fn is_answered(client: &mut dyn Client, patience: Duration) -> bool {
 }
 
 #[test]
-fn every_family_is_answered_over_every_transport() {
+fn answers_every_family_over_every_transport() {
     let server = serve(Options { speed: 50.0, ..Options::default() });
     let requests = [
         ("ACK-ACK", json!({}), "ACK-NAK"),
@@ -135,18 +135,18 @@ fn every_family_is_answered_over_every_transport() {
         ("UAV-INF", json!({ "ids": ["glider-1", "glider-9"] }), "UAV-INF"),
         ("WTH-LIST", json!({}), "WTH-LIST"),
     ];
-    for way in WAYS {
-        let mut client = client(&server, way);
+    for endpoint in ENDPOINTS {
+        let mut client = client(&server, endpoint);
         let mut ids = BTreeSet::new();
         for (number, (kind, fields, expected)) in requests.iter().enumerate() {
             let mut body = fields.clone();
             body["type"] = json!(kind);
             let id = format!("Höhe \u{1fa82} {number}");
-            client.send(request(&id, &body).as_bytes()).expect("it is sent");
+            client.send(request(&id, &body).as_bytes()).expect("sent");
             let message = answer(&mut *client, &id);
-            assert_eq!(message["body"]["type"], *expected, "{way:?}: {message}");
+            assert_eq!(message["body"]["type"], *expected, "{endpoint:?}: {message}");
             let is_new = ids.insert(message["id"].as_str().expect("an id").to_owned());
-            assert!(is_new || way.0 == Transport::Http, "{way:?}: {message}");
+            assert!(is_new || endpoint.0 == Transport::Http, "{endpoint:?}: {message}");
         }
     }
 }
@@ -154,24 +154,24 @@ fn every_family_is_answered_over_every_transport() {
 #[test]
 fn reports_the_ports_it_listens_on() {
     let server = serve(Options::default());
-    let ports = ask(&mut *client(&server, WAYS[0]), "a", &json!({ "type": "SYS-PORTS" }));
+    let ports = request_body(&mut *client(&server, ENDPOINTS[0]), "a", &json!({ "type": "SYS-PORTS" }));
     for transport in ALL {
         assert_eq!(ports["ports"][transport.name()], address(&server, transport).port());
     }
 }
 
 #[test]
-fn it_listens_at_addresses_of_the_newer_kind_as_well() {
+fn listens_on_ipv6_addresses() {
     let location = SocketAddr::from(([0, 0, 0, 0, 0, 0, 0, 1], 0));
     if UdpSocket::bind(location).is_err() {
         // This machine has no IPv6.
         return;
     }
     let server =
-        Server::start(Options::default(), &ALL.map(|transport| (transport, location))).expect("it starts");
-    for way in WAYS {
+        Server::start(Options::default(), &ALL.map(|transport| (transport, location))).expect("a server");
+    for endpoint in ENDPOINTS {
         assert_eq!(
-            ask(&mut *client(&server, way), "a", &json!({ "type": "SYS-PING" })),
+            request_body(&mut *client(&server, endpoint), "a", &json!({ "type": "SYS-PING" })),
             json!({ "type": "ACK-ACK" })
         );
     }
@@ -180,10 +180,10 @@ fn it_listens_at_addresses_of_the_newer_kind_as_well() {
 #[test]
 fn sends_status_reports_without_a_request() {
     let server = serve(Options { rate: 20.0, ..Options::default() });
-    for way in WAYS.into_iter().filter(|(transport, _)| *transport != Transport::Http) {
-        let mut client = client(&server, way);
-        // Over UDP the server knows of a client when it has said something.
-        ask(&mut *client, "a", &json!({ "type": "SYS-PING" }));
+    for endpoint in ENDPOINTS.into_iter().filter(|(transport, _)| *transport != Transport::Http) {
+        let mut client = client(&server, endpoint);
+        // Over UDP, the server knows a client only after its first datagram.
+        request_body(&mut *client, "a", &json!({ "type": "SYS-PING" }));
         let message = until(&mut *client, |message| message["body"]["type"] == "UAV-INF");
         assert!(message.get("refs").is_none());
         assert_eq!(message["body"]["status"].as_object().map(serde_json::Map::len), Some(5));
@@ -191,18 +191,18 @@ fn sends_status_reports_without_a_request() {
 }
 
 #[test]
-fn requests_may_come_in_pieces_and_several_at_once() {
+fn accepts_split_and_concatenated_requests() {
     let server = serve(Options::default());
-    let mut client = client(&server, WAYS[0]);
+    let mut client = client(&server, ENDPOINTS[0]);
     let text = request("whole", &json!({ "type": "SYS-PING" })) + "\r\n";
     for piece in text.as_bytes().chunks(7) {
-        client.send_raw(piece).expect("it is sent");
+        client.send_raw(piece).expect("sent");
         thread::sleep(Duration::from_millis(2));
     }
     answer(&mut *client, "whole");
     let many: String =
         (0..100).map(|id| request(&id.to_string(), &json!({ "type": "SYS-PING" })) + "\n").collect();
-    client.send_raw(many.as_bytes()).expect("it is sent");
+    client.send_raw(many.as_bytes()).expect("sent");
     for id in 0..100 {
         answer(&mut *client, &id.to_string());
     }
@@ -211,49 +211,49 @@ fn requests_may_come_in_pieces_and_several_at_once() {
 #[test]
 fn answers_after_the_client_closed_its_output() {
     let server = serve(Options::default());
-    let mut client = client(&server, WAYS[0]);
-    client.send(request("a", &json!({ "type": "UAV-LIST" })).as_bytes()).expect("it is sent");
-    client.finish().expect("it is said");
+    let mut client = client(&server, ENDPOINTS[0]);
+    client.send(request("a", &json!({ "type": "UAV-LIST" })).as_bytes()).expect("sent");
+    client.finish().expect("the output is closed");
     answer(&mut *client, "a");
-    let end = Instant::now() + PATIENCE;
-    while client.receive(end).expect("the connection holds") != Received::End {
+    let end = Instant::now() + TIMEOUT;
+    while client.receive(end).expect("an open connection") != Received::End {
         assert!(Instant::now() < end);
     }
 }
 
 #[test]
-fn what_is_no_message_is_passed_over() {
+fn ignores_invalid_messages() {
     let server = serve(Options::default());
-    for way in WAYS.into_iter().filter(|(transport, _)| *transport != Transport::Http) {
-        let mut client = client(&server, way);
+    for endpoint in ENDPOINTS.into_iter().filter(|(transport, _)| *transport != Transport::Http) {
+        let mut client = client(&server, endpoint);
         for text in
             ["7", "\"glider\"", "[]", "{}", "null", r#"{"id":"a","refs":"b","body":{"type":"ACK-ACK"}}"#]
         {
-            client.send(text.as_bytes()).expect("it is sent");
+            client.send(text.as_bytes()).expect("sent");
         }
-        if way.0 != Transport::SocketIo {
-            client.send(b"\xff\xfe glider {").expect("it is sent");
+        if endpoint.0 != Transport::SocketIo {
+            client.send(b"\xff\xfe glider {").expect("sent");
         }
-        ask(&mut *client, "after", &json!({ "type": "SYS-PING" }));
+        request_body(&mut *client, "after", &json!({ "type": "SYS-PING" }));
     }
-    let mut client = client(&server, WAYS[2]);
-    assert!(client.send(b"glider").is_err(), "a one-shot has nothing but the status to say so");
+    let mut client = client(&server, ENDPOINTS[2]);
+    assert!(client.send(b"glider").is_err(), "a one-shot request fails with an HTTP status");
 }
 
 #[test]
-fn a_line_without_end_is_dropped() {
+fn drops_an_endless_line() {
     let server = serve(Options::default());
-    let mut client = client(&server, WAYS[0]);
+    let mut client = client(&server, ENDPOINTS[0]);
     let mut line = vec![b'x'; MESSAGE_LIMIT + 100];
     line.push(b'\n');
-    client.send_raw(&line).expect("it is sent");
-    ask(&mut *client, "after", &json!({ "type": "SYS-PING" }));
+    client.send_raw(&line).expect("sent");
+    request_body(&mut *client, "after", &json!({ "type": "SYS-PING" }));
 }
 
 #[test]
-fn malformed_requests_are_refused_by_their_ids() {
+fn rejects_malformed_requests_by_id() {
     let server = serve(Options::default());
-    let mut client = client(&server, WAYS[0]);
+    let mut client = client(&server, ENDPOINTS[0]);
     for (text, wrong) in [
         (json!({ "id": "a", "body": { "type": "SYS-PING" } }), "$fw.version"),
         (json!({ "$fw.version": "1.0", "id": "a" }), "body"),
@@ -276,14 +276,14 @@ fn malformed_requests_are_refused_by_their_ids() {
         ),
         (
             json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "SYS-TIME", "adjustment": -1 } }),
-            "forward",
+            "negative",
         ),
         (
             json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "SYS-TIME", "adjustment": 1e300 } }),
-            "too far",
+            "too large",
         ),
     ] {
-        client.send(text.to_string().as_bytes()).expect("it is sent");
+        client.send(text.to_string().as_bytes()).expect("sent");
         let body = answer(&mut *client, "a")["body"].take();
         assert_eq!(body["type"], "ACK-NAK");
         assert!(body["reason"].as_str().is_some_and(|reason| reason.contains(wrong)), "{body}");
@@ -291,59 +291,63 @@ fn malformed_requests_are_refused_by_their_ids() {
 }
 
 #[test]
-fn operations_concern_the_client_that_started_them() {
+fn reports_operations_only_to_the_client_that_started_them() {
     let server = serve(Options { speed: 20.0, rate: 0.0, ..Options::default() });
-    let (mut first, mut second) = (client(&server, WAYS[0]), client(&server, WAYS[5]));
-    let body =
-        ask(&mut *first, "a", &json!({ "type": "UAV-CALIB", "ids": ["glider-1"], "component": "compass" }));
+    let (mut first, mut second) = (client(&server, ENDPOINTS[0]), client(&server, ENDPOINTS[5]));
+    let body = request_body(
+        &mut *first,
+        "a",
+        &json!({ "type": "UAV-CALIB", "ids": ["glider-1"], "component": "compass" }),
+    );
     let receipt = &body["receipt"]["glider-1"];
     let suspended = until(&mut *first, |message| message["body"]["suspended"] == json!(true));
     assert_eq!(suspended["body"]["id"], *receipt);
     let resume = json!({ "type": "ASYNC-RESUME", "ids": [receipt] });
-    let foreign = ask(&mut *second, "b", &resume);
+    let foreign = request_body(&mut *second, "b", &resume);
     assert_eq!(
         (&foreign["success"], foreign["error"].as_object().map(serde_json::Map::len)),
         (&json!([]), Some(1))
     );
-    assert_eq!(ask(&mut *first, "c", &resume)["success"], json!([receipt]));
+    assert_eq!(request_body(&mut *first, "c", &resume)["success"], json!([receipt]));
     let end = until(&mut *first, |message| message["body"]["type"] == "ASYNC-RESP");
     assert_eq!((&end["body"]["id"], &end["body"]["result"]), (receipt, &json!(true)));
-    assert_eq!(second.receive(Instant::now() + SILENCE).expect("the connection holds"), Received::Silence);
+    assert_eq!(second.receive(Instant::now() + QUIET_TIME).expect("an open connection"), Received::Silence);
 }
 
 #[test]
-fn a_one_shot_waits_for_what_takes_longer() {
+fn one_shot_requests_wait_for_operations() {
     let server = serve(Options { speed: 20.0, ..Options::default() });
-    let mut client = client(&server, WAYS[2]);
-    let body = ask(
+    let mut client = client(&server, ENDPOINTS[2]);
+    let body = request_body(
         &mut *client,
         "a",
         &json!({ "type": "UAV-TEST", "ids": ["glider-1", "glider-9"], "component": "led" }),
     );
     let expected = json!({
-        "type": "UAV-TEST", "result": { "glider-1": true }, "error": { "glider-9": "there is no such UAV" },
+        "type": "UAV-TEST", "result": { "glider-1": true }, "error": { "glider-9": "no such UAV" },
     });
     assert_eq!(body, expected);
-    let body = ask(&mut *client, "b", &json!({ "type": "LOG-DATA", "uavId": "glider-1", "logId": "1" }));
+    let body =
+        request_body(&mut *client, "b", &json!({ "type": "LOG-DATA", "uavId": "glider-1", "logId": "1" }));
     assert_eq!((&body["result"]["id"], body.get("receipt")), (&json!("1"), None));
-    client.send(br#"{"type":"SYS-PING"}"#).expect("it is sent");
+    client.send(br#"{"type":"SYS-PING"}"#).expect("sent");
     assert_eq!(
         receive(&mut *client),
         json!({ "type": "ACK-ACK" }),
-        "without an envelope the answer has none"
+        "the answer to a request without an envelope has none"
     );
 }
 
 #[test]
-fn a_flight_is_seen_by_others() {
+fn notifies_other_clients_of_a_flight() {
     let server = serve(Options { speed: 20.0, rate: 20.0, ..Options::default() });
-    let (mut pilot, mut watcher) = (client(&server, WAYS[0]), client(&server, WAYS[6]));
-    let result = ask(&mut *pilot, "a", &json!({ "type": "UAV-TAKEOFF", "ids": ["glider-2"] }));
+    let (mut pilot, mut watcher) = (client(&server, ENDPOINTS[0]), client(&server, ENDPOINTS[6]));
+    let result = request_body(&mut *pilot, "a", &json!({ "type": "UAV-TAKEOFF", "ids": ["glider-2"] }));
     assert_eq!(result["result"], json!({ "glider-2": true }));
     let state = |message: &Value| message["body"]["status"]["glider-2"].clone();
     let hovering = until(&mut *watcher, |message| state(message)["mode"] == "loiter");
     assert_eq!((&state(&hovering)["errors"], &state(&hovering)["position"][3]), (&json!([]), &json!(10_000)));
-    ask(
+    request_body(
         &mut *pilot,
         "b",
         &json!({ "type": "OBJ-CMD", "ids": ["glider-2"], "command": "battery", "args": [15] }),
@@ -355,7 +359,7 @@ fn a_flight_is_seen_by_others() {
 }
 
 #[test]
-fn a_client_may_move_from_polling_to_a_web_socket() {
+fn upgrades_polling_clients_to_a_web_socket() {
     let server = serve(Options::default());
     let location = address(&server, Transport::SocketIo);
     for (revision, length_ahead) in [(3, true), (4, false)] {
@@ -369,19 +373,19 @@ fn a_client_may_move_from_polling_to_a_web_socket() {
             serde_json::from_str::<Value>(opening).expect("JSON")["sid"].as_str().expect("an id").to_owned();
         let post = |text: &str| {
             let text = if length_ahead { format!("{}:{text}", text.len()) } else { text.to_owned() };
-            ureq::post(format!("{url}&sid={sid}")).send(&text).expect("it is taken");
+            ureq::post(format!("{url}&sid={sid}")).send(&text).expect("accepted");
         };
         if revision == 4 {
             post("40");
         }
         let (mut socket, _) =
             tungstenite::connect(format!("ws://{base}&transport=websocket&sid={sid}")).expect("a WebSocket");
-        socket.send("2probe".into()).expect("it is sent");
+        socket.send("2probe".into()).expect("sent");
         assert_eq!(socket.read().expect("an answer").to_text().expect("text"), "3probe");
-        socket.send("5".into()).expect("it is sent");
+        socket.send("5".into()).expect("sent");
         let text = request("a", &json!({ "type": "SYS-PING" }));
-        socket.send(format!("42[\"fw\",{text}]").into()).expect("it is sent");
-        let end = Instant::now() + PATIENCE;
+        socket.send(format!("42[\"fw\",{text}]").into()).expect("sent");
+        let end = Instant::now() + TIMEOUT;
         loop {
             assert!(Instant::now() < end);
             let packet = socket.read().expect("a packet");
@@ -392,13 +396,14 @@ fn a_client_may_move_from_polling_to_a_web_socket() {
                 break;
             }
         }
-        let status = ureq::get(format!("{url}&sid={sid}")).call().expect_err("it has moved").to_string();
+        let status =
+            ureq::get(format!("{url}&sid={sid}")).call().expect_err("the session was upgraded").to_string();
         assert!(status.contains("400"), "{status}");
     }
 }
 
 #[test]
-fn what_is_no_socket_io_is_refused() {
+fn rejects_invalid_socket_io_requests() {
     let server = serve(Options::default());
     let location = address(&server, Transport::SocketIo);
     for (path, status) in [
@@ -416,13 +421,13 @@ fn what_is_no_socket_io_is_refused() {
         "ws://ADDRESS/socket.io/?EIO=4&transport=websocket".replace("ADDRESS", &location.to_string());
     let (mut socket, _) = tungstenite::connect(namespace).expect("a WebSocket");
     socket.read().expect("the session is opened");
-    socket.send("40/wind,".into()).expect("it is sent");
+    socket.send("40/wind,".into()).expect("sent");
     let output = socket.read().expect("an answer");
     assert_eq!(output.to_text().expect("text"), "44/wind,{\"message\":\"Invalid namespace\"}");
 }
 
 #[test]
-fn garbage_ends_no_service() {
+fn keeps_serving_after_garbage() {
     let server = serve(Options::default());
     let streams =
         [Transport::Tcp, Transport::Http, Transport::SocketIo].map(|transport| address(&server, transport));
@@ -440,33 +445,33 @@ fn garbage_ends_no_service() {
     let outcome = runner.run(&(prefix, bytes), |(prefix, bytes)| {
         let text = [prefix.as_bytes(), &bytes].concat();
         for location in streams {
-            let mut stream = TcpStream::connect(location).expect("it is there");
-            // The server may close before it has read all.
+            let mut stream = TcpStream::connect(location).expect("a connection");
+            // The server may close the connection before it has read everything.
             let _ = stream.write_all(&text).and_then(|()| stream.write_all(b"\n"));
         }
         let socket = UdpSocket::bind("127.0.0.1:0").expect("a port");
-        socket.send_to(&text, udp).expect("it is sent");
+        socket.send_to(&text, udp).expect("sent");
         Ok(())
     });
     outcome.expect("it can be sent");
-    for way in WAYS {
-        ask(&mut *client(&server, way), "after", &json!({ "type": "SYS-PING" }));
+    for endpoint in ENDPOINTS {
+        request_body(&mut *client(&server, endpoint), "after", &json!({ "type": "SYS-PING" }));
     }
 }
 
 #[test]
-fn nobody_is_served_without_the_login() {
+fn requires_the_login() {
     let server =
         serve(Options { login: Some(("pilot".to_owned(), "soar".to_owned())), ..Options::default() });
-    let mut client = client(&server, WAYS[3]);
+    let mut client = client(&server, ENDPOINTS[3]);
     let list = json!({ "type": "UAV-LIST" });
-    assert_eq!(ask(&mut *client, "a", &list)["type"], "ACK-NAK");
+    assert_eq!(request_body(&mut *client, "a", &list)["type"], "ACK-NAK");
     let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "cGlsb3Q6c29hcg==" });
     assert_eq!(
-        ask(&mut *client, "b", &login),
+        request_body(&mut *client, "b", &login),
         json!({ "type": "AUTH-RESP", "result": true, "user": "pilot" })
     );
-    assert_eq!(ask(&mut *client, "c", &list)["type"], "UAV-LIST");
+    assert_eq!(request_body(&mut *client, "c", &list)["type"], "UAV-LIST");
 
     let url = format!("http://{}/api/v1", address(&server, Transport::Http));
     let post = |credentials: Option<&str>| {
@@ -479,114 +484,115 @@ fn nobody_is_served_without_the_login() {
     };
     assert!(matches!(post(None), Err(ureq::Error::StatusCode(401))));
     assert!(matches!(post(Some("Basic eA==")), Err(ureq::Error::StatusCode(403))));
-    assert_eq!(post(Some("Basic cGlsb3Q6c29hcg==")).expect("it is served"), 200);
+    assert_eq!(post(Some("Basic cGlsb3Q6c29hcg==")).expect("a response"), 200);
 }
 
 #[test]
-fn bugs_of_tcp_show() {
+fn tcp_bugs_are_observable() {
     let ping = |id: &str| request(id, &json!({ "type": "SYS-PING" }));
     let is_json = |received: &Received| matches!(received, Received::Message(text) if serde_json::from_slice::<Value>(text).is_ok());
 
-    let server = broken("FW-TCP-01");
-    let mut spread = client(&server, WAYS[0]);
+    let server = serve_with_bug("FW-TCP-01");
+    let mut spread = client(&server, ENDPOINTS[0]);
     let lines: Vec<Received> =
-        (0..20).map(|_| spread.receive(Instant::now() + PATIENCE).expect("a line")).collect();
-    assert!(!lines.iter().all(is_json), "a message takes several lines");
+        (0..20).map(|_| spread.receive(Instant::now() + TIMEOUT).expect("a line")).collect();
+    assert!(!lines.iter().all(is_json), "a message is split into several lines");
 
-    let server = broken("FW-TCP-02");
-    let mut merged = client(&server, WAYS[0]);
-    merged.send(ping("a").as_bytes()).expect("it is sent");
+    let server = serve_with_bug("FW-TCP-02");
+    let mut merged = client(&server, ENDPOINTS[0]);
+    merged.send(ping("a").as_bytes()).expect("sent");
     answer(&mut *merged, "a");
-    // That both lines come in one segment is likely, but not certain.
+    // Both lines usually arrive in one segment, but this isn't certain.
     let is_seen = (0..20).any(|_| {
-        merged.send_raw(format!("{}\n{}\n", ping("b"), ping("c")).as_bytes()).expect("it is sent");
+        merged.send_raw(format!("{}\n{}\n", ping("b"), ping("c")).as_bytes()).expect("sent");
         answer(&mut *merged, "b");
-        !is_answered(&mut *merged, SILENCE)
+        !is_answered(&mut *merged, QUIET_TIME)
     });
     assert!(is_seen);
 
-    let server = broken("FW-TCP-03");
-    let mut strict = client(&server, WAYS[0]);
-    strict.send(b"glider").expect("it is sent");
-    let end = Instant::now() + PATIENCE;
-    while strict.receive(end).expect("it ends in order") != Received::End {
+    let server = serve_with_bug("FW-TCP-03");
+    let mut strict = client(&server, ENDPOINTS[0]);
+    strict.send(b"glider").expect("sent");
+    let end = Instant::now() + TIMEOUT;
+    while strict.receive(end).expect("an orderly end") != Received::End {
         assert!(Instant::now() < end);
     }
 
-    let server = broken("FW-TCP-04");
-    let mut forgetful = client(&server, WAYS[0]);
+    let server = serve_with_bug("FW-TCP-04");
+    let mut forgetful = client(&server, ENDPOINTS[0]);
     let text = ping("a") + "\n";
-    forgetful.send_raw(&text.as_bytes()[..20]).expect("it is sent");
-    thread::sleep(SILENCE);
-    forgetful.send_raw(&text.as_bytes()[20..]).expect("it is sent");
-    assert!(!is_answered(&mut *forgetful, SILENCE));
+    forgetful.send_raw(&text.as_bytes()[..20]).expect("sent");
+    thread::sleep(QUIET_TIME);
+    forgetful.send_raw(&text.as_bytes()[20..]).expect("sent");
+    assert!(!is_answered(&mut *forgetful, QUIET_TIME));
 }
 
 #[test]
-fn bugs_of_udp_show() {
+fn udp_bugs_are_observable() {
     let ping = request("a", &json!({ "type": "SYS-PING" }));
-    let server = broken("FW-UDP-01");
-    let mut doubled = client(&server, WAYS[1]);
-    doubled.send(ping.as_bytes()).expect("it is sent");
-    let end = Instant::now() + PATIENCE;
+    let server = serve_with_bug("FW-UDP-01");
+    let mut doubled = client(&server, ENDPOINTS[1]);
+    doubled.send(ping.as_bytes()).expect("sent");
+    let end = Instant::now() + TIMEOUT;
     loop {
         let Received::Message(text) = doubled.receive(end).expect("a datagram") else {
-            panic!("nothing came")
+            panic!("no datagram")
         };
         if serde_json::from_slice::<Value>(&text).is_err() {
             break;
         }
     }
     for (rule, first) in [("FW-UDP-02", "{}"), ("FW-UDP-03", "glider")] {
-        let server = broken(rule);
-        let mut client = client(&server, WAYS[1]);
-        client.send(first.as_bytes()).expect("it is sent");
-        thread::sleep(SILENCE);
-        // Where nobody listens any more, this may fail.
+        let server = serve_with_bug(rule);
+        let mut client = client(&server, ENDPOINTS[1]);
+        client.send(first.as_bytes()).expect("sent");
+        thread::sleep(QUIET_TIME);
+        // This may fail if the port is closed.
         let _ = client.send(ping.as_bytes());
-        assert!(!is_answered(&mut *client, SILENCE), "{rule}");
+        assert!(!is_answered(&mut *client, QUIET_TIME), "{rule}");
     }
 }
 
 #[test]
-fn bugs_of_socket_io_show() {
-    let server = broken("FW-SIO-01");
-    for way in &WAYS[3..] {
-        let mut client = client(&server, *way);
-        client.send(request("a", &json!({ "type": "SYS-PING" })).as_bytes()).expect("it is sent");
-        assert!(!is_answered(&mut *client, SILENCE), "{way:?}");
+fn socket_io_bugs_are_observable() {
+    let server = serve_with_bug("FW-SIO-01");
+    for endpoint in &ENDPOINTS[3..] {
+        let mut client = client(&server, *endpoint);
+        client.send(request("a", &json!({ "type": "SYS-PING" })).as_bytes()).expect("sent");
+        assert!(!is_answered(&mut *client, QUIET_TIME), "{endpoint:?}");
     }
-    let server = broken("FW-SIO-02");
+    let server = serve_with_bug("FW-SIO-02");
     let url = format!("socketio://{}?transport=polling", address(&server, Transport::SocketIo));
     let refused =
-        connect(&url.parse().expect("an endpoint"), Instant::now() + PATIENCE).err().expect("no polling");
+        connect(&url.parse().expect("an endpoint"), Instant::now() + TIMEOUT).err().expect("no polling");
     assert!(refused.to_string().contains("400"), "{refused}");
-    ask(&mut *client(&server, WAYS[5]), "a", &json!({ "type": "SYS-PING" }));
+    request_body(&mut *client(&server, ENDPOINTS[5]), "a", &json!({ "type": "SYS-PING" }));
 }
 
 #[test]
 fn notifies_all_clients_of_the_shutdown() {
     let server = serve(Options::default());
-    let ways: Vec<_> = WAYS.into_iter().filter(|(transport, _)| *transport != Transport::Http).collect();
-    let mut clients: Vec<_> = ways.iter().map(|way| client(&server, *way)).collect();
+    let endpoints: Vec<_> =
+        ENDPOINTS.into_iter().filter(|(transport, _)| *transport != Transport::Http).collect();
+    let mut clients: Vec<_> = endpoints.iter().map(|endpoint| client(&server, *endpoint)).collect();
     for client in &mut clients {
-        ask(&mut **client, "a", &json!({ "type": "SYS-PING" }));
+        request_body(&mut **client, "a", &json!({ "type": "SYS-PING" }));
     }
     let ending = thread::spawn(move || server.end());
-    for (client, way) in clients.iter_mut().zip(&ways) {
+    for (client, endpoint) in clients.iter_mut().zip(&endpoints) {
         until(&mut **client, |message| message["body"]["type"] == "SYS-CLOSE");
-        if way.0 != Transport::Udp {
+        if endpoint.0 != Transport::Udp {
             assert_eq!(
-                client.receive(Instant::now() + PATIENCE).expect("it ends in order"),
+                client.receive(Instant::now() + TIMEOUT).expect("an orderly end"),
                 Received::End,
-                "{way:?}"
+                "{endpoint:?}"
             );
         }
     }
-    ending.join().expect("it ends");
+    ending.join().expect("the end");
 }
 
-/// The program, and the first line that it prints.
+/// Starts the program. Returns it and the first line of its output.
 fn program(arguments: &[&str]) -> (Child, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
     command.arg("serve").args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
@@ -600,10 +606,10 @@ fn program(arguments: &[&str]) -> (Child, String) {
 fn serve_prints_its_addresses_and_stops_on_request() {
     let (mut child, line) = program(&["--tcp", "127.0.0.1:0", "--until-stdin-closes"]);
     let mut client =
-        connect(&line.trim().parse().expect("an endpoint"), Instant::now() + PATIENCE).expect("a connection");
-    ask(&mut *client, "a", &json!({ "type": "SYS-PING" }));
+        connect(&line.trim().parse().expect("an endpoint"), Instant::now() + TIMEOUT).expect("a connection");
+    request_body(&mut *client, "a", &json!({ "type": "SYS-PING" }));
     drop(child.stdin.take());
-    assert_eq!(child.wait().expect("it ends").code(), Some(0));
+    assert_eq!(child.wait().expect("the end").code(), Some(0));
 
     let (mut child, line) = program(&["--udp", "127.0.0.1:0", "--for", "0.2", "--format", "json"]);
     let location: Value = serde_json::from_str(&line).expect("JSON");
@@ -611,7 +617,7 @@ fn serve_prints_its_addresses_and_stops_on_request() {
         (&location["transport"], location["port"].as_u64().is_some_and(|port| port > 0)),
         (&json!("udp"), true)
     );
-    assert_eq!(child.wait().expect("it ends").code(), Some(0));
+    assert_eq!(child.wait().expect("the end").code(), Some(0));
 }
 
 #[test]
@@ -621,14 +627,14 @@ fn reports_wrong_usage() {
             .arg("serve")
             .args(arguments)
             .output()
-            .expect("it runs");
+            .expect("uavspec runs");
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         (output.status.code(), text(&output.stdout), text(&output.stderr))
     };
     for (arguments, wrong) in [
         (&["--bug", "FW-NONE-01"][..], "--list-bugs"),
         (&["--error", "glider-9=66"], "glider-1 to glider-5"),
-        (&["--error", "glider-1=50"], "no error code 50"),
+        (&["--error", "glider-1=50"], "defines no error code 50"),
         (&["--login", "pilot"], "NAME:PASSWORD"),
         (&["--speed", "0"], "0.01"),
     ] {
@@ -639,7 +645,7 @@ fn reports_wrong_usage() {
     let server = serve(Options::default());
     let (status, _, output) = run(&["--tcp", &address(&server, Transport::Tcp).to_string()]);
     assert_eq!(status, Some(3));
-    assert!(output.contains("can't be listened at"), "{output}");
+    assert!(output.contains("can't listen on"), "{output}");
     let (status, printed, _) = run(&["--list-bugs"]);
     assert_eq!(status, Some(0));
     assert!(
@@ -649,20 +655,20 @@ fn reports_wrong_usage() {
 }
 
 #[test]
-fn a_client_that_reads_nothing_holds_up_nobody() {
+fn serves_others_while_a_client_reads_nothing() {
     let server = serve(Options { uavs: 200, rate: 0.0, ..Options::default() });
     let mut idle = TcpStream::connect(address(&server, Transport::Tcp)).expect("a connection");
     let ids: Vec<String> = (1..=200).map(|number| format!("glider-{number}")).collect();
     let text = request("a", &json!({ "type": "UAV-INF", "ids": ids })) + "\n";
-    idle.set_write_timeout(Some(SILENCE)).expect("a limit");
+    idle.set_write_timeout(Some(QUIET_TIME)).expect("a limit");
     for _ in 0..100 {
         if idle.write_all(text.as_bytes()).is_err() {
             break;
         }
     }
-    ask(&mut *client(&server, WAYS[0]), "a", &json!({ "type": "SYS-PING" }));
-    // What it was sent is there nevertheless.
+    request_body(&mut *client(&server, ENDPOINTS[0]), "a", &json!({ "type": "SYS-PING" }));
+    // The messages to the idle client are still available.
     let mut first = [0; 20];
-    idle.read_exact(&mut first).expect("it was answered");
+    idle.read_exact(&mut first).expect("an answer");
     assert!(first.starts_with(b"{\"$fw.version\""));
 }

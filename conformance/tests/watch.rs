@@ -1,4 +1,4 @@
-//! The command `watch` as scripts use it.
+//! Tests of the command `watch` as scripts use it.
 
 use std::io::{BufRead as _, BufReader};
 use std::process::Command;
@@ -6,13 +6,13 @@ use std::process::Command;
 use serde_json::json;
 use uavspec_conformance::serve::{Options, Transport, error};
 
-use crate::support::server::{answering, serve, strange};
+use crate::support::server::{answer_requests, custom_server, serve};
 
-/// Status, what was printed, and what was said.
+/// Runs uavspec. Returns the exit status, standard output and standard error.
 ///
 /// # Panics
 ///
-/// Where a signal ended it: then it has no status.
+/// Panics if a signal ended the program.
 fn uavspec(arguments: &[&str]) -> (i32, String, String) {
     let run = Command::new(env!("CARGO_BIN_EXE_uavspec")).args(arguments).output().expect("uavspec runs");
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
@@ -21,7 +21,7 @@ fn uavspec(arguments: &[&str]) -> (i32, String, String) {
 }
 
 #[test]
-fn scripts_get_a_table() {
+fn prints_a_table_without_a_terminal() {
     let errors = vec![error("glider-2=193").expect("a code")];
     let (_server, address) = serve(Options { uavs: 12, errors, ..Options::default() }, Transport::Tcp);
     let (status, printed, output) = uavspec(&["watch", "--for", "60", &format!("tcp://{address}")]);
@@ -34,25 +34,27 @@ fn scripts_get_a_table() {
 }
 
 #[test]
-fn a_table_that_is_not_whole_is_no_success() {
-    let address = strange(|stream| {
-        answering(stream, |kind, _| (kind == "UAV-LIST").then(|| json!({ "ids": ["glider-1", "a\u{1b}b"] })));
+fn fails_if_the_table_is_incomplete() {
+    let address = custom_server(|stream| {
+        answer_requests(stream, |kind, _| {
+            (kind == "UAV-LIST").then(|| json!({ "ids": ["glider-1", "a\u{1b}b"] }))
+        });
     });
     let (status, printed, output) = uavspec(&["watch", "--once", "--for", "10", &format!("tcp://{address}")]);
     assert_eq!(status, 3, "{printed}");
     assert!(printed.contains("\nglider-1  -") && printed.contains("\na\\u{1b}b"), "{printed}");
-    assert!(output.contains("not all of its UAVs have told their state (within 10 s)"), "{output}");
+    assert!(output.contains("some UAVs did not report their state (within 10 s)"), "{output}");
 }
 
 #[test]
-fn a_server_that_serves_nobody_is_no_success() {
+fn fails_if_the_server_refuses_requests() {
     let login = Some(("pilot".to_owned(), "soar".to_owned()));
     let (_server, address) = serve(Options { login, ..Options::default() }, Transport::Tcp);
     let (status, printed, output) = uavspec(&["watch", "--once", "--for", "10", &format!("tcp://{address}")]);
     assert_eq!((status, printed.as_str()), (3, ""));
     assert!(output.contains("the server refuses"), "{output}");
 
-    let address = strange(|stream| {
+    let address = custom_server(|stream| {
         let mut line = String::new();
         BufReader::new(stream).read_line(&mut line).expect("a request");
     });

@@ -1,6 +1,6 @@
-//! Codecs side by side with a plain copy of as many bytes and with other crates, on the same values.
+//! Benchmarks of the codecs, compared with a plain copy of the bytes and with other crates.
 //!
-//! `cargo bench --package uavspec --bench codec`. Prints nanoseconds and ratios; nothing is judged.
+//! Run with `cargo bench --package uavspec --bench codec`. Prints nanoseconds and ratios, and never fails.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -12,14 +12,14 @@ use uavspec::px4::{ArmingCheckReply, BatteryStatus, Event, FailsafeFlags};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::{Message, UorbMessage};
 
-/// Samples of each measurement, taken in turns so that a slow moment of the machine hits all alike.
+/// Samples of each function. The functions take turns, so a slow moment of the machine affects all of them.
 const SAMPLES: usize = 41;
-/// How long one sample takes, in nanoseconds.
+/// Minimum duration of one sample, in nanoseconds.
 const SAMPLE_NS: u128 = 500_000;
 
 type Function<'f> = Box<dyn FnMut() + 'f>;
 
-/// Functions that are compared, the first being what the others are compared with.
+/// Functions to compare. The first one is the baseline.
 struct Comparison<'f> {
     title: &'f str,
     functions: Vec<(&'f str, Function<'f>)>,
@@ -125,7 +125,7 @@ fn uorb<T: UorbMessage>(message: &T, name: &str) {
     let bytes = message.to_uorb();
     let payload = bytes.as_ref();
     Comparison::new(&format!("uORB, {name}, {} bytes", T::SIZE))
-        .with("copy of as many bytes", || {
+        .with("copy of the bytes", || {
             let mut copy = T::ZEROS;
             copy.as_mut().copy_from_slice(black_box(payload));
             copy
@@ -139,7 +139,7 @@ fn uorb<T: UorbMessage>(message: &T, name: &str) {
 fn view() {
     let bytes = flags().to_uorb();
     Comparison::new("uORB, three fields of FailsafeFlags")
-        .with("copy of as many bytes", || {
+        .with("copy of the bytes", || {
             let mut copy = FailsafeFlags::ZEROS;
             copy.copy_from_slice(black_box(&bytes));
             copy
@@ -190,7 +190,7 @@ fn json<T: Message + Serialize + DeserializeOwned, D: Serialize + DeserializeOwn
         .run();
 }
 
-/// The same messages as a user would write them by hand.
+/// The messages as handwritten structs with serde's derives.
 #[allow(clippy::struct_excessive_bools, clippy::struct_field_names)]
 mod derived {
     use serde::{Deserialize, Serialize};

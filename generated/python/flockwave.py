@@ -1644,7 +1644,7 @@ class AsyncCancelRequest(TypedDict):
 
     Cancels operations that the client no longer needs. A cancelled operation still ends with an ASYNC-RESP that contains an error.
 
-    Answered by ASYNC-CANCEL.
+    Responses: ASYNC-CANCEL.
     """
 
     type: Literal["ASYNC-CANCEL"]
@@ -1653,7 +1653,7 @@ class AsyncCancelRequest(TypedDict):
     ids: list["ReceiptId"]
     """Receipts of the operations.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -1671,7 +1671,7 @@ class AsyncCancelResponse(TypedDict):
     success: NotRequired[list["ReceiptId"]]
     """Cancelled operations.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     error: NotRequired[dict[str, str]]
@@ -1706,7 +1706,7 @@ class AsyncResumeRequest(TypedDict):
 
     Disputed: the values are objects in the specification text and any values in the JSON Schema. This definition allows any value.
 
-    Answered by ASYNC-RESUME.
+    Responses: ASYNC-RESUME.
     """
 
     type: Literal["ASYNC-RESUME"]
@@ -1715,7 +1715,7 @@ class AsyncResumeRequest(TypedDict):
     ids: list["ReceiptId"]
     """Receipts of the operations.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     values: NotRequired[dict[str, Any]]
@@ -1736,7 +1736,7 @@ class AsyncResumeResponse(TypedDict):
     success: NotRequired[list["ReceiptId"]]
     """Resumed operations.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     error: NotRequired[dict[str, str]]
@@ -1776,7 +1776,7 @@ class AsyncTimeoutNotification(TypedDict):
     ids: list["ReceiptId"]
     """Receipts of the operations.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -1789,7 +1789,7 @@ class AuthInfRequest(TypedDict):
 
     The object is closed.
 
-    Answered by AUTH-INF.
+    Responses: AUTH-INF.
     """
 
     type: Literal["AUTH-INF"]
@@ -1819,7 +1819,7 @@ class AuthReqRequest(TypedDict):
 
     Disputed: according to the specification text, a request without session continues the current login; according to the JSON Schema, session defaults to 0.
 
-    Answered by AUTH-RESP.
+    Responses: AUTH-RESP.
     """
 
     type: Literal["AUTH-REQ"]
@@ -1870,7 +1870,7 @@ class AuthWhoamiRequest(TypedDict):
 
     The object is closed.
 
-    Answered by AUTH-WHOAMI.
+    Responses: AUTH-WHOAMI.
     """
 
     type: Literal["AUTH-WHOAMI"]
@@ -1895,7 +1895,7 @@ class BcnInfRequest(TypedDict):
 
     Queries the state of beacons.
 
-    Answered by BCN-INF.
+    Responses: BCN-INF.
     """
 
     type: Literal["BCN-INF"]
@@ -1904,7 +1904,7 @@ class BcnInfRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the beacons.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -1933,7 +1933,7 @@ class BcnPropsRequest(TypedDict):
 
     Queries properties of beacons that rarely change.
 
-    Answered by BCN-PROPS.
+    Responses: BCN-PROPS.
     """
 
     type: Literal["BCN-PROPS"]
@@ -1942,7 +1942,7 @@ class BcnPropsRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the beacons.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -1974,7 +1974,7 @@ class ClkInfRequest(TypedDict):
 
     Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
 
-    Answered by CLK-INF.
+    Responses: CLK-INF.
     """
 
     type: Literal["CLK-INF"]
@@ -1983,7 +1983,7 @@ class ClkInfRequest(TypedDict):
     ids: list["ClockId"]
     """Ids of the clocks.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2033,7 +2033,7 @@ class ClkListRequest(TypedDict):
 
     The object is closed.
 
-    Answered by CLK-LIST.
+    Responses: CLK-LIST.
     """
 
     type: Literal["CLK-LIST"]
@@ -2054,7 +2054,7 @@ class ClkListResponse(TypedDict):
     ids: list["ClockId"]
     """Ids of the clocks.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2070,7 +2070,7 @@ class ConnDelNotification(TypedDict):
     ids: list["ConnectionId"]
     """Ids of the connections.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2079,7 +2079,7 @@ class ConnInfRequest(TypedDict):
 
     Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
 
-    Answered by CONN-INF.
+    Responses: CONN-INF.
     """
 
     type: Literal["CONN-INF"]
@@ -2088,7 +2088,7 @@ class ConnInfRequest(TypedDict):
     ids: list["ConnectionId"]
     """Ids of the connections.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2138,7 +2138,7 @@ class ConnListRequest(TypedDict):
 
     The object is closed.
 
-    Answered by CONN-LIST.
+    Responses: CONN-LIST.
     """
 
     type: Literal["CONN-LIST"]
@@ -2157,7 +2157,7 @@ class ConnListResponse(TypedDict):
     ids: list["ConnectionId"]
     """Ids of the connections.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2166,7 +2166,7 @@ class DevInfRequest(TypedDict):
 
     Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
 
-    Answered by DEV-INF.
+    Responses: DEV-INF.
     """
 
     type: Literal["DEV-INF"]
@@ -2220,7 +2220,7 @@ class DevListRequest(TypedDict):
 
     Queries the device trees of objects.
 
-    Answered by DEV-LIST.
+    Responses: DEV-LIST.
     """
 
     type: Literal["DEV-LIST"]
@@ -2229,7 +2229,7 @@ class DevListRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the objects.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2260,7 +2260,7 @@ class DevListsubRequest(TypedDict):
 
     Disputed: the JSON Schema requires the filter; the specification text does not. This definition makes it optional.
 
-    Answered by DEV-LISTSUB.
+    Responses: DEV-LISTSUB.
     """
 
     type: Literal["DEV-LISTSUB"]
@@ -2294,7 +2294,7 @@ class DevSubRequest(TypedDict):
 
     Not stated: the meaning of lazy. The specification text does not mention it; the JSON Schema only gives its type.
 
-    Answered by DEV-SUB.
+    Responses: DEV-SUB.
     """
 
     type: Literal["DEV-SUB"]
@@ -2330,7 +2330,7 @@ class DevUnsubRequest(TypedDict):
 
     Removes one or all subscriptions to each path.
 
-    Answered by DEV-UNSUB.
+    Responses: DEV-UNSUB.
     """
 
     type: Literal["DEV-UNSUB"]
@@ -2369,7 +2369,7 @@ class DockInfRequest(TypedDict):
 
     Queries the state of docking stations.
 
-    Answered by DOCK-INF.
+    Responses: DOCK-INF.
     """
 
     type: Literal["DOCK-INF"]
@@ -2378,7 +2378,7 @@ class DockInfRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the stations.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2407,7 +2407,7 @@ class ExtCfgRequest(TypedDict):
 
     Queries the configuration of extensions.
 
-    Answered by EXT-CFG.
+    Responses: EXT-CFG.
     """
 
     type: Literal["EXT-CFG"]
@@ -2416,7 +2416,7 @@ class ExtCfgRequest(TypedDict):
     ids: list["ExtensionId"]
     """Ids of the extensions.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2443,7 +2443,7 @@ class ExtInfRequest(TypedDict):
 
     Queries information about extensions.
 
-    Answered by EXT-INF.
+    Responses: EXT-INF.
     """
 
     type: Literal["EXT-INF"]
@@ -2452,7 +2452,7 @@ class ExtInfRequest(TypedDict):
     ids: list["ExtensionId"]
     """Ids of the extensions.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2485,7 +2485,7 @@ class ExtListRequest(TypedDict):
 
     The object is closed.
 
-    Answered by EXT-LIST.
+    Responses: EXT-LIST.
     """
 
     type: Literal["EXT-LIST"]
@@ -2506,13 +2506,13 @@ class ExtListResponse(TypedDict):
     loaded: list["ExtensionId"]
     """Loaded extensions.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     available: list["ExtensionId"]
     """Extensions that are not loaded but could be.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2521,7 +2521,7 @@ class ExtLoadRequest(TypedDict):
 
     Loads extensions.
 
-    Answered by EXT-LOAD.
+    Responses: EXT-LOAD.
     """
 
     type: Literal["EXT-LOAD"]
@@ -2530,7 +2530,7 @@ class ExtLoadRequest(TypedDict):
     ids: list["ExtensionId"]
     """Ids of the extensions.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2557,7 +2557,7 @@ class ExtReloadRequest(TypedDict):
 
     Unloads extensions and loads them again.
 
-    Answered by EXT-RELOAD.
+    Responses: EXT-RELOAD.
     """
 
     type: Literal["EXT-RELOAD"]
@@ -2566,7 +2566,7 @@ class ExtReloadRequest(TypedDict):
     ids: list["ExtensionId"]
     """Ids of the extensions.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2593,7 +2593,7 @@ class ExtSetcfgRequest(TypedDict):
 
     Configures extensions.
 
-    Answered by EXT-SETCFG.
+    Responses: EXT-SETCFG.
     """
 
     type: Literal["EXT-SETCFG"]
@@ -2626,7 +2626,7 @@ class ExtUnloadRequest(TypedDict):
 
     Unloads extensions.
 
-    Answered by EXT-UNLOAD.
+    Responses: EXT-UNLOAD.
     """
 
     type: Literal["EXT-UNLOAD"]
@@ -2635,7 +2635,7 @@ class ExtUnloadRequest(TypedDict):
     ids: list["ExtensionId"]
     """Ids of the extensions.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2662,7 +2662,7 @@ class FwObjectListRequest(TypedDict):
 
     Lists the objects whose firmware can be updated.
 
-    Answered by FW-OBJECT-LIST.
+    Responses: FW-OBJECT-LIST.
     """
 
     type: Literal["FW-OBJECT-LIST"]
@@ -2671,7 +2671,7 @@ class FwObjectListRequest(TypedDict):
     supports: NotRequired[list["FirmwareUpdateTargetId"]]
     """Targets to filter by: only objects that have all of them are listed. If omitted, objects with any target are listed.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2689,7 +2689,7 @@ class FwObjectListResponse(TypedDict):
     ids: list["ObjectId"]
     """Ids of the objects.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2698,7 +2698,7 @@ class FwTargetInfRequest(TypedDict):
 
     Queries information about targets.
 
-    Answered by FW-TARGET-INF.
+    Responses: FW-TARGET-INF.
     """
 
     type: Literal["FW-TARGET-INF"]
@@ -2707,7 +2707,7 @@ class FwTargetInfRequest(TypedDict):
     ids: list["FirmwareUpdateTargetId"]
     """Ids of the targets.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2736,7 +2736,7 @@ class FwTargetListRequest(TypedDict):
 
     Lists the targets.
 
-    Answered by FW-TARGET-LIST.
+    Responses: FW-TARGET-LIST.
     """
 
     type: Literal["FW-TARGET-LIST"]
@@ -2745,7 +2745,7 @@ class FwTargetListRequest(TypedDict):
     supportedBy: NotRequired[list["ObjectId"]]
     """Objects to filter by: only targets that all of them have are listed. If omitted, all targets are listed.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2763,7 +2763,7 @@ class FwTargetListResponse(TypedDict):
     ids: list["FirmwareUpdateTargetId"]
     """Ids of the targets.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2772,7 +2772,7 @@ class FwUploadRequest(TypedDict):
 
     Uploads firmware to objects.
 
-    Answered by FW-UPLOAD.
+    Responses: FW-UPLOAD.
     """
 
     type: Literal["FW-UPLOAD"]
@@ -2781,7 +2781,7 @@ class FwUploadRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the objects.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     target: "FirmwareUpdateTargetId"
@@ -2823,7 +2823,7 @@ class LcnInfRequest(TypedDict):
 
     No fields besides type.
 
-    Answered by LCN-INF.
+    Responses: LCN-INF.
     """
 
     type: Literal["LCN-INF"]
@@ -2850,7 +2850,7 @@ class LogDataRequest(TypedDict):
 
     Downloads one log of a UAV.
 
-    Answered by LOG-DATA.
+    Responses: LOG-DATA.
     """
 
     type: Literal["LOG-DATA"]
@@ -2891,7 +2891,7 @@ class LogInfRequest(TypedDict):
 
     Lists the logs of UAVs.
 
-    Answered by LOG-INF.
+    Responses: LOG-INF.
     """
 
     type: Literal["LOG-INF"]
@@ -2900,7 +2900,7 @@ class LogInfRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -2932,7 +2932,7 @@ class ObjCmdRequest(TypedDict):
 
     Forwards a command to objects. Each object interprets the command; the server does not.
 
-    Answered by OBJ-CMD.
+    Responses: OBJ-CMD.
     """
 
     type: Literal["OBJ-CMD"]
@@ -2941,7 +2941,7 @@ class ObjCmdRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the objects.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     command: str
@@ -2991,7 +2991,7 @@ class ObjDelNotification(TypedDict):
     ids: list["ObjectId"]
     """Ids of the objects.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -3002,7 +3002,7 @@ class ObjListRequest(TypedDict):
 
     The object is closed.
 
-    Answered by OBJ-LIST.
+    Responses: OBJ-LIST.
     """
 
     type: Literal["OBJ-LIST"]
@@ -3011,7 +3011,7 @@ class ObjListRequest(TypedDict):
     filter: NotRequired[list["ObjectType"]]
     """Types to filter by: only objects of these types are listed. If omitted, all objects are listed.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -3029,7 +3029,7 @@ class ObjListResponse(TypedDict):
     ids: list["ObjectId"]
     """Ids of the objects.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -3038,7 +3038,7 @@ class PrmGetRequest(TypedDict):
 
     Queries the value of a parameter.
 
-    Answered by PRM-GET.
+    Responses: PRM-GET.
     """
 
     type: Literal["PRM-GET"]
@@ -3047,7 +3047,7 @@ class PrmGetRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the objects.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     name: str
@@ -3082,7 +3082,7 @@ class PrmSetRequest(TypedDict):
 
     Sets the value of a parameter.
 
-    Answered by PRM-SET.
+    Responses: PRM-SET.
     """
 
     type: Literal["PRM-SET"]
@@ -3091,7 +3091,7 @@ class PrmSetRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the objects.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     name: str
@@ -3129,7 +3129,7 @@ class PrmSetManyRequest(TypedDict):
 
     Sets the values of several parameters.
 
-    Answered by PRM-SET-MANY.
+    Responses: PRM-SET-MANY.
     """
 
     type: Literal["PRM-SET-MANY"]
@@ -3138,7 +3138,7 @@ class PrmSetManyRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the objects.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     parameters: dict[str, Any]
@@ -3173,7 +3173,7 @@ class RtkInfRequest(TypedDict):
 
     Queries information about presets.
 
-    Answered by RTK-INF.
+    Responses: RTK-INF.
     """
 
     type: Literal["RTK-INF"]
@@ -3182,7 +3182,7 @@ class RtkInfRequest(TypedDict):
     ids: list["RTKPresetId"]
     """Ids of the presets.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -3217,7 +3217,7 @@ class RtkListRequest(TypedDict):
 
     The object is closed.
 
-    Answered by RTK-LIST.
+    Responses: RTK-LIST.
     """
 
     type: Literal["RTK-LIST"]
@@ -3238,7 +3238,7 @@ class RtkListResponse(TypedDict):
     ids: list["RTKPresetId"]
     """Ids of the presets.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -3247,7 +3247,7 @@ class RtkSourceRequest(TypedDict):
 
     Queries or selects the active preset. A request with id selects a preset and is answered by ACK-ACK. A request without id queries the active preset and is answered by RTK-SOURCE.
 
-    Answered by RTK-SOURCE, ACK-ACK.
+    Responses: RTK-SOURCE, ACK-ACK.
     """
 
     type: Literal["RTK-SOURCE"]
@@ -3281,7 +3281,7 @@ class RtkStatRequest(TypedDict):
 
     The object is closed.
 
-    Answered by RTK-STAT.
+    Responses: RTK-STAT.
     """
 
     type: Literal["RTK-STAT"]
@@ -3324,7 +3324,7 @@ class RtkSurveyRequest(TypedDict):
 
     Not stated: the effect of a request without settings. The response suggests that such a request queries the current settings.
 
-    Answered by RTK-SURVEY.
+    Responses: RTK-SURVEY.
     """
 
     type: Literal["RTK-SURVEY"]
@@ -3360,7 +3360,7 @@ class ShowCfgRequest(TypedDict):
 
     The object is closed.
 
-    Answered by SHOW-CFG.
+    Responses: SHOW-CFG.
     """
 
     type: Literal["SHOW-CFG"]
@@ -3387,7 +3387,7 @@ class ShowCrthPlanRequest(TypedDict):
 
     The object is closed.
 
-    Answered by SHOW-CRTH-PLAN.
+    Responses: SHOW-CRTH-PLAN.
     """
 
     type: Literal["SHOW-CRTH-PLAN"]
@@ -3478,7 +3478,7 @@ class ShowCrthStartRequest(TypedDict):
 
     The object is closed.
 
-    Answered by SHOW-CRTH-START.
+    Responses: SHOW-CRTH-START.
     """
 
     type: Literal["SHOW-CRTH-START"]
@@ -3509,7 +3509,7 @@ class ShowLightsRequest(TypedDict):
 
     The object is closed.
 
-    Answered by SHOW-LIGHTS.
+    Responses: SHOW-LIGHTS.
     """
 
     type: Literal["SHOW-LIGHTS"]
@@ -3534,7 +3534,7 @@ class ShowSetcfgRequest(TypedDict):
 
     Sets the configuration of the show.
 
-    Answered by ACK-ACK.
+    Responses: ACK-ACK.
     """
 
     type: Literal["SHOW-SETCFG"]
@@ -3549,7 +3549,7 @@ class ShowSetlightsRequest(TypedDict):
 
     Sets the configuration of the UAV lights.
 
-    Answered by ACK-ACK.
+    Responses: ACK-ACK.
     """
 
     type: Literal["SHOW-SETLIGHTS"]
@@ -3597,7 +3597,7 @@ class SysPingRequest(TypedDict):
 
     No fields besides type.
 
-    Answered by ACK-ACK.
+    Responses: ACK-ACK.
     """
 
     type: Literal["SYS-PING"]
@@ -3613,7 +3613,7 @@ class SysPortsRequest(TypedDict):
 
     The object is closed.
 
-    Answered by SYS-PORTS.
+    Responses: SYS-PORTS.
     """
 
     type: Literal["SYS-PORTS"]
@@ -3644,7 +3644,7 @@ class SysTimeRequest(TypedDict):
 
     The object is closed.
 
-    Answered by SYS-TIME.
+    Responses: SYS-TIME.
     """
 
     type: Literal["SYS-TIME"]
@@ -3679,7 +3679,7 @@ class SysVerRequest(TypedDict):
 
     The object is closed.
 
-    Answered by SYS-VER.
+    Responses: SYS-VER.
     """
 
     type: Literal["SYS-VER"]
@@ -3717,7 +3717,7 @@ class TimesyncStatusRequest(TypedDict):
 
     The object is closed.
 
-    Answered by TIMESYNC-STATUS.
+    Responses: TIMESYNC-STATUS.
     """
 
     type: Literal["TIMESYNC-STATUS"]
@@ -3761,7 +3761,7 @@ class UavCalibRequest(TypedDict):
 
     Disputed: the specification text requires component; some of the published JSON Schemas and the types generated from them do not. This definition makes it optional. The text mentions parameters, but some versions of its table and of the schemas lack it.
 
-    Answered by UAV-CALIB.
+    Responses: UAV-CALIB.
     """
 
     type: Literal["UAV-CALIB"]
@@ -3770,7 +3770,7 @@ class UavCalibRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     component: NotRequired["CalibrationComponent"]
@@ -3808,7 +3808,7 @@ class UavFlyRequest(TypedDict):
 
     Sends all given UAVs to the same position. The UAVs themselves must avoid collisions there.
 
-    Answered by UAV-FLY.
+    Responses: UAV-FLY.
     """
 
     type: Literal["UAV-FLY"]
@@ -3817,7 +3817,7 @@ class UavFlyRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     target: "GPSCoordinate"
@@ -3852,7 +3852,7 @@ class UavHaltRequest(TypedDict):
 
     Shuts UAVs down immediately, even in the air. For emergencies only.
 
-    Answered by UAV-HALT.
+    Responses: UAV-HALT.
     """
 
     type: Literal["UAV-HALT"]
@@ -3861,7 +3861,7 @@ class UavHaltRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     transport: NotRequired["TransportOptions"]
@@ -3898,7 +3898,7 @@ class UavHoverRequest(TypedDict):
 
     Disputed: the specification text includes transport; some versions of the JSON Schema do not. This definition allows it.
 
-    Answered by UAV-HOVER.
+    Responses: UAV-HOVER.
     """
 
     type: Literal["UAV-HOVER"]
@@ -3907,7 +3907,7 @@ class UavHoverRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     transport: NotRequired["TransportOptions"]
@@ -3942,7 +3942,7 @@ class UavInfRequest(TypedDict):
 
     Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
 
-    Answered by UAV-INF.
+    Responses: UAV-INF.
     """
 
     type: Literal["UAV-INF"]
@@ -3951,7 +3951,7 @@ class UavInfRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -3997,7 +3997,7 @@ class UavLandRequest(TypedDict):
 
     Makes UAVs land at their current position.
 
-    Answered by UAV-LAND.
+    Responses: UAV-LAND.
     """
 
     type: Literal["UAV-LAND"]
@@ -4006,7 +4006,7 @@ class UavLandRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     transport: NotRequired["TransportOptions"]
@@ -4045,7 +4045,7 @@ class UavListRequest(TypedDict):
 
     The object is closed.
 
-    Answered by UAV-LIST.
+    Responses: UAV-LIST.
     """
 
     type: Literal["UAV-LIST"]
@@ -4066,7 +4066,7 @@ class UavListResponse(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -4075,7 +4075,7 @@ class UavMotorRequest(TypedDict):
 
     Starts motors without a takeoff, or stops them. Stopping them in the air is refused unless it is forced.
 
-    Answered by UAV-MOTOR.
+    Responses: UAV-MOTOR.
     """
 
     type: Literal["UAV-MOTOR"]
@@ -4084,7 +4084,7 @@ class UavMotorRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     start: bool
@@ -4125,7 +4125,7 @@ class UavPrefltRequest(TypedDict):
 
     Queries the preflight checks of UAVs. The server may also send it as a notification.
 
-    Answered by UAV-PREFLT.
+    Responses: UAV-PREFLT.
     """
 
     type: Literal["UAV-PREFLT"]
@@ -4134,7 +4134,7 @@ class UavPrefltRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -4180,7 +4180,7 @@ class UavRstRequest(TypedDict):
 
     Restarts UAVs or one of their components.
 
-    Answered by UAV-RST.
+    Responses: UAV-RST.
     """
 
     type: Literal["UAV-RST"]
@@ -4189,7 +4189,7 @@ class UavRstRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     component: NotRequired[str]
@@ -4227,7 +4227,7 @@ class UavRthRequest(TypedDict):
 
     Makes UAVs return to home.
 
-    Answered by UAV-RTH.
+    Responses: UAV-RTH.
     """
 
     type: Literal["UAV-RTH"]
@@ -4236,7 +4236,7 @@ class UavRthRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     transport: NotRequired["TransportOptions"]
@@ -4273,7 +4273,7 @@ class UavSignalRequest(TypedDict):
 
     Disputed: the specification text requires signals and duration, the latter as an integer; the JSON Schema requires neither and allows any number. This definition makes both optional.
 
-    Answered by UAV-SIGNAL.
+    Responses: UAV-SIGNAL.
     """
 
     type: Literal["UAV-SIGNAL"]
@@ -4282,7 +4282,7 @@ class UavSignalRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     signals: NotRequired[list["UAVSignal"]]
@@ -4326,7 +4326,7 @@ class UavSleepRequest(TypedDict):
 
     Puts UAVs to sleep: most of their parts are switched off, but they can be woken remotely. A UAV that cannot be woken must not switch itself off in response.
 
-    Answered by UAV-SLEEP.
+    Responses: UAV-SLEEP.
     """
 
     type: Literal["UAV-SLEEP"]
@@ -4335,7 +4335,7 @@ class UavSleepRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     transport: NotRequired["TransportOptions"]
@@ -4370,7 +4370,7 @@ class UavTakeoffRequest(TypedDict):
 
     Makes UAVs take off.
 
-    Answered by UAV-TAKEOFF.
+    Responses: UAV-TAKEOFF.
     """
 
     type: Literal["UAV-TAKEOFF"]
@@ -4379,7 +4379,7 @@ class UavTakeoffRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     transport: NotRequired["TransportOptions"]
@@ -4416,7 +4416,7 @@ class UavTestRequest(TypedDict):
 
     Disputed: component and parameters, for the same reasons as in UAV-CALIB.
 
-    Answered by UAV-TEST.
+    Responses: UAV-TEST.
     """
 
     type: Literal["UAV-TEST"]
@@ -4425,7 +4425,7 @@ class UavTestRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     component: NotRequired["TestComponent"]
@@ -4463,7 +4463,7 @@ class UavVerRequest(TypedDict):
 
     Queries the versions of the components of UAVs.
 
-    Answered by UAV-VER.
+    Responses: UAV-VER.
     """
 
     type: Literal["UAV-VER"]
@@ -4472,7 +4472,7 @@ class UavVerRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -4504,7 +4504,7 @@ class UavWakeupRequest(TypedDict):
 
     Wakes UAVs from sleep.
 
-    Answered by UAV-WAKEUP.
+    Responses: UAV-WAKEUP.
     """
 
     type: Literal["UAV-WAKEUP"]
@@ -4513,7 +4513,7 @@ class UavWakeupRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the UAVs.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
     transport: NotRequired["TransportOptions"]
@@ -4548,7 +4548,7 @@ class WthAtRequest(TypedDict):
 
     Queries the weather at a position.
 
-    Answered by WTH-AT.
+    Responses: WTH-AT.
     """
 
     type: Literal["WTH-AT"]
@@ -4578,7 +4578,7 @@ class WthInfRequest(TypedDict):
 
     Queries the weather at stations.
 
-    Answered by WTH-INF.
+    Responses: WTH-INF.
     """
 
     type: Literal["WTH-INF"]
@@ -4587,7 +4587,7 @@ class WthInfRequest(TypedDict):
     ids: list["ObjectId"]
     """Ids of the stations.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
@@ -4620,7 +4620,7 @@ class WthListRequest(TypedDict):
 
     The object is closed.
 
-    Answered by WTH-LIST.
+    Responses: WTH-LIST.
     """
 
     type: Literal["WTH-LIST"]
@@ -4641,37 +4641,37 @@ class WthListResponse(TypedDict):
     ids: list["ObjectId"]
     """Ids of the stations.
 
-    No element stands in it twice.
+    Elements are unique.
     """
 
 
 Request: TypeAlias = Union["AsyncCancelRequest", "AsyncResumeRequest", "AuthInfRequest", "AuthReqRequest", "AuthWhoamiRequest", "BcnInfRequest", "BcnPropsRequest", "ClkInfRequest", "ClkListRequest", "ConnInfRequest", "ConnListRequest", "DevInfRequest", "DevListRequest", "DevListsubRequest", "DevSubRequest", "DevUnsubRequest", "DockInfRequest", "ExtCfgRequest", "ExtInfRequest", "ExtListRequest", "ExtLoadRequest", "ExtReloadRequest", "ExtSetcfgRequest", "ExtUnloadRequest", "FwObjectListRequest", "FwTargetInfRequest", "FwTargetListRequest", "FwUploadRequest", "LcnInfRequest", "LogDataRequest", "LogInfRequest", "ObjCmdRequest", "ObjListRequest", "PrmGetRequest", "PrmSetRequest", "PrmSetManyRequest", "RtkInfRequest", "RtkListRequest", "RtkSourceRequest", "RtkStatRequest", "RtkSurveyRequest", "ShowCfgRequest", "ShowCrthPlanRequest", "ShowCrthStartRequest", "ShowLightsRequest", "ShowSetcfgRequest", "ShowSetlightsRequest", "SysPingRequest", "SysPortsRequest", "SysTimeRequest", "SysVerRequest", "TimesyncStatusRequest", "UavCalibRequest", "UavFlyRequest", "UavHaltRequest", "UavHoverRequest", "UavInfRequest", "UavLandRequest", "UavListRequest", "UavMotorRequest", "UavPrefltRequest", "UavRstRequest", "UavRthRequest", "UavSignalRequest", "UavSleepRequest", "UavTakeoffRequest", "UavTestRequest", "UavVerRequest", "UavWakeupRequest", "WthAtRequest", "WthInfRequest", "WthListRequest"]
-"""The body of a message from a client, which expects an answer; its field type says which."""
+"""Body of a message from a client that expects a response, discriminated by `type`."""
 
 
 Response: TypeAlias = Union["AckAckResponse", "AckNakResponse", "AsyncCancelResponse", "AsyncResumeResponse", "AuthInfResponse", "AuthRespResponse", "AuthWhoamiResponse", "BcnInfResponse", "BcnPropsResponse", "ClkInfResponse", "ClkListResponse", "ConnInfResponse", "ConnListResponse", "DevInfResponse", "DevListResponse", "DevListsubResponse", "DevSubResponse", "DevUnsubResponse", "DockInfResponse", "ExtCfgResponse", "ExtInfResponse", "ExtListResponse", "ExtLoadResponse", "ExtReloadResponse", "ExtSetcfgResponse", "ExtUnloadResponse", "FwObjectListResponse", "FwTargetInfResponse", "FwTargetListResponse", "FwUploadResponse", "LcnInfResponse", "LogDataResponse", "LogInfResponse", "ObjCmdResponse", "ObjListResponse", "PrmGetResponse", "PrmSetResponse", "PrmSetManyResponse", "RtkInfResponse", "RtkListResponse", "RtkSourceResponse", "RtkStatResponse", "RtkSurveyResponse", "ShowCfgResponse", "ShowCrthPlanResponse", "ShowCrthStartResponse", "ShowLightsResponse", "SysPortsResponse", "SysTimeResponse", "SysVerResponse", "TimesyncStatusResponse", "UavCalibResponse", "UavFlyResponse", "UavHaltResponse", "UavHoverResponse", "UavInfResponse", "UavLandResponse", "UavListResponse", "UavMotorResponse", "UavPrefltResponse", "UavRstResponse", "UavRthResponse", "UavSignalResponse", "UavSleepResponse", "UavTakeoffResponse", "UavTestResponse", "UavVerResponse", "UavWakeupResponse", "WthAtResponse", "WthInfResponse", "WthListResponse"]
-"""The body of the answer to a request; its field type says which."""
+"""Body of a response to a request, discriminated by `type`."""
 
 
 Notification: TypeAlias = Union["AsyncRespNotification", "AsyncStNotification", "AsyncTimeoutNotification", "ClkInfNotification", "ConnDelNotification", "ConnInfNotification", "DevInfNotification", "ObjDelNotification", "SysCloseNotification", "SysMsgNotification", "TimesyncStatusNotification", "UavInfNotification", "UavPrefltNotification"]
-"""The body of a message from a server that wasn't asked; its field type says which."""
+"""Body of an unsolicited message from a server, discriminated by `type`."""
 
 
 Message: TypeAlias = Union["AckAckResponse", "AckNakResponse", "AsyncCancelRequest", "AsyncCancelResponse", "AsyncRespNotification", "AsyncResumeRequest", "AsyncResumeResponse", "AsyncStNotification", "AsyncTimeoutNotification", "AuthInfRequest", "AuthInfResponse", "AuthReqRequest", "AuthRespResponse", "AuthWhoamiRequest", "AuthWhoamiResponse", "BcnInfRequest", "BcnInfResponse", "BcnPropsRequest", "BcnPropsResponse", "ClkInfRequest", "ClkInfResponse", "ClkInfNotification", "ClkListRequest", "ClkListResponse", "ConnDelNotification", "ConnInfRequest", "ConnInfResponse", "ConnInfNotification", "ConnListRequest", "ConnListResponse", "DevInfRequest", "DevInfResponse", "DevInfNotification", "DevListRequest", "DevListResponse", "DevListsubRequest", "DevListsubResponse", "DevSubRequest", "DevSubResponse", "DevUnsubRequest", "DevUnsubResponse", "DockInfRequest", "DockInfResponse", "ExtCfgRequest", "ExtCfgResponse", "ExtInfRequest", "ExtInfResponse", "ExtListRequest", "ExtListResponse", "ExtLoadRequest", "ExtLoadResponse", "ExtReloadRequest", "ExtReloadResponse", "ExtSetcfgRequest", "ExtSetcfgResponse", "ExtUnloadRequest", "ExtUnloadResponse", "FwObjectListRequest", "FwObjectListResponse", "FwTargetInfRequest", "FwTargetInfResponse", "FwTargetListRequest", "FwTargetListResponse", "FwUploadRequest", "FwUploadResponse", "LcnInfRequest", "LcnInfResponse", "LogDataRequest", "LogDataResponse", "LogInfRequest", "LogInfResponse", "ObjCmdRequest", "ObjCmdResponse", "ObjDelNotification", "ObjListRequest", "ObjListResponse", "PrmGetRequest", "PrmGetResponse", "PrmSetRequest", "PrmSetResponse", "PrmSetManyRequest", "PrmSetManyResponse", "RtkInfRequest", "RtkInfResponse", "RtkListRequest", "RtkListResponse", "RtkSourceRequest", "RtkSourceResponse", "RtkStatRequest", "RtkStatResponse", "RtkSurveyRequest", "RtkSurveyResponse", "ShowCfgRequest", "ShowCfgResponse", "ShowCrthPlanRequest", "ShowCrthPlanResponse", "ShowCrthStartRequest", "ShowCrthStartResponse", "ShowLightsRequest", "ShowLightsResponse", "ShowSetcfgRequest", "ShowSetlightsRequest", "SysCloseNotification", "SysMsgNotification", "SysPingRequest", "SysPortsRequest", "SysPortsResponse", "SysTimeRequest", "SysTimeResponse", "SysVerRequest", "SysVerResponse", "TimesyncStatusRequest", "TimesyncStatusResponse", "TimesyncStatusNotification", "UavCalibRequest", "UavCalibResponse", "UavFlyRequest", "UavFlyResponse", "UavHaltRequest", "UavHaltResponse", "UavHoverRequest", "UavHoverResponse", "UavInfRequest", "UavInfResponse", "UavInfNotification", "UavLandRequest", "UavLandResponse", "UavListRequest", "UavListResponse", "UavMotorRequest", "UavMotorResponse", "UavPrefltRequest", "UavPrefltResponse", "UavPrefltNotification", "UavRstRequest", "UavRstResponse", "UavRthRequest", "UavRthResponse", "UavSignalRequest", "UavSignalResponse", "UavSleepRequest", "UavSleepResponse", "UavTakeoffRequest", "UavTakeoffResponse", "UavTestRequest", "UavTestResponse", "UavVerRequest", "UavVerResponse", "UavWakeupRequest", "UavWakeupResponse", "WthAtRequest", "WthAtResponse", "WthInfRequest", "WthInfResponse", "WthListRequest", "WthListResponse"]
-"""Any of the messages."""
+"""Any message."""
 
 
 Severity: TypeAlias = Literal["informational", "warning", "error", "fatal"]
-"""How grave an error code is, from harmless to grave."""
+"""Severities of error codes, in ascending order."""
 
 _SEVERITIES: tuple[Severity, ...] = ("informational", "warning", "error", "fatal")
 
 
 class ErrorCode(OpenIntEnum):
-    """An error code. Open: a code that no table knows is kept as it is.
+    """An error code. Unlisted codes are valid.
 
-    A member is called like the abbreviation of its code. Where codes of several severities share an abbreviation, the severity
-    is part of the name.
+    A member is named after the abbreviation of its code. If codes of different severities share an abbreviation, the name
+    includes the severity.
     """
 
     GROUND = 1
@@ -4865,40 +4865,40 @@ class ErrorCode(OpenIntEnum):
 
     @property
     def code(self) -> int:
-        """The number."""
+        """Number of the code."""
         return int(self)
 
     @property
     def is_known(self) -> bool:
-        """Whether a table knows it."""
+        """True if the code is in a table."""
         return int(self) in _KNOWN
 
     @property
     def abbreviation(self) -> Optional[str]:
-        """A short word for displays that have little room."""
+        """Short name for small displays."""
         found = _KNOWN.get(int(self))
         return None if found is None else found[0]
 
     @property
     def severity(self) -> Severity:
-        """How grave it is, also of a code that no table knows: it stands in the number."""
+        """Severity, which is part of the number. It is also defined for unlisted codes."""
         return _SEVERITIES[(int(self) & 0xFF) >> 6]
 
     @property
     def description(self) -> Optional[str]:
-        """What it says."""
+        """Description."""
         found = _KNOWN.get(int(self))
         return None if found is None else found[1]
 
     @property
     def alternatives(self) -> "tuple[ErrorCode, ...]":
-        """Codes for the same condition at other severities, of which one is used at a time."""
+        """Codes for the same condition at other severities. Only one of them is used at a time."""
         found = _KNOWN.get(int(self))
         return () if found is None else tuple(ErrorCode(code) for code in found[2])
 
     @property
     def see_also(self) -> "tuple[ErrorCode, ...]":
-        """Codes that its description refers to."""
+        """Codes that the description refers to."""
         found = _KNOWN.get(int(self))
         return () if found is None else tuple(ErrorCode(code) for code in found[3])
 

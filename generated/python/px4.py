@@ -106,7 +106,7 @@ class ArmingCheckReply(TypedDict):
     num_events: int
     """Number of used entries at the start of events
 
-    Type: uint8; counts the entries in use of events.
+    Type: uint8; number of used entries in events.
     """
 
     events: list["Event"]
@@ -183,14 +183,14 @@ class ArmingCheckReply(TypedDict):
 
 
 class ArmingCheckReplyHealthComponentIndex(OpenIntEnum):
-    """The values HEALTH_COMPONENT_INDEX of ArmingCheckReply; there may be others, which firmware of another version has."""
+    """Values HEALTH_COMPONENT_INDEX of ArmingCheckReply. Other firmware versions may use other values."""
 
     NONE = 0
     """No health component"""
 
 
 class ArmingCheckReplyConstants:
-    """The constants of ArmingCheckReply."""
+    """Constants of ArmingCheckReply."""
 
     MESSAGE_VERSION: Final = 1
     """Message version, incremented with each change of the fields"""
@@ -231,7 +231,7 @@ class ArmingCheckRequest(TypedDict):
 
 
 class ArmingCheckRequestConstants:
-    """The constants of ArmingCheckRequest."""
+    """Constants of ArmingCheckRequest."""
 
     MESSAGE_VERSION: Final = 1
     """Message version, incremented with each change of the fields"""
@@ -261,61 +261,61 @@ class BatteryStatus(TypedDict):
     voltage_v: Union[float, None]
     """Battery voltage
 
-    Type: float32; group: Readings and estimates; unit: V (volts); no data: 0; null stands for NaN.
+    Type: float32; group: Readings and estimates; unit: V (volts); no data: 0; null represents NaN.
     """
 
     voltage_filtered_v: Union[float, None]
     """Filtered battery voltage
 
-    Type: float32; group: Readings and estimates; unit: V (volts); no data: 0; null stands for NaN.
+    Type: float32; group: Readings and estimates; unit: V (volts); no data: 0; null represents NaN.
     """
 
     current_a: Union[float, None]
     """Battery current
 
-    Type: float32; group: Readings and estimates; unit: A (amperes); no data: -1; null stands for NaN.
+    Type: float32; group: Readings and estimates; unit: A (amperes); no data: -1; null represents NaN.
     """
 
     current_filtered_a: Union[float, None]
     """Filtered battery current
 
-    Type: float32; group: Readings and estimates; unit: A (amperes); no data: 0; null stands for NaN.
+    Type: float32; group: Readings and estimates; unit: A (amperes); no data: 0; null represents NaN.
     """
 
     current_average_a: Union[float, None]
     """Average current over a longer period; fixed-wing vehicles only average it in level flight
 
-    Type: float32; group: Readings and estimates; unit: A (amperes); no data: -1; null stands for NaN.
+    Type: float32; group: Readings and estimates; unit: A (amperes); no data: -1; null represents NaN.
     """
 
     discharged_mah: Union[float, None]
     """Charge consumed so far
 
-    Type: float32; group: Readings and estimates; unit: mAh (milliampere hours); no data: -1; null stands for NaN.
+    Type: float32; group: Readings and estimates; unit: mAh (milliampere hours); no data: -1; null represents NaN.
     """
 
     remaining: Union[float, None]
     """State of charge, from 0 (empty) to 1 (full)
 
-    Type: float32; group: Readings and estimates; range: 0 to 1; no data: -1; null stands for NaN.
+    Type: float32; group: Readings and estimates; range: 0 to 1; no data: -1; null represents NaN.
     """
 
     scale: Union[float, None]
     """Factor that compensates actuator outputs for voltage drop
 
-    Type: float32; group: Readings and estimates; range: 1 or more; no data: -1; null stands for NaN.
+    Type: float32; group: Readings and estimates; range: 1 or more; no data: -1; null represents NaN.
     """
 
     time_remaining_s: Union[float, None]
     """Predicted time until the battery is empty at the average load so far
 
-    Type: float32; group: Readings and estimates; unit: s (seconds); no data: NaN; null stands for NaN.
+    Type: float32; group: Readings and estimates; unit: s (seconds); no data: NaN; null represents NaN.
     """
 
     temperature: Union[float, None]
     """Battery temperature
 
-    Type: float32; group: Readings and estimates; unit: degC (degrees Celsius); no data: NaN; null stands for NaN.
+    Type: float32; group: Readings and estimates; unit: degC (degrees Celsius); no data: NaN; null represents NaN.
     """
 
     cell_count: int
@@ -393,13 +393,13 @@ class BatteryStatus(TypedDict):
     voltage_cell_v: list[Union[float, None]]
     """Voltage of each cell
 
-    Type: float32[14]; group: Cells; unit: V (volts); no data: 0; null stands for NaN.
+    Type: float32[14]; group: Cells; unit: V (volts); no data: 0; null represents NaN.
     """
 
     max_cell_voltage_delta: Union[float, None]
     """Difference between the highest and the lowest cell voltage
 
-    Type: float32; group: Cells; unit: V (volts); null stands for NaN.
+    Type: float32; group: Cells; unit: V (volts); null represents NaN.
     """
 
     is_powering_off: bool
@@ -441,31 +441,31 @@ class BatteryStatus(TypedDict):
     average_power: Union[float, None]
     """Average power during this discharge cycle
 
-    Type: float32; group: Energy; unit: W (watts); null stands for NaN.
+    Type: float32; group: Energy; unit: W (watts); null represents NaN.
     """
 
     available_energy: Union[float, None]
     """Predicted remaining charge or energy; its unit is not defined
 
-    Type: float32; group: Energy; null stands for NaN.
+    Type: float32; group: Energy; null represents NaN.
     """
 
     full_charge_capacity_wh: Union[float, None]
     """Compensated energy of the fully charged battery
 
-    Type: float32; group: Energy; unit: Wh (watt hours); null stands for NaN.
+    Type: float32; group: Energy; unit: Wh (watt hours); null represents NaN.
     """
 
     remaining_capacity_wh: Union[float, None]
     """Compensated remaining energy
 
-    Type: float32; group: Energy; unit: Wh (watt hours); null stands for NaN.
+    Type: float32; group: Energy; unit: Wh (watt hours); null represents NaN.
     """
 
     design_capacity: Union[float, None]
     """Design capacity; its unit is not defined
 
-    Type: float32; group: Energy; null stands for NaN.
+    Type: float32; group: Energy; null represents NaN.
     """
 
     average_time_to_full: int
@@ -483,12 +483,12 @@ class BatteryStatus(TypedDict):
     nominal_voltage: Union[float, None]
     """Nominal battery voltage
 
-    Type: float32; group: Energy; unit: V (volts); null stands for NaN.
+    Type: float32; group: Energy; unit: V (volts); null represents NaN.
     """
 
 
 class BatteryStatusBatterySource(OpenIntEnum):
-    """The values BATTERY_SOURCE of BatteryStatus; there may be others, which firmware of another version has."""
+    """Values BATTERY_SOURCE of BatteryStatus. Other firmware versions may use other values."""
 
     POWER_MODULE = 0
     """Power module that measures voltage and current"""
@@ -501,7 +501,7 @@ class BatteryStatusBatterySource(OpenIntEnum):
 
 
 class BatteryStatusBatteryFault(IntFlag):
-    """The flags BATTERY_FAULT of BatteryStatus, any of which may be set; so may bits without a name."""
+    """Flags BATTERY_FAULT of BatteryStatus. Any combination is valid; unnamed bits may be set too."""
 
     DEEP_DISCHARGE = 1
     """Deep discharge"""
@@ -535,7 +535,7 @@ class BatteryStatusBatteryFault(IntFlag):
 
 
 class BatteryStatusBatteryWarning(OpenIntEnum):
-    """The values BATTERY_WARNING, BATTERY_STATE of BatteryStatus; there may be others, which firmware of another version has."""
+    """Values BATTERY_WARNING, BATTERY_STATE of BatteryStatus. Other firmware versions may use other values."""
 
     NONE = 0
     """No low-voltage warning"""
@@ -563,7 +563,7 @@ class BatteryStatusBatteryWarning(OpenIntEnum):
 
 
 class BatteryStatusBatteryMode(OpenIntEnum):
-    """The values BATTERY_MODE of BatteryStatus; there may be others, which firmware of another version has."""
+    """Values BATTERY_MODE of BatteryStatus. Other firmware versions may use other values."""
 
     UNKNOWN = 0
     """Normal operation, or a battery without special modes"""
@@ -576,7 +576,7 @@ class BatteryStatusBatteryMode(OpenIntEnum):
 
 
 class BatteryStatusConstants:
-    """The constants of BatteryStatus."""
+    """Constants of BatteryStatus."""
 
     BATTERY_SOURCE_POWER_MODULE: Final = 0
     """Power module that measures voltage and current"""
@@ -701,7 +701,7 @@ class Event(TypedDict):
 
 
 class EventConstants:
-    """The constants of Event."""
+    """Constants of Event."""
 
     MESSAGE_VERSION: Final = 1
     """Message version, incremented with each change of the fields"""
@@ -1017,7 +1017,7 @@ class RegisterExtComponentReply(TypedDict):
 
 
 class RegisterExtComponentReplyConstants:
-    """The constants of RegisterExtComponentReply."""
+    """Constants of RegisterExtComponentReply."""
 
     MESSAGE_VERSION: Final = 0
     """Message version, incremented with each change of the fields"""
@@ -1097,7 +1097,7 @@ class RegisterExtComponentRequest(TypedDict):
 
 
 class RegisterExtComponentRequestConstants:
-    """The constants of RegisterExtComponentRequest."""
+    """Constants of RegisterExtComponentRequest."""
 
     MESSAGE_VERSION: Final = 0
     """Message version, incremented with each change of the fields"""
@@ -1150,11 +1150,11 @@ class UnregisterExtComponent(TypedDict):
 
 
 class UnregisterExtComponentConstants:
-    """The constants of UnregisterExtComponent."""
+    """Constants of UnregisterExtComponent."""
 
     MESSAGE_VERSION: Final = 0
     """Message version, incremented with each change of the fields"""
 
 
 Message: TypeAlias = Union["ArmingCheckReply", "ArmingCheckRequest", "BatteryStatus", "Event", "FailsafeFlags", "RegisterExtComponentReply", "RegisterExtComponentRequest", "UnregisterExtComponent"]
-"""Any of the messages."""
+"""Any message."""

@@ -1,4 +1,4 @@
-//! The tests of the generated types, in one program; each file is a module.
+//! Integration tests of the generated types. Each file is a module of this program, so the tests link once.
 
 mod readme;
 mod schemas;

@@ -1,4 +1,4 @@
-//! The schemas of the crate schemars against the published ones: both say the same of every instance.
+//! Compares the schemas that schemars derives with the published schemas: both must accept the same instances.
 
 #![cfg(all(feature = "proptest", feature = "schemars", feature = "serde"))]
 
@@ -14,49 +14,50 @@ use proptest::test_runner::TestCaseError;
 use schemars::JsonSchema;
 use serde_json::{Value as Json, json};
 use support::every::Every;
-use support::{check, for_each_message, published, publisher};
+use support::{check, for_each_message, published, published_validator};
 use uavspec::flockwave::ErrorCode;
 use uavspec::px4::battery_status::BatteryWarning;
 use uavspec::px4::{ArmingCheckReply, BatteryStatus};
 use uavspec_runtime::Message;
 use uavspec_runtime::serde::Serialize;
-use uavspec_runtime::strategy::{broken, undocumented};
+use uavspec_runtime::strategy::{invalid, undocumented};
 
 const CASES: u32 = 2000;
 
-/// Both validators of a type, and what the schema says of numbers and lengths.
+/// The validators of the published and the derived schema of a type.
 struct Pair {
     published: Validator,
     derived: Validator,
+    /// All numbers in the derived schema, such as ranges and lengths.
     numbers: Vec<Json>,
     accepted: Cell<usize>,
-    refused: Cell<usize>,
+    rejected: Cell<usize>,
 }
 
 impl Pair {
     fn of<T: JsonSchema>(name: &str) -> Self {
         let derived = Json::from(schemars::schema_for!(T));
         let mut numbers = Vec::new();
-        numbers_of(&derived, &mut numbers);
+        collect_numbers(&derived, &mut numbers);
         Self {
-            published: publisher(&published(), name),
+            published: published_validator(&published(), name),
             derived: validator(&derived),
             numbers,
             accepted: Cell::new(0),
-            refused: Cell::new(0),
+            rejected: Cell::new(0),
         }
     }
 
     fn agree(&self, instance: &Json) -> Result<(), TestCaseError> {
         let verdict = self.published.is_valid(instance);
-        let count = if verdict { &self.accepted } else { &self.refused };
+        let count = if verdict { &self.accepted } else { &self.rejected };
         count.set(count.get() + 1);
-        let refusal = self
+        let rejection = self
             .derived
             .iter_errors(instance)
             .next()
             .map(|error| format!("{error} at {}", error.instance_path()));
-        prop_assert_eq!(refusal.is_none(), verdict, "{:?}: {}", refusal, instance);
+        prop_assert_eq!(rejection.is_none(), verdict, "{:?}: {}", rejection, instance);
         Ok(())
     }
 }
@@ -66,32 +67,32 @@ fn validator(schema: &Json) -> Validator {
     jsonschema::validator_for(schema).expect("a schema that compiles")
 }
 
-/// All numbers that stand in a schema.
-fn numbers_of(schema: &Json, numbers: &mut Vec<Json>) {
+/// Collects all numbers in a schema.
+fn collect_numbers(schema: &Json, numbers: &mut Vec<Json>) {
     match schema {
         Json::Number(_) => numbers.push(schema.clone()),
-        Json::Array(parts) => parts.iter().for_each(|part| numbers_of(part, numbers)),
-        Json::Object(members) => members.values().for_each(|part| numbers_of(part, numbers)),
+        Json::Array(parts) => parts.iter().for_each(|part| collect_numbers(part, numbers)),
+        Json::Object(members) => members.values().for_each(|part| collect_numbers(part, numbers)),
         _ => {}
     }
 }
 
-/// Pointers to all values in an instance.
-fn places(instance: &Json, place: &str, all: &mut Vec<String>) {
-    all.push(place.to_owned());
+/// Collects JSON pointers to all values in an instance.
+fn collect_pointers(instance: &Json, pointer: &str, all: &mut Vec<String>) {
+    all.push(pointer.to_owned());
     match instance {
         Json::Array(parts) => {
             let parts = parts.iter().enumerate();
-            parts.for_each(|(index, part)| places(part, &format!("{place}/{index}"), all));
+            parts.for_each(|(index, part)| collect_pointers(part, &format!("{pointer}/{index}"), all));
         }
         Json::Object(members) => {
-            members.iter().for_each(|(name, part)| places(part, &format!("{place}/{name}"), all));
+            members.iter().for_each(|(name, part)| collect_pointers(part, &format!("{pointer}/{name}"), all));
         }
         _ => {}
     }
 }
 
-/// Chance, from bits that the runner draws.
+/// A random number generator, seeded with bits that the runner draws.
 struct Dice(u64);
 
 impl Dice {
@@ -101,14 +102,14 @@ impl Dice {
     }
 }
 
-/// Changes one value of an instance, mostly for the worse.
+/// Changes one value of an instance. Most changes make the instance invalid.
 fn mutate(instance: &mut Json, dice: &mut Dice, numbers: &[Json]) {
     let mut all = Vec::new();
-    places(instance, "", &mut all);
-    let value = instance.pointer_mut(&all[dice.below(all.len())]).expect("a place that is there");
+    collect_pointers(instance, "", &mut all);
+    let value = instance.pointer_mut(&all[dice.below(all.len())]).expect("a valid pointer");
     match (dice.below(4), value) {
         (0, Json::Object(members)) => {
-            // An earlier change may have left none.
+            // An earlier change may have removed all members.
             let name = members.keys().nth(dice.below(members.len())).cloned().unwrap_or_default();
             members.remove(&name);
         }
@@ -124,11 +125,11 @@ fn mutate(instance: &mut Json, dice: &mut Dice, numbers: &[Json]) {
             let Some(Json::Number(bound)) = numbers.get(dice.below(numbers.len())) else { return };
             *number = neighbour(bound, dice);
         }
-        (_, value) => *value = odd_value(dice),
+        (_, value) => *value = unusual_value(dice),
     }
 }
 
-/// The number, one less or more, or what is next to it among floats.
+/// The number itself or one of its two neighbours: the next integer or the next float.
 fn neighbour(number: &serde_json::Number, dice: &mut Dice) -> serde_json::Number {
     let step = i128::try_from(dice.below(3)).expect("small") - 1;
     if let Some(value) = number.as_i128() {
@@ -143,7 +144,7 @@ fn neighbour(number: &serde_json::Number, dice: &mut Dice) -> serde_json::Number
     serde_json::Number::from_f64(value).unwrap_or_else(|| number.clone())
 }
 
-fn odd_value(dice: &mut Dice) -> Json {
+fn unusual_value(dice: &mut Dice) -> Json {
     let texts = [
         "null",
         "true",
@@ -186,7 +187,7 @@ fn odd_value(dice: &mut Dice) -> Json {
 }
 
 #[test]
-fn both_say_the_same_of_what_strategies_make_and_of_what_is_made_of_it() {
+fn both_schemas_agree_on_valid_and_mutated_messages() {
     fn compare<T: Message + Arbitrary + JsonSchema + Serialize + Debug>() {
         let pair = Pair::of::<T>(&format!("px4/{}", T::NAME));
         check(CASES, &(any::<T>(), any::<[u64; 4]>()), |(value, bits)| {
@@ -202,29 +203,33 @@ fn both_say_the_same_of_what_strategies_make_and_of_what_is_made_of_it() {
             Ok(())
         });
         let least = CASES as usize / 2;
-        assert!(pair.accepted.get() > least && pair.refused.get() > least, "{} has both", T::NAME);
+        assert!(
+            pair.accepted.get() > least && pair.rejected.get() > least,
+            "{}: too few accepted or rejected instances",
+            T::NAME
+        );
     }
     for_each_message!(compare);
 }
 
 #[test]
-fn both_say_the_same_of_what_is_broken() {
+fn both_schemas_agree_on_messages_with_a_violation() {
     fn compare<T: Message + JsonSchema + Serialize + Debug>() {
         let pair = Pair::of::<T>(&format!("px4/{}", T::NAME));
-        check(CASES, &broken::<T>().expect("there is something to break"), |broken| {
-            // Text that is no UTF-8 has no JSON.
-            serde_json::to_value(&broken.value).map_or(Ok(()), |instance| pair.agree(&instance))
+        check(CASES, &invalid::<T>().expect("the message has constraints"), |invalid| {
+            // Invalid UTF-8 has no JSON form.
+            serde_json::to_value(&invalid.value).map_or(Ok(()), |instance| pair.agree(&instance))
         });
-        assert!(pair.refused.get() > 0);
+        assert!(pair.rejected.get() > 0);
     }
     compare::<ArmingCheckReply>();
     compare::<BatteryStatus>();
 }
 
 #[test]
-fn both_say_the_same_of_error_codes() {
+fn both_schemas_agree_on_error_codes() {
     let pair = Pair::of::<ErrorCode>("flockwave/ErrorCode");
-    let unknown = undocumented::<ErrorCode>().expect("few are named");
+    let unknown = undocumented::<ErrorCode>().expect("most codes have no name");
     check(CASES, &(any::<ErrorCode>(), unknown, any::<u64>()), |(known, unknown, bits)| {
         for code in [known, unknown] {
             let mut instance = json!(code);
@@ -234,7 +239,7 @@ fn both_say_the_same_of_error_codes() {
         }
         Ok(())
     });
-    assert!(pair.accepted.get() > 0 && pair.refused.get() > 0);
+    assert!(pair.accepted.get() > 0 && pair.rejected.get() > 0);
 }
 
 #[test]
@@ -247,7 +252,7 @@ fn nested_messages_are_references() {
 }
 
 #[test]
-fn documented_values_have_their_names() {
+fn documented_values_have_titles() {
     let schema = Json::from(schemars::schema_for!(BatteryWarning));
     assert_eq!(schema["title"], "BatteryWarning");
     assert_eq!(schema["anyOf"][1], json!({ "const": 1, "title": "LOW" }));
@@ -258,15 +263,15 @@ fn documented_values_have_their_names() {
     assert_eq!(codes["anyOf"].as_array().expect("a list").len(), ErrorCode::all().len() + 1);
 }
 
-/// What the published schemas of our own messages have no case of: the corpus has, see `xtask`.
+/// Covers field types that the published messages lack. A test in `xtask` covers the messages of the corpus.
 #[test]
 fn fields_of_every_kind_have_a_schema() {
     let schema = Json::from(schemars::schema_for!(Every));
     let validator = validator(&schema);
     check(CASES, &any::<Every>(), |value| {
         let instance = serde_json::to_value(&value).expect("JSON");
-        let refused = validator.validate(&instance);
-        prop_assert_eq!(refused.map_err(|error| error.to_string()), Ok(()));
+        let result = validator.validate(&instance);
+        prop_assert_eq!(result.map_err(|error| error.to_string()), Ok(()));
         Ok(())
     });
     let properties = &schema["properties"];
@@ -281,14 +286,20 @@ fn fields_of_every_kind_have_a_schema() {
 }
 
 #[test]
-fn broken_values_of_every_kind_are_refused_where_a_schema_can_say_so() {
+fn a_schema_rejects_violations_that_it_can_express() {
     use uavspec_runtime::Rule;
 
     let validator = validator(&Json::from(schemars::schema_for!(Every)));
-    check(CASES, &broken::<Every>().expect("rules"), |broken| {
-        let Ok(instance) = serde_json::to_value(&broken.value) else { return Ok(()) };
-        let is_sayable = matches!(broken.rule, Rule::Count | Rule::Range | Rule::Bound);
-        prop_assert_eq!(validator.is_valid(&instance), !is_sayable, "{} at {}", broken.rule, broken.path);
+    check(CASES, &invalid::<Every>().expect("the message has constraints"), |invalid| {
+        let Ok(instance) = serde_json::to_value(&invalid.value) else { return Ok(()) };
+        let is_expressible = matches!(invalid.rule, Rule::Count | Rule::Range | Rule::Bound);
+        prop_assert_eq!(
+            validator.is_valid(&instance),
+            !is_expressible,
+            "{} at {}",
+            invalid.rule,
+            invalid.path
+        );
         Ok(())
     });
 }

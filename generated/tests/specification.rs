@@ -1,4 +1,4 @@
-//! The generated types against what is known of the specification from elsewhere.
+//! Checks the generated types against facts from other sources.
 
 use uavspec::flockwave::ErrorCode;
 use uavspec::px4::battery_status::{BatteryFault, BatteryWarning};
@@ -10,10 +10,10 @@ use uavspec_runtime::descriptor::{Element, Shape};
 use uavspec_runtime::record::Record as _;
 use uavspec_runtime::{ErrorClass, Severity, UorbMessage};
 
-/// Size, size without padding and hash, as PX4's own generator gives them: for `FailsafeFlags` and
-/// `BatteryStatus` of release 1.15, for the others of the releases that have the same fields.
+/// The expected size, size without padding and hash come from PX4's own generator: `FailsafeFlags` and `BatteryStatus`
+/// from release 1.15, the other messages from releases with the same fields.
 #[test]
-fn layouts_and_hashes_are_those_of_px4() {
+fn layouts_and_hashes_match_px4() {
     fn facts<T: UorbMessage>() -> (usize, usize, u32) {
         (T::SIZE, T::SIZE_NO_PADDING, T::HASH)
     }
@@ -28,14 +28,14 @@ fn layouts_and_hashes_are_those_of_px4() {
 }
 
 #[test]
-fn the_layout_says_where_each_field_lies() {
+fn the_descriptor_contains_the_offset_of_a_field() {
     let field = &ArmingCheckReply::DESCRIPTOR.fields[9];
     assert_eq!((field.name, field.offset, field.shape), ("events", 32, Shape::Array(5)));
     assert_eq!(field.element, Element::Message(Event::DESCRIPTOR));
 }
 
 #[test]
-fn every_severity_is_in_two_bits_of_the_code() {
+fn the_severity_of_every_code_comes_from_two_bits() {
     assert_eq!(ErrorCode::all().len(), 63);
     for code in ErrorCode::all() {
         assert_eq!(code.severity() as u32, (code.0 & 0xFF) >> 6, "{code}");
@@ -49,7 +49,7 @@ fn every_severity_is_in_two_bits_of_the_code() {
 }
 
 #[test]
-fn unknown_codes_are_kept_and_have_a_severity() {
+fn unknown_codes_are_preserved_and_have_a_severity() {
     let code = ErrorCode(0x1_0042);
     assert!(!code.is_known());
     assert_eq!((code.severity(), code.class()), (Severity::Warning, ErrorClass::UserDefined));
@@ -58,7 +58,7 @@ fn unknown_codes_are_kept_and_have_a_severity() {
 }
 
 #[test]
-fn messages_show_their_fields() {
+fn debug_output_of_messages_contains_the_fields() {
     let request = ArmingCheckRequest { request_id: 7, ..Default::default() };
     let expected = "ArmingCheckRequest { timestamp: 0, request_id: 7, valid_registrations_mask: 0 }";
     assert_eq!(format!("{request:?}"), expected);
@@ -67,7 +67,7 @@ fn messages_show_their_fields() {
 }
 
 #[test]
-fn enums_and_flags_show_their_names() {
+fn debug_output_of_enums_and_flags_contains_the_names() {
     assert_eq!(format!("{:?}", BatteryWarning::CRITICAL), "CRITICAL");
     assert_eq!(
         format!("{:?} {:?}", BatteryWarning(200), BatteryWarning(200).name()),
@@ -85,7 +85,7 @@ mod json {
     use super::*;
 
     #[test]
-    fn a_message_is_read_as_it_was_written_in_any_order_of_fields() {
+    fn reads_a_message_with_fields_in_any_order() {
         let event = Event { timestamp: u64::MAX, id: 7, arguments: [9; 25], ..Event::default() };
         let text = serde_json::to_string(&event).expect("JSON");
         assert!(text.starts_with("{\"timestamp\":18446744073709551615,\"id\":7,"), "{text}");
@@ -95,7 +95,7 @@ mod json {
     }
 
     #[test]
-    fn missing_repeated_unknown_and_misfit_fields_are_refused_by_name() {
+    fn rejects_missing_repeated_unknown_and_unsuitable_fields() {
         let text = serde_json::to_string(&Event::default()).expect("JSON");
         for (text, expected) in [
             (text.replace("\"id\":0,", ""), "missing field `id`"),
@@ -106,20 +106,20 @@ mod json {
             (text.replace("[0,0,", "[0,0,0,"), "expected an array of 25"),
             ("[0,0,0,[],0]".to_owned(), "expected an object with the fields of Event"),
         ] {
-            let error = serde_json::from_str::<Event>(&text).expect_err("refused").to_string();
+            let error = serde_json::from_str::<Event>(&text).expect_err("an invalid event").to_string();
             assert!(error.contains(expected), "{error}: {text}");
         }
     }
 
     #[test]
-    fn nan_is_null_and_infinity_an_error_that_names_the_field() {
+    fn writes_nan_as_null_and_reports_the_field_with_infinity() {
         let battery = BatteryStatus { temperature: f32::NAN, ..BatteryStatus::default() };
         let text = serde_json::to_string(&battery).expect("JSON");
         assert!(text.contains("\"temperature\":null"), "{text}");
         assert!(serde_json::from_str::<BatteryStatus>(&text).expect("a battery").temperature.is_nan());
         let mut battery = BatteryStatus::default();
         battery.voltage_cell_v[3] = f32::INFINITY;
-        let error = serde_json::to_string(&battery).expect_err("no JSON").to_string();
+        let error = serde_json::to_string(&battery).expect_err("infinity has no JSON form").to_string();
         assert!(error.contains("voltage_cell_v is inf"), "{error}");
         let text = serde_json::to_string(&BatteryStatus::default())
             .expect("JSON")
@@ -128,7 +128,7 @@ mod json {
     }
 
     #[test]
-    fn text_of_fixed_size_is_a_string() {
+    fn writes_text_of_fixed_size_as_a_string() {
         let reply =
             RegisterExtComponentReply { name: "Land".parse().expect("it fits"), ..Default::default() };
         let text = serde_json::to_string(&reply).expect("JSON");

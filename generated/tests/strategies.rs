@@ -1,5 +1,5 @@
-//! Values of the strategies: valid ones are valid, broken ones break what they say, and all survive every
-//! format.
+//! Tests of the strategies: valid values have no violation, invalid values violate the stated rule, and valid values
+//! survive every format.
 
 #![cfg(all(feature = "proptest", feature = "serde"))]
 
@@ -12,14 +12,14 @@ use proptest::arbitrary::{Arbitrary, any};
 use proptest::prop_assert_eq;
 use proptest::test_runner::TestCaseError;
 use support::every::{Bits, Every, Free, Inner, Mode};
-use support::{check, draw, for_each_message, published, publisher, simplest};
+use support::{check, draw, for_each_message, published, published_validator, simplest};
 use uavspec::flockwave::ErrorCode;
 use uavspec::px4::battery_status::{BatteryFault, BatteryWarning};
 use uavspec::px4::{ArmingCheckReply, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::serde::Serialize;
 use uavspec_runtime::serde::de::DeserializeOwned;
-use uavspec_runtime::strategy::{broken, undocumented};
+use uavspec_runtime::strategy::{invalid, undocumented};
 use uavspec_runtime::{Message, Rule, UorbMessage};
 
 const CASES: u32 = 1000;
@@ -37,17 +37,16 @@ fn cdr<T: Message>(value: &T) -> Result<Vec<u8>, TestCaseError> {
 }
 
 #[test]
-fn valid_values_are_valid() {
+fn valid_values_conform_to_definition_and_schema() {
     fn valid<T: Tested>() {
         let (registry, name) = (published(), format!("{}/{}", T::PACKAGE, T::NAME));
-        let schema = (T::PACKAGE == "px4").then(|| publisher(&registry, &name));
+        let schema = (T::PACKAGE == "px4").then(|| published_validator(&registry, &name));
         check(CASES, &any::<T>(), |value| {
             prop_assert_eq!(value.validate(), []);
             let json = json(&value)?;
             if let Some(schema) = &schema {
-                let refused =
-                    schema.validate(&json.parse().expect("JSON")).map_err(|error| error.to_string());
-                prop_assert_eq!(refused, Ok(()));
+                let result = schema.validate(&json.parse().expect("JSON")).map_err(|error| error.to_string());
+                prop_assert_eq!(result, Ok(()));
             }
             Ok(())
         });
@@ -59,39 +58,37 @@ fn valid_values_are_valid() {
 }
 
 #[test]
-fn broken_values_break_the_rule_that_they_name_and_no_other() {
-    fn breaks<T: Tested>() {
-        let strategy = broken::<T>().expect("there is something to break");
-        check(CASES, &strategy, |broken| {
+fn invalid_values_violate_only_the_stated_rule() {
+    fn violates<T: Tested>() {
+        let strategy = invalid::<T>().expect("the message has constraints");
+        check(CASES, &strategy, |invalid| {
             let found: Vec<(Rule, String)> =
-                broken.value.validate().iter().map(|found| (found.rule, found.path.to_string())).collect();
-            prop_assert_eq!(found, [(broken.rule, broken.path)]);
+                invalid.value.validate().iter().map(|found| (found.rule, found.path.to_string())).collect();
+            prop_assert_eq!(found, [(invalid.rule, invalid.path)]);
             Ok(())
         });
     }
-    breaks::<ArmingCheckReply>();
-    breaks::<BatteryStatus>();
-    breaks::<RegisterExtComponentReply>();
-    breaks::<uavspec::px4::RegisterExtComponentRequest>();
-    breaks::<uavspec::px4::UnregisterExtComponent>();
-    breaks::<Every>();
-    breaks::<Inner>();
-    assert!(broken::<Event>().is_none(), "all numbers and no ranges");
-    assert!(broken::<Free>().is_none());
+    violates::<ArmingCheckReply>();
+    violates::<BatteryStatus>();
+    violates::<RegisterExtComponentReply>();
+    violates::<uavspec::px4::RegisterExtComponentRequest>();
+    violates::<uavspec::px4::UnregisterExtComponent>();
+    violates::<Every>();
+    violates::<Inner>();
+    assert!(invalid::<Event>().is_none(), "numbers without constraints");
+    assert!(invalid::<Free>().is_none());
 }
 
 #[test]
-fn every_rule_is_broken_in_every_place_where_it_can_be() {
-    let places = |values: Vec<(Rule, String)>| -> BTreeSet<(Rule, String)> { values.into_iter().collect() };
-    let found = places(
-        draw(20_000, &broken::<Every>().expect("rules"))
-            .into_iter()
-            .map(|broken| {
-                let of_any_element = |character: &char| !character.is_ascii_digit();
-                (broken.rule, broken.path.chars().filter(of_any_element).collect())
-            })
-            .collect(),
-    );
+fn invalid_values_cover_every_rule_in_every_field() {
+    let set = |values: Vec<(Rule, String)>| -> BTreeSet<(Rule, String)> { values.into_iter().collect() };
+    let found = set(draw(20_000, &invalid::<Every>().expect("the message has constraints"))
+        .into_iter()
+        .map(|invalid| {
+            let is_no_index = |character: &char| !character.is_ascii_digit();
+            (invalid.rule, invalid.path.chars().filter(is_no_index).collect())
+        })
+        .collect());
     let expected = [
         (Rule::Bound, "bytes"),
         (Rule::Bound, "wide"),
@@ -113,40 +110,40 @@ fn every_rule_is_broken_in_every_place_where_it_can_be() {
         (Rule::Nan, "single"),
         (Rule::Nan, "share[]"),
     ];
-    assert_eq!(found, places(expected.map(|(rule, path)| (rule, path.to_owned())).to_vec()));
+    assert_eq!(found, set(expected.map(|(rule, path)| (rule, path.to_owned())).to_vec()));
 }
 
 #[test]
-fn the_published_schema_refuses_what_it_can_say() {
-    fn refuses<T: Tested>() {
+fn the_published_schema_rejects_violations_that_it_can_express() {
+    fn rejects<T: Tested>() {
         let registry = published();
-        let schema = publisher(&registry, &format!("px4/{}", T::NAME));
-        check(CASES, &broken::<T>().expect("there is something to break"), |broken| {
-            // A text that is no UTF-8 has no JSON; of the others documented values and NaN are left open.
-            let Ok(json) = serde_json::to_value(&broken.value) else {
-                prop_assert_eq!(broken.rule, Rule::Text);
+        let schema = published_validator(&registry, &format!("px4/{}", T::NAME));
+        check(CASES, &invalid::<T>().expect("the message has constraints"), |invalid| {
+            // Invalid UTF-8 has no JSON form. Schemas don't restrict documented values and NaN.
+            let Ok(json) = serde_json::to_value(&invalid.value) else {
+                prop_assert_eq!(invalid.rule, Rule::Text);
                 return Ok(());
             };
-            let is_sayable = matches!(broken.rule, Rule::Count | Rule::Range | Rule::Bound);
-            prop_assert_eq!(schema.is_valid(&json), !is_sayable, "{} at {}", broken.rule, broken.path);
+            let is_expressible = matches!(invalid.rule, Rule::Count | Rule::Range | Rule::Bound);
+            prop_assert_eq!(schema.is_valid(&json), !is_expressible, "{} at {}", invalid.rule, invalid.path);
             Ok(())
         });
     }
-    refuses::<ArmingCheckReply>();
-    refuses::<BatteryStatus>();
-    refuses::<RegisterExtComponentReply>();
+    rejects::<ArmingCheckReply>();
+    rejects::<BatteryStatus>();
+    rejects::<RegisterExtComponentReply>();
 }
 
 #[test]
-fn every_format_gives_back_what_it_took() {
+fn valid_values_survive_json_and_cdr() {
     fn formats<T: Tested>() {
         check(CASES, &any::<T>(), |value| {
             let bytes = cdr(&value)?;
-            let from_json: T = serde_json::from_str(&json(&value)?).expect("what was written");
+            let from_json: T = serde_json::from_str(&json(&value)?).expect("an encoded message");
             prop_assert_eq!(&cdr(&from_json)?, &bytes, "through JSON");
             for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
                 let payload = value.to_cdr(order).expect("within bounds");
-                let again = T::from_cdr_strict(&payload).expect("what was written");
+                let again = T::from_cdr_strict(&payload).expect("an encoded message");
                 prop_assert_eq!(&cdr(&again)?, &bytes, "through CDR, {:?}", order);
             }
             Ok(())
@@ -158,11 +155,11 @@ fn every_format_gives_back_what_it_took() {
 }
 
 #[test]
-fn uorb_and_views_give_back_what_they_took() {
+fn valid_values_survive_uorb_and_views() {
     fn memory<T: Tested + UorbMessage>() {
         check(CASES, &any::<T>(), |value| {
             let payload = value.to_uorb();
-            let again = T::from_uorb_strict(payload.as_ref()).expect("what was written");
+            let again = T::from_uorb_strict(payload.as_ref()).expect("an encoded message");
             let again = again.to_uorb();
             prop_assert_eq!(again.as_ref(), payload.as_ref());
             let seen = T::from_view(T::view(&payload.as_ref()[..T::SIZE_NO_PADDING]).expect("a payload"));
@@ -174,7 +171,7 @@ fn uorb_and_views_give_back_what_they_took() {
 }
 
 #[test]
-fn views_show_the_fields_of_the_owned_type() {
+fn views_return_the_fields_of_the_message() {
     check(CASES, &any::<ArmingCheckReply>(), |reply| {
         let payload = reply.to_uorb();
         let view = ArmingCheckReply::view(payload.as_ref()).expect("a payload");
@@ -200,10 +197,10 @@ fn views_show_the_fields_of_the_owned_type() {
 }
 
 #[test]
-fn values_that_programs_stumble_over_are_frequent() {
+fn edge_cases_are_frequent() {
     #[track_caller]
-    fn frequent(values: &[Every], least: usize, is_wanted: impl Fn(&Every) -> bool) {
-        let found = values.iter().filter(|value| is_wanted(value)).count();
+    fn frequent(values: &[Every], least: usize, is_edge_case: impl Fn(&Every) -> bool) {
+        let found = values.iter().filter(|value| is_edge_case(value)).count();
         assert!(found >= least, "{found} of {}", values.len());
     }
     let values = draw(2000, &any::<Every>());
@@ -238,25 +235,25 @@ fn known(is_known: bool, expected: bool) -> Result<(), TestCaseError> {
 }
 
 #[test]
-fn enums_flags_and_codes_are_documented_or_not_as_asked() {
+fn draws_documented_or_undocumented_values_as_requested() {
     check(CASES, &any::<BatteryWarning>(), |warning| known(warning.is_known(), true));
     check(CASES, &any::<BatteryFault>(), |faults| known(faults.is_known(), true));
     check(CASES, &any::<ErrorCode>(), |code| known(code.is_known(), true));
     check(CASES, &any::<Bits>(), |bits| known(bits.is_known(), true));
-    let unknown = undocumented::<BatteryWarning>().expect("few are named");
+    let unknown = undocumented::<BatteryWarning>().expect("most values have no name");
     check(CASES, &unknown, |warning| known(warning.is_known(), false));
-    let unknown = undocumented::<BatteryFault>().expect("few are named");
+    let unknown = undocumented::<BatteryFault>().expect("some bits have no name");
     check(CASES, &unknown, |faults| known(faults.is_known(), false));
-    let unknown = undocumented::<ErrorCode>().expect("few are named");
+    let unknown = undocumented::<ErrorCode>().expect("most codes have no name");
     check(CASES, &unknown, |code| known(code.is_known(), false));
     let drawn: BTreeSet<ErrorCode> = draw(2000, &any::<ErrorCode>()).into_iter().collect();
-    assert!(drawn.into_iter().eq(ErrorCode::all()), "each of them comes up");
+    assert!(drawn.into_iter().eq(ErrorCode::all()), "the strategy generates every code");
     let drawn: BTreeSet<u32> = draw(500, &unknown).into_iter().map(|code| code.0).collect();
-    assert!(drawn.len() > 100, "far ones too: {drawn:?}");
+    assert!(drawn.len() > 100, "too few different codes: {drawn:?}");
 }
 
 #[test]
-fn a_failing_value_is_simplified_leaf_by_leaf() {
+fn simplifies_a_failing_value_leaf_by_leaf() {
     let simple = Every { far: 1e10, mode: Mode(-1), modes: [Mode(-1); 2], ..Every::default() };
     assert_eq!(simplest(&any::<Every>(), |_| true), simple);
     assert_eq!(
@@ -293,25 +290,25 @@ fn a_failing_value_is_simplified_leaf_by_leaf() {
 }
 
 #[test]
-fn a_broken_value_stays_broken_while_it_is_simplified() {
-    let strategy = broken::<Every>().expect("rules");
+fn an_invalid_value_stays_invalid_during_simplification() {
+    let strategy = invalid::<Every>().expect("the message has constraints");
     for rule in Rule::ALL {
-        let found = simplest(&strategy, |broken| broken.rule == rule);
+        let found = simplest(&strategy, |invalid| invalid.rule == rule);
         let violations = found.value.validate();
         assert_eq!(violations.len(), 1, "{found:?}");
         assert_eq!((violations[0].rule, violations[0].path.to_string()), (rule, found.path));
     }
-    let found = simplest(&strategy, |broken| broken.path.starts_with("inners["));
+    let found = simplest(&strategy, |invalid| invalid.path.starts_with("inners["));
     assert_eq!(found.value.inners.len(), 1);
-    let found = simplest(&strategy, |broken| broken.path == "bytes");
+    let found = simplest(&strategy, |invalid| invalid.path == "bytes");
     assert_eq!(found.value.bytes, [0; 4]);
-    let found = simplest(&strategy, |broken| broken.path == "count");
+    let found = simplest(&strategy, |invalid| invalid.path == "count");
     assert_eq!(found.value.count, 4);
 }
 
 #[test]
-fn simplifying_takes_few_steps() {
-    // As many leaves as this has, each tried a few times, within the budget of a runner by default.
+fn simplification_takes_few_steps() {
+    // A few steps for each leaf, well within the default budget of a runner.
     let steps = std::cell::Cell::new(0);
     simplest(&any::<FailsafeFlags>(), |flags| {
         steps.set(steps.get() + 1);

@@ -1,5 +1,5 @@
-//! The generated types against the vectors: each case is taken or refused as it says, by the rule that
-//! it names, and its JSON and its bytes are the same message.
+//! Checks the generated types against the vectors. Each case must be accepted, or rejected by the stated rule. Its JSON
+//! and its bytes must decode to equal messages.
 
 use std::collections::BTreeSet;
 
@@ -29,14 +29,14 @@ fn hex(text: &Json) -> Option<Vec<u8>> {
     Some((0..text.len()).step_by(2).map(byte).collect())
 }
 
-/// The rules that a message breaks.
-fn broken<T: UorbMessage>(message: &T) -> BTreeSet<&'static str> {
+/// The ids of the rules that a message violates.
+fn violated<T: UorbMessage>(message: &T) -> BTreeSet<&'static str> {
     message.validate().iter().map(|violation| violation.rule.id()).collect()
 }
 
-fn broken_by_bytes<T: UorbMessage>(read: &Result<T, DecodeError>) -> BTreeSet<&'static str> {
+fn violated_by_bytes<T: UorbMessage>(read: &Result<T, DecodeError>) -> BTreeSet<&'static str> {
     match read.as_ref().map_err(|error| error.fault) {
-        Ok(message) => broken(message),
+        Ok(message) => violated(message),
         Err(Fault::Size { .. }) => ["PX-DATA-01"].into(),
         Err(Fault::Bool(_)) => ["PX-BOOL-01"].into(),
         Err(Fault::Encapsulation(_)) => ["PX-CDR-01"].into(),
@@ -49,16 +49,16 @@ fn check<T: UorbMessage + Serialize + DeserializeOwned>() {
         let name = format!("{} {}", T::NAME, case["id"]);
         let rule = case["rule"].as_str();
         let expected: BTreeSet<&str> = rule.into_iter().collect();
-        let meant: Option<T> = match case.get("json").or(case.get("decoded")) {
+        let intended: Option<T> = match case.get("json").or(case.get("decoded")) {
             Some(json) => match serde_json::from_value(json.clone()) {
                 Ok(message) => {
-                    assert_eq!(broken::<T>(&message), expected, "{name}");
+                    assert_eq!(violated::<T>(&message), expected, "{name}");
                     Some(message)
                 }
                 Err(error) => {
-                    let is_of_form =
+                    let is_json_rule =
                         rule.is_some_and(|rule| rule.starts_with("PX-JSON") || rule == "PX-ARR-01");
-                    assert!(is_of_form, "{name}: {error}");
+                    assert!(is_json_rule, "{name}: {error}");
                     None
                 }
             },
@@ -70,22 +70,26 @@ fn check<T: UorbMessage + Serialize + DeserializeOwned>() {
             cdr.as_ref().map(|bytes| T::from_cdr_strict(bytes)),
         ];
         for decoded in decoded.into_iter().flatten() {
-            assert_eq!(broken_by_bytes(&decoded), expected, "{name}");
-            if let (Ok(decoded), Some(meant)) = (decoded, &meant) {
-                // NaN differs from itself, so the forms are compared.
+            assert_eq!(violated_by_bytes(&decoded), expected, "{name}");
+            if let (Ok(decoded), Some(intended)) = (decoded, &intended) {
+                // Compares the JSON, because NaN is not equal to itself.
                 let json = |message: &T| serde_json::to_string(message).expect("JSON");
-                assert_eq!(json(&decoded), json(meant), "{name}");
+                assert_eq!(json(&decoded), json(intended), "{name}");
             }
         }
-        if let (Some(meant), true) = (&meant, case.get("json").is_some()) {
-            assert_eq!(meant.to_uorb().as_ref(), uorb.expect("bytes"), "{name}");
-            assert_eq!(meant.to_cdr(ByteOrder::LittleEndian).expect("bytes"), cdr.expect("bytes"), "{name}");
+        if let (Some(intended), true) = (&intended, case.get("json").is_some()) {
+            assert_eq!(intended.to_uorb().as_ref(), uorb.expect("bytes"), "{name}");
+            assert_eq!(
+                intended.to_cdr(ByteOrder::LittleEndian).expect("bytes"),
+                cdr.expect("bytes"),
+                "{name}"
+            );
         }
     }
 }
 
 #[test]
-fn messages_are_taken_and_refused_as_the_vectors_say() {
+fn messages_are_accepted_and_rejected_as_in_the_vectors() {
     check::<ArmingCheckReply>();
     check::<ArmingCheckRequest>();
     check::<BatteryStatus>();
@@ -97,7 +101,7 @@ fn messages_are_taken_and_refused_as_the_vectors_say() {
 }
 
 #[test]
-fn error_codes_are_taken_and_refused_as_the_vectors_say() {
+fn error_codes_are_accepted_and_rejected_as_in_the_vectors() {
     for case in cases("flockwave/ErrorCode") {
         let read = serde_json::from_value::<ErrorCode>(case["json"].clone());
         assert_eq!(json!(read.is_ok()), case["valid"], "{}", case["id"]);

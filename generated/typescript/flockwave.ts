@@ -1242,7 +1242,7 @@ export interface AckNakResponse {
  *
  * Cancels operations that the client no longer needs. A cancelled operation still ends with an ASYNC-RESP that contains an error.
  *
- * Answered by ASYNC-CANCEL.
+ * Responses: ASYNC-CANCEL.
  */
 export interface AsyncCancelRequest {
   /** The type of the message. */
@@ -1250,7 +1250,7 @@ export interface AsyncCancelRequest {
   /**
    * Receipts of the operations.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ReceiptId[];
 }
@@ -1268,7 +1268,7 @@ export interface AsyncCancelResponse {
   /**
    * Cancelled operations.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   success?: ReceiptId[];
   /** Reason for each failure, by receipt. */
@@ -1300,7 +1300,7 @@ export interface AsyncRespNotification {
  *
  * Disputed: the values are objects in the specification text and any values in the JSON Schema. This definition allows any value.
  *
- * Answered by ASYNC-RESUME.
+ * Responses: ASYNC-RESUME.
  */
 export interface AsyncResumeRequest {
   /** The type of the message. */
@@ -1308,7 +1308,7 @@ export interface AsyncResumeRequest {
   /**
    * Receipts of the operations.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ReceiptId[];
   /** Values to pass to the operations, by receipt. */
@@ -1328,7 +1328,7 @@ export interface AsyncResumeResponse {
   /**
    * Resumed operations.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   success?: ReceiptId[];
   /** Reason for each failure, by receipt. */
@@ -1364,7 +1364,7 @@ export interface AsyncTimeoutNotification {
   /**
    * Receipts of the operations.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ReceiptId[];
 }
@@ -1378,7 +1378,7 @@ export interface AsyncTimeoutNotification {
  *
  * The object is closed.
  *
- * Answered by AUTH-INF.
+ * Responses: AUTH-INF.
  */
 export interface AuthInfRequest {
   /** The type of the message. */
@@ -1406,7 +1406,7 @@ export interface AuthInfResponse {
  *
  * Disputed: according to the specification text, a request without session continues the current login; according to the JSON Schema, session defaults to 0.
  *
- * Answered by AUTH-RESP.
+ * Responses: AUTH-RESP.
  */
 export interface AuthReqRequest {
   /** The type of the message. */
@@ -1450,7 +1450,7 @@ export interface AuthRespResponse {
  *
  * The object is closed.
  *
- * Answered by AUTH-WHOAMI.
+ * Responses: AUTH-WHOAMI.
  */
 export interface AuthWhoamiRequest {
   /** The type of the message. */
@@ -1474,7 +1474,7 @@ export interface AuthWhoamiResponse {
  *
  * Queries the state of beacons.
  *
- * Answered by BCN-INF.
+ * Responses: BCN-INF.
  */
 export interface BcnInfRequest {
   /** The type of the message. */
@@ -1482,7 +1482,7 @@ export interface BcnInfRequest {
   /**
    * Ids of the beacons.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
@@ -1510,7 +1510,7 @@ export interface BcnInfResponse {
  *
  * Queries properties of beacons that rarely change.
  *
- * Answered by BCN-PROPS.
+ * Responses: BCN-PROPS.
  */
 export interface BcnPropsRequest {
   /** The type of the message. */
@@ -1518,7 +1518,7 @@ export interface BcnPropsRequest {
   /**
    * Ids of the beacons.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
@@ -1548,7 +1548,7 @@ export interface BcnPropsResponse {
  *
  * Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
  *
- * Answered by CLK-INF.
+ * Responses: CLK-INF.
  */
 export interface ClkInfRequest {
   /** The type of the message. */
@@ -1556,7 +1556,7 @@ export interface ClkInfRequest {
   /**
    * Ids of the clocks.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ClockId[];
 }
@@ -1604,7 +1604,7 @@ export interface ClkInfNotification {
  *
  * The object is closed.
  *
- * Answered by CLK-LIST.
+ * Responses: CLK-LIST.
  */
 export interface ClkListRequest {
   /** The type of the message. */
@@ -1624,7 +1624,7 @@ export interface ClkListResponse {
   /**
    * Ids of the clocks.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ClockId[];
 }
@@ -1640,7 +1640,7 @@ export interface ConnDelNotification {
   /**
    * Ids of the connections.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ConnectionId[];
 }
@@ -1650,7 +1650,7 @@ export interface ConnDelNotification {
  *
  * Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
  *
- * Answered by CONN-INF.
+ * Responses: CONN-INF.
  */
 export interface ConnInfRequest {
   /** The type of the message. */
@@ -1658,7 +1658,7 @@ export interface ConnInfRequest {
   /**
    * Ids of the connections.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ConnectionId[];
 }
@@ -1706,7 +1706,7 @@ export interface ConnInfNotification {
  *
  * The object is closed.
  *
- * Answered by CONN-LIST.
+ * Responses: CONN-LIST.
  */
 export interface ConnListRequest {
   /** The type of the message. */
@@ -1724,7 +1724,7 @@ export interface ConnListResponse {
   /**
    * Ids of the connections.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ConnectionId[];
 }
@@ -1734,7 +1734,7 @@ export interface ConnListResponse {
  *
  * Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
  *
- * Answered by DEV-INF.
+ * Responses: DEV-INF.
  */
 export interface DevInfRequest {
   /** The type of the message. */
@@ -1784,7 +1784,7 @@ export interface DevInfNotification {
  *
  * Queries the device trees of objects.
  *
- * Answered by DEV-LIST.
+ * Responses: DEV-LIST.
  */
 export interface DevListRequest {
   /** The type of the message. */
@@ -1792,7 +1792,7 @@ export interface DevListRequest {
   /**
    * Ids of the objects.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
@@ -1822,7 +1822,7 @@ export interface DevListResponse {
  *
  * Disputed: the JSON Schema requires the filter; the specification text does not. This definition makes it optional.
  *
- * Answered by DEV-LISTSUB.
+ * Responses: DEV-LISTSUB.
  */
 export interface DevListsubRequest {
   /** The type of the message. */
@@ -1854,7 +1854,7 @@ export interface DevListsubResponse {
  *
  * Not stated: the meaning of lazy. The specification text does not mention it; the JSON Schema only gives its type.
  *
- * Answered by DEV-SUB.
+ * Responses: DEV-SUB.
  */
 export interface DevSubRequest {
   /** The type of the message. */
@@ -1886,7 +1886,7 @@ export interface DevSubResponse {
  *
  * Removes one or all subscriptions to each path.
  *
- * Answered by DEV-UNSUB.
+ * Responses: DEV-UNSUB.
  */
 export interface DevUnsubRequest {
   /** The type of the message. */
@@ -1920,7 +1920,7 @@ export interface DevUnsubResponse {
  *
  * Queries the state of docking stations.
  *
- * Answered by DOCK-INF.
+ * Responses: DOCK-INF.
  */
 export interface DockInfRequest {
   /** The type of the message. */
@@ -1928,7 +1928,7 @@ export interface DockInfRequest {
   /**
    * Ids of the stations.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
@@ -1956,7 +1956,7 @@ export interface DockInfResponse {
  *
  * Queries the configuration of extensions.
  *
- * Answered by EXT-CFG.
+ * Responses: EXT-CFG.
  */
 export interface ExtCfgRequest {
   /** The type of the message. */
@@ -1964,7 +1964,7 @@ export interface ExtCfgRequest {
   /**
    * Ids of the extensions.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ExtensionId[];
 }
@@ -1990,7 +1990,7 @@ export interface ExtCfgResponse {
  *
  * Queries information about extensions.
  *
- * Answered by EXT-INF.
+ * Responses: EXT-INF.
  */
 export interface ExtInfRequest {
   /** The type of the message. */
@@ -1998,7 +1998,7 @@ export interface ExtInfRequest {
   /**
    * Ids of the extensions.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ExtensionId[];
 }
@@ -2030,7 +2030,7 @@ export interface ExtInfResponse {
  *
  * The object is closed.
  *
- * Answered by EXT-LIST.
+ * Responses: EXT-LIST.
  */
 export interface ExtListRequest {
   /** The type of the message. */
@@ -2050,13 +2050,13 @@ export interface ExtListResponse {
   /**
    * Loaded extensions.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   loaded: ExtensionId[];
   /**
    * Extensions that are not loaded but could be.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   available: ExtensionId[];
 }
@@ -2066,7 +2066,7 @@ export interface ExtListResponse {
  *
  * Loads extensions.
  *
- * Answered by EXT-LOAD.
+ * Responses: EXT-LOAD.
  */
 export interface ExtLoadRequest {
   /** The type of the message. */
@@ -2074,7 +2074,7 @@ export interface ExtLoadRequest {
   /**
    * Ids of the extensions.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ExtensionId[];
 }
@@ -2100,7 +2100,7 @@ export interface ExtLoadResponse {
  *
  * Unloads extensions and loads them again.
  *
- * Answered by EXT-RELOAD.
+ * Responses: EXT-RELOAD.
  */
 export interface ExtReloadRequest {
   /** The type of the message. */
@@ -2108,7 +2108,7 @@ export interface ExtReloadRequest {
   /**
    * Ids of the extensions.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ExtensionId[];
 }
@@ -2134,7 +2134,7 @@ export interface ExtReloadResponse {
  *
  * Configures extensions.
  *
- * Answered by EXT-SETCFG.
+ * Responses: EXT-SETCFG.
  */
 export interface ExtSetcfgRequest {
   /** The type of the message. */
@@ -2164,7 +2164,7 @@ export interface ExtSetcfgResponse {
  *
  * Unloads extensions.
  *
- * Answered by EXT-UNLOAD.
+ * Responses: EXT-UNLOAD.
  */
 export interface ExtUnloadRequest {
   /** The type of the message. */
@@ -2172,7 +2172,7 @@ export interface ExtUnloadRequest {
   /**
    * Ids of the extensions.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ExtensionId[];
 }
@@ -2198,7 +2198,7 @@ export interface ExtUnloadResponse {
  *
  * Lists the objects whose firmware can be updated.
  *
- * Answered by FW-OBJECT-LIST.
+ * Responses: FW-OBJECT-LIST.
  */
 export interface FwObjectListRequest {
   /** The type of the message. */
@@ -2206,7 +2206,7 @@ export interface FwObjectListRequest {
   /**
    * Targets to filter by: only objects that have all of them are listed. If omitted, objects with any target are listed.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   supports?: FirmwareUpdateTargetId[];
 }
@@ -2224,7 +2224,7 @@ export interface FwObjectListResponse {
   /**
    * Ids of the objects.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
@@ -2234,7 +2234,7 @@ export interface FwObjectListResponse {
  *
  * Queries information about targets.
  *
- * Answered by FW-TARGET-INF.
+ * Responses: FW-TARGET-INF.
  */
 export interface FwTargetInfRequest {
   /** The type of the message. */
@@ -2242,7 +2242,7 @@ export interface FwTargetInfRequest {
   /**
    * Ids of the targets.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: FirmwareUpdateTargetId[];
 }
@@ -2270,7 +2270,7 @@ export interface FwTargetInfResponse {
  *
  * Lists the targets.
  *
- * Answered by FW-TARGET-LIST.
+ * Responses: FW-TARGET-LIST.
  */
 export interface FwTargetListRequest {
   /** The type of the message. */
@@ -2278,7 +2278,7 @@ export interface FwTargetListRequest {
   /**
    * Objects to filter by: only targets that all of them have are listed. If omitted, all targets are listed.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   supportedBy?: ObjectId[];
 }
@@ -2296,7 +2296,7 @@ export interface FwTargetListResponse {
   /**
    * Ids of the targets.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: FirmwareUpdateTargetId[];
 }
@@ -2306,7 +2306,7 @@ export interface FwTargetListResponse {
  *
  * Uploads firmware to objects.
  *
- * Answered by FW-UPLOAD.
+ * Responses: FW-UPLOAD.
  */
 export interface FwUploadRequest {
   /** The type of the message. */
@@ -2314,7 +2314,7 @@ export interface FwUploadRequest {
   /**
    * Ids of the objects.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Target to update. */
@@ -2352,7 +2352,7 @@ export interface FwUploadResponse {
  *
  * No fields besides type.
  *
- * Answered by LCN-INF.
+ * Responses: LCN-INF.
  */
 export interface LcnInfRequest {
   /** The type of the message. */
@@ -2378,7 +2378,7 @@ export interface LcnInfResponse {
  *
  * Downloads one log of a UAV.
  *
- * Answered by LOG-DATA.
+ * Responses: LOG-DATA.
  */
 export interface LogDataRequest {
   /** The type of the message. */
@@ -2414,7 +2414,7 @@ export interface LogDataResponse {
  *
  * Lists the logs of UAVs.
  *
- * Answered by LOG-INF.
+ * Responses: LOG-INF.
  */
 export interface LogInfRequest {
   /** The type of the message. */
@@ -2422,7 +2422,7 @@ export interface LogInfRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
@@ -2452,7 +2452,7 @@ export interface LogInfResponse {
  *
  * Forwards a command to objects. Each object interprets the command; the server does not.
  *
- * Answered by OBJ-CMD.
+ * Responses: OBJ-CMD.
  */
 export interface ObjCmdRequest {
   /** The type of the message. */
@@ -2460,7 +2460,7 @@ export interface ObjCmdRequest {
   /**
    * Ids of the objects.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Command. */
@@ -2504,7 +2504,7 @@ export interface ObjDelNotification {
   /**
    * Ids of the objects.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
@@ -2516,7 +2516,7 @@ export interface ObjDelNotification {
  *
  * The object is closed.
  *
- * Answered by OBJ-LIST.
+ * Responses: OBJ-LIST.
  */
 export interface ObjListRequest {
   /** The type of the message. */
@@ -2524,7 +2524,7 @@ export interface ObjListRequest {
   /**
    * Types to filter by: only objects of these types are listed. If omitted, all objects are listed.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   filter?: ObjectType[];
 }
@@ -2542,7 +2542,7 @@ export interface ObjListResponse {
   /**
    * Ids of the objects.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
@@ -2552,7 +2552,7 @@ export interface ObjListResponse {
  *
  * Queries the value of a parameter.
  *
- * Answered by PRM-GET.
+ * Responses: PRM-GET.
  */
 export interface PrmGetRequest {
   /** The type of the message. */
@@ -2560,7 +2560,7 @@ export interface PrmGetRequest {
   /**
    * Ids of the objects.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Name of the parameter. */
@@ -2592,7 +2592,7 @@ export interface PrmGetResponse {
  *
  * Sets the value of a parameter.
  *
- * Answered by PRM-SET.
+ * Responses: PRM-SET.
  */
 export interface PrmSetRequest {
   /** The type of the message. */
@@ -2600,7 +2600,7 @@ export interface PrmSetRequest {
   /**
    * Ids of the objects.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Name of the parameter. */
@@ -2634,7 +2634,7 @@ export interface PrmSetResponse {
  *
  * Sets the values of several parameters.
  *
- * Answered by PRM-SET-MANY.
+ * Responses: PRM-SET-MANY.
  */
 export interface PrmSetManyRequest {
   /** The type of the message. */
@@ -2642,7 +2642,7 @@ export interface PrmSetManyRequest {
   /**
    * Ids of the objects.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** New values, by parameter name. */
@@ -2674,7 +2674,7 @@ export interface PrmSetManyResponse {
  *
  * Queries information about presets.
  *
- * Answered by RTK-INF.
+ * Responses: RTK-INF.
  */
 export interface RtkInfRequest {
   /** The type of the message. */
@@ -2682,7 +2682,7 @@ export interface RtkInfRequest {
   /**
    * Ids of the presets.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: RTKPresetId[];
 }
@@ -2716,7 +2716,7 @@ export interface RtkInfResponse {
  *
  * The object is closed.
  *
- * Answered by RTK-LIST.
+ * Responses: RTK-LIST.
  */
 export interface RtkListRequest {
   /** The type of the message. */
@@ -2736,7 +2736,7 @@ export interface RtkListResponse {
   /**
    * Ids of the presets.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: RTKPresetId[];
 }
@@ -2746,7 +2746,7 @@ export interface RtkListResponse {
  *
  * Queries or selects the active preset. A request with id selects a preset and is answered by ACK-ACK. A request without id queries the active preset and is answered by RTK-SOURCE.
  *
- * Answered by RTK-SOURCE, ACK-ACK.
+ * Responses: RTK-SOURCE, ACK-ACK.
  */
 export interface RtkSourceRequest {
   /** The type of the message. */
@@ -2778,7 +2778,7 @@ export interface RtkSourceResponse {
  *
  * The object is closed.
  *
- * Answered by RTK-STAT.
+ * Responses: RTK-STAT.
  */
 export interface RtkStatRequest {
   /** The type of the message. */
@@ -2816,7 +2816,7 @@ export interface RtkStatResponse {
  *
  * Not stated: the effect of a request without settings. The response suggests that such a request queries the current settings.
  *
- * Answered by RTK-SURVEY.
+ * Responses: RTK-SURVEY.
  */
 export interface RtkSurveyRequest {
   /** The type of the message. */
@@ -2850,7 +2850,7 @@ export interface RtkSurveyResponse {
  *
  * The object is closed.
  *
- * Answered by SHOW-CFG.
+ * Responses: SHOW-CFG.
  */
 export interface ShowCfgRequest {
   /** The type of the message. */
@@ -2876,7 +2876,7 @@ export interface ShowCfgResponse {
  *
  * The object is closed.
  *
- * Answered by SHOW-CRTH-PLAN.
+ * Responses: SHOW-CRTH-PLAN.
  */
 export interface ShowCrthPlanRequest {
   /** The type of the message. */
@@ -2964,7 +2964,7 @@ export interface ShowCrthPlanResponse {
  *
  * The object is closed.
  *
- * Answered by SHOW-CRTH-START.
+ * Responses: SHOW-CRTH-START.
  */
 export interface ShowCrthStartRequest {
   /** The type of the message. */
@@ -2994,7 +2994,7 @@ export interface ShowCrthStartResponse {
  *
  * The object is closed.
  *
- * Answered by SHOW-LIGHTS.
+ * Responses: SHOW-LIGHTS.
  */
 export interface ShowLightsRequest {
   /** The type of the message. */
@@ -3018,7 +3018,7 @@ export interface ShowLightsResponse {
  *
  * Sets the configuration of the show.
  *
- * Answered by ACK-ACK.
+ * Responses: ACK-ACK.
  */
 export interface ShowSetcfgRequest {
   /** The type of the message. */
@@ -3032,7 +3032,7 @@ export interface ShowSetcfgRequest {
  *
  * Sets the configuration of the UAV lights.
  *
- * Answered by ACK-ACK.
+ * Responses: ACK-ACK.
  */
 export interface ShowSetlightsRequest {
   /** The type of the message. */
@@ -3078,7 +3078,7 @@ export interface SysMsgNotification {
  *
  * No fields besides type.
  *
- * Answered by ACK-ACK.
+ * Responses: ACK-ACK.
  */
 export interface SysPingRequest {
   /** The type of the message. */
@@ -3094,7 +3094,7 @@ export interface SysPingRequest {
  *
  * The object is closed.
  *
- * Answered by SYS-PORTS.
+ * Responses: SYS-PORTS.
  */
 export interface SysPortsRequest {
   /** The type of the message. */
@@ -3124,7 +3124,7 @@ export interface SysPortsResponse {
  *
  * The object is closed.
  *
- * Answered by SYS-TIME.
+ * Responses: SYS-TIME.
  */
 export interface SysTimeRequest {
   /** The type of the message. */
@@ -3158,7 +3158,7 @@ export interface SysTimeResponse {
  *
  * The object is closed.
  *
- * Answered by SYS-VER.
+ * Responses: SYS-VER.
  */
 export interface SysVerRequest {
   /** The type of the message. */
@@ -3192,7 +3192,7 @@ export interface SysVerResponse {
  *
  * The object is closed.
  *
- * Answered by TIMESYNC-STATUS.
+ * Responses: TIMESYNC-STATUS.
  */
 export interface TimesyncStatusRequest {
   /** The type of the message. */
@@ -3234,7 +3234,7 @@ export interface TimesyncStatusNotification {
  *
  * Disputed: the specification text requires component; some of the published JSON Schemas and the types generated from them do not. This definition makes it optional. The text mentions parameters, but some versions of its table and of the schemas lack it.
  *
- * Answered by UAV-CALIB.
+ * Responses: UAV-CALIB.
  */
 export interface UavCalibRequest {
   /** The type of the message. */
@@ -3242,7 +3242,7 @@ export interface UavCalibRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Component to calibrate. */
@@ -3276,7 +3276,7 @@ export interface UavCalibResponse {
  *
  * Sends all given UAVs to the same position. The UAVs themselves must avoid collisions there.
  *
- * Answered by UAV-FLY.
+ * Responses: UAV-FLY.
  */
 export interface UavFlyRequest {
   /** The type of the message. */
@@ -3284,7 +3284,7 @@ export interface UavFlyRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Target position. Without an altitude, each UAV should keep its current altitude. */
@@ -3316,7 +3316,7 @@ export interface UavFlyResponse {
  *
  * Shuts UAVs down immediately, even in the air. For emergencies only.
  *
- * Answered by UAV-HALT.
+ * Responses: UAV-HALT.
  */
 export interface UavHaltRequest {
   /** The type of the message. */
@@ -3324,7 +3324,7 @@ export interface UavHaltRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Delivery options for the command. */
@@ -3358,7 +3358,7 @@ export interface UavHaltResponse {
  *
  * Disputed: the specification text includes transport; some versions of the JSON Schema do not. This definition allows it.
  *
- * Answered by UAV-HOVER.
+ * Responses: UAV-HOVER.
  */
 export interface UavHoverRequest {
   /** The type of the message. */
@@ -3366,7 +3366,7 @@ export interface UavHoverRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Delivery options for the command. */
@@ -3398,7 +3398,7 @@ export interface UavHoverResponse {
  *
  * Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
  *
- * Answered by UAV-INF.
+ * Responses: UAV-INF.
  */
 export interface UavInfRequest {
   /** The type of the message. */
@@ -3406,7 +3406,7 @@ export interface UavInfRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
@@ -3450,7 +3450,7 @@ export interface UavInfNotification {
  *
  * Makes UAVs land at their current position.
  *
- * Answered by UAV-LAND.
+ * Responses: UAV-LAND.
  */
 export interface UavLandRequest {
   /** The type of the message. */
@@ -3458,7 +3458,7 @@ export interface UavLandRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Delivery options for the command. */
@@ -3494,7 +3494,7 @@ export interface UavLandResponse {
  *
  * The object is closed.
  *
- * Answered by UAV-LIST.
+ * Responses: UAV-LIST.
  */
 export interface UavListRequest {
   /** The type of the message. */
@@ -3514,7 +3514,7 @@ export interface UavListResponse {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
@@ -3524,7 +3524,7 @@ export interface UavListResponse {
  *
  * Starts motors without a takeoff, or stops them. Stopping them in the air is refused unless it is forced.
  *
- * Answered by UAV-MOTOR.
+ * Responses: UAV-MOTOR.
  */
 export interface UavMotorRequest {
   /** The type of the message. */
@@ -3532,7 +3532,7 @@ export interface UavMotorRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** True to start the motors, false to stop them. */
@@ -3568,7 +3568,7 @@ export interface UavMotorResponse {
  *
  * Queries the preflight checks of UAVs. The server may also send it as a notification.
  *
- * Answered by UAV-PREFLT.
+ * Responses: UAV-PREFLT.
  */
 export interface UavPrefltRequest {
   /** The type of the message. */
@@ -3576,7 +3576,7 @@ export interface UavPrefltRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
@@ -3620,7 +3620,7 @@ export interface UavPrefltNotification {
  *
  * Restarts UAVs or one of their components.
  *
- * Answered by UAV-RST.
+ * Responses: UAV-RST.
  */
 export interface UavRstRequest {
   /** The type of the message. */
@@ -3628,7 +3628,7 @@ export interface UavRstRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Component to restart, by a name that the UAV defines. If empty or omitted, the whole UAV is restarted. */
@@ -3662,7 +3662,7 @@ export interface UavRstResponse {
  *
  * Makes UAVs return to home.
  *
- * Answered by UAV-RTH.
+ * Responses: UAV-RTH.
  */
 export interface UavRthRequest {
   /** The type of the message. */
@@ -3670,7 +3670,7 @@ export interface UavRthRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Delivery options for the command. */
@@ -3704,7 +3704,7 @@ export interface UavRthResponse {
  *
  * Disputed: the specification text requires signals and duration, the latter as an integer; the JSON Schema requires neither and allows any number. This definition makes both optional.
  *
- * Answered by UAV-SIGNAL.
+ * Responses: UAV-SIGNAL.
  */
 export interface UavSignalRequest {
   /** The type of the message. */
@@ -3712,7 +3712,7 @@ export interface UavSignalRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Kinds of signal. A UAV should ignore kinds that it does not know. */
@@ -3752,7 +3752,7 @@ export interface UavSignalResponse {
  *
  * Puts UAVs to sleep: most of their parts are switched off, but they can be woken remotely. A UAV that cannot be woken must not switch itself off in response.
  *
- * Answered by UAV-SLEEP.
+ * Responses: UAV-SLEEP.
  */
 export interface UavSleepRequest {
   /** The type of the message. */
@@ -3760,7 +3760,7 @@ export interface UavSleepRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Delivery options for the command. */
@@ -3792,7 +3792,7 @@ export interface UavSleepResponse {
  *
  * Makes UAVs take off.
  *
- * Answered by UAV-TAKEOFF.
+ * Responses: UAV-TAKEOFF.
  */
 export interface UavTakeoffRequest {
   /** The type of the message. */
@@ -3800,7 +3800,7 @@ export interface UavTakeoffRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Delivery options for the command. */
@@ -3834,7 +3834,7 @@ export interface UavTakeoffResponse {
  *
  * Disputed: component and parameters, for the same reasons as in UAV-CALIB.
  *
- * Answered by UAV-TEST.
+ * Responses: UAV-TEST.
  */
 export interface UavTestRequest {
   /** The type of the message. */
@@ -3842,7 +3842,7 @@ export interface UavTestRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Component to test. */
@@ -3876,7 +3876,7 @@ export interface UavTestResponse {
  *
  * Queries the versions of the components of UAVs.
  *
- * Answered by UAV-VER.
+ * Responses: UAV-VER.
  */
 export interface UavVerRequest {
   /** The type of the message. */
@@ -3884,7 +3884,7 @@ export interface UavVerRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
@@ -3914,7 +3914,7 @@ export interface UavVerResponse {
  *
  * Wakes UAVs from sleep.
  *
- * Answered by UAV-WAKEUP.
+ * Responses: UAV-WAKEUP.
  */
 export interface UavWakeupRequest {
   /** The type of the message. */
@@ -3922,7 +3922,7 @@ export interface UavWakeupRequest {
   /**
    * Ids of the UAVs.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
   /** Delivery options for the command. */
@@ -3954,7 +3954,7 @@ export interface UavWakeupResponse {
  *
  * Queries the weather at a position.
  *
- * Answered by WTH-AT.
+ * Responses: WTH-AT.
  */
 export interface WthAtRequest {
   /** The type of the message. */
@@ -3982,7 +3982,7 @@ export interface WthAtResponse {
  *
  * Queries the weather at stations.
  *
- * Answered by WTH-INF.
+ * Responses: WTH-INF.
  */
 export interface WthInfRequest {
   /** The type of the message. */
@@ -3990,7 +3990,7 @@ export interface WthInfRequest {
   /**
    * Ids of the stations.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
@@ -4022,7 +4022,7 @@ export interface WthInfResponse {
  *
  * The object is closed.
  *
- * Answered by WTH-LIST.
+ * Responses: WTH-LIST.
  */
 export interface WthListRequest {
   /** The type of the message. */
@@ -4042,12 +4042,12 @@ export interface WthListResponse {
   /**
    * Ids of the stations.
    *
-   * No element stands in it twice.
+   * Elements are unique.
    */
   ids: ObjectId[];
 }
 
-/** The bodies of requests by the type of the message. */
+/** Bodies of requests, by message type. */
 export interface Requests {
   "ASYNC-CANCEL": AsyncCancelRequest;
   "ASYNC-RESUME": AsyncResumeRequest;
@@ -4123,10 +4123,10 @@ export interface Requests {
   "WTH-LIST": WthListRequest;
 }
 
-/** The body of a message from a client, which expects an answer; its field type says which. */
+/** Body of a message from a client that expects a response, discriminated by \`type\`. */
 export type Request = AsyncCancelRequest | AsyncResumeRequest | AuthInfRequest | AuthReqRequest | AuthWhoamiRequest | BcnInfRequest | BcnPropsRequest | ClkInfRequest | ClkListRequest | ConnInfRequest | ConnListRequest | DevInfRequest | DevListRequest | DevListsubRequest | DevSubRequest | DevUnsubRequest | DockInfRequest | ExtCfgRequest | ExtInfRequest | ExtListRequest | ExtLoadRequest | ExtReloadRequest | ExtSetcfgRequest | ExtUnloadRequest | FwObjectListRequest | FwTargetInfRequest | FwTargetListRequest | FwUploadRequest | LcnInfRequest | LogDataRequest | LogInfRequest | ObjCmdRequest | ObjListRequest | PrmGetRequest | PrmSetRequest | PrmSetManyRequest | RtkInfRequest | RtkListRequest | RtkSourceRequest | RtkStatRequest | RtkSurveyRequest | ShowCfgRequest | ShowCrthPlanRequest | ShowCrthStartRequest | ShowLightsRequest | ShowSetcfgRequest | ShowSetlightsRequest | SysPingRequest | SysPortsRequest | SysTimeRequest | SysVerRequest | TimesyncStatusRequest | UavCalibRequest | UavFlyRequest | UavHaltRequest | UavHoverRequest | UavInfRequest | UavLandRequest | UavListRequest | UavMotorRequest | UavPrefltRequest | UavRstRequest | UavRthRequest | UavSignalRequest | UavSleepRequest | UavTakeoffRequest | UavTestRequest | UavVerRequest | UavWakeupRequest | WthAtRequest | WthInfRequest | WthListRequest;
 
-/** The bodies of responses by the type of the message. */
+/** Bodies of responses, by message type. */
 export interface Responses {
   "ACK-ACK": AckAckResponse;
   "ACK-NAK": AckNakResponse;
@@ -4201,10 +4201,10 @@ export interface Responses {
   "WTH-LIST": WthListResponse;
 }
 
-/** The body of the answer to a request; its field type says which. */
+/** Body of a response to a request, discriminated by \`type\`. */
 export type Response = AckAckResponse | AckNakResponse | AsyncCancelResponse | AsyncResumeResponse | AuthInfResponse | AuthRespResponse | AuthWhoamiResponse | BcnInfResponse | BcnPropsResponse | ClkInfResponse | ClkListResponse | ConnInfResponse | ConnListResponse | DevInfResponse | DevListResponse | DevListsubResponse | DevSubResponse | DevUnsubResponse | DockInfResponse | ExtCfgResponse | ExtInfResponse | ExtListResponse | ExtLoadResponse | ExtReloadResponse | ExtSetcfgResponse | ExtUnloadResponse | FwObjectListResponse | FwTargetInfResponse | FwTargetListResponse | FwUploadResponse | LcnInfResponse | LogDataResponse | LogInfResponse | ObjCmdResponse | ObjListResponse | PrmGetResponse | PrmSetResponse | PrmSetManyResponse | RtkInfResponse | RtkListResponse | RtkSourceResponse | RtkStatResponse | RtkSurveyResponse | ShowCfgResponse | ShowCrthPlanResponse | ShowCrthStartResponse | ShowLightsResponse | SysPortsResponse | SysTimeResponse | SysVerResponse | TimesyncStatusResponse | UavCalibResponse | UavFlyResponse | UavHaltResponse | UavHoverResponse | UavInfResponse | UavLandResponse | UavListResponse | UavMotorResponse | UavPrefltResponse | UavRstResponse | UavRthResponse | UavSignalResponse | UavSleepResponse | UavTakeoffResponse | UavTestResponse | UavVerResponse | UavWakeupResponse | WthAtResponse | WthInfResponse | WthListResponse;
 
-/** The bodies of notifications by the type of the message. */
+/** Bodies of notifications, by message type. */
 export interface Notifications {
   "ASYNC-RESP": AsyncRespNotification;
   "ASYNC-ST": AsyncStNotification;
@@ -4221,10 +4221,10 @@ export interface Notifications {
   "UAV-PREFLT": UavPrefltNotification;
 }
 
-/** The body of a message from a server that wasn't asked; its field type says which. */
+/** Body of an unsolicited message from a server, discriminated by \`type\`. */
 export type Notification = AsyncRespNotification | AsyncStNotification | AsyncTimeoutNotification | ClkInfNotification | ConnDelNotification | ConnInfNotification | DevInfNotification | ObjDelNotification | SysCloseNotification | SysMsgNotification | TimesyncStatusNotification | UavInfNotification | UavPrefltNotification;
 
-/** The messages by name. */
+/** All messages, by name. */
 export interface Messages {
   "ACK-ACK": AckAckResponse;
   "ACK-NAK": AckNakResponse;
@@ -4310,13 +4310,13 @@ export interface Messages {
   "WTH-LIST": WthListRequest | WthListResponse;
 }
 
-/** Any of the messages. */
+/** Any message. */
 export type Message = AckAckResponse | AckNakResponse | AsyncCancelRequest | AsyncCancelResponse | AsyncRespNotification | AsyncResumeRequest | AsyncResumeResponse | AsyncStNotification | AsyncTimeoutNotification | AuthInfRequest | AuthInfResponse | AuthReqRequest | AuthRespResponse | AuthWhoamiRequest | AuthWhoamiResponse | BcnInfRequest | BcnInfResponse | BcnPropsRequest | BcnPropsResponse | ClkInfRequest | ClkInfResponse | ClkInfNotification | ClkListRequest | ClkListResponse | ConnDelNotification | ConnInfRequest | ConnInfResponse | ConnInfNotification | ConnListRequest | ConnListResponse | DevInfRequest | DevInfResponse | DevInfNotification | DevListRequest | DevListResponse | DevListsubRequest | DevListsubResponse | DevSubRequest | DevSubResponse | DevUnsubRequest | DevUnsubResponse | DockInfRequest | DockInfResponse | ExtCfgRequest | ExtCfgResponse | ExtInfRequest | ExtInfResponse | ExtListRequest | ExtListResponse | ExtLoadRequest | ExtLoadResponse | ExtReloadRequest | ExtReloadResponse | ExtSetcfgRequest | ExtSetcfgResponse | ExtUnloadRequest | ExtUnloadResponse | FwObjectListRequest | FwObjectListResponse | FwTargetInfRequest | FwTargetInfResponse | FwTargetListRequest | FwTargetListResponse | FwUploadRequest | FwUploadResponse | LcnInfRequest | LcnInfResponse | LogDataRequest | LogDataResponse | LogInfRequest | LogInfResponse | ObjCmdRequest | ObjCmdResponse | ObjDelNotification | ObjListRequest | ObjListResponse | PrmGetRequest | PrmGetResponse | PrmSetRequest | PrmSetResponse | PrmSetManyRequest | PrmSetManyResponse | RtkInfRequest | RtkInfResponse | RtkListRequest | RtkListResponse | RtkSourceRequest | RtkSourceResponse | RtkStatRequest | RtkStatResponse | RtkSurveyRequest | RtkSurveyResponse | ShowCfgRequest | ShowCfgResponse | ShowCrthPlanRequest | ShowCrthPlanResponse | ShowCrthStartRequest | ShowCrthStartResponse | ShowLightsRequest | ShowLightsResponse | ShowSetcfgRequest | ShowSetlightsRequest | SysCloseNotification | SysMsgNotification | SysPingRequest | SysPortsRequest | SysPortsResponse | SysTimeRequest | SysTimeResponse | SysVerRequest | SysVerResponse | TimesyncStatusRequest | TimesyncStatusResponse | TimesyncStatusNotification | UavCalibRequest | UavCalibResponse | UavFlyRequest | UavFlyResponse | UavHaltRequest | UavHaltResponse | UavHoverRequest | UavHoverResponse | UavInfRequest | UavInfResponse | UavInfNotification | UavLandRequest | UavLandResponse | UavListRequest | UavListResponse | UavMotorRequest | UavMotorResponse | UavPrefltRequest | UavPrefltResponse | UavPrefltNotification | UavRstRequest | UavRstResponse | UavRthRequest | UavRthResponse | UavSignalRequest | UavSignalResponse | UavSleepRequest | UavSleepResponse | UavTakeoffRequest | UavTakeoffResponse | UavTestRequest | UavTestResponse | UavVerRequest | UavVerResponse | UavWakeupRequest | UavWakeupResponse | WthAtRequest | WthAtResponse | WthInfRequest | WthInfResponse | WthListRequest | WthListResponse;
 
 /**
- * An error code. Open: there are codes that no table knows.
+ * An error code. Unlisted codes are valid.
  *
- * A constant is called like the abbreviation of its code. Where codes of several severities share an abbreviation, the severity is part of the name.
+ * A constant is named after the abbreviation of its code. If codes of different severities share an abbreviation, the name includes the severity.
  */
 export const ErrorCode = {
   /** The UAV is on the ground. If this is the only code in the list, the UAV is ready for takeoff. */
@@ -4448,30 +4448,30 @@ export const ErrorCode = {
 } as const;
 
 /**
- * An error code. Open: there are codes that no table knows.
+ * An error code. Unlisted codes are valid.
  *
- * A constant is called like the abbreviation of its code. Where codes of several severities share an abbreviation, the severity is part of the name.
+ * A constant is named after the abbreviation of its code. If codes of different severities share an abbreviation, the name includes the severity.
  */
 export type ErrorCode = (typeof ErrorCode)[keyof typeof ErrorCode] | (number & {});
 
-/** How grave it is, from harmless to grave. */
+/** Severities of error codes, in ascending order. */
 export type Severity = "informational" | "warning" | "error" | "fatal";
 
-/** What is known of an error code. */
+/** Data of an error code. */
 export interface ErrorCodeInfo {
   /** The code. */
   readonly code: number;
-  /** Whether a table knows it. */
+  /** True if the code is in a table. */
   readonly isKnown: boolean;
-  /** A short word for displays that have little room. */
+  /** Short name for small displays. */
   readonly abbreviation: string | null;
-  /** How grave it is. */
+  /** Severity. */
   readonly severity: Severity;
-  /** What it says. */
+  /** Description. */
   readonly description: string | null;
-  /** Codes for the same condition at other severities, of which one is used at a time. */
+  /** Codes for the same condition at other severities. Only one of them is used at a time. */
   readonly alternatives: readonly number[];
-  /** Codes that its description refers to. */
+  /** Codes that the description refers to. */
   readonly seeAlso: readonly number[];
 }
 
@@ -4546,7 +4546,7 @@ function severityOf(code: number): Severity {
   return level === 0 ? "informational" : level === 1 ? "warning" : level === 2 ? "error" : "fatal";
 }
 
-/** What is known of an error code. A code that no table knows has its severity all the same: it stands in the number. */
+/** Looks up an error code. The severity is part of the number, so it is also defined for unlisted codes. */
 export function errorCode(code: number): ErrorCodeInfo {
   const found = known.get(code);
   return {

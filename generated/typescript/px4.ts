@@ -64,7 +64,7 @@ export interface ArmingCheckReply {
   /**
    * Number of used entries at the start of events
    *
-   * Type: uint8; counts the entries in use of events.
+   * Type: uint8; number of used entries in events.
    */
   num_events: number;
   /**
@@ -141,16 +141,16 @@ export interface ArmingCheckReply {
   mode_req_manual_control: boolean;
 }
 
-/** The values HEALTH_COMPONENT_INDEX of ArmingCheckReply; there may be others, which firmware of another version has. */
+/** Values HEALTH_COMPONENT_INDEX of ArmingCheckReply. Other firmware versions may use other values. */
 export const ArmingCheckReplyHealthComponentIndex = {
   /** No health component */
   NONE: 0,
 } as const;
 
-/** The values HEALTH_COMPONENT_INDEX of ArmingCheckReply; there may be others, which firmware of another version has. */
+/** Values HEALTH_COMPONENT_INDEX of ArmingCheckReply. Other firmware versions may use other values. */
 export type ArmingCheckReplyHealthComponentIndex = (typeof ArmingCheckReplyHealthComponentIndex)[keyof typeof ArmingCheckReplyHealthComponentIndex] | (number & {});
 
-/** The constants of ArmingCheckReply. */
+/** Constants of ArmingCheckReply. */
 export const ArmingCheckReplyConstants = {
   /** Message version, incremented with each change of the fields */
   MESSAGE_VERSION: 1,
@@ -189,7 +189,7 @@ export interface ArmingCheckRequest {
   valid_registrations_mask: number;
 }
 
-/** The constants of ArmingCheckRequest. */
+/** Constants of ArmingCheckRequest. */
 export const ArmingCheckRequestConstants = {
   /** Message version, incremented with each change of the fields */
   MESSAGE_VERSION: 1,
@@ -219,61 +219,61 @@ export interface BatteryStatus {
   /**
    * Battery voltage
    *
-   * Type: float32; group: Readings and estimates; unit: V (volts); no data: 0; null stands for NaN.
+   * Type: float32; group: Readings and estimates; unit: V (volts); no data: 0; null represents NaN.
    */
   voltage_v: number | null;
   /**
    * Filtered battery voltage
    *
-   * Type: float32; group: Readings and estimates; unit: V (volts); no data: 0; null stands for NaN.
+   * Type: float32; group: Readings and estimates; unit: V (volts); no data: 0; null represents NaN.
    */
   voltage_filtered_v: number | null;
   /**
    * Battery current
    *
-   * Type: float32; group: Readings and estimates; unit: A (amperes); no data: -1; null stands for NaN.
+   * Type: float32; group: Readings and estimates; unit: A (amperes); no data: -1; null represents NaN.
    */
   current_a: number | null;
   /**
    * Filtered battery current
    *
-   * Type: float32; group: Readings and estimates; unit: A (amperes); no data: 0; null stands for NaN.
+   * Type: float32; group: Readings and estimates; unit: A (amperes); no data: 0; null represents NaN.
    */
   current_filtered_a: number | null;
   /**
    * Average current over a longer period; fixed-wing vehicles only average it in level flight
    *
-   * Type: float32; group: Readings and estimates; unit: A (amperes); no data: -1; null stands for NaN.
+   * Type: float32; group: Readings and estimates; unit: A (amperes); no data: -1; null represents NaN.
    */
   current_average_a: number | null;
   /**
    * Charge consumed so far
    *
-   * Type: float32; group: Readings and estimates; unit: mAh (milliampere hours); no data: -1; null stands for NaN.
+   * Type: float32; group: Readings and estimates; unit: mAh (milliampere hours); no data: -1; null represents NaN.
    */
   discharged_mah: number | null;
   /**
    * State of charge, from 0 (empty) to 1 (full)
    *
-   * Type: float32; group: Readings and estimates; range: 0 to 1; no data: -1; null stands for NaN.
+   * Type: float32; group: Readings and estimates; range: 0 to 1; no data: -1; null represents NaN.
    */
   remaining: number | null;
   /**
    * Factor that compensates actuator outputs for voltage drop
    *
-   * Type: float32; group: Readings and estimates; range: 1 or more; no data: -1; null stands for NaN.
+   * Type: float32; group: Readings and estimates; range: 1 or more; no data: -1; null represents NaN.
    */
   scale: number | null;
   /**
    * Predicted time until the battery is empty at the average load so far
    *
-   * Type: float32; group: Readings and estimates; unit: s (seconds); no data: NaN; null stands for NaN.
+   * Type: float32; group: Readings and estimates; unit: s (seconds); no data: NaN; null represents NaN.
    */
   time_remaining_s: number | null;
   /**
    * Battery temperature
    *
-   * Type: float32; group: Readings and estimates; unit: degC (degrees Celsius); no data: NaN; null stands for NaN.
+   * Type: float32; group: Readings and estimates; unit: degC (degrees Celsius); no data: NaN; null represents NaN.
    */
   temperature: number | null;
   /**
@@ -351,13 +351,13 @@ export interface BatteryStatus {
   /**
    * Voltage of each cell
    *
-   * Type: float32\[14\]; group: Cells; unit: V (volts); no data: 0; null stands for NaN.
+   * Type: float32\[14\]; group: Cells; unit: V (volts); no data: 0; null represents NaN.
    */
   voltage_cell_v: (number | null)[];
   /**
    * Difference between the highest and the lowest cell voltage
    *
-   * Type: float32; group: Cells; unit: V (volts); null stands for NaN.
+   * Type: float32; group: Cells; unit: V (volts); null represents NaN.
    */
   max_cell_voltage_delta: number | null;
   /**
@@ -399,31 +399,31 @@ export interface BatteryStatus {
   /**
    * Average power during this discharge cycle
    *
-   * Type: float32; group: Energy; unit: W (watts); null stands for NaN.
+   * Type: float32; group: Energy; unit: W (watts); null represents NaN.
    */
   average_power: number | null;
   /**
    * Predicted remaining charge or energy; its unit is not defined
    *
-   * Type: float32; group: Energy; null stands for NaN.
+   * Type: float32; group: Energy; null represents NaN.
    */
   available_energy: number | null;
   /**
    * Compensated energy of the fully charged battery
    *
-   * Type: float32; group: Energy; unit: Wh (watt hours); null stands for NaN.
+   * Type: float32; group: Energy; unit: Wh (watt hours); null represents NaN.
    */
   full_charge_capacity_wh: number | null;
   /**
    * Compensated remaining energy
    *
-   * Type: float32; group: Energy; unit: Wh (watt hours); null stands for NaN.
+   * Type: float32; group: Energy; unit: Wh (watt hours); null represents NaN.
    */
   remaining_capacity_wh: number | null;
   /**
    * Design capacity; its unit is not defined
    *
-   * Type: float32; group: Energy; null stands for NaN.
+   * Type: float32; group: Energy; null represents NaN.
    */
   design_capacity: number | null;
   /**
@@ -441,12 +441,12 @@ export interface BatteryStatus {
   /**
    * Nominal battery voltage
    *
-   * Type: float32; group: Energy; unit: V (volts); null stands for NaN.
+   * Type: float32; group: Energy; unit: V (volts); null represents NaN.
    */
   nominal_voltage: number | null;
 }
 
-/** The values BATTERY_SOURCE of BatteryStatus; there may be others, which firmware of another version has. */
+/** Values BATTERY_SOURCE of BatteryStatus. Other firmware versions may use other values. */
 export const BatteryStatusBatterySource = {
   /** Power module that measures voltage and current */
   POWER_MODULE: 0,
@@ -456,10 +456,10 @@ export const BatteryStatusBatterySource = {
   ESCS: 2,
 } as const;
 
-/** The values BATTERY_SOURCE of BatteryStatus; there may be others, which firmware of another version has. */
+/** Values BATTERY_SOURCE of BatteryStatus. Other firmware versions may use other values. */
 export type BatteryStatusBatterySource = (typeof BatteryStatusBatterySource)[keyof typeof BatteryStatusBatterySource] | (number & {});
 
-/** The flags BATTERY_FAULT of BatteryStatus, any of which may be set; so may bits without a name. */
+/** Flags BATTERY_FAULT of BatteryStatus. Any combination is valid; unnamed bits may be set too. */
 export const BatteryStatusBatteryFault = {
   /** Deep discharge */
   DEEP_DISCHARGE: 1,
@@ -483,10 +483,10 @@ export const BatteryStatusBatteryFault = {
   HARDWARE_FAILURE: 512,
 } as const;
 
-/** The flags BATTERY_FAULT of BatteryStatus, any of which may be set; so may bits without a name. */
+/** Flags BATTERY_FAULT of BatteryStatus. Any combination is valid; unnamed bits may be set too. */
 export type BatteryStatusBatteryFault = number;
 
-/** The values BATTERY_WARNING, BATTERY_STATE of BatteryStatus; there may be others, which firmware of another version has. */
+/** Values BATTERY_WARNING, BATTERY_STATE of BatteryStatus. Other firmware versions may use other values. */
 export const BatteryStatusBatteryWarning = {
   /** No low-voltage warning */
   NONE: 0,
@@ -506,10 +506,10 @@ export const BatteryStatusBatteryWarning = {
   OVER_TEMPERATURE: 10,
 } as const;
 
-/** The values BATTERY_WARNING, BATTERY_STATE of BatteryStatus; there may be others, which firmware of another version has. */
+/** Values BATTERY_WARNING, BATTERY_STATE of BatteryStatus. Other firmware versions may use other values. */
 export type BatteryStatusBatteryWarning = (typeof BatteryStatusBatteryWarning)[keyof typeof BatteryStatusBatteryWarning] | (number & {});
 
-/** The values BATTERY_MODE of BatteryStatus; there may be others, which firmware of another version has. */
+/** Values BATTERY_MODE of BatteryStatus. Other firmware versions may use other values. */
 export const BatteryStatusBatteryMode = {
   /** Normal operation, or a battery without special modes */
   UNKNOWN: 0,
@@ -519,10 +519,10 @@ export const BatteryStatusBatteryMode = {
   HOT_SWAP: 2,
 } as const;
 
-/** The values BATTERY_MODE of BatteryStatus; there may be others, which firmware of another version has. */
+/** Values BATTERY_MODE of BatteryStatus. Other firmware versions may use other values. */
 export type BatteryStatusBatteryMode = (typeof BatteryStatusBatteryMode)[keyof typeof BatteryStatusBatteryMode] | (number & {});
 
-/** The constants of BatteryStatus. */
+/** Constants of BatteryStatus. */
 export const BatteryStatusConstants = {
   /** Power module that measures voltage and current */
   BATTERY_SOURCE_POWER_MODULE: 0,
@@ -621,7 +621,7 @@ export interface Event {
   log_levels: number;
 }
 
-/** The constants of Event. */
+/** Constants of Event. */
 export const EventConstants = {
   /** Message version, incremented with each change of the fields */
   MESSAGE_VERSION: 1,
@@ -937,7 +937,7 @@ export interface RegisterExtComponentReply {
   mode_executor_id: number;
 }
 
-/** The constants of RegisterExtComponentReply. */
+/** Constants of RegisterExtComponentReply. */
 export const RegisterExtComponentReplyConstants = {
   /** Message version, incremented with each change of the fields */
   MESSAGE_VERSION: 0,
@@ -1016,7 +1016,7 @@ export interface RegisterExtComponentRequest {
   activate_mode_immediately: boolean;
 }
 
-/** The constants of RegisterExtComponentRequest. */
+/** Constants of RegisterExtComponentRequest. */
 export const RegisterExtComponentRequestConstants = {
   /** Message version, incremented with each change of the fields */
   MESSAGE_VERSION: 0,
@@ -1067,13 +1067,13 @@ export interface UnregisterExtComponent {
   mode_executor_id: number;
 }
 
-/** The constants of UnregisterExtComponent. */
+/** Constants of UnregisterExtComponent. */
 export const UnregisterExtComponentConstants = {
   /** Message version, incremented with each change of the fields */
   MESSAGE_VERSION: 0,
 } as const;
 
-/** The messages by name. */
+/** All messages, by name. */
 export interface Messages {
   ArmingCheckReply: ArmingCheckReply;
   ArmingCheckRequest: ArmingCheckRequest;
@@ -1085,5 +1085,5 @@ export interface Messages {
   UnregisterExtComponent: UnregisterExtComponent;
 }
 
-/** Any of the messages. */
+/** Any message. */
 export type Message = ArmingCheckReply | ArmingCheckRequest | BatteryStatus | Event | FailsafeFlags | RegisterExtComponentReply | RegisterExtComponentRequest | UnregisterExtComponent;

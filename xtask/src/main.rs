@@ -49,7 +49,7 @@ enum Command {
   cargo xtask docs --open        generate, build and open the site
   cargo xtask docs --out public")]
     Docs(docs::Arguments),
-    /// Build the packages for npm and PyPI
+    /// Build the packages for npm and pip
     Package(package::Arguments),
     /// Test third-party tools with the published schemas
     #[command(after_help = "Examples:

@@ -92,7 +92,7 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
         let level = rule.breaks.iter().map(|(_, level)| *level).max().unwrap_or(Level::Note);
         RuleInfo::new(rule.id, rule.purpose(), level)
     });
-    let is_fine = args.report.show("breaking", rules.collect(), &findings, &new.sources);
+    let succeeded = args.report.show("breaking", rules.collect(), &findings, &new.sources);
     let files = plural(new.files.len(), "file");
     let elapsed = started.elapsed().as_millis();
     anstream::eprintln!(
@@ -100,7 +100,7 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
         old.files.len(),
         summary(&findings)
     );
-    Ok(is_fine)
+    Ok(succeeded)
 }
 
 /// The plan for the earlier version, and its checkout if it is a Git revision.

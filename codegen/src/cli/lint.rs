@@ -57,7 +57,7 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
     let mut loaded = load::load_with_catalogues(&plan)?;
     let mut findings = check(&plan, &loaded, args.preset);
     let fixed = if args.fix { fix(&plan, &mut loaded, &mut findings, args.preset)? } else { 0 };
-    let fixes = match (fixed, findings.iter().filter(|finding| !finding.fix.is_empty()).count()) {
+    let fix_summary = match (fixed, findings.iter().filter(|finding| !finding.fix.is_empty()).count()) {
         (0, 0) => String::new(),
         (0, count) => format!("; run with `--fix` to fix {count}"),
         (count, _) => format!("; {count} fixed"),
@@ -67,11 +67,11 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
         let level = settings.level(rule)?;
         Some(RuleInfo::new(rule.id, rule.purpose(), level))
     });
-    let is_fine = args.report.show("lint", rules.collect(), &findings, &loaded.sources);
+    let succeeded = args.report.show("lint", rules.collect(), &findings, &loaded.sources);
     let read = plural(loaded.files.len(), "file");
     let elapsed = started.elapsed().as_millis();
-    anstream::eprintln!("lint: {read} read: {} ({elapsed} ms){fixes}", summary(&findings));
-    Ok(is_fine)
+    anstream::eprintln!("lint: {read} read: {} ({elapsed} ms){fix_summary}", summary(&findings));
+    Ok(succeeded)
 }
 
 fn list_rules() {

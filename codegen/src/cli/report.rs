@@ -53,7 +53,7 @@ enum FormatName {
     Github,
     /// SARIF 2.1.0, for code scanning
     Sarif,
-    /// JUnit XML, for CI systems
+    /// Test results as XML, for CI systems
     Junit,
 }
 

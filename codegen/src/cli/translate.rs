@@ -63,19 +63,19 @@ pub(super) fn run(args: &TranslateArgs) -> Result<bool, Failure> {
     if !args.check {
         write(&outcomes)?;
     }
-    let mut is_fine = true;
+    let mut succeeded = true;
     for outcome in &outcomes {
-        is_fine &= !args.check || !outcome.is_changed();
+        succeeded &= !args.check || !outcome.is_changed();
         anstream::eprintln!("{}: {}", outcome.shown, outcome.summary(args.check));
     }
     let read = plural(loaded.files.len(), "file");
-    let advice = if is_fine { "" } else { "; run `cargo xtask translate`" };
+    let advice = if succeeded { "" } else { "; run `cargo xtask translate`" };
     let elapsed = started.elapsed().as_millis();
     anstream::eprintln!(
         "translate: {read} read, {}{advice} ({elapsed} ms)",
         plural(outcomes.len(), "catalogue")
     );
-    Ok(is_fine)
+    Ok(succeeded)
 }
 
 /// A catalogue before and after the update.
@@ -215,11 +215,11 @@ fn path_of(tag: &str, plan: &Plan) -> Result<PathBuf, Failure> {
     Ok(normalise(&folder.join(base)).join(format!("{tag}.po")))
 }
 
-/// Writes the changed catalogues: the existing ones all or none, then the new ones.
+/// Writes the outdated catalogues: the existing ones all or none, then the new ones.
 fn write(outcomes: &[Outcome]) -> Result<(), Failure> {
-    let changed = || outcomes.iter().filter(|outcome| outcome.is_changed());
+    let outdated = || outcomes.iter().filter(|outcome| outcome.is_changed());
     let mut changes = Vec::new();
-    for outcome in changed() {
+    for outcome in outdated() {
         let Some((old, _)) = &outcome.old else { continue };
         // Write to the file that a link leads to.
         let path = fs::canonicalize(&outcome.path).map_err(|error| unwritable(&outcome.path, &error))?;
@@ -227,7 +227,7 @@ fn write(outcomes: &[Outcome]) -> Result<(), Failure> {
         changes.push(Change { path, shown, old, new });
     }
     rewrite::write(&changes)?;
-    for outcome in changed().filter(|outcome| outcome.old.is_none()) {
+    for outcome in outdated().filter(|outcome| outcome.old.is_none()) {
         create(&outcome.path, &print(&outcome.new)).map_err(|error| unwritable(&outcome.path, &error))?;
     }
     Ok(())

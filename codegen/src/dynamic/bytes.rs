@@ -1,16 +1,16 @@
-//! Copies and parts of buffers.
+//! Copies and slices of buffers.
 
 use uavspec_runtime::record::Primitive;
 
 use super::step::Width;
 
-/// Copies numbers to the order of bytes in memory, which is little-endian.
+/// Copies numbers and converts them to little-endian byte order.
 #[inline]
 pub(super) fn copy<const BIG: bool>(from: &[u8], to: &mut [u8], width: Width) {
     if BIG { copy_swapped(from, to, width) } else { copy_short(from, to) }
 }
 
-/// Copies bytes, without a call where they are few: most runs of a message are.
+/// Copies bytes. Short runs, which are the most common, need no call to `memcpy`.
 #[inline]
 pub(super) fn copy_short(from: &[u8], to: &mut [u8]) {
     match from.len() {
@@ -22,7 +22,7 @@ pub(super) fn copy_short(from: &[u8], to: &mut [u8]) {
     }
 }
 
-/// Copies the first and the last `N` bytes, which is all where there are at most twice as many.
+/// Copies the first and the last `N` bytes. This covers the slice if it has at most `2 * N` bytes.
 #[inline]
 fn copy_ends<const N: usize>(from: &[u8], to: &mut [u8]) {
     if let (Some(from), Some(to)) = (from.first_chunk::<N>(), to.first_chunk_mut()) {
@@ -50,31 +50,30 @@ fn swap<const N: usize>(from: &[u8], to: &mut [u8]) {
     }
 }
 
-/// The elements of a sequence in the memory of a message: the offset of the first, and their number. `at` is the offset
-/// of the sequence.
+/// The offset of the first element of a sequence, and the number of elements. `at` is the offset of the sequence.
 pub fn sequence(memory: &[u8], at: usize) -> (usize, usize) {
     slot(memory, at)
 }
 
-/// Where the bytes or elements start that a slot stands for, and how many there are.
+/// Reads a slot: the offset of the first byte or element, and the number of bytes or elements.
 #[inline]
 pub(super) fn slot(bytes: &[u8], at: usize) -> (usize, usize) {
     let number = |at| u32::read_le(part(bytes, at, 4)) as usize;
     (number(at), number(at + 4))
 }
 
-/// The bytes from `start` on, as many as `length`; none where the buffer doesn't hold them.
+/// Returns `length` bytes from `start`, or an empty slice if they exceed the buffer.
 #[inline]
 pub(super) fn part(bytes: &[u8], start: usize, length: usize) -> &[u8] {
     bytes.get(start..start + length).unwrap_or_default()
 }
 
-/// The text in a `char[N]`.
+/// The text in a `char[N]`: all bytes before the first NUL.
 pub(super) fn until_nul(bytes: &[u8]) -> &[u8] {
     bytes.split(|byte| *byte == 0).next().unwrap_or_default()
 }
 
-/// Makes each byte 0 or 1.
+/// Normalizes each byte to 0 or 1.
 pub(super) fn make_bools(bytes: &mut [u8]) {
     for byte in bytes {
         *byte = u8::from(*byte != 0);

@@ -1,8 +1,7 @@
-//! CDR by the steps of a plan.
+//! CDR codec that executes the steps of a plan.
 //!
-//! Reading and writing only say that something is wrong; what it is and where, [`explain`] and
-//! [`refuse`](write::refuse) find out in a second pass, so that the first needs to keep no account of
-//! where it is.
+//! Reading and writing don't track their position. If they fail, [`explain`] and [`refuse`](write::refuse) find the
+//! cause and its location in a second pass.
 
 mod explain;
 mod read;

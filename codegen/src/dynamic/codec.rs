@@ -1,4 +1,4 @@
-//! The forms of a message: uORB, CDR and JSON.
+//! Conversion of messages from and to uORB, CDR and JSON.
 
 use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error as _};
@@ -13,28 +13,27 @@ use super::view::DynamicView;
 use super::{cdr, initial, uorb};
 
 impl<'t> MessageType<'t> {
-    /// A message of zeros and empty strings, or of the defaults that its definition states.
+    /// Creates a message with the defaults of its definition. Other fields are zero or empty.
     pub fn default(self) -> DynamicMessage<'t> {
         initial::message(self)
     }
 
-    /// Reads a payload of uORB or `ULog`, with or without the padding at its end. A `bool` is true unless its
-    /// byte is 0.
+    /// Reads a uORB or `ULog` payload, with or without the padding at its end. A `bool` is true unless its byte is 0.
     pub fn decode_uorb(self, payload: &[u8]) -> Result<DynamicMessage<'t>, Error> {
         self.view_uorb(payload)?;
         let mut buffer = Vec::with_capacity(self.plan.size.padded);
         buffer.extend_from_slice(payload);
         buffer.resize(self.plan.size.padded, 0);
-        Ok(DynamicMessage { of: self, buffer })
+        Ok(DynamicMessage { ty: self, buffer })
     }
 
-    /// As [`decode_uorb`](Self::decode_uorb), but refuses a `bool` that is neither 0 nor 1.
+    /// Like [`decode_uorb`](Self::decode_uorb), but rejects a `bool` that is neither 0 nor 1.
     pub fn decode_uorb_strict(self, payload: &[u8]) -> Result<DynamicMessage<'t>, Error> {
         uorb::check_bools(self.view_uorb(payload)?)?;
         self.decode_uorb(payload)
     }
 
-    /// Looks at a payload of uORB or `ULog`, with or without the padding at its end, where it is.
+    /// Views a uORB or `ULog` payload in place, with or without the padding at its end.
     pub fn view_uorb<'v>(self, payload: &'v [u8]) -> Result<DynamicView<'v>, Error>
     where
         't: 'v,
@@ -46,24 +45,25 @@ impl<'t> MessageType<'t> {
 
     /// Reads a CDR payload in either byte order. A `bool` is true unless its byte is 0.
     ///
-    /// Up to three bytes may follow, which fill the payload up to a multiple of four.
+    /// The payload may be padded with up to three bytes to a multiple of four.
     pub fn decode_cdr(self, payload: &[u8]) -> Result<DynamicMessage<'t>, Error> {
         self.check()?;
         cdr::decode(self, payload, false)
     }
 
-    /// As [`decode_cdr`](Self::decode_cdr), but refuses a `bool` that is neither 0 nor 1.
+    /// Like [`decode_cdr`](Self::decode_cdr), but rejects a `bool` that is neither 0 nor 1.
     pub fn decode_cdr_strict(self, payload: &[u8]) -> Result<DynamicMessage<'t>, Error> {
         self.check()?;
         cdr::decode(self, payload, true)
     }
 
-    /// Reads JSON. Lengths beyond a bound are taken, for [`DynamicMessage::validate`] to find.
+    /// Reads JSON. Sequences and strings longer than their bound are accepted; [`DynamicMessage::validate`] reports
+    /// them.
     pub fn from_json(self, json: &serde_json::Value) -> Result<DynamicMessage<'t>, Error> {
         self.build(json)
     }
 
-    /// Reads the text of JSON, without a tree between.
+    /// Reads JSON text without building a tree.
     pub fn from_json_text(self, text: &str) -> Result<DynamicMessage<'t>, Error> {
         let mut reader = serde_json::Deserializer::from_str(text);
         let message = self.build(&mut reader)?;
@@ -86,7 +86,7 @@ impl<'t> MessageType<'t> {
     }
 }
 
-/// Reads a message from JSON, or another format that describes itself.
+/// Deserializes a message from JSON or another self-describing format.
 impl<'de, 't> DeserializeSeed<'de> for MessageType<'t> {
     type Value = DynamicMessage<'t>;
 
@@ -96,60 +96,60 @@ impl<'de, 't> DeserializeSeed<'de> for MessageType<'t> {
 }
 
 impl DynamicMessage<'_> {
-    /// The payload of uORB, with the padding at its end; an error where the size varies.
+    /// Encodes the message as a uORB payload with padding at its end. Fails if the size of the message varies.
     pub fn to_uorb(&self) -> Result<Vec<u8>, Error> {
         self.view().to_uorb()
     }
 
-    /// The CDR payload.
+    /// Encodes the message as a CDR payload.
     pub fn to_cdr(&self, order: ByteOrder) -> Result<Vec<u8>, Error> {
         self.view().to_cdr(order)
     }
 
-    /// The message as JSON; an error where a float is infinite or text isn't UTF-8.
+    /// Converts the message to JSON. Fails if a float is infinite or a text isn't UTF-8.
     pub fn to_json(&self) -> Result<serde_json::Value, Error> {
         self.view().to_json()
     }
 
-    /// Everything in it that breaks a rule of its definition.
+    /// All violations of the definition.
     pub fn validate(&self) -> Vec<Violation<'_>> {
         self.view().validate()
     }
 }
 
 impl<'v> DynamicView<'v> {
-    /// The payload of uORB, with the padding at its end; an error where the size varies.
+    /// Encodes the message as a uORB payload with padding at its end. Fails if the size of the message varies.
     pub fn to_uorb(self) -> Result<Vec<u8>, Error> {
         self.message_type().check()?;
         uorb::encode(self)
     }
 
-    /// The CDR payload.
+    /// Encodes the message as a CDR payload.
     pub fn to_cdr(self, order: ByteOrder) -> Result<Vec<u8>, Error> {
         self.message_type().check()?;
         cdr::encode(self, order)
     }
 
-    /// The message as JSON; an error where a float is infinite or text isn't UTF-8.
+    /// Converts the message to JSON. Fails if a float is infinite or a text isn't UTF-8.
     pub fn to_json(self) -> Result<serde_json::Value, Error> {
         self.message_type().check()?;
-        serde_json::to_value(self).map_err(|error| json::unsayable(self, &error))
+        serde_json::to_value(self).map_err(|error| json::explain(self, &error))
     }
 
-    /// The text of its JSON.
+    /// Writes the message as JSON text.
     pub fn to_json_text(self) -> Result<String, Error> {
         self.message_type().check()?;
-        serde_json::to_string(&self).map_err(|error| json::unsayable(self, &error))
+        serde_json::to_string(&self).map_err(|error| json::explain(self, &error))
     }
 
-    /// Everything in it that breaks a rule of its definition.
+    /// All violations of the definition.
     pub fn validate(self) -> Vec<Violation<'v>> {
         let mut violations = Vec::new();
         self.validate_with(&mut |violation| violations.push(violation));
         violations
     }
 
-    /// Calls `report` with everything in it that breaks a rule of its definition.
+    /// Calls `report` for each violation of the definition.
     pub fn validate_with(self, report: &mut dyn FnMut(Violation<'v>)) {
         validate::each(self, report);
     }

@@ -1,4 +1,4 @@
-//! From definitions to plans.
+//! Compilation of definitions to plans.
 
 use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::{self, Member, Size};
@@ -13,20 +13,21 @@ use crate::schema::layout::MAX_MESSAGE_SIZE;
 use crate::schema::{self, Form, Message, Schema, Shape};
 use crate::value::Value;
 
-/// How deep messages may nest. Codecs call themselves for each level, so this bounds the stack; a reader
-/// of JSON may have a limit of its own (`serde_json` allows 127 brackets). Real messages nest seven deep.
+/// Maximum nesting depth of messages. Codecs recurse once per level, so this bounds the stack. JSON readers may have a
+/// lower limit (`serde_json` allows 127 brackets). Real messages nest up to seven levels deep.
 pub(super) const MAX_DEPTH: usize = 32;
 
-/// A nested message of at most so many steps is not called but copied into the one that holds it.
+/// Maximum number of steps of a nested message that is inlined into its parent.
 const MAX_COPIED_STEPS: usize = 16;
 
-/// Types that take more copies than this go step by step: each element of an array of messages counts.
+/// Maximum number of copies of a packed type. Each element of an array of messages counts. Larger types are executed
+/// step by step.
 const MAX_MOVES: usize = 512;
 
-/// Types with more bytes go step by step, too: no message of uORB has as many.
+/// Maximum CDR size of a packed type in bytes. No uORB message is as large.
 const MAX_SIZE: usize = 1 << 16;
 
-/// A type whose messages aren't measured yet.
+/// A type before its layout is computed.
 #[derive(Debug)]
 pub(super) struct Draft {
     pub(super) package: Box<str>,
@@ -34,31 +35,31 @@ pub(super) struct Draft {
     /// Fields in declared order, without offsets and strides.
     pub(super) fields: Vec<Field>,
     pub(super) placement: Placement,
-    /// Greatest size in bytes.
+    /// Maximum size in bytes.
     pub(super) limit: u64,
     pub(super) defect: Option<Defect>,
 }
 
-/// Where fields lie in memory.
+/// The memory layout of fields.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Placement {
-    /// Where uORB puts them.
+    /// The uORB layout, with alignment and reordering.
     Uorb,
-    /// One after the other; those that are padding are no fields.
+    /// Contiguous in declared order. Padding fields are removed afterwards.
     AsGiven,
 }
 
-/// Fields that pad are named so, and numbered.
+/// Name prefix of padding fields, followed by a number.
 pub(super) const PADDING: &str = "_padding";
 
 impl Types {
-    /// The types of all messages of a schema.
+    /// Compiles the types of all messages of a schema.
     pub fn new(schema: &Schema) -> Self {
         Self::of(compile(drafts(schema)))
     }
 }
 
-/// A draft of each message, in the order of the schema.
+/// Creates a draft of each message, in the order of the schema.
 fn drafts(schema: &Schema) -> Vec<Draft> {
     schema.messages.iter().map(|message| draft(schema, message)).collect()
 }
@@ -108,7 +109,7 @@ impl Field {
     }
 }
 
-/// Makes the plans, each after those of the messages that it holds.
+/// Compiles the plans. A message is compiled after the messages nested in it.
 pub(super) fn compile(drafts: Vec<Draft>) -> Vec<Plan> {
     let depths = depths(&drafts);
     let mut order: Vec<usize> = (0..drafts.len()).filter(|index| depths[*index].is_some()).collect();
@@ -127,14 +128,14 @@ pub(super) fn compile(drafts: Vec<Draft>) -> Vec<Plan> {
     plans
 }
 
-/// How deep messages nest in each; none for those that hold themselves.
+/// Nesting depth of each message, or `None` if it is recursive.
 fn depths(drafts: &[Draft]) -> Vec<Option<usize>> {
     let mut missing = vec![0_usize; drafts.len()];
-    let mut holders = vec![Vec::new(); drafts.len()];
+    let mut parents = vec![Vec::new(); drafts.len()];
     for (index, draft) in drafts.iter().enumerate() {
         for nested in nested(&draft.fields) {
             missing[index] += 1;
-            holders[nested].push(index);
+            parents[nested].push(index);
         }
     }
     let mut ready: Vec<usize> = (0..drafts.len()).filter(|index| missing[*index] == 0).collect();
@@ -144,10 +145,10 @@ fn depths(drafts: &[Draft]) -> Vec<Option<usize>> {
             .filter_map(|nested| depths[nested])
             .max()
             .map_or(Some(0), |depth: usize| Some(depth + 1));
-        for holder in std::mem::take(&mut holders[index]) {
-            missing[holder] -= 1;
-            if missing[holder] == 0 {
-                ready.push(holder);
+        for parent in std::mem::take(&mut parents[index]) {
+            missing[parent] -= 1;
+            if missing[parent] == 0 {
+                ready.push(parent);
             }
         }
     }
@@ -162,9 +163,10 @@ fn nested(fields: &[Field]) -> impl Iterator<Item = usize> {
 }
 
 fn defect(draft: &Draft, plans: &[Plan]) -> Option<Defect> {
-    let mut held = nested(&draft.fields).map(|nested| &plans[nested]);
-    let holds = held.find(|held| held.defect.is_some()).map(|held| Defect::Holds(held.name.to_string()));
-    draft.defect.clone().or(holds)
+    let mut nested = nested(&draft.fields).map(|nested| &plans[nested]);
+    let nested_defect =
+        nested.find(|nested| nested.defect.is_some()).map(|nested| Defect::Holds(nested.name.to_string()));
+    draft.defect.clone().or(nested_defect)
 }
 
 fn unusable(draft: &Draft, defect: Defect) -> Plan {
@@ -194,8 +196,8 @@ fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
         field.is_restricted = is_restricted(field, plans);
     }
     let fields = &draft.fields;
-    let any = |of_field: fn(&Field) -> bool, of_plan: fn(&Plan) -> bool| {
-        fields.iter().any(of_field) || nested(fields).any(|nested| of_plan(&plans[nested]))
+    let any = |in_field: fn(&Field) -> bool, in_plan: fn(&Plan) -> bool| {
+        fields.iter().any(in_field) || nested(fields).any(|nested| in_plan(&plans[nested]))
     };
     let steps = steps(fields, plans);
     let varies = |field: &Field| field.is_sequence() || matches!(field.element, Element::String(_));
@@ -205,10 +207,7 @@ fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
         least: fields.iter().fold(0_usize, |all, field| all.saturating_add(least(field, plans))).max(1),
         packed: packed(&steps, size.padded, plans),
         steps: steps.into(),
-        has_defaults: any(
-            |field| field.default.as_ref().is_some_and(says_something),
-            |plan| plan.has_defaults,
-        ),
+        has_defaults: any(|field| field.default.as_ref().is_some_and(is_nonzero), |plan| plan.has_defaults),
         has_bools: any(|field| field.element.is_bool(), |plan| plan.has_bools),
         is_restricted: fields.iter().any(|field| field.is_restricted),
         defect: None,
@@ -218,8 +217,8 @@ fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
     }
 }
 
-/// Whether a default is more than zeros.
-fn says_something(value: &Value) -> bool {
+/// True if a default contains a nonzero byte.
+fn is_nonzero(value: &Value) -> bool {
     match value {
         Value::Bool(value) => *value,
         Value::Int(value) => *value != 0,
@@ -229,7 +228,7 @@ fn says_something(value: &Value) -> bool {
     }
 }
 
-/// Writes offsets and strides, and takes away what is padding.
+/// Computes offsets and strides, and removes padding fields.
 fn place(draft: &mut Draft, plans: &[Plan]) -> Size {
     let members: Vec<Member> = draft.fields.iter().map(|field| member(field, plans)).collect();
     let mut offsets = vec![0; members.len()];
@@ -290,7 +289,7 @@ fn least(field: &Field, plans: &[Plan]) -> usize {
     }
 }
 
-/// Whether its type holds anything that a rule forbids.
+/// True if any value of the field can violate a rule.
 fn is_restricted(field: &Field, plans: &[Plan]) -> bool {
     field.bound().is_some()
         || match field.element {
@@ -344,7 +343,7 @@ fn sequence(element: Element) -> Sequence {
     }
 }
 
-/// The copies of a type with these steps; none where its size varies or there are too many.
+/// The copies of a type with these steps. Returns `None` if its size varies or it needs too many copies.
 fn packed(steps: &[Step], padded: usize, plans: &[Plan]) -> Option<Packed> {
     let mut moves = Vec::new();
     let mut size = 0;
@@ -352,7 +351,7 @@ fn packed(steps: &[Step], padded: usize, plans: &[Plan]) -> Option<Packed> {
     Some(Packed::new(moves, size, padded))
 }
 
-/// Adds the moves of a message whose memory starts at `base` and whose CDR goes on from `at`.
+/// Appends the moves of a message whose memory starts at `base` and whose CDR continues at `at`.
 fn flatten(steps: &[Step], plans: &[Plan], base: usize, at: &mut usize, moves: &mut Vec<Move>) -> Option<()> {
     for step in steps {
         match *step {
@@ -377,7 +376,7 @@ fn flatten(steps: &[Step], plans: &[Plan], base: usize, at: &mut usize, moves: &
     Some(())
 }
 
-/// Adds a step, or makes the last one longer.
+/// Appends a step, or extends the last one if both copy adjacent bytes.
 fn add(steps: &mut Vec<Step>, step: Step) {
     if let (Some(Step::Copy(last)), Step::Copy(next)) = (steps.last_mut(), step)
         && (last.width, last.is_bool) == (next.width, next.is_bool)
@@ -390,7 +389,7 @@ fn add(steps: &mut Vec<Step>, step: Step) {
 }
 
 impl Step {
-    /// The same step in a message whose first byte lies `by` bytes further.
+    /// Returns the step with its offset increased by `by`.
     fn moved(mut self, by: usize) -> Self {
         match &mut self {
             Self::Copy(Run { offset, .. })

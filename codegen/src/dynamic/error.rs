@@ -1,49 +1,50 @@
-//! Why there is no message, or no other form of one.
+//! Errors of reading, writing and compiling messages.
 
 use std::fmt;
 
 use uavspec_runtime::Fault;
 
-/// Why bytes or JSON are no message of a type, or a message has no such form.
+/// An error of reading a message from bytes or JSON, or of writing it in another form.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Error {
-    /// What is wrong.
+    /// The cause.
     pub reason: Reason,
-    /// Where in the message, as `events[2].id`; the name of the message where it is the message itself.
+    /// Path to the value in the message, such as `events[2].id`, or the name of the message if the error concerns all
+    /// of it.
     pub path: String,
-    /// Where in the bytes that were read, from their start.
+    /// Byte offset in the input.
     pub offset: Option<usize>,
 }
 
-/// What is wrong.
+/// The cause of an [`Error`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// With bytes, or with a value that is to become bytes.
+    /// Invalid bytes, or a value that the byte form can't represent.
     Fault(Fault),
-    /// With JSON, or with a value that has none.
+    /// Invalid JSON, or a value that JSON can't represent.
     Json(String),
-    /// The size of the message varies, so it has no memory form.
+    /// The message has no memory form because its size varies.
     SizeVaries,
-    /// The message takes more than 4 GiB in memory.
+    /// The message exceeds 4 GiB in memory.
     TooLarge,
-    /// Messages of this type can't be handled.
+    /// The type is unusable.
     Defect(Defect),
 }
 
-/// Why messages of a type can't be handled.
+/// The cause for which a type is unusable.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Defect {
-    /// It holds itself, perhaps through others.
+    /// The type contains itself, directly or indirectly.
     Recursive,
-    /// Messages nest deeper in it than this.
+    /// Messages nest deeper than this limit.
     TooDeep(usize),
-    /// It takes more bytes than this.
+    /// The size exceeds this number of bytes.
     TooLarge(u64),
-    /// It holds a message that can't be handled.
+    /// The type contains an unusable type with this name.
     Holds(String),
-    /// It is described in a way that can't be read.
+    /// The definition is unreadable.
     Unreadable,
 }
 
@@ -63,7 +64,7 @@ impl fmt::Display for Reason {
             Self::Fault(fault) => fault.fmt(formatter),
             Self::Json(text) => formatter.write_str(text),
             Self::SizeVaries => {
-                formatter.write_str("expected a message of fixed size, found strings or sequences in it")
+                formatter.write_str("expected a message of fixed size, found strings or sequences")
             }
             Self::TooLarge => formatter.write_str("expected a message of at most 4 GiB"),
             Self::Defect(defect) => defect.fmt(formatter),
@@ -74,11 +75,11 @@ impl fmt::Display for Reason {
 impl fmt::Display for Defect {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Recursive => formatter.write_str("holds itself"),
-            Self::TooDeep(limit) => write!(formatter, "nests messages deeper than {limit}"),
+            Self::Recursive => formatter.write_str("contains itself"),
+            Self::TooDeep(limit) => write!(formatter, "nests messages more than {limit} levels deep"),
             Self::TooLarge(limit) => write!(formatter, "takes more than {limit} bytes"),
-            Self::Holds(name) => write!(formatter, "holds `{name}`, which can't be used"),
-            Self::Unreadable => formatter.write_str("has a definition that can't be read"),
+            Self::Holds(name) => write!(formatter, "contains the unusable type `{name}`"),
+            Self::Unreadable => formatter.write_str("has an unreadable definition"),
         }
     }
 }

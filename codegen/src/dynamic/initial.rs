@@ -1,4 +1,4 @@
-//! What a message holds before anything is said of it: zeros, and the defaults of its definition.
+//! Initial content of a message: the defaults of its definition, and zeros elsewhere.
 
 use serde::de::value::Error;
 use uavspec_runtime::Scalar;
@@ -10,14 +10,14 @@ use super::types::MessageType;
 use crate::schema::Shape;
 use crate::value::Value;
 
-/// The message that a definition gives.
-pub(super) fn message(of: MessageType<'_>) -> DynamicMessage<'_> {
-    let mut builder = Builder::new(of);
-    fill(&mut builder, of, of.plan, 0);
+/// Creates the initial message of a type.
+pub(super) fn message(ty: MessageType<'_>) -> DynamicMessage<'_> {
+    let mut builder = Builder::new(ty);
+    fill(&mut builder, ty, ty.plan, 0);
     builder.finish()
 }
 
-fn fill<'t>(builder: &mut Builder<'t>, of: MessageType<'t>, plan: &Plan, base: usize) {
+fn fill<'t>(builder: &mut Builder<'t>, ty: MessageType<'t>, plan: &Plan, base: usize) {
     if !plan.has_defaults {
         return;
     }
@@ -26,7 +26,7 @@ fn fill<'t>(builder: &mut Builder<'t>, of: MessageType<'t>, plan: &Plan, base: u
         match (field.element, &field.default) {
             (Element::Message(nested), _) => {
                 for index in 0..field.count() {
-                    fill(builder, of, &of.types.plans[nested], at + index * field.stride);
+                    fill(builder, ty, &ty.types.plans[nested], at + index * field.stride);
                 }
             }
             (_, Some(default)) => write_field(builder, field, at, default),
@@ -48,7 +48,7 @@ fn write_field(builder: &mut Builder<'_>, field: &Field, at: usize, default: &Va
                 let at = builder.open_element(field.stride);
                 write_element(builder, field.element, at, value);
             }
-            // A definition has no room for the 4 GiB at which this fails.
+            // This fails only beyond 4 GiB, which no definition reaches.
             let _ = builder.close::<Error>(at, first, values.len());
         }
         (value, _) => write_element(builder, field.element, at, value),
@@ -62,15 +62,15 @@ fn write_element(builder: &mut Builder<'_>, element: Element, at: usize, value: 
             builder.write(at, text.as_bytes());
         }
         (Element::String(_), Value::Text(text)) => {
-            // As above.
+            // See above.
             let _ = builder.string::<Error>(at, text);
         }
         _ => {}
     }
 }
 
-/// The bytes of a number, and zeros after them.
-#[allow(clippy::cast_possible_truncation)] // values of a definition are in the range of their type
+/// The bytes of a number, followed by zeros.
+#[allow(clippy::cast_possible_truncation)] // the parser checked the range of the value
 fn number(scalar: Scalar, value: &Value) -> [u8; 8] {
     match (scalar, value) {
         (_, Value::Bool(value)) => i64::from(*value).to_le_bytes(),

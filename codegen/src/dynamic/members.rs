@@ -1,4 +1,4 @@
-//! The members of a JSON object whose names are known: read as indices, and each once.
+//! Members of a JSON object with known names. Each key is read as an index, and duplicates are detected.
 //!
 //! ```
 //! use serde::de::DeserializeSeed as _;
@@ -23,13 +23,13 @@ use std::fmt;
 use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error, Visitor};
 
-/// Something that has a name.
+/// A named item.
 pub trait Named {
-    /// Its name.
+    /// Name of the item.
     fn name(&self) -> &str;
 }
 
-/// Which fields have been read. Mostly they come in declared order, and then a number says it.
+/// The set of fields that have been read. Fields in declared order need only a counter.
 #[derive(Debug, Default)]
 pub struct Seen {
     in_order: usize,
@@ -37,7 +37,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Adds one of `count` fields, and says whether it wasn't there yet.
+    /// Adds the field `index` of `count` fields. Returns false if it was already in the set.
     pub fn insert(&mut self, index: usize, count: usize) -> bool {
         if self.contains(index) {
             return false;
@@ -51,18 +51,18 @@ impl Seen {
         true
     }
 
-    /// Whether a field has been read.
+    /// True if the field has been read.
     pub fn contains(&self, index: usize) -> bool {
         index < self.in_order || self.others.get(index).is_some_and(|seen| *seen)
     }
 }
 
-/// Reads a key as the index of the field that it names.
+/// Reads a key and returns the index of the field with this name.
 #[derive(Debug)]
 pub struct KeySeed<'f, F> {
-    /// The fields.
+    /// All fields.
     pub fields: &'f [F],
-    /// The field that is looked at first.
+    /// Index of the field that is compared first.
     pub guess: usize,
 }
 

@@ -5,36 +5,36 @@ use std::fmt;
 use super::types::MessageType;
 use super::view::{DynamicView, Value};
 
-/// A message.
+/// A message of a type that is known at run time.
 #[derive(Clone)]
 pub struct DynamicMessage<'t> {
-    pub(super) of: MessageType<'t>,
-    /// The fields, and behind them strings and the elements of sequences.
+    pub(super) ty: MessageType<'t>,
+    /// The fields, followed by strings and elements of sequences.
     pub(super) buffer: Vec<u8>,
 }
 
 impl<'t> DynamicMessage<'t> {
-    /// Its type.
+    /// Type of the message.
     pub fn message_type(&self) -> MessageType<'t> {
-        self.of
+        self.ty
     }
 
-    /// Looks at it.
+    /// Borrows the message as a view.
     pub fn view(&self) -> DynamicView<'_> {
-        DynamicView { types: self.of.types, plan: self.of.plan, bytes: &self.buffer, base: 0 }
+        DynamicView { types: self.ty.types, plan: self.ty.plan, bytes: &self.buffer, base: 0 }
     }
 
-    /// The value that a path such as `events[2].id` leads to, if there is one.
+    /// The value at a path such as `events[2].id`, if it exists.
     pub fn get(&self, path: &str) -> Option<Value<'_>> {
         self.view().get(path)
     }
 
-    /// Its bytes in memory, as [`MessageType::layout`] places its fields; a `bool` is the byte that was read.
+    /// The bytes in memory, in the layout of [`MessageType::layout`]. The byte of a `bool` is not normalized.
     pub fn memory(&self) -> &[u8] {
         &self.buffer
     }
 
-    /// How many bytes it takes in memory.
+    /// Size in memory in bytes.
     pub fn size_in_memory(&self) -> usize {
         self.buffer.len()
     }

@@ -1,7 +1,7 @@
-//! Messages of fixed size whose CDR starts with them: each byte of both forms has its place, so going from
-//! one to the other is a list of copies, worked out once.
+//! Copies for messages of fixed size. Each byte has a fixed offset in memory and in CDR, so the conversion is a list of
+//! copies that is computed once.
 
-use uavspec_runtime::cdr::{ByteOrder, HEADER, is_filling};
+use uavspec_runtime::cdr::{ByteOrder, HEADER, is_padding};
 
 use super::bytes::{copy, copy_short, make_bools, part};
 use super::step::Width;
@@ -11,17 +11,17 @@ use super::step::Width;
 pub(super) struct Packed {
     /// Size of the CDR form without its header, in bytes.
     size: usize,
-    /// What lies side by side in both forms, whatever it is.
+    /// Ranges that are contiguous in both forms.
     copies: Box<[Move]>,
-    /// The same in parts of one width each, whose bytes can be swapped.
+    /// The ranges of `copies`, split by number width to allow byte swapping.
     swaps: Box<[Move]>,
-    /// Where `bool`s are in memory, and in CDR.
+    /// The ranges of `bool`s in both forms.
     bools: Box<[Move]>,
-    /// Padding in memory: starts and sizes.
+    /// Offsets and sizes of the padding in memory.
     gaps: Box<[(usize, usize)]>,
 }
 
-/// Bytes that are in both forms.
+/// A byte range that exists in both forms.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Move {
     pub(super) memory: usize,
@@ -32,7 +32,7 @@ pub(super) struct Move {
 }
 
 impl Packed {
-    /// The copies of a type, given in the order of CDR, where it takes `size` bytes; in memory it takes `padded`.
+    /// Creates the copies of a type from `moves` in CDR order. `size` is its CDR size, `padded` its size in memory.
     pub(super) fn new(moves: Vec<Move>, size: usize, padded: usize) -> Self {
         let bools = moves.iter().copied().filter(|part| part.is_bool).collect();
         let mut in_memory = moves.clone();
@@ -40,11 +40,11 @@ impl Packed {
         Self { size, bools, gaps: gaps(&in_memory, padded), copies: merged(&moves), swaps: moves.into() }
     }
 
-    /// Reads a payload; nothing where it isn't as long as it should be.
+    /// Reads a payload. Returns `None` if its length is wrong.
     pub(super) fn read(&self, payload: &[u8], order: ByteOrder, padded: usize) -> Option<Vec<u8>> {
         let end = HEADER + self.size;
         let body = payload.get(HEADER..end)?;
-        if payload.len() > end && !is_filling(end, payload.len() - end) {
+        if payload.len() > end && !is_padding(end, payload.len() - end) {
             return None;
         }
         let mut memory = vec![0; padded];
@@ -55,7 +55,7 @@ impl Packed {
         Some(memory)
     }
 
-    /// The payload of a message.
+    /// Encodes a message as a CDR payload.
     pub(super) fn write(&self, memory: &[u8], order: ByteOrder) -> Option<Vec<u8>> {
         let mut payload = vec![0; HEADER + self.size];
         let (header, body) = payload.split_first_chunk_mut()?;
@@ -70,7 +70,7 @@ impl Packed {
         Some(payload)
     }
 
-    /// The memory form, with padding of zeros and `bool`s of 0 and 1.
+    /// Copies the memory form, with zeroed padding and `bool`s normalized to 0 and 1.
     pub(super) fn clean(&self, memory: &[u8], padded: usize) -> Option<Vec<u8>> {
         let mut payload = Vec::with_capacity(padded);
         payload.extend_from_slice(part(memory, 0, memory.len().min(padded)));
@@ -103,7 +103,7 @@ impl Move {
     }
 }
 
-/// Joins what lies side by side in both forms.
+/// Merges moves that are adjacent in both forms.
 fn merged(moves: &[Move]) -> Box<[Move]> {
     let mut merged: Vec<Move> = Vec::new();
     for next in moves {

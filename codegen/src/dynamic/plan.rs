@@ -1,4 +1,4 @@
-//! What a type's codecs and checks need to know, worked out once.
+//! The compiled form of a type, as codecs and checks use it.
 
 use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::Size;
@@ -10,31 +10,31 @@ use super::step::{Bounds, Step};
 use crate::schema::{Restriction, Shape};
 use crate::value::Value;
 
-/// A type of messages.
+/// A compiled message type.
 #[derive(Debug)]
-#[allow(clippy::struct_excessive_bools)] // each is a fact of its own
+#[allow(clippy::struct_excessive_bools)] // the flags are independent
 pub(super) struct Plan {
     pub(super) package: Box<str>,
     pub(super) name: Box<str>,
     /// Fields in declared order.
     pub(super) fields: Box<[Field]>,
-    /// Size of the part that has a fixed size, which is all of it where `is_fixed`.
+    /// Size of the fixed part, which is the whole message if `is_fixed`.
     pub(super) size: Size,
-    /// Whether there are neither strings nor sequences in it.
+    /// True if the message contains no strings and no sequences.
     pub(super) is_fixed: bool,
-    /// Least number of bytes in CDR, without what aligns them.
+    /// Minimum CDR size in bytes, without alignment.
     pub(super) least: usize,
-    /// The way between memory and CDR, in the order of CDR.
+    /// Steps between memory and CDR, in CDR order.
     pub(super) steps: Box<[Step]>,
-    /// The same of a whole message of fixed size, where it isn't too long.
+    /// Copies of the whole message, if it has a fixed size and few enough copies.
     pub(super) packed: Option<Packed>,
-    /// Whether a field has a default, or one of a message in it.
+    /// True if a field has a nonzero default, including fields of nested messages.
     pub(super) has_defaults: bool,
-    /// Whether a field is a `bool`, or one of a message in it.
+    /// True if a field is a `bool`, including fields of nested messages.
     pub(super) has_bools: bool,
-    /// Whether a rule can be broken in it.
+    /// True if a value of the message can violate a rule.
     pub(super) is_restricted: bool,
-    /// Why it can't be used.
+    /// The reason why the type is unusable.
     pub(super) defect: Option<Defect>,
 }
 
@@ -43,9 +43,9 @@ pub(super) struct Field {
     pub(super) name: Box<str>,
     pub(super) element: Element,
     pub(super) shape: Shape,
-    /// First byte in memory, from the start of the message.
+    /// Byte offset in the message.
     pub(super) offset: usize,
-    /// Bytes from one element to the next.
+    /// Distance between elements in bytes.
     pub(super) stride: usize,
     pub(super) default: Option<Value>,
     pub(super) restriction: Option<Restriction>,
@@ -59,7 +59,7 @@ impl Named for Field {
 }
 
 impl Field {
-    /// The number of elements that stand in the message itself: of a sequence, none do.
+    /// The number of elements inside the message. It is 0 for a sequence, which is stored outside.
     pub(super) fn count(&self) -> usize {
         match self.shape {
             Shape::Single => 1,
@@ -68,12 +68,12 @@ impl Field {
         }
     }
 
-    /// Whether the number of elements varies.
+    /// True if the number of elements varies.
     pub(super) fn is_sequence(&self) -> bool {
         matches!(self.shape, Shape::Bounded(_) | Shape::Sequence)
     }
 
-    /// The greatest number of elements of a sequence.
+    /// Maximum number of elements of a sequence.
     pub(super) fn bound(&self) -> Option<u32> {
         match self.shape {
             Shape::Bounded(bound) => Some(bound),
@@ -85,10 +85,10 @@ impl Field {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Element {
     Scalar(Scalar),
-    /// PX4's `char[N]` as a whole, of so many bytes.
+    /// PX4's `char[N]` as one text of `N` bytes.
     Text(u32),
     String(Bounds),
-    /// The message of the plan with this index.
+    /// A message; the value is the index of its plan.
     Message(usize),
 }
 
@@ -98,9 +98,9 @@ impl Element {
     }
 }
 
-/// Bytes that a string or sequence takes in the message that holds it: where its bytes or elements
-/// start, from the start of the buffer, and how many there are, each a `u32`.
+/// Size of a string or sequence inside its message: the offset of its bytes or elements from the start of the buffer,
+/// and their number, each as `u32`.
 pub(super) const SLOT: usize = 8;
 
-/// Most bytes that a byte of CDR takes in memory: a message of one `uint8` is padded to so many.
+/// Maximum growth from CDR to memory. A message with one `uint8` is padded to eight bytes.
 pub(super) const GROWTH: usize = 8;

@@ -2,17 +2,17 @@
 
 use uavspec_runtime::Scalar;
 
-/// What a string may be.
+/// The constraints of a string.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounds {
-    /// Whether it is a `wstring`.
+    /// True for a `wstring`.
     pub(super) is_wide: bool,
-    /// Greatest number of characters.
+    /// Maximum number of characters.
     pub(super) bound: Option<u32>,
 }
 
 impl Bounds {
-    /// Whether text, which is UTF-8, has too many characters.
+    /// True if UTF-8 `text` exceeds the maximum number of characters.
     pub(super) fn exceeded_by(self, text: &[u8]) -> bool {
         let is_start = |byte: &&u8| **byte & 0xc0 != 0x80;
         self.bound.is_some_and(|bound| {
@@ -22,10 +22,10 @@ impl Bounds {
     }
 }
 
-/// A step between memory and CDR. Offsets are bytes from the start of the message in memory.
+/// A step between memory and CDR. Offsets are in bytes from the start of the message in memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Step {
-    /// Numbers that lie side by side in both.
+    /// Numbers that are contiguous in both forms.
     Copy(Run),
     /// Strings.
     Strings { offset: usize, count: usize, bounds: Bounds },
@@ -33,7 +33,7 @@ pub(super) enum Step {
     Messages { offset: usize, count: usize, plan: usize },
     /// A sequence.
     Sequence { offset: usize, bound: Option<u32>, element: Sequence },
-    /// The byte that stands for a message without fields.
+    /// The placeholder byte of a message without fields.
     Empty,
 }
 
@@ -41,7 +41,7 @@ pub(super) enum Step {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     pub(super) offset: usize,
-    /// Size of all of them in bytes.
+    /// Total size in bytes.
     pub(super) size: usize,
     pub(super) width: Width,
     pub(super) is_bool: bool,
@@ -67,7 +67,7 @@ impl Width {
     }
 }
 
-/// What a sequence holds.
+/// The element type of a sequence.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Sequence {
     Numbers { width: Width, is_bool: bool },

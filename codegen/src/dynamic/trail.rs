@@ -1,33 +1,33 @@
-//! The way to a value while a message is walked through.
+//! The path to the current value while a message is traversed.
 
 use std::fmt::Write as _;
 
-/// The way from a message to a value in it.
+/// The path from a message to one of its values.
 #[derive(Debug, Default)]
 pub(super) struct Trail<'t> {
-    /// From the outermost field inwards.
+    /// Field names and element indexes, from the outermost field inwards.
     steps: Vec<(&'t str, Option<usize>)>,
 }
 
 impl<'t> Trail<'t> {
-    /// Goes on to a field.
+    /// Enters a field.
     pub(super) fn enter(&mut self, field: &'t str) {
         self.steps.push((field, None));
     }
 
-    /// Goes on to an element of the field, or back to the field.
+    /// Selects an element of the current field, or the field itself.
     pub(super) fn select(&mut self, element: Option<usize>) {
         if let Some((_, selected)) = self.steps.last_mut() {
             *selected = element;
         }
     }
 
-    /// Goes back to the message that the field is of.
+    /// Returns to the message that contains the current field.
     pub(super) fn leave(&mut self) {
         self.steps.pop();
     }
 
-    /// The way as `events[2].id`; `message` where it leads nowhere else.
+    /// Formats the path, such as `events[2].id`. An empty path is formatted as `message`.
     pub(super) fn text(&self, message: &str) -> String {
         if self.steps.is_empty() {
             return message.to_owned();

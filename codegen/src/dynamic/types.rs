@@ -1,4 +1,4 @@
-//! Types of messages.
+//! Message types known at run time.
 
 use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::Size;
@@ -7,11 +7,11 @@ use super::error::{Defect, Error, Reason};
 use super::plan::{Element, Plan};
 use crate::schema::{MessageId, Shape};
 
-/// The types of all messages of a schema, or of a log.
+/// The types of all messages of a schema or of a log.
 #[derive(Debug)]
 pub struct Types {
     pub(super) plans: Vec<Plan>,
-    /// Indices of the plans, by package and name.
+    /// Indexes of `plans`, sorted by package and name.
     by_name: Vec<usize>,
 }
 
@@ -22,29 +22,29 @@ impl Types {
         Self { plans, by_name }
     }
 
-    /// The type of a message of the schema that these types were made from.
+    /// The type of a message of the schema from which these types were created.
     ///
     /// # Panics
     ///
-    /// Where it has no such message.
+    /// Panics if `id` is not an id of that schema.
     pub fn get(&self, id: MessageId) -> MessageType<'_> {
         MessageType { types: self, plan: &self.plans[id.0 as usize] }
     }
 
-    /// The type with this name.
+    /// The type with this package and name.
     pub fn find(&self, package: &str, name: &str) -> Option<MessageType<'_>> {
         let key = |index: &usize| (&*self.plans[*index].package, &*self.plans[*index].name);
         let found = self.by_name.binary_search_by_key(&(package, name), key).ok()?;
         Some(MessageType { types: self, plan: &self.plans[self.by_name[found]] })
     }
 
-    /// All of them, by package and name.
+    /// All types, sorted by package and name.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = MessageType<'_>> {
         self.by_name.iter().map(|index| MessageType { types: self, plan: &self.plans[*index] })
     }
 }
 
-/// A type of messages.
+/// A message type.
 #[derive(Clone, Copy, Debug)]
 pub struct MessageType<'t> {
     pub(super) types: &'t Types,
@@ -52,22 +52,22 @@ pub struct MessageType<'t> {
 }
 
 impl<'t> MessageType<'t> {
-    /// Its package.
+    /// Name of the package.
     pub fn package(self) -> &'t str {
         &self.plan.package
     }
 
-    /// Its name.
+    /// Name of the type.
     pub fn name(self) -> &'t str {
         &self.plan.name
     }
 
-    /// Names of its fields, in declared order.
+    /// Field names in declared order.
     pub fn field_names(self) -> impl ExactSizeIterator<Item = &'t str> {
         self.plan.fields.iter().map(|field| &*field.name)
     }
 
-    /// Where its fields lie in a payload of uORB, in declared order.
+    /// The uORB layout of the fields, in declared order.
     pub fn layout(self) -> impl ExactSizeIterator<Item = Placed<'t>> {
         self.plan.fields.iter().map(move |field| Placed {
             name: &field.name,
@@ -85,12 +85,12 @@ impl<'t> MessageType<'t> {
         })
     }
 
-    /// Its size in uORB, in bytes; none where it varies.
+    /// Size of a uORB payload, or `None` if it varies.
     pub fn size(self) -> Option<Size> {
         (self.plan.is_fixed && self.plan.defect.is_none()).then_some(self.plan.size)
     }
 
-    /// Why its messages can't be handled, where that is so. All that is asked of it then fails.
+    /// The reason why the type is unusable. All operations then fail.
     pub fn defect(self) -> Option<&'t Defect> {
         self.plan.defect.as_ref()
     }
@@ -107,30 +107,30 @@ impl<'t> MessageType<'t> {
     }
 }
 
-/// A field and its place.
+/// A field with its position in memory.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<'t> {
-    /// Its name.
+    /// Name of the field.
     pub name: &'t str,
-    /// What it holds.
+    /// Type of the field or its elements.
     pub element: PlacedElement<'t>,
-    /// How many of them.
+    /// Number of elements.
     pub shape: Shape,
-    /// Its first byte, from the start of the message.
+    /// Byte offset in the message.
     pub offset: usize,
-    /// Bytes from one element to the next.
+    /// Distance between elements in bytes.
     pub stride: usize,
 }
 
-/// What a field holds.
+/// The type of a field or its elements.
 #[derive(Clone, Copy, Debug)]
 pub enum PlacedElement<'t> {
     /// A number or a `bool`.
     Scalar(Scalar),
-    /// PX4's `char[N]` as a whole, of so many bytes.
+    /// PX4's `char[N]` as one text of `N` bytes.
     Text(u32),
-    /// A string, of which only the slot stands here.
+    /// A string. The layout contains only its slot.
     String,
-    /// A message.
+    /// A nested message.
     Message(MessageType<'t>),
 }

@@ -1,6 +1,6 @@
-//! Types from the formats that a `ULog` file brings: `name:type field;type[4] field;…`.
+//! Types from the formats in a `ULog` file: `name:type field;type[4] field;…`.
 //!
-//! Fields come in the order of memory, with padding as fields of their own. The types are those of C++:
+//! Fields are in memory order, and padding is declared as fields. The types are those of C++:
 //! <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>, section "F: Format Message".
 
 use std::collections::{HashMap, HashSet};
@@ -14,45 +14,45 @@ use super::plan::{Element, Field};
 use super::types::Types;
 use crate::schema::Shape;
 
-/// The package of all types of a log.
+/// Name of the package that contains all types of a log.
 pub const ULOG_PACKAGE: &str = "ulog";
 
-/// Most bytes of a message: the size of a data message is a `uint16` and counts two bytes for its id.
+/// Maximum size of a message in bytes. The size of a data message is a `uint16` and includes two bytes for the id.
 const MAX_SIZE: u16 = u16::MAX - 2;
 
-/// A format that isn't used.
+/// An unusable format.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FormatError {
-    /// Which one, in the order in which they were given.
+    /// Index of the format in the input.
     pub index: usize,
-    /// Its name.
+    /// Name of the format.
     pub name: String,
-    /// What is wrong.
+    /// The cause.
     pub problem: FormatProblem,
 }
 
-/// What is wrong with a format.
+/// The cause for which a format is unusable.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FormatProblem {
-    /// A format of this name came before; that one is used.
+    /// An earlier format has the same name and is used.
     Repeated,
-    /// It has no fields.
+    /// The format has no fields.
     Empty,
-    /// A part between semicolons is no type and a name.
+    /// A part between semicolons isn't a type and a name.
     NotAField(String),
-    /// The length of an array is no number from 1 to 65533.
+    /// The length of an array isn't a number from 1 to 65533.
     ArrayLength(String),
     /// Two fields have this name.
     RepeatedField(String),
-    /// A field is of a type that is neither basic nor has a format.
+    /// A field has a type that is neither basic nor defined by a format.
     UnknownType {
-        /// The field.
+        /// Name of the field.
         field: String,
-        /// Its type.
+        /// Type of the field.
         ty: String,
     },
-    /// It can be read, but its messages can't be handled.
+    /// The format is readable, but its type is unusable.
     Defect(Defect),
 }
 
@@ -63,12 +63,12 @@ impl fmt::Display for FormatError {
             FormatProblem::Repeated => formatter.write_str("is repeated; the first one is used"),
             FormatProblem::Empty => formatter.write_str("has no fields"),
             FormatProblem::NotAField(text) => {
-                write!(formatter, "has `{}` where a type and a name are expected", text.escape_debug())
+                write!(formatter, "has a field `{}`, expected a type and a name", text.escape_debug())
             }
             FormatProblem::ArrayLength(text) => {
                 write!(
                     formatter,
-                    "has an array of `{}` where 1 to {MAX_SIZE} are expected",
+                    "has an array of length `{}`, expected 1 to {MAX_SIZE}",
                     text.escape_debug()
                 )
             }
@@ -77,7 +77,7 @@ impl fmt::Display for FormatError {
             }
             FormatProblem::UnknownType { field, ty } => write!(
                 formatter,
-                "has a field `{}` of type `{}`, which has no format",
+                "has a field `{}` of the unknown type `{}`",
                 field.escape_debug(),
                 ty.escape_debug()
             ),
@@ -89,14 +89,14 @@ impl fmt::Display for FormatError {
 impl std::error::Error for FormatError {}
 
 impl Types {
-    /// The types of a `ULog` file, from the names and fields of its formats. Those that can't be used are
-    /// told, and the others are found in the package [`ULOG_PACKAGE`].
+    /// Creates the types of a `ULog` file from the names and fields of its formats. Usable types are in the package
+    /// [`ULOG_PACKAGE`]. Each unusable format causes an error.
     ///
-    /// `char[N]` is text as in px4, no value breaks a rule but text that isn't UTF-8, and fields whose names
-    /// start with `_padding` are none.
+    /// As in the package `px4`, `char[N]` is text. The only rule that values can violate is that text is UTF-8. Fields
+    /// whose names start with `_padding` are skipped.
     ///
-    /// The [`MessageId`](crate::schema::MessageId) of a type is the index of its format among the given ones
-    /// without repeated names. So ids stay what they are when more formats are added at the end.
+    /// The [`MessageId`](crate::schema::MessageId) of a type is the index of its format, not counting repeated names.
+    /// Adding formats at the end doesn't change existing ids.
     ///
     /// ```
     /// use uavspec_codegen::dynamic::{Types, ULOG_PACKAGE};
@@ -126,18 +126,18 @@ impl Types {
                 unique.push((index, name, fields));
             }
         }
-        let mut is_told = vec![false; unique.len()];
+        let mut is_reported = vec![false; unique.len()];
         let mut drafts = Vec::with_capacity(unique.len());
         for (plan, (index, name, fields)) in unique.iter().enumerate() {
             let fields = read_fields(fields, &plans).unwrap_or_else(|problem| {
                 refuse(*index, name, problem);
-                is_told[plan] = true;
+                is_reported[plan] = true;
                 Vec::new()
             });
             drafts.push(draft(name, fields));
         }
         let plans = compile(drafts);
-        for (plan, (index, name, _)) in unique.iter().enumerate().filter(|(plan, _)| !is_told[*plan]) {
+        for (plan, (index, name, _)) in unique.iter().enumerate().filter(|(plan, _)| !is_reported[*plan]) {
             if let Some(defect) = &plans[plan].defect {
                 refuse(*index, name, FormatProblem::Defect(defect.clone()));
             }
@@ -151,7 +151,7 @@ fn draft(name: &str, fields: Vec<Field>) -> Draft {
     Draft {
         package: ULOG_PACKAGE.into(),
         name: name.into(),
-        // What has no fields takes no room, so there could be any number of them.
+        // A type without fields takes no space, so an array of any length would be accepted.
         defect: fields.is_empty().then_some(Defect::Unreadable),
         fields,
         placement: Placement::AsGiven,
@@ -172,7 +172,7 @@ fn read_fields(text: &str, plans: &HashMap<&str, usize>) -> Result<Vec<Field>, F
     if fields.is_empty() { Err(FormatProblem::Empty) } else { Ok(fields) }
 }
 
-/// The name of a field, and what it is.
+/// Parses a field: its name, element type and shape.
 fn read_field<'t>(
     part: &'t str,
     plans: &HashMap<&str, usize>,
@@ -211,7 +211,7 @@ fn array_length(text: &str) -> Result<u32, FormatProblem> {
     length.ok_or_else(|| FormatProblem::ArrayLength(text.to_owned()))
 }
 
-/// The basic types.
+/// The basic types of `ULog`.
 fn basic(name: &str) -> Option<Scalar> {
     Some(match name {
         "int8_t" => Scalar::Int8,

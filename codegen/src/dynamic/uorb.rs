@@ -1,4 +1,4 @@
-//! The memory form: what a message of fixed size is here anyway, but for padding and odd `bool`s.
+//! The memory form. A message of fixed size is stored in this form, apart from padding and noncanonical `bool`s.
 
 use std::ops::ControlFlow;
 
@@ -15,15 +15,15 @@ use super::types::{MessageType, Types};
 use super::view::DynamicView;
 use super::walk::{Stop, Walk, walk};
 
-/// Refuses payloads that have neither the full size nor that without the padding at the end.
+/// Rejects a payload unless it has the full size, or the size without the padding at its end.
 #[inline]
-pub(super) fn check_size(of: MessageType<'_>, payload: &[u8]) -> Result<(), Error> {
-    let Size { padded, no_padding } = of.plan.size;
+pub(super) fn check_size(ty: MessageType<'_>, payload: &[u8]) -> Result<(), Error> {
+    let Size { padded, no_padding } = ty.plan.size;
     let found = payload.len();
-    if of.plan.is_fixed && (found == padded || found == no_padding) {
+    if ty.plan.is_fixed && (found == padded || found == no_padding) {
         return Ok(());
     }
-    Err(wrong_size(of.plan, found))
+    Err(wrong_size(ty.plan, found))
 }
 
 #[cold]
@@ -37,13 +37,13 @@ fn wrong_size(plan: &Plan, found: usize) -> Error {
     Error { reason: Reason::Fault(fault), path, offset: Some(found.min(padded)) }
 }
 
-/// Refuses messages with a `bool` that is neither 0 nor 1.
+/// Rejects a message with a `bool` that is neither 0 nor 1.
 pub(super) fn check_bools(view: DynamicView<'_>) -> Result<(), Error> {
     if !view.plan.has_bools {
         return Ok(());
     }
     let mut search = OddBool { view, found: None };
-    // Whether it ended early, `found` says.
+    // The result is in `found`.
     let _ = walk(view, &mut Trail::default(), &mut search);
     search.found.map_or(Ok(()), Err)
 }
@@ -71,7 +71,7 @@ impl<'v> Walk<'v> for OddBool<'v> {
     }
 }
 
-/// The payload of a message, with the padding at its end.
+/// Encodes a message with the padding at its end.
 pub(super) fn encode(view: DynamicView<'_>) -> Result<Vec<u8>, Error> {
     if !view.plan.is_fixed {
         return Err(wrong_size(view.plan, 0));
@@ -86,7 +86,7 @@ pub(super) fn encode(view: DynamicView<'_>) -> Result<Vec<u8>, Error> {
     Ok(payload)
 }
 
-/// Copies what isn't padding, and makes each `bool` 0 or 1.
+/// Copies all bytes except padding, and normalizes each `bool` to 0 or 1.
 fn write(types: &Types, plan: &Plan, from: &[u8], to: &mut [u8]) {
     for step in &plan.steps {
         match *step {
@@ -108,7 +108,7 @@ fn write(types: &Types, plan: &Plan, from: &[u8], to: &mut [u8]) {
                     write(types, plan, from.get(start..).unwrap_or_default(), to);
                 }
             }
-            // Messages of fixed size hold no others.
+            // A message of fixed size contains none of these.
             Step::Strings { .. } | Step::Sequence { .. } | Step::Empty => {}
         }
     }

@@ -1,4 +1,4 @@
-//! Whether the values of a message are what its definition allows.
+//! Validation of the values of a message against its definition.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -11,18 +11,18 @@ use super::trail::Trail;
 use super::view::{DynamicView, scalar_value};
 use super::walk::{Stop, Walk, walk};
 
-/// A value that breaks a rule. Shown as `events[2].id: …`.
+/// A value that violates a rule. Its display form is `events[2].id: …`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation<'t> {
-    /// The rule that is broken.
+    /// The violated rule.
     pub rule: Rule,
-    /// Where in the message, as `events[2].id`.
+    /// Path to the value, such as `events[2].id`.
     pub path: String,
-    /// The value: of a sequence or string its length, of text how many of its bytes are UTF-8.
+    /// The value. For a sequence or string, this is its length; for text, the number of valid UTF-8 bytes.
     pub found: Number,
-    /// What the numbers of the field may be, where its type doesn't say all.
+    /// Constraint on the numbers of the field, beyond its type.
     pub constraint: Option<Constraint<'t>>,
-    /// The bound of a sequence or string.
+    /// Maximum length of the sequence or string.
     pub bound: Option<u32>,
 }
 
@@ -35,9 +35,9 @@ impl fmt::Display for Violation<'_> {
 
 impl std::error::Error for Violation<'_> {}
 
-/// Calls `report` with everything in a message that breaks a rule.
+/// Calls `report` for each violation in a message.
 pub(super) fn each<'v>(view: DynamicView<'v>, report: &mut dyn FnMut(Violation<'v>)) {
-    // Only what is reported ends a walk, and here nothing does.
+    // This validator never stops the walk.
     let _ = walk(view, &mut Trail::default(), &mut Validator { message: &view.plan.name, report });
 }
 
@@ -53,9 +53,9 @@ impl<'v> Walk<'v> for Validator<'v, '_> {
 
     fn stop(&mut self, trail: &Trail<'v>, field: &'v Field, stop: Stop<'v>) -> ControlFlow<()> {
         let constraint = field.restriction.as_ref().map(crate::schema::Restriction::constraint);
-        let broken = match stop {
+        let violation = match stop {
             Stop::Number(scalar, bytes, _) => scalar_value(scalar, bytes).number().and_then(|found| {
-                let rule = constraint.unwrap_or(Constraint::NONE).broken_by(found)?;
+                let rule = constraint.unwrap_or(Constraint::NONE).violated_by(found)?;
                 Some((rule, found, None))
             }),
             Stop::Text(bytes) => std::str::from_utf8(until_nul(bytes))
@@ -67,7 +67,7 @@ impl<'v> Walk<'v> for Validator<'v, '_> {
             },
             Stop::Length(length) => exceeding(length, field.bound()),
         };
-        if let Some((rule, found, bound)) = broken {
+        if let Some((rule, found, bound)) = violation {
             (self.report)(Violation { rule, path: trail.text(self.message), found, constraint, bound });
         }
         ControlFlow::Continue(())

@@ -1,4 +1,4 @@
-//! Looking at messages where they lie.
+//! Access to messages in place.
 
 use std::fmt;
 
@@ -9,18 +9,18 @@ use super::bytes::{part, slot, until_nul};
 use super::plan::{Element, Field, Plan};
 use super::types::{MessageType, Types};
 
-/// A message in the bytes of a payload or of a [`DynamicMessage`](super::DynamicMessage): each field is read when it is asked for.
+/// A message inside a payload or a [`DynamicMessage`](super::DynamicMessage). Fields are read on access.
 #[derive(Clone, Copy)]
 pub struct DynamicView<'v> {
     pub(super) types: &'v Types,
     pub(super) plan: &'v Plan,
     /// The whole buffer.
     pub(super) bytes: &'v [u8],
-    /// First byte of this message.
+    /// Offset of the first byte of this message.
     pub(super) base: usize,
 }
 
-/// A value of a field.
+/// The value of a field.
 #[derive(Clone, Copy, Debug)]
 pub enum Value<'v> {
     /// A `bool`: true unless its byte is 0.
@@ -33,34 +33,34 @@ pub enum Value<'v> {
     Float32(f32),
     /// A `float64`.
     Float64(f64),
-    /// The bytes of PX4's `char[N]` before the first NUL; they may be no UTF-8.
+    /// The bytes of PX4's `char[N]` before the first NUL. They may be invalid UTF-8.
     Text(&'v [u8]),
     /// A string.
     String(&'v str),
-    /// A message.
+    /// A nested message.
     Message(DynamicView<'v>),
     /// An array or a sequence.
     Array(Elements<'v>),
 }
 
-/// The elements of an array or of a sequence.
+/// The elements of an array or a sequence.
 #[derive(Clone, Copy)]
 pub struct Elements<'v> {
     view: DynamicView<'v>,
     element: Element,
-    /// First byte of the first element.
+    /// Offset of the first element.
     start: usize,
     stride: usize,
     length: usize,
 }
 
 impl<'v> DynamicView<'v> {
-    /// Its type.
+    /// Type of the message.
     pub fn message_type(self) -> MessageType<'v> {
         MessageType { types: self.types, plan: self.plan }
     }
 
-    /// The value that a path such as `events[2].id` leads to, if there is one.
+    /// The value at a path such as `events[2].id`, if it exists.
     pub fn get(self, path: &str) -> Option<Value<'v>> {
         let mut value = Value::Message(self);
         for step in path.split('.') {
@@ -79,12 +79,12 @@ impl<'v> DynamicView<'v> {
         Some(value)
     }
 
-    /// Names and values of the fields, in declared order.
+    /// Names and values of all fields, in declared order.
     pub fn fields(self) -> impl ExactSizeIterator<Item = (&'v str, Value<'v>)> {
         self.plan.fields.iter().map(move |field| (&*field.name, self.value(field)))
     }
 
-    /// The value of a field by its index, in declared order, if there are so many.
+    /// The value of the field with this index, in declared order.
     pub fn field(self, index: usize) -> Option<Value<'v>> {
         self.plan.fields.get(index).map(|field| self.value(field))
     }
@@ -94,7 +94,7 @@ impl<'v> DynamicView<'v> {
         if field.shape == crate::schema::Shape::Single { elements.value(0) } else { Value::Array(elements) }
     }
 
-    /// The elements of a field, one where it is no array.
+    /// The elements of a field. A field that isn't an array has one element.
     #[inline]
     pub(super) fn elements(self, field: &Field) -> Elements<'v> {
         let at = self.base + field.offset;
@@ -104,22 +104,22 @@ impl<'v> DynamicView<'v> {
 }
 
 impl<'v> Elements<'v> {
-    /// How many there are.
+    /// Number of elements.
     pub fn len(self) -> usize {
         self.length
     }
 
-    /// Whether there is none.
+    /// True if there are no elements.
     pub fn is_empty(self) -> bool {
         self.length == 0
     }
 
-    /// The element `index`, if there are more.
+    /// The element `index`, if it exists.
     pub fn get(self, index: usize) -> Option<Value<'v>> {
         (index < self.length).then(|| self.value(index))
     }
 
-    /// All in order.
+    /// All elements in order.
     pub fn iter(self) -> impl ExactSizeIterator<Item = Value<'v>> + DoubleEndedIterator {
         (0..self.length).map(move |index| self.value(index))
     }
@@ -133,13 +133,13 @@ impl<'v> Elements<'v> {
         }
     }
 
-    /// Where an element is in the buffer.
+    /// The offset of an element in the buffer.
     #[inline]
     pub(super) fn at(self, index: usize) -> usize {
         self.start + index * self.stride
     }
 
-    /// The bytes of an element that holds no more than them.
+    /// The bytes of an element of fixed size.
     #[inline]
     pub(super) fn element_bytes(self, index: usize) -> &'v [u8] {
         part(self.view.bytes, self.at(index), self.stride)
@@ -154,7 +154,7 @@ impl<'v> Elements<'v> {
     #[inline]
     pub(super) fn string(self, index: usize) -> &'v str {
         let (start, length) = slot(self.view.bytes, self.at(index));
-        // What isn't UTF-8 doesn't come into a buffer.
+        // Strings were checked to be UTF-8 when the buffer was built.
         std::str::from_utf8(part(self.view.bytes, start, length)).unwrap_or_default()
     }
 
@@ -185,7 +185,7 @@ pub(super) fn scalar_value(scalar: Scalar, bytes: &[u8]) -> Value<'static> {
 }
 
 impl Value<'_> {
-    /// The value as a number, where it is one; a `bool` is 0 or 1.
+    /// The value as a number, if it is one. A `bool` is 0 or 1.
     pub fn number(self) -> Option<Number> {
         match self {
             Self::Bool(value) => Some(Number::Int(value.into())),

@@ -1,4 +1,4 @@
-//! Walking through all values of a message, with the way to each.
+//! Traversal of all values of a message, with the path to each.
 
 use std::ops::ControlFlow;
 
@@ -8,29 +8,29 @@ use super::plan::{Element, Field, Plan};
 use super::trail::Trail;
 use super::view::DynamicView;
 
-/// What a walk comes by. A field without fields of its own is told as a whole, then each element.
+/// A value reported by the traversal. An array of scalars, texts or strings is reported element by element.
 #[derive(Clone, Copy)]
 pub(super) enum Stop<'v> {
-    /// A number, its bytes, and where they are in the buffer.
+    /// A number: its type, its bytes, and their offset in the buffer.
     Number(Scalar, &'v [u8], usize),
     /// The bytes of a `char[N]`.
     Text(&'v [u8]),
     /// A string.
     String(&'v str),
-    /// The number of elements of a sequence.
+    /// The number of elements of a sequence, reported before its elements.
     Length(usize),
 }
 
-/// What is done on a walk.
+/// A visitor of the values of a message.
 pub(super) trait Walk<'v> {
-    /// Whether there is anything to do in a field.
+    /// True if the field needs to be visited.
     fn enters(&self, plans: &[Plan], field: &Field) -> bool;
 
-    /// Does it, or ends the walk.
+    /// Visits a value. May stop the traversal.
     fn stop(&mut self, trail: &Trail<'v>, field: &'v Field, stop: Stop<'v>) -> ControlFlow<()>;
 }
 
-/// Walks through all fields in declared order.
+/// Traverses all fields in declared order.
 pub(super) fn walk<'v>(
     view: DynamicView<'v>,
     trail: &mut Trail<'v>,

@@ -1,7 +1,7 @@
-//! What TypeScript and Python have in common: declarations of the JSON that definitions describe.
+//! Declarations of the JSON types, shared by the TypeScript and Python emitters.
 //!
-//! The model is lowered once to declarations with names and texts, and each language prints them. So the same things
-//! bear the same names in both. Texts are plain here; whoever prints them escapes them.
+//! The schema is lowered once to named declarations with texts, and each language prints them. Names are therefore the
+//! same in both languages. Texts are plain; the printers escape them.
 
 mod declaration;
 mod declare;

@@ -1,4 +1,4 @@
-//! Documentation: Markdown pages that an mdBook takes as they are and that read well on GitHub.
+//! Documentation as Markdown pages, for mdBook and for GitHub.
 //!
 //! ```text
 //! README.md  SUMMARY.md  book.toml  book.css  composer.js  error-codes.js
@@ -7,11 +7,11 @@
 //! rules/README.md  reading.md  <rule>.md
 //! ```
 //!
-//! What is translated into `uk` stands beside the English page: `<Message>.uk.md`, `error-codes.uk.md`.
+//! Translated pages are next to the English page: `<Message>.uk.md`, `error-codes.uk.md`.
 //!
-//! `site` knows where everything is described and what refers to it; a page is written from top to
-//! bottom with the vocabulary of `markdown`. All text of definitions goes through `scope`, which makes
-//! links of the names in it, or one of the escapes of `markdown`; both rely on `emit::prose`.
+//! `site` stores where each item is described and which items refer to it. Pages are written from top to bottom with
+//! the functions of `markdown`. All text from definitions passes through `scope`, which links the names in it, or
+//! through an escape function of `markdown`. Both use `emit::prose`.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
@@ -56,5 +56,5 @@ mod words;
 
 #[cfg(feature = "files")]
 pub(super) use self::configuration::Configuration;
-pub use self::options::{Beside, Options};
+pub use self::options::{Options, Siblings};
 pub use self::pages::emit;

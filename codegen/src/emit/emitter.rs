@@ -1,4 +1,4 @@
-//! Emitters as the configuration and the command line know them.
+//! The emitter interface that the configuration and the command line use.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -14,55 +14,55 @@ use crate::schema::Schema;
 use crate::source::SourceMap;
 use crate::translation::Translations;
 
-/// A kind of output: a row of [`EMITTERS`](super::EMITTERS).
+/// A kind of output: one row of [`EMITTERS`](super::EMITTERS).
 #[derive(Clone, Copy)]
 pub struct Emitter {
-    /// Its name: a key of the table `output`, and a value of `--emit`.
+    /// Name: a key of the table `output` and a value of `--emit`.
     pub name: &'static str,
     /// A short description.
     pub help: &'static str,
-    /// The keys of its options, each with its meaning.
+    /// Option keys with their meanings.
     pub options: &'static [(&'static str, &'static str)],
     default: fn() -> Box<dyn Output>,
     read: fn(toml::Table) -> Result<Box<dyn Output>, toml::de::Error>,
 }
 
-/// The definitions that emitters work from.
+/// The input of all emitters.
 #[derive(Clone, Copy, Debug)]
 pub struct Input<'a> {
-    /// The resolved model.
+    /// The resolved schema.
     pub schema: &'a Schema,
-    /// Its translations.
+    /// Translations of its texts.
     pub translations: &'a Translations,
-    /// The texts of the definitions.
+    /// Source texts of the definitions.
     pub sources: &'a SourceMap,
 }
 
-/// The options of an emitter, ready to emit.
+/// Options of one emitter.
 pub(crate) trait Output: fmt::Debug + Send + Sync {
-    /// Takes over what the other outputs of the configuration say.
+    /// Fills in defaults that depend on the other outputs of the configuration.
     fn complete(&mut self, _others: &Others<'_>) {}
 
     /// Emits all files.
     fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure>;
 }
 
-/// The table of an output in the configuration.
+/// One table of `output` in the configuration.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
-    /// The folder of the output, relative to that of the configuration.
+    /// Output folder, relative to the folder of the configuration file.
     pub(crate) path: PathBuf,
     /// All other keys.
     pub(crate) options: toml::Table,
 }
 
-/// All outputs of a configuration, as one of them sees them.
+/// All outputs of a configuration, relative to one of them.
 pub(crate) struct Others<'a> {
-    /// The folder of the configuration.
+    /// Folder of the configuration file.
     pub(crate) folder: &'a Path,
-    /// The folder of the output that looks at the others.
+    /// Output folder of this emitter.
     pub(crate) path: &'a Path,
-    /// The tables by the names of their emitters.
+    /// Output tables by emitter name.
     pub(crate) tables: &'a BTreeMap<&'static str, Table>,
 }
 
@@ -77,17 +77,17 @@ impl Emitter {
         Self { name, help, options, default: || Box::new(O::default()), read }
     }
 
-    /// The output without options.
+    /// The output with default options.
     pub(crate) fn default(&self) -> Box<dyn Output> {
         (self.default)()
     }
 
-    /// Reads options; else says what is wrong with them.
+    /// Reads the options from their table.
     pub(crate) fn read(&self, options: toml::Table) -> Result<Box<dyn Output>, String> {
         (self.read)(options).map_err(|error| error.message().to_owned())
     }
 
-    /// Splits the value of a key of `output`, a path or a table; else says what it should be.
+    /// Reads the value of a key of `output`: a path, or a table with a path and options.
     pub(crate) fn table(&self, value: toml::Value) -> Result<Table, String> {
         let (path, options) = match value {
             toml::Value::Table(mut options) => (options.remove("path"), options),
@@ -99,7 +99,7 @@ impl Emitter {
         }
     }
 
-    /// The keys of its table.
+    /// Lists the keys of the output table.
     fn keys(&self) -> String {
         let options = self.options.iter().map(|(key, _)| *key);
         let keys: Vec<String> = iter::once("path").chain(options).map(|key| format!("`{key}`")).collect();
@@ -114,23 +114,23 @@ impl fmt::Debug for Emitter {
 }
 
 impl Others<'_> {
-    /// The place of a file that the configuration names.
+    /// Resolves a path from the configuration file.
     pub(crate) fn place(&self, path: &Path) -> PathBuf {
         self.folder.join(path)
     }
 
-    /// The folder of another output as an address in a page of this one.
+    /// The relative URL of another output's folder, from a page of this output.
     pub(crate) fn address(&self, name: &str) -> Option<String> {
         Some(seen_from(self.path, &self.tables.get(name)?.path))
     }
 
-    /// A text among the options of another output.
+    /// A string option of another output.
     pub(crate) fn text(&self, name: &str, key: &str) -> Option<&str> {
         self.tables.get(name)?.options.get(key)?.as_str()
     }
 }
 
-/// Options of an emitter that the build doesn't have.
+/// Options of an emitter that was not compiled in.
 #[cfg(not(feature = "rust"))]
 #[derive(Debug, Default, serde::Deserialize)]
 pub(super) struct Absent {}
@@ -138,7 +138,7 @@ pub(super) struct Absent {}
 #[cfg(not(feature = "rust"))]
 impl Output for Absent {
     fn emit(&self, _: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
-        let failure = Failure::new("this build can't emit Rust");
+        let failure = Failure::new("this build does not include the Rust emitter");
         Err(failure.with_hint("enable the feature `rust` of uavspec-codegen"))
     }
 }

@@ -1,26 +1,25 @@
-//! Names of definitions in the case and number that generated code wants them. What is a keyword, each language
-//! says for itself.
+//! Conversion of definition names to the case conventions of target languages. Keywords are handled per language.
 
 use std::collections::HashSet;
 
 use crate::schema::ErrorCode;
 
-/// Names that have been given in a module, a type or a struct.
+/// The names already used in a module, type or struct.
 #[derive(Default)]
 pub(crate) struct Scope(HashSet<String>);
 
 impl Scope {
-    /// `name`, or with `_` and a number after it where it has been given already.
+    /// Returns `name`; appends `_` and a number if it is already used.
     pub(crate) fn unique(&mut self, name: &str) -> String {
         self.numbered(name, "_")
     }
 
-    /// The same for names of types, which hold no `_`.
+    /// Like [`Self::unique`], without the `_`: for type names.
     pub(crate) fn unique_type(&mut self, name: &str) -> String {
         self.numbered(name, "")
     }
 
-    /// The first of `names` that has not been given to a type; the last with a number, where all have.
+    /// Returns the first unused type name in `names`, or the last one with a number if all are used.
     #[cfg(feature = "rust")]
     pub(crate) fn first_free_type(&mut self, names: &[String]) -> String {
         let free = names.iter().find(|name| !self.0.contains(*name));
@@ -39,7 +38,7 @@ impl Scope {
     }
 }
 
-/// The name of a message as that of a type: as it is, but for `_` and a small first letter.
+/// Converts a message name to a type name: removes `_` and capitalizes each part.
 pub(crate) fn type_name(name: &str) -> String {
     name.split('_')
         .filter_map(|part| {
@@ -49,7 +48,7 @@ pub(crate) fn type_name(name: &str) -> String {
         .collect()
 }
 
-/// `HealthComponentIndex`, from any case.
+/// Converts a name in any case to `PascalCase`, such as `HealthComponentIndex`.
 pub(crate) fn pascal_case(name: &str) -> String {
     words(name)
         .into_iter()
@@ -60,18 +59,18 @@ pub(crate) fn pascal_case(name: &str) -> String {
         .collect()
 }
 
-/// `health_component_index`, from any case.
+/// Converts a name in any case to `snake_case`, such as `health_component_index`.
 pub(crate) fn snake_case(name: &str) -> String {
     words(name).into_iter().map(str::to_ascii_lowercase).collect::<Vec<_>>().join("_")
 }
 
-/// `HEALTH_COMPONENT_INDEX`, from any case.
+/// Converts a name in any case to `UPPER_CASE`, such as `HEALTH_COMPONENT_INDEX`.
 pub(crate) fn upper_case(name: &str) -> String {
     words(name).into_iter().map(str::to_ascii_uppercase).collect::<Vec<_>>().join("_")
 }
 
-/// The name of each code's constant: its abbreviation; where several codes share one, with the severity; where that
-/// is not enough, with the number.
+/// Names the constant of each code: the abbreviation, followed by the severity if several codes share the abbreviation,
+/// or by the code if they also share the severity.
 pub(crate) fn error_code_names(codes: &[&ErrorCode]) -> Vec<String> {
     let plain = |code: &ErrorCode| match &code.abbreviation {
         Some(abbreviation) if !upper_case(abbreviation).is_empty() => upper_case(abbreviation),
@@ -83,13 +82,13 @@ pub(crate) fn error_code_names(codes: &[&ErrorCode]) -> Vec<String> {
         .iter()
         .map(|code| {
             let name = plain(code);
-            let alike = |with_severity: bool| {
+            let is_shared = |with_severity: bool| {
                 let same = |other: &&&ErrorCode| {
                     plain(other) == name && (!with_severity || severity(other) == severity(code))
                 };
                 codes.iter().filter(same).count() > 1
             };
-            let name = match (alike(false), alike(true)) {
+            let name = match (is_shared(false), is_shared(true)) {
                 (false, _) => name,
                 (true, false) => format!("{name}_{}", severity(code)),
                 (true, true) => format!("{name}_{}", code.code),
@@ -99,7 +98,7 @@ pub(crate) fn error_code_names(codes: &[&ErrorCode]) -> Vec<String> {
         .collect()
 }
 
-/// Splits a name at what is no letter or digit, and where the case says that a word begins.
+/// Splits a name at non-alphanumeric characters and at case changes that start a word.
 fn words(name: &str) -> Vec<&str> {
     let bytes = name.as_bytes();
     let mut words = Vec::new();
@@ -131,7 +130,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_take_the_case_that_is_asked_for() {
+    fn converts_names_between_cases() {
         for (name, snake, pascal) in [
             ("ArmingCheckReply", "arming_check_reply", "ArmingCheckReply"),
             ("HEALTH_COMPONENT_INDEX", "health_component_index", "HealthComponentIndex"),
@@ -147,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn types_are_called_as_their_messages_are() {
+    fn derives_type_names_from_message_names() {
         for (name, expected) in
             [("ColorRGBA", "ColorRGBA"), ("vehicle_status", "VehicleStatus"), ("Go_Request", "GoRequest")]
         {
@@ -156,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_is_given_once() {
+    fn numbers_duplicate_names() {
         let mut scope = Scope::default();
         let names: Vec<String> = ["a", "a", "a_2", "a"].into_iter().map(|name| scope.unique(name)).collect();
         assert_eq!(names, ["a", "a_2", "a_2_2", "a_3"]);

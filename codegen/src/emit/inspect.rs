@@ -1,4 +1,4 @@
-//! The model as JSON: what `inspect` prints.
+//! The schema as JSON, as the command `inspect` prints it.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
@@ -25,7 +25,7 @@ use crate::schema::{
 };
 use crate::unit;
 
-/// The whole schema as one JSON value.
+/// Converts the schema to one JSON value.
 pub fn schema(schema: &Schema) -> Json {
     let packages: Map<String, Json> =
         schema.packages.iter().map(|found| (found.name.clone(), package(schema, found))).collect();
@@ -39,8 +39,8 @@ fn package(schema: &Schema, package: &Package) -> Json {
             .collect()
     };
     let interfaces = |name: &str| -> Map<String, Json> {
-        let of_kind = package.interfaces.iter().filter(|interface| interface.kind.name() == name);
-        of_kind
+        let interfaces = package.interfaces.iter().filter(|interface| interface.kind.name() == name);
+        interfaces
             .map(|Interface { name, type_hash, parts, .. }| {
                 (name.clone(), json!({ "rihs01": type_hash, "messages": messages(parts) }))
             })
@@ -105,7 +105,7 @@ fn field(schema: &Schema, message: &Message, field: &Field) -> Json {
         "unit": field.unit.as_deref().filter(|unit| *unit != unit::NONE),
     });
     constraints(&mut model, &field.constraints);
-    // The frame is null if absent; other attributes are left out.
+    // A missing frame is null; other missing attributes are omitted.
     model["frame"] = json!(field.attribute(&FRAME));
     for (attribute, text) in field.attributes() {
         model[attribute.name] = json!(text);
@@ -141,7 +141,7 @@ fn constant(schema: &Schema, message: &Message, constant: &Constant) -> Json {
     })
 }
 
-/// Adds constraints by name. An absent range or invalid value is null; other absent constraints are left out.
+/// Adds constraints by name. A missing range or invalid value is null; other missing constraints are omitted.
 fn constraints(model: &mut Json, constraints: &[Constraint]) {
     for kind in [&RANGE, &INVALID] {
         model[kind.name] = Json::Null;

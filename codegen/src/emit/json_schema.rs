@@ -1,18 +1,16 @@
-//! JSON Schemas, draft 2020-12: one file for each message, part of a service, set of error codes, type of a page,
-//! and direction of a message of a page; and one bundle for each package, for tools that can't follow references
-//! from file to file.
+//! JSON Schemas, draft 2020-12. Each message, part of a service, set of error codes, type of a page, and direction of a
+//! message of a page has a file. Each package has a bundle, for tools that can't follow references between files.
 //!
-//! A message of a `.msg` file is the whole message: objects are closed and all fields are required. What pages
-//! define is closed only where they say so. Every assertion means the same in draft 7, so that tools which know no
-//! later draft can read the bundles; but those tools don't look at the elements of tuples, only at their number.
+//! The schema of a `.msg` file is closed, and all fields are required. Definitions on pages are closed only if the page
+//! says so. All assertions have the same meaning in draft 7, so older tools can use the bundles. These tools check the
+//! number of elements of a tuple, but not the elements.
 //!
 //! # Annotations
 //!
-//! Units, frames, topics, hashes and the like are members whose names start with `x-`. They don't stand
-//! among the keywords of the schema that they belong to, since ajv in its strict mode refuses any
-//! keyword that it doesn't know. They stand in a subschema `annotations` below the `$defs` of that
-//! schema, which every draft since 2019-09 allows at any depth, and which nothing refers to, so that no
-//! validator applies it:
+//! Units, frames, topics, hashes and similar data are members whose names start with `x-`. They are not next to the
+//! keywords of their schema, because ajv in strict mode rejects unknown keywords. Instead, they are in a subschema
+//! `annotations` in the `$defs` of that schema. All drafts since 2019-09 allow `$defs` at any depth. Nothing refers to
+//! this subschema, so validators ignore it:
 //!
 //! ```json
 //! "voltage_v": {
@@ -24,20 +22,20 @@
 //!
 //! # Alternatives
 //!
-//! Each alternative says which type it is of, although the schema around it does: generators of code look at every
-//! alternative by itself, and some have nothing to make of one without a type. Alternatives that no value can share
-//! are told by `oneOf`, the others by `anyOf`. `cargo xtask interop` shows what validators and generators make of it.
+//! Each alternative repeats the type of the enclosing schema, because code generators look at each alternative
+//! separately, and some need the type. Disjoint alternatives use `oneOf`, others `anyOf`. `cargo xtask interop` shows
+//! the results of validators and code generators.
 //!
 //! # Numbers
 //!
-//! NaN is null, which every float may be. A range is enforced, but the value that stands for "no data"
-//! passes also outside of it. Readers that keep all numbers as 64-bit floats, as JavaScript does, can't
-//! tell the bounds of 64-bit integers from their neighbours.
+//! NaN is null, which all floats allow. Ranges are enforced, except for the value that means "no data". Readers that
+//! store all numbers as 64-bit floats, such as JavaScript, can't distinguish the bounds of 64-bit integers from
+//! adjacent values.
 //!
 //! # Texts
 //!
-//! A `char[N]` of PX4 holds N bytes of UTF-8. A schema can count only characters, of which N bytes hold
-//! at most N: it refuses nothing that fits, and takes some texts of other alphabets that don't.
+//! A PX4 `char[N]` contains N bytes of UTF-8. JSON Schema counts characters, and N bytes contain at most N characters.
+//! The schema therefore accepts every valid text, and also some texts with non-ASCII characters that are too long.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
@@ -74,17 +72,17 @@ use crate::failure::Failure;
 use crate::schema::json_type::Direction;
 use crate::schema::{Element, JsonMessageId, MessageId, Package, Schema};
 
-/// Where the schemas are, unless [`Options::base`] says otherwise.
+/// The default of [`Options::base`].
 pub const DEFAULT_BASE: &str = "https://uavspec.dev/schemas/";
 
-/// The draft that all files are written for.
+/// The JSON Schema draft of all files.
 pub(super) const DRAFT: &str = "https://json-schema.org/draft/2020-12/schema";
 
-/// How schemas are emitted.
+/// Options of the emitter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Options {
-    /// The absolute address that every `$id` starts with.
+    /// URL prefix of every `$id`.
     pub base: String,
 }
 
@@ -101,7 +99,7 @@ impl Output for Options {
     }
 }
 
-/// Emits all schemas, sorted by path.
+/// Creates all schemas, sorted by path.
 pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
     let mut emitter = Emitter { schema, options, definitions: BTreeMap::new() };
     for (index, package) in schema.packages.iter().enumerate() {
@@ -118,17 +116,17 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
     files
 }
 
-/// The absolute address of a schema.
+/// The absolute URL of a schema.
 pub(super) fn id(schema: &Schema, target: Target, options: &Options) -> String {
     Address::of(schema, target).id(&options.base)
 }
 
-/// The path of its file, without the ending.
+/// The path of a schema file, without extension.
 pub(super) fn name(schema: &Schema, target: Target) -> String {
     Address::of(schema, target).stem()
 }
 
-/// What has a schema in a package.
+/// Everything in a package that has a schema.
 pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<Target> {
     let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
     let mut targets: Vec<Target> =
@@ -147,7 +145,7 @@ pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<T
 struct Emitter<'s> {
     schema: &'s Schema,
     options: &'s Options,
-    /// The members of each schema, without those that only its place gives it.
+    /// The members of each schema, except members that depend on the file.
     definitions: BTreeMap<Target, Vec<Member<'s>>>,
 }
 
@@ -187,9 +185,9 @@ impl<'s> Emitter<'s> {
         }
     }
 
-    /// The bundle of a package, with all that its messages refer to. As a schema of its own it stands
-    /// for any of the package's own definitions: one that asserted nothing would let everything pass. Where there are
-    /// messages of pages it stands for those alone, since some types are but strings or numbers.
+    /// Creates the bundle of a package, with everything its messages refer to. As a schema, the bundle matches any
+    /// definition of the package; without an assertion, it would accept any value. If pages define messages, the bundle
+    /// matches only those, because some types are plain strings or numbers.
     fn bundle(&self, package: &Package, own: Vec<Target>) -> Option<OutputFile> {
         if own.is_empty() {
             return None;
@@ -214,7 +212,7 @@ impl<'s> Emitter<'s> {
         Some(OutputFile { path: address::bundle_path(package), text })
     }
 
-    /// What `own` refers to, directly or not, without what is in it.
+    /// The messages outside `own` that `own` refers to, directly or indirectly.
     fn foreign(&self, own: &[Target]) -> BTreeSet<Target> {
         let mut seen: BTreeSet<Target> = own.iter().copied().collect();
         let mut open: Vec<Target> = own.to_vec();
@@ -236,7 +234,7 @@ impl<'s> Emitter<'s> {
     }
 }
 
-/// The members that a document starts with.
+/// The first members of a file.
 fn head<'s>(id: String, from: &str) -> Vec<Member<'s>> {
     vec![member("$schema", DRAFT), member("$id", id), member("$comment", notice(from))]
 }

@@ -1,16 +1,16 @@
-//! Paths of definitions as outputs name them: relative to the folder of their package, so that outputs don't depend
-//! on where the definitions lie.
+//! Paths of definitions relative to the folder of their package. Outputs therefore don't depend on the location of the
+//! definitions.
 
 use std::collections::{BTreeSet, HashMap};
 
 use crate::schema::{Package, Schema};
 use crate::source::{SourceId, SourceMap, Span};
 
-/// The paths of all definitions of a schema.
+/// Relative paths of all definitions of a schema.
 #[derive(Debug)]
 pub(super) struct Origins<'s> {
     sources: &'s SourceMap,
-    /// By source, the number of bytes of its path that name the folder of its package.
+    /// By source, the length in bytes of the path prefix that is the package folder.
     folders: HashMap<SourceId, usize>,
 }
 
@@ -26,7 +26,7 @@ impl<'s> Origins<'s> {
         Self { sources, folders }
     }
 
-    /// The path of the definition that holds `span`, from the folder of its package.
+    /// The path, relative to the package folder, of the definition that contains `span`.
     pub(super) fn path(&self, span: Span) -> &'s str {
         let id = self.sources.source_of(span);
         let folder = self.folders.get(&id).copied().unwrap_or_default();
@@ -34,7 +34,7 @@ impl<'s> Origins<'s> {
     }
 }
 
-/// The spans of everything that a package defines.
+/// The spans of all definitions of a package.
 fn spans(schema: &Schema, package: &Package) -> impl Iterator<Item = Span> {
     let messages = package.messages.iter().map(|id| schema.message(*id).span);
     let interfaces = package.interfaces.iter().map(|interface| interface.span);
@@ -44,7 +44,7 @@ fn spans(schema: &Schema, package: &Package) -> impl Iterator<Item = Span> {
     messages.chain(interfaces).chain(tables).chain(types).chain(json_messages)
 }
 
-/// The length of the longest folder that all `paths` start with, in bytes, with its last separator.
+/// Length in bytes of the longest folder prefix common to all `paths`, including the last separator.
 fn shared_folder<'p>(mut paths: impl Iterator<Item = &'p str>) -> usize {
     let folder = |path: &str| path.rfind(['/', '\\']).map_or(0, |separator| separator + 1);
     let Some(first) = paths.next() else { return 0 };

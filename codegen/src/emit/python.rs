@@ -1,25 +1,25 @@
-//! Python: a module for each package, with the types of its messages as JSON (`TypedDict`), its constants, enums and
-//! error codes. For Python 3.9 and later; before 3.11 it takes `typing_extensions`.
+//! Python modules. Each package is a module with the JSON types of its messages (`TypedDict`), its constants, enums and
+//! error codes. The modules require Python 3.9 or later, and `typing_extensions` before Python 3.11.
 //!
-//! Names are those of [`super::typescript`]. Whatever else is known of a value – its range, its unit, its length –
-//! stands in the text below it: types of Python can't say it, the JSON Schemas do.
+//! The names match those of [`super::typescript`]. Properties that Python types can't express, such as ranges, units
+//! and lengths, are in docstrings. JSON Schemas check them.
 //!
 //! # Values
 //!
-//! The types are those of what `json.loads` gives: integers of any size are `int`, arrays are `list`, also where each
-//! position has a meaning of its own; floats may be `None`, which stands for NaN.
+//! The types match the results of `json.loads`. All integers are `int`. All arrays are `list`, even if each position
+//! has a different meaning. Floats may be `None`, which represents NaN.
 //!
-//! Annotations are evaluated when a module is imported: the classes know at run time, too, which keys may be left out.
+//! Annotations are evaluated on import, so the classes know their optional keys at run time.
 //!
 //! # Open sets
 //!
-//! A field that holds an enum is an `int`; the class of the enum names the values that are known, and keeps all others:
+//! A field with an enum is an `int`. The class of the enum names the known values and accepts all others:
 //! `FlightMode(message["mode"])` never fails.
 //!
 //! # Labels
 //!
-//! Where definitions are translated, `labels` gives what they say in a language of the user, and each language is a
-//! module of its own, which is imported when a program asks for it.
+//! If there are translations, the package `labels` provides the texts of the definitions in all languages. Each
+//! language is a module that is imported on demand.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
@@ -53,10 +53,10 @@ use crate::failure::Failure;
 use crate::schema::Schema;
 use crate::translation::Translations;
 
-/// The module of the class that enums derive from.
+/// Name of the module with the base class of enums.
 const OPEN_ENUM: &str = "_open_enum";
 
-/// Options of the emitter: none.
+/// The emitter has no options.
 #[cfg(feature = "files")]
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -69,7 +69,7 @@ impl Output for Options {
     }
 }
 
-/// Emits a module for each package, what they share and, where there are translations, the labels; sorted by path.
+/// Creates a module for each package, shared modules, and labels if there are translations. Files are sorted by path.
 pub fn emit(schema: &Schema, translations: &Translations) -> Vec<OutputFile> {
     let modules = modules(schema);
     let mut files = vec![
@@ -96,7 +96,11 @@ fn init(modules: &[Module]) -> String {
     let imports = modules.iter().map(|module| format!("from . import {}\n", module.name));
     let names = modules.iter().map(|module| format!("\"{}\"", module.name)).collect::<Vec<_>>().join(", ");
     format!(
-        "{}\"\"\"Types of drone interface definitions, one module a package.\"\"\"\n\n{}\n__all__ = [{names}]\n",
+        "{}\"\"\"Types of drone interface definitions. Each package is a module.\"\"\"
+
+        {}
+        __all__ = [{names}]
+        ",
         header("the definitions"),
         imports.collect::<String>()
     )
@@ -114,11 +118,12 @@ fn head(module: &Module, uses: &Uses) -> String {
         text.push('\n');
         text.push_str(&imports.concat());
     }
-    let mut own: Vec<String> = module.imports.iter().map(|name| format!("from . import {name}\n")).collect();
-    own.extend(uses.is_open_enum_used.then(|| format!("from .{OPEN_ENUM} import OpenIntEnum\n")));
-    if !own.is_empty() {
+    let mut local: Vec<String> =
+        module.imports.iter().map(|name| format!("from . import {name}\n")).collect();
+    local.extend(uses.is_open_enum_used.then(|| format!("from .{OPEN_ENUM} import OpenIntEnum\n")));
+    if !local.is_empty() {
         text.push('\n');
-        text.push_str(&own.concat());
+        text.push_str(&local.concat());
     }
     if !uses.recent.is_empty() {
         let names = list(&uses.recent);
@@ -150,14 +155,14 @@ fn body(module: &Module, uses: &mut Uses) -> String {
 
 fn open_enum() -> String {
     header("the definitions")
-        + r#""""Enums that keep values which they have no name for."""
+        + r#""""Enums that accept unnamed values."""
 
 from enum import IntEnum
 from typing import Any
 
 
 class OpenIntEnum(IntEnum):
-    """Integers, some of which have names. Any other integer is a value too, called `UNKNOWN_` and the number."""
+    """Integers with names. Unnamed integers are valid too; their name is `UNKNOWN_` and the number."""
 
     @classmethod
     def _missing_(cls, value: object) -> Any:

@@ -1,9 +1,8 @@
-//! Rust: one module a message, one type an enum, one type for the error codes of a package, one module for the
-//! types and messages of its pages.
+//! Rust modules: one module per message, one type per enum, one type for the error codes of a package, and one module
+//! for the types and messages of its pages.
 //!
-//! Tokens are made with `quote`, parsed once more by `syn`, so that what is written is Rust, and laid
-//! out by `prettyplease`. Nothing of a definition reaches the output but through identifiers made by
-//! `identifier`, literals and documentation.
+//! Tokens are created with `quote`, parsed again by `syn` to ensure valid syntax, and formatted by `prettyplease`. Text
+//! of definitions appears in the output only as identifiers made by `identifier`, as literals, or as documentation.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
@@ -52,9 +51,9 @@ use crate::source::SourceMap;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Options {
-    /// Name of the file at the root of the module tree: `mod.rs`, or `lib.rs` for a whole crate.
+    /// Name of the root file of the module tree: `mod.rs`, or `lib.rs` for a complete crate.
     pub root: String,
-    /// A Markdown page, relative to that file, that stands in its documentation; code in it is tested.
+    /// Path of a Markdown page, relative to the root file, to include in its documentation. Code on the page is tested.
     pub readme: Option<String>,
 }
 
@@ -71,11 +70,11 @@ impl Output for Options {
     }
 }
 
-/// Modules of a package, in the order in which they are declared.
+/// The modules of a package, in declaration order.
 struct Modules {
-    /// Module and type of each message of the package.
+    /// The messages of the package with their modules and types.
     messages: Vec<(MessageId, Place)>,
-    /// The modules of services and actions: folder, then module and parts.
+    /// The modules of services and actions.
     interfaces: Vec<InterfaceModule>,
 }
 
@@ -86,7 +85,7 @@ struct InterfaceModule {
     parts: Vec<(MessageId, Place)>,
 }
 
-/// Emits the whole schema as a tree of modules below `options.root`.
+/// Creates the module tree of the whole schema, with its root file `options.root`.
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
     let mut context = Context {
         schema,
@@ -131,15 +130,15 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
         };
         modules.messages.push((*id, place));
     }
-    // Views are called after the types, and give way to them.
+    // Views are named after their types, which take precedence.
     for (id, place) in &mut modules.messages {
-        let mut own_types = Scope::default();
-        own_types.unique_type(&place.type_name);
+        let mut module_types = Scope::default();
+        module_types.unique_type(&place.type_name);
         if has_view(*id) {
             place.view_name = types.unique_type(&format!("{}View", place.type_name));
-            own_types.unique_type(&place.view_name);
+            module_types.unique_type(&place.view_name);
         }
-        set_place(context, *id, place.clone(), &mut own_types);
+        set_place(context, *id, place.clone(), &mut module_types);
     }
     let mut scopes: BTreeMap<&str, (Scope, Scope)> = BTreeMap::new();
     for (index, interface) in package.interfaces.iter().enumerate() {
@@ -147,25 +146,25 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
         let (scope, types) = scopes.entry(kind).or_default();
         let name = scope.unique(&module_name(&interface.name));
         let mut parts = Vec::new();
-        let mut own_types = Scope::default();
+        let mut module_types = Scope::default();
         for id in &interface.parts {
             let type_name = types.unique_type(&identifier::type_name(&schema.message(*id).name));
             let view_name =
                 if has_view(*id) { types.unique_type(&format!("{type_name}View")) } else { String::new() };
-            own_types.unique_type(&type_name);
-            own_types.unique_type(&view_name);
+            module_types.unique_type(&type_name);
+            module_types.unique_type(&view_name);
             let path = vec![module.to_owned(), kind.to_owned(), name.clone()];
             parts.push((*id, Place { modules: path, type_name, view_name }));
         }
         for (id, place) in &parts {
-            set_place(context, *id, place.clone(), &mut own_types);
+            set_place(context, *id, place.clone(), &mut module_types);
         }
         modules.interfaces.push(InterfaceModule { kind, module: name, index, parts });
     }
     modules
 }
 
-/// Gives a message its place, and its enums names in `scope`, that of the module.
+/// Sets the location of a message, and names its enums in `scope`, the scope of the module.
 fn set_place(context: &mut Context<'_>, id: MessageId, place: Place, scope: &mut Scope) {
     let message = context.schema.message(id);
     let names: Vec<String> = message
@@ -190,22 +189,26 @@ fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
     let modules = packages.iter().map(|(package, module, _)| {
         let module = ident(module);
         let doc = documentation(&format!("Package `{}`.", package.name));
-        // The layout of generated code is that of the generator.
+        // The generator formats the code.
         quote!(#doc #[rustfmt::skip] pub mod #module;)
     });
     let no_std = (options.root == "lib.rs").then(|| quote!(#![no_std]));
     let doc = inner_documentation(
-        "Types of drone interface definitions, one module a package.\n\n\
-         Every message implements [`Message`](::uavspec_runtime::Message), and those of fixed size also\n\
-         [`UorbMessage`](::uavspec_runtime::UorbMessage). The features of the runtime decide what more they\n\
-         have: `serde` gives all of them JSON in the form that the published JSON Schemas describe.",
+        "Types of drone interface definitions. Each package is a module.
+
+        \
+         Every message implements [`Message`](::uavspec_runtime::Message), and messages of fixed size also
+         \
+         implement [`UorbMessage`](::uavspec_runtime::UorbMessage). The features of the runtime enable more:
+         \
+         `serde` adds the JSON form that the published JSON Schemas describe.",
     );
     let readme = options.readme.as_ref().map(|path| quote!(#![doc = include_str!(#path)]));
     let tokens = quote! {
         #doc
         #readme
         #no_std
-        // Names and texts are those of the definitions.
+        // Names and texts are taken from the definitions.
         #![allow(clippy::approx_constant)]
         #![allow(clippy::default_trait_access)]
         #![allow(clippy::doc_lazy_continuation)]
@@ -269,19 +272,19 @@ fn package_files(
     let text = header_of_package(package) + &layout_file(tokens);
     files.push(OutputFile { path: format!("{module}.rs"), text });
     for kind in ["srv", "action"] {
-        let of_kind: Vec<&InterfaceModule> =
+        let interfaces: Vec<&InterfaceModule> =
             modules.interfaces.iter().filter(|interface| interface.kind == kind).collect();
-        if !of_kind.is_empty() {
+        if !interfaces.is_empty() {
             files.push(OutputFile {
                 path: format!("{module}/{kind}.rs"),
-                text: kind_module(context, package, &of_kind),
+                text: kind_module(context, package, &interfaces),
             });
         }
     }
     for interface in &modules.interfaces {
         let path = format!("{module}/{}/{}.rs", interface.kind, interface.module);
         let from = &package.interfaces[interface.index];
-        let doc = inner_documentation(&format!("The parts of {}.", prose::code(&from.name)));
+        let doc = inner_documentation(&format!("Parts of {}.", prose::code(&from.name)));
         let parts: Vec<TokenStream> =
             interface.parts.iter().map(|(id, _)| message::tokens(context, *id)).collect();
         let text = header_of(context, package, from.span) + &layout_file(quote!(#doc #(#parts)*));
@@ -294,18 +297,16 @@ fn kind_module(context: &Context<'_>, package: &Package, interfaces: &[&Interfac
     let what = if interfaces[0].kind == "srv" { "Services" } else { "Actions" };
     let doc = inner_documentation(&format!("{what} of package `{}`.", package.name));
     let modules = interfaces.iter().map(|interface| {
-        let doc = documentation(&format!(
-            "The parts of {}.",
-            prose::code(&package.interfaces[interface.index].name)
-        ));
+        let doc =
+            documentation(&format!("Parts of {}.", prose::code(&package.interfaces[interface.index].name)));
         re_export(&doc, &interface.module, interface.parts.iter().flat_map(|(_, place)| place.names()))
     });
     let layouts = assert_layouts(context, interfaces.iter().flat_map(|interface| &interface.parts));
     header_of_package(package) + &layout_file(quote!(#doc #(#modules)* #layouts))
 }
 
-/// Has the compiler check the layouts of those messages of fixed size that nest others: of a layout without them the
-/// generator knows everything.
+/// Asserts at compile time the layout of messages of fixed size that contain other messages. Without nested messages,
+/// the generator knows the complete layout.
 fn assert_layouts<'p>(
     context: &Context<'_>,
     messages: impl IntoIterator<Item = &'p (MessageId, Place)>,
@@ -330,7 +331,7 @@ fn re_export<'n>(
     quote!(#doc pub mod #module; pub use self::#module::{#(#names),*};)
 }
 
-/// The files of all messages. Each is made on its own, so the work is shared out among the processors.
+/// Creates the files of all messages. They are independent, so the work is distributed among the processors.
 fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
     let ids: Vec<MessageId> =
         context.schema.packages.iter().flat_map(|package| package.messages.iter().copied()).collect();
@@ -353,7 +354,7 @@ fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
             .chunks(share)
             .map(|ids| scope.spawn(move || ids.iter().map(file).collect::<Vec<_>>()))
             .collect();
-        // A panic in a worker is a defect here, and goes on in the caller.
+        // A panic in a worker is a bug; it is propagated to the caller.
         work.into_iter()
             .flat_map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
             .collect()

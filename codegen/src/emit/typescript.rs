@@ -1,23 +1,22 @@
-//! TypeScript: a module for each package, with the types of its messages as JSON, its constants, enums and error
-//! codes; and `index`, which has each package as a namespace.
+//! TypeScript modules. Each package is a module with the JSON types of its messages, its constants, enums and error
+//! codes. The module `index` exports each package as a namespace.
 //!
-//! Names are those of [`super::python`]. Whatever else is known of a value – its range, its unit, its length –
-//! stands in the comment above it: types of TypeScript can't say it, the JSON Schemas do.
+//! The names match those of [`super::python`]. Properties that TypeScript types can't express, such as ranges, units
+//! and lengths, are in comments. JSON Schemas check them.
 //!
 //! # Numbers
 //!
-//! Integers of 64 bits are `number`, since that is what `JSON.parse` makes of them: beyond 2^53 it gives their neighbour.
-//! Constants of which no `number` is exact are of type `bigint`. Floats may be `null`, which stands for NaN.
+//! 64-bit integers are `number`, the type that `JSON.parse` returns; values beyond 2^53 are rounded. Constants that are
+//! not exact as `number` have the type `bigint`. Floats may be `null`, which represents NaN.
 //!
 //! # Open sets
 //!
-//! Enums and sets of known values are open: the type names the values that are known, for completion, and takes all
-//! others.
+//! Enums and sets of known values are open. The type lists the known values for completion, and accepts all others.
 //!
 //! # Labels
 //!
-//! Where definitions are translated, `labels` gives what they say in a language of the user, and each language is a
-//! module of its own, `labels/uk`, which a program loads when it asks for it.
+//! If there are translations, the module `labels` provides the texts of the definitions in all languages. Each language
+//! is a module, such as `labels/uk`, that is loaded on demand.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
@@ -49,23 +48,23 @@ use crate::failure::Failure;
 use crate::schema::Schema;
 use crate::translation::Translations;
 
-/// How modules are written.
+/// The form of the emitted modules.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "files", derive(serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Form {
-    /// As TypeScript, to stand among other source files: `px4.ts`.
+    /// TypeScript, for use with other source files: `px4.ts`.
     #[default]
     Source,
-    /// As a package ships it: `px4.js` and `px4.cjs`, for ECMAScript modules and `CommonJS`, with `px4.d.ts` and
-    /// `px4.d.cts`, their types.
+    /// The files of a package: `px4.js` and `px4.cjs`, for ECMAScript modules and `CommonJS`, with their types
+    /// `px4.d.ts` and `px4.d.cts`.
     Compiled,
 }
 
-/// How TypeScript is emitted.
+/// Options of the emitter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Options {
-    /// How modules are written.
+    /// The form of the modules.
     pub form: Form,
 }
 
@@ -76,7 +75,7 @@ impl Output for Options {
     }
 }
 
-/// Emits a module for each package, the index and, where there are translations, the labels; sorted by path.
+/// Creates a module for each package, the index, and labels if there are translations. Files are sorted by path.
 pub fn emit(schema: &Schema, translations: &Translations, options: &Options) -> Vec<OutputFile> {
     let modules = modules(schema);
     let labels = labels(schema, translations);
@@ -86,25 +85,25 @@ pub fn emit(schema: &Schema, translations: &Translations, options: &Options) -> 
     };
     let mut files = Vec::new();
     for language in languages {
-        let path = |name: &str| format!("{name}.{}", language.ending());
+        let path = |name: &str| format!("{name}.{}", language.extension());
         files.push(OutputFile { path: path("index"), text: index(&modules, *language) });
-        let of_packages = modules.iter();
         files.extend(
-            of_packages
+            modules
+                .iter()
                 .map(|module| OutputFile { path: path(&module.name), text: package(module, *language) }),
         );
         files.extend(labels.iter().flat_map(|labels| labels::files(labels, *language)));
     }
     if options.form == Form::Compiled {
         let typed = files.iter().filter_map(|file| file.path.strip_suffix(".d.cts"));
-        let twins: Vec<OutputFile> = typed.map(types_of_module).collect();
-        files.extend(twins);
+        let re_exports: Vec<OutputFile> = typed.map(types_of_module).collect();
+        files.extend(re_exports);
     }
     files.sort_by(|left, right| left.path.cmp(&right.path));
     files
 }
 
-/// The types of an ECMAScript module: those of its twin, so that they stand in the package once.
+/// The types of an ECMAScript module. They are re-exported from the `CommonJS` types to avoid duplicates.
 fn types_of_module(path: &str) -> OutputFile {
     let name = path.rsplit('/').next().unwrap_or(path);
     let text = format!("{}export * from \"./{name}.cjs\";\n", header("the definitions"));
@@ -117,12 +116,12 @@ fn index(modules: &[Module], language: Language) -> String {
         text.push_str("\"use strict\";\n\n");
     }
     text.extend(modules.iter().map(|module| {
-        let (name, ending) = (&module.name, language.imported_ending());
+        let (name, extension) = (&module.name, language.imported_extension());
         let documentation = comment::block(&module.text, "");
         if language == Language::CommonJs {
-            format!("{documentation}exports.{name} = require(\"./{name}.{ending}\");\n")
+            format!("{documentation}exports.{name} = require(\"./{name}.{extension}\");\n")
         } else {
-            format!("{documentation}export * as {name} from \"./{name}.{ending}\";\n")
+            format!("{documentation}export * as {name} from \"./{name}.{extension}\";\n")
         }
     }));
     if modules.is_empty() && language != Language::CommonJs {
@@ -137,9 +136,9 @@ fn package(module: &Module, language: Language) -> String {
         text.push_str("\"use strict\";\n\n");
     }
     if language.has_types() && !module.imports.is_empty() {
-        let ending = language.imported_ending();
+        let extension = language.imported_extension();
         let imports = module.imports.iter();
-        text.extend(imports.map(|name| format!("import type * as {name} from \"./{name}.{ending}\";\n")));
+        text.extend(imports.map(|name| format!("import type * as {name} from \"./{name}.{extension}\";\n")));
         text.push('\n');
     }
     let mut items: Vec<String> =
@@ -149,7 +148,7 @@ fn package(module: &Module, language: Language) -> String {
     }
     items.retain(|item| !item.is_empty());
     if items.is_empty() && language != Language::CommonJs {
-        // Without an export it would be no module.
+        // A file without exports would not be a module.
         items.push("export {};\n".to_owned());
     }
     text + &items.join("\n")

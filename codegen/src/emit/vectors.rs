@@ -1,7 +1,7 @@
-//! Test vectors: for each message values that it may have and others that it may not, as JSON and as
-//! bytes, with the rule that is broken; and the same for error codes, and for the types and messages of pages.
+//! Test vectors: valid and invalid values of each message, as JSON and as bytes, with the violated rule. There are
+//! vectors for error codes, and for the types and messages of pages, too.
 //!
-//! There are two files for each type. `<package>/<Name>.vectors.json` tests codecs and validators:
+//! Each type has two files. `<package>/<Name>.vectors.json` tests codecs and validators:
 //!
 //! ```json
 //! {
@@ -13,26 +13,26 @@
 //! }
 //! ```
 //!
-//! - `json` and the bytes are the same message: each encodes to, and decodes from, the other. Members
-//!   are absent where a case has no such form.
-//! - `uorb` is the whole payload in memory, `cdr` is little-endian with its header, both in hexadecimal.
-//! - `decoded` stands in the place of `json` where the bytes are right, but a little-endian encoder gives
-//!   others: big-endian ones, and those with other padding.
-//! - An invalid case breaks `rule` and no other. If it has bytes, decoding them need not fail: the rule
-//!   tells whether what is wrong is the payload, or a value in it.
-//! - What pages define is JSON alone. The rules that its cases break, `SHAPE-TYPE`, `SHAPE-REQUIRED`, `SHAPE-FURTHER`,
-//!   `SHAPE-RANGE`, `SHAPE-LENGTH`, `SHAPE-UNIQUE`, `SHAPE-PATTERN` and `SHAPE-VALUE`, say which part of the shape it is.
-//! - An id says what is tried, not what comes of it. It stays when fields are added to the message.
+//! - `json` and the bytes represent the same message: each encodes to and decodes from the other. A form that a case
+//!   doesn't have is absent.
+//! - `uorb` is the complete payload in memory. `cdr` is little-endian and includes the header. Both are hexadecimal.
+//! - `decoded` replaces `json` if the bytes are valid, but a little-endian encoder produces others. Examples are
+//!   big-endian payloads and payloads with different padding.
+//! - An invalid case violates exactly one rule. Its bytes, if any, may still decode without error: the rule determines
+//!   whether the payload or a value in it is invalid.
+//! - Definitions on pages have JSON cases only. Their rules `SHAPE-TYPE`, `SHAPE-REQUIRED`, `SHAPE-FURTHER`,
+//!   `SHAPE-RANGE`, `SHAPE-LENGTH`, `SHAPE-UNIQUE`, `SHAPE-PATTERN` and `SHAPE-VALUE` name the violated part of the
+//!   schema.
+//! - An id describes the input, not the result. It stays the same when fields are added to the message.
 //!
 //! `vectors.schema.json` describes these files.
 //!
-//! `json-schema-test-suite/tests/draft2020-12/<package>/<Name>.json` is for validators of JSON Schema, in
-//! the form and the folders of that suite: a group whose schema refers to the published one by its
-//! `$id`. What counts there is what the schema says: it lets undocumented values of an enum through, and
-//! null in the place of any float. The neighbours of 64-bit integers that 64-bit floats can't tell from
-//! those are left out there.
+//! `json-schema-test-suite/tests/draft2020-12/<package>/<Name>.json` is for JSON Schema validators. It has the format
+//! and folder structure of that suite: a test group whose schema refers to the published schema by its `$id`. A case is
+//! valid there if the schema accepts it, so undocumented values of enums and null floats are valid. Integers that
+//! 64-bit floats can't distinguish from the bounds of their type are omitted.
 //!
-//! Messages that no value satisfies, that are longer than 64 KiB or nest more than 32 levels have no cases.
+//! There are no cases for messages without a valid value, longer than 64 KiB, or nested more than 32 levels deep.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
@@ -75,12 +75,12 @@ use crate::failure::Failure;
 use crate::schema::json_type::Direction;
 use crate::schema::{JsonMessageId, Message, MessageId, Package, Schema};
 
-/// Where the files in the form of the JSON Schema Test Suite are.
+/// Folder of the files in the format of the JSON Schema Test Suite.
 const SUITE: &str = "json-schema-test-suite/tests/draft2020-12";
 
 #[cfg(feature = "files")]
 impl Output for Options {
-    /// The vectors refer to the schemas that are emitted beside them.
+    /// The vectors refer to the emitted schemas, so their default base is the same.
     fn complete(&mut self, others: &Others<'_>) {
         let base = self.base.take();
         self.base = base.or_else(|| others.text("json_schema", "base").map(str::to_owned));
@@ -91,7 +91,7 @@ impl Output for Options {
     }
 }
 
-/// Emits all vectors, sorted by path.
+/// Creates all vectors, sorted by path.
 pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
     let parts = sample::parts(schema);
     let types = Types::new(schema);
@@ -115,8 +115,8 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
     files
 }
 
-/// A valid message of each type as JSON, by its id: values are typical, and no two fields side by side have the
-/// same. None where no value satisfies the type.
+/// A valid message of each type as JSON, by message id. Values are typical, and adjacent fields have different values.
+/// `None` if the type has no valid value.
 pub fn typical(schema: &Schema) -> Vec<Option<String>> {
     let parts = sample::parts(schema);
     let typical = |message| field::message_typical(schema, message, &parts, &mut typical::Typical::default());
@@ -157,7 +157,7 @@ impl Emitter<'_> {
     }
 }
 
-/// What tells whether two sides mean the same message.
+/// Facts that identify the definition, such as hashes.
 fn facts(package: &Package, message: &Message) -> Vec<(&'static str, String)> {
     let mut facts = Vec::new();
     if let Some(version) = message.version {

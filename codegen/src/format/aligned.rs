@@ -1,5 +1,5 @@
-//! Alignment.
+//! The width limit for alignment.
 
-/// Longest declaration or cell, in characters, that others are aligned with. Without a bound one line could
-/// widen all lines of its block, and the text would grow with the square of its length.
+/// Maximum width in characters of a declaration or cell that others are aligned with. Without this limit, one long line
+/// would widen every line of its block, and the output could grow quadratically.
 pub(super) const ALIGNED_WITHIN: usize = 100;

@@ -1,4 +1,4 @@
-//! Comments, from the `#` on.
+//! Formatting of comments, from the `#` on.
 
 use std::fmt::Write as _;
 
@@ -10,81 +10,80 @@ use crate::msg::words::{single_spaced, split_word};
 use crate::schema::documentation::is_ruler;
 use crate::source::Span;
 
-/// A comment on a line of its own; `text` is what follows the `#`. All blanks after the first are part of
-/// what it says.
-pub(super) fn own(text: &str) -> String {
-    let is_apart = text.is_empty() || text.starts_with([' ', '\t']) || is_drawn(text);
-    format!("#{}{text}", if is_apart { "" } else { " " })
+/// Formats a comment on a separate line. `text` follows the `#`. White space after the first space is significant.
+pub(super) fn standalone(text: &str) -> String {
+    let needs_no_space = text.is_empty() || text.starts_with([' ', '\t']) || is_drawn(text);
+    format!("#{}{text}", if needs_no_space { "" } else { " " })
 }
 
-/// A comment that goes on with the one above.
+/// Formats a comment that continues the one above.
 pub(super) fn continued(text: &str) -> String {
     let rest = text.trim_start_matches([' ', '\t']);
     let indent = &text[..text.len() - rest.len()];
-    if indent.contains('\t') { own(rest) } else { own(text) }
+    if indent.contains('\t') { standalone(rest) } else { standalone(text) }
 }
 
-/// The comment of a declaration, with its annotations in order and spelled right. A directive at its end stays
-/// as it is, and where it is.
+/// Formats the comment of a declaration: annotations in a fixed order and spelling. A directive at the end is left
+/// unchanged.
 pub(super) fn trailing(text: &str, is_constant: bool) -> String {
-    let (said, directive) = split_directive(text);
-    let with_directive = |said: String| match directive {
-        "" => said,
-        directive => format!("{said} {directive}"),
+    let (content, directive) = split_directive(text);
+    let with_directive = |content: String| match directive {
+        "" => content,
+        directive => format!("{content} {directive}"),
     };
-    let laid_out = with_directive(with_mark(text, &body(said, is_constant)));
+    let laid_out = with_directive(with_mark(text, &body(content, is_constant)));
     let is_same = read(&laid_out[1..], is_constant) == read(text, is_constant);
-    if is_same { laid_out } else { with_directive(with_mark(text, said.trim())) }
+    if is_same { laid_out } else { with_directive(with_mark(text, content.trim())) }
 }
 
-/// What a comment says, and the directive at its end.
+/// The content of a comment, for comparison, and the directive at its end.
 fn read(text: &str, is_constant: bool) -> (String, &str) {
-    let (said, directive) = split_directive(text);
+    let (content, directive) = split_directive(text);
     let note = if is_constant {
-        annotation::read_with_parameters(said, Span::default(), &mut Vec::new())
+        annotation::read_with_parameters(content, Span::default(), &mut Vec::new())
     } else {
-        annotation::read(said, Span::default(), &mut Vec::new())
+        annotation::read(content, Span::default(), &mut Vec::new())
     };
-    (meaning::of_note(&note), directive)
+    (meaning::describe_note(&note), directive)
 }
 
-/// `body` after its `#`, where `text` is what was written there.
+/// Prepends `#` to `body`, with a space unless `text` runs into its `#` like a ruler.
 fn with_mark(text: &str, body: &str) -> String {
-    let is_joined = body.is_empty() || (!text.starts_with(char::is_whitespace) && is_drawn(body));
-    format!("#{}{body}", if is_joined { "" } else { " " })
+    let touches_mark = body.is_empty() || (!text.starts_with(char::is_whitespace) && is_drawn(body));
+    format!("#{}{body}", if touches_mark { "" } else { " " })
 }
 
-/// Whether a text starts with a stroke that a comment mark may run into: `----`, `## Heading`.
+/// True if the text starts with a stroke that may touch the comment mark: `----`, `## Heading`.
 fn is_drawn(text: &str) -> bool {
     let len = text.len() - text.trim_start_matches(['#', '-', '=', '*', '_', '/']).len();
     text.starts_with('#') || is_ruler(&text[..len])
 }
 
-/// Parts a comment from the directive at its end.
+/// Splits a comment into its text and the directive at its end.
 pub(super) fn split_directive(text: &str) -> (&str, &str) {
-    let (said, directive) =
+    let (content, directive) =
         text.split_at(directive::find(text, Span::default()).map_or(text.len(), |(_, start)| start));
-    (said, directive.trim_start())
+    (content, directive.trim_start())
 }
 
 fn body(text: &str, is_constant: bool) -> String {
     let mut body = String::new();
     match bars(text).filter(|_| is_constant) {
-        Some(bars) => with_parameters(text, &bars, &mut body),
-        None => note(text, &mut body),
+        Some(bars) => push_parameters(text, &bars, &mut body),
+        None => push_note(text, &mut body),
     }
     body
 }
 
-/// Where the pipes between the parameters of a command stand, if there are as many as there have to be.
+/// The offsets of the pipes that separate the parameters of a command, if their number is valid.
 fn bars(text: &str) -> Option<Vec<usize>> {
     let bars: Vec<usize> = text.match_indices('|').map(|(at, _)| at).collect();
     annotation::PARAMETER_BARS.contains(&bars.len()).then_some(bars)
 }
 
 /// `text |p1|p2|…|p7|`.
-fn with_parameters(text: &str, bars: &[usize], body: &mut String) {
-    note(&text[..bars[0]], body);
+fn push_parameters(text: &str, bars: &[usize], body: &mut String) {
+    push_note(&text[..bars[0]], body);
     if !body.is_empty() {
         body.push(' ');
     }
@@ -92,9 +91,9 @@ fn with_parameters(text: &str, bars: &[usize], body: &mut String) {
     for (number, (bar, end)) in bars.iter().zip(ends).enumerate() {
         body.push('|');
         let part = &text[bar + 1..end];
-        // What follows the eighth pipe is no parameter.
+        // Text after the eighth pipe is not a parameter.
         if number < 7 {
-            note(part, body);
+            push_note(part, body);
         } else if !part.trim().is_empty() {
             body.push(' ');
             body.push_str(part.trim());
@@ -102,8 +101,8 @@ fn with_parameters(text: &str, bars: &[usize], body: &mut String) {
     }
 }
 
-/// The annotations of `text`, then what else it says.
-fn note(text: &str, body: &mut String) {
+/// Formats the annotations of `text`, followed by its remaining text.
+fn push_note(text: &str, body: &mut String) {
     let Note { mut annotations, text: rest, .. } = annotation::read(text, Span::default(), &mut Vec::new());
     annotations.sort_by_key(|annotation| annotation.statement.rank());
     let mut separator = "";
@@ -117,7 +116,7 @@ fn note(text: &str, body: &mut String) {
     }
 }
 
-/// An annotation as it should be written. The words of its argument are those of `text`.
+/// The normalized spelling of an annotation. The words of its argument are copied from `text`.
 fn spelled(text: &str, annotation: &Annotation<'_>) -> String {
     let written = &text[annotation.span.start as usize..annotation.span.end as usize];
     let content = written.get(1..written.len() - 1).unwrap_or("").trim();
@@ -130,14 +129,14 @@ fn spelled(text: &str, annotation: &Annotation<'_>) -> String {
         Statement::Constraint(kind, ..) => {
             format!("[@{} {}]", kind.name, (kind.lay_out)(argument(content, kind.name)))
         }
-        // Pages alone have these, and their words are none of this layout's business.
+        // These occur only in pages, which this formatter does not rewrite.
         Statement::Length { .. } | Statement::Unique | Statement::Pattern(_) | Statement::Format(_) => {
             format!("[{content}]")
         }
     }
 }
 
-/// What follows the name of an annotation, whether it has its `@`, and whether the name is there.
+/// The argument of an annotation, which may lack its `@` or its name.
 fn argument<'s>(content: &'s str, name: &str) -> &'s str {
     match split_word(content.strip_prefix('@').unwrap_or(content)) {
         (found, argument) if found == name => argument,

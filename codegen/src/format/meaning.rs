@@ -1,8 +1,8 @@
-//! What a source says, without the places at which it says it: equal before and after.
+//! Descriptions of the content of a source without its positions, to compare a source before and after formatting.
 
 use pulldown_cmark::{Event, Parser, Tag, TagEnd, TextMergeStream};
 
-use super::table::without_blank_end;
+use super::table::without_trailing_blank_lines;
 use crate::directive::Directive;
 use crate::msg::Dialect;
 use crate::msg::annotation::Note;
@@ -12,28 +12,30 @@ use crate::schema::documentation::{self, Commentary, ItemDocs};
 use crate::source::SourceMap;
 use crate::table::{Cell, Form, Heading, Page, Row, Table, Text, markdown};
 
-/// What a definition says: its declarations and comments, and what becomes documentation.
-pub(super) fn of_definition(
+/// Describes a definition: its declarations and comments, and the documentation read from them.
+pub(super) fn describe_definition(
     sources: &SourceMap,
     definition: &Definition<'_>,
     dialect: Dialect,
 ) -> Vec<String> {
-    let mut said = Vec::new();
+    let mut parts = Vec::new();
     for part in &definition.parts {
-        said.push(of_commentary(part, dialect));
-        said.extend(part.lines.iter().filter(|line| !line.is_blank()).map(|line| of_line(sources, line)));
+        parts.push(describe_commentary(part, dialect));
+        parts.extend(
+            part.lines.iter().filter(|line| !line.is_blank()).map(|line| describe_line(sources, line)),
+        );
     }
-    said
+    parts
 }
 
-fn of_commentary(part: &Part<'_>, dialect: Dialect) -> String {
+fn describe_commentary(part: &Part<'_>, dialect: Dialect) -> String {
     let Commentary { docs, groups, items, topics } = documentation::read(part, dialect);
     let items: Vec<_> = items.iter().map(|ItemDocs { description, group }| (description, group)).collect();
     let topics: Vec<&str> = topics.iter().map(|(topic, _)| *topic).collect();
     format!("{docs:?} {groups:?} {items:?} {topics:?}")
 }
 
-fn of_line(sources: &SourceMap, line: &Line<'_>) -> String {
+fn describe_line(sources: &SourceMap, line: &Line<'_>) -> String {
     let item = match line.item.as_deref() {
         None => String::new(),
         Some(Item::Field(Field { ty, name, default })) => {
@@ -41,66 +43,66 @@ fn of_line(sources: &SourceMap, line: &Line<'_>) -> String {
         }
         Some(Item::Constant(Constant { ty, name, value, .. })) => format!("{ty:?} {} = {value:?}", name.text),
     };
-    format!("{item} {:?}", line.comment.as_deref().map(of_comment))
+    format!("{item} {:?}", line.comment.as_deref().map(describe_comment))
 }
 
-fn of_comment(comment: &Comment<'_>) -> String {
+fn describe_comment(comment: &Comment<'_>) -> String {
     let text = match &comment.note {
-        Some(note) => of_note(note),
-        // Blanks count in documentation alone, and of that the commentary has all.
+        Some(note) => describe_note(note),
+        // White space is significant in documentation only, which the commentary covers.
         None => comment.text.split_whitespace().collect::<Vec<_>>().join(" "),
     };
     let directive = comment.directive.map(|Directive { rule, reason, .. }| (rule, reason));
     format!("{text} {directive:?}")
 }
 
-/// What a comment says of its declaration. The order of annotations says nothing where they differ in kind.
-pub(super) fn of_note(note: &Note<'_>) -> String {
+/// Describes the note of a declaration. Annotations of different kinds may be in any order.
+pub(super) fn describe_note(note: &Note<'_>) -> String {
     let mut statements: Vec<&Statement<'_>> =
         note.annotations.iter().map(|annotation| &annotation.statement).collect();
     statements.sort_by_key(|statement| statement.rank());
-    let parameters: Vec<String> = note.parameters.iter().map(of_note).collect();
+    let parameters: Vec<String> = note.parameters.iter().map(describe_note).collect();
     format!("{statements:?} {:?} {parameters:?}", note.text)
 }
 
-/// What a page says: its headings and tables, and of Markdown all that it shows.
-pub(super) fn of_page(path: &str, text: &str, page: &Page) -> Vec<String> {
+/// Describes a page: its headings and tables, and for Markdown everything that is rendered.
+pub(super) fn describe_page(path: &str, text: &str, page: &Page) -> Vec<String> {
     let form = Form::of(path, text);
-    let mut said = vec![format!("{form:?}")];
-    said.extend(page.headings.iter().map(|Heading { level, text }| format!("{level} {:?}", text.as_str())));
+    let mut parts = vec![format!("{form:?}")];
+    parts.extend(page.headings.iter().map(|Heading { level, text }| format!("{level} {:?}", text.as_str())));
     for Table { heading, title, header, rows, .. } in &page.tables {
-        said.push(format!("{heading:?} {:?} {}", title.as_ref().map(Text::as_str), of_cells(header)));
-        said.extend(rows.iter().map(|Row { cells, .. }| of_cells(cells)));
+        parts.push(format!("{heading:?} {:?} {}", title.as_ref().map(Text::as_str), describe_cells(header)));
+        parts.extend(rows.iter().map(|Row { cells, .. }| describe_cells(cells)));
     }
     if form == Form::Markdown {
-        said.extend(shown(text));
+        parts.extend(rendered(text));
     }
-    said
+    parts
 }
 
-fn of_cells(cells: &[Cell]) -> String {
+fn describe_cells(cells: &[Cell]) -> String {
     let cells: Vec<_> = cells.iter().map(|cell| (cell.text.as_str(), cell.is_merged)).collect();
     format!("{cells:?}")
 }
 
-/// What a reader of a Markdown page sees, apart from the alignment of columns.
-fn shown(text: &str) -> Vec<String> {
-    // An end of line has no other meaning for being written in two characters, nor has the last for being there.
-    let text = without_blank_end(text).replace("\r\n", "\n") + "\n";
-    // White space at the ends of a heading or cell isn't shown. What they say was compared already.
+/// The rendered content of a Markdown page, without the alignment of columns.
+fn rendered(text: &str) -> Vec<String> {
+    // Line endings, and a missing line ending at the end of the file, don't change the content.
+    let text = without_trailing_blank_lines(text).replace("\r\n", "\n") + "\n";
+    // White space at the end of a heading or cell is not rendered. Their text was compared above.
     let mut is_trimmed = false;
-    let mut shown = Vec::new();
+    let mut rendered = Vec::new();
     for event in TextMergeStream::new(Parser::new_ext(&text, markdown::OPTIONS)) {
         match &event {
             Event::Start(Tag::TableCell | Tag::Heading { .. }) => is_trimmed = true,
             Event::End(TagEnd::TableCell | TagEnd::Heading(_)) => is_trimmed = false,
             _ => {}
         }
-        shown.push(match event {
+        rendered.push(match event {
             Event::Start(Tag::Table(_)) => "table".to_owned(),
             Event::Text(text) if is_trimmed => format!("{:?}", text.trim()),
             event => format!("{event:?}"),
         });
     }
-    shown
+    rendered
 }

@@ -1,4 +1,4 @@
-//! `.msg`, `.srv` and `.action` files.
+//! Formatting of `.msg`, `.srv` and `.action` files.
 
 use std::fmt::Write as _;
 
@@ -8,28 +8,28 @@ use crate::msg::ast::{Comment, Definition, Item, Line};
 use crate::msg::{Dialect, is_separator};
 use crate::source::{SourceId, SourceMap};
 
-/// What starts a comment that lists topics, after its mark.
+/// The start of a comment that lists topics, after its `#`.
 const TOPICS: &str = " TOPICS ";
 
-/// What divides words.
-const BLANKS: [char; 2] = [' ', '\t'];
+/// The characters that separate words.
+const SPACES: [char; 2] = [' ', '\t'];
 
-/// A line in its layout, but for the place of its comment.
+/// A formatted line, before its comment is aligned.
 enum Row {
     Blank,
-    /// `---`, or a comment of its own, which ends a block.
+    /// `---`, or a comment on a separate line. It ends a block.
     Apart(String),
-    /// Topics or a directive, which a block may have in its midst.
+    /// A list of topics or a directive. It doesn't end a block.
     Aside(String),
     Declared {
         declaration: String,
         comment: Option<String>,
     },
-    /// A comment that goes on with that of the declaration above.
+    /// A comment that continues the comment of the declaration above.
     Continued(String),
 }
 
-/// The definition laid out; it has no mistakes.
+/// Formats a definition, which must be free of errors.
 pub(super) fn lay_out(
     sources: &SourceMap,
     id: SourceId,
@@ -38,8 +38,8 @@ pub(super) fn lay_out(
 ) -> String {
     let rows = tidy(rows(sources, id, definition, dialect));
     let mut text = String::with_capacity(sources.text(id).len());
-    let is_apart = |row: &Row| matches!(row, Row::Blank | Row::Apart(_));
-    for block in rows.chunk_by(|first, second| !is_apart(first) && !is_apart(second)) {
+    let ends_block = |row: &Row| matches!(row, Row::Blank | Row::Apart(_));
+    for block in rows.chunk_by(|first, second| !ends_block(first) && !ends_block(second)) {
         print(block, &mut text);
     }
     text
@@ -50,7 +50,7 @@ fn rows(sources: &SourceMap, id: SourceId, definition: &Definition<'_>, dialect:
     let mut parts = definition.parts.iter();
     let mut reader = Reader { sources, dialect, is_after_declaration: false };
     let mut lines = parts.next().map_or(&[][..], |part| &part.lines).iter();
-    // The tree doesn't hold the lines between its parts.
+    // The syntax tree does not contain the separator lines between parts.
     for written in sources.text(id).split_inclusive('\n') {
         if is_separator(written.trim_end_matches(['\n', '\r'])) {
             rows.push(separator(written));
@@ -65,16 +65,16 @@ fn rows(sources: &SourceMap, id: SourceId, definition: &Definition<'_>, dialect:
 
 fn separator(line: &str) -> Row {
     Row::Apart(match line.split_once('#') {
-        Some((_, text)) => format!("---  {}", comment::own(text.trim_end())),
+        Some((_, text)) => format!("---  {}", comment::standalone(text.trim_end())),
         None => "---".to_owned(),
     })
 }
 
-/// Takes lines one by one, as the documentation is read from them.
+/// Formats lines in order, and tracks the state that decides how comments are interpreted.
 struct Reader<'m> {
     sources: &'m SourceMap,
     dialect: Dialect,
-    /// Whether an indented comment would go on with that of a declaration.
+    /// True if an indented comment continues the comment of a declaration.
     is_after_declaration: bool,
 }
 
@@ -85,7 +85,7 @@ impl<'m> Reader<'m> {
                 self.is_after_declaration = true;
                 self.declared(line, item, comment)
             }
-            (None, Some(comment)) => self.own(comment, self.written(line, comment)),
+            (None, Some(comment)) => self.standalone(comment, self.written(line, comment)),
             (None, None) => {
                 self.is_after_declaration = false;
                 Row::Blank
@@ -93,7 +93,7 @@ impl<'m> Reader<'m> {
         }
     }
 
-    /// What follows the `#` of a comment up to the end of its line.
+    /// The text after the `#` of a comment, up to the end of the line.
     fn written(&self, line: &Line<'_>, comment: &Comment<'_>) -> &'m str {
         self.sources.slice(line.span).get(comment.column + 1..).unwrap_or("").trim_end()
     }
@@ -103,13 +103,13 @@ impl<'m> Reader<'m> {
         let end = comment.map_or(written.len(), |comment| comment.column);
         let after = |position: u32| {
             let rest = written.get((position - line.span.start) as usize..end).unwrap_or("");
-            rest.trim_start_matches(BLANKS).trim_end()
+            rest.trim_start_matches(SPACES).trim_end()
         };
         let name = match item {
             Item::Field(field) => &field.name,
             Item::Constant(constant) => &constant.name,
         };
-        let ty = written.trim_start_matches(BLANKS).split(BLANKS).next().unwrap_or("");
+        let ty = written.trim_start_matches(SPACES).split(SPACES).next().unwrap_or("");
         let mut declaration = format!("{ty} {}", name.text);
         let value = match item {
             Item::Field(_) => after(name.span.end),
@@ -127,24 +127,24 @@ impl<'m> Reader<'m> {
         Row::Declared { declaration, comment }
     }
 
-    /// A comment on a line of its own, of which `written` follows the `#`. It becomes a list of topics, or
-    /// ceases to be one, in no case.
-    fn own(&mut self, comment: &Comment<'_>, written: &str) -> Row {
+    /// Formats a comment on a separate line, with `written` as its text after the `#`. The result is a list of topics
+    /// only if the original is.
+    fn standalone(&mut self, comment: &Comment<'_>, written: &str) -> Row {
         let topics = comment.text.strip_prefix(TOPICS).filter(|_| self.dialect == Dialect::Px4);
         let is_indented = comment.column > 0;
         match topics {
             Some(topics) if !is_indented => {
                 let (_, directive) = comment::split_directive(written);
-                let words = topics.split(BLANKS).chain([directive]).filter(|word| !word.is_empty());
+                let words = topics.split(SPACES).chain([directive]).filter(|word| !word.is_empty());
                 return Row::Aside(words.fold("# TOPICS".to_owned(), |line, word| line + " " + word));
             }
             _ if self.is_after_declaration && is_indented => {
                 return Row::Continued(comment::continued(written));
             }
-            _ if comment.is_directive() => return Row::Aside(comment::own(written)),
+            _ if comment.is_directive() => return Row::Aside(comment::standalone(written)),
             _ => self.is_after_declaration = false,
         }
-        let laid_out = comment::own(written);
+        let laid_out = comment::standalone(written);
         Row::Apart(match topics {
             Some(_) => format!(" {laid_out}"),
             None if self.dialect == Dialect::Px4 && laid_out[1..].starts_with(TOPICS) => {
@@ -155,8 +155,8 @@ impl<'m> Reader<'m> {
     }
 }
 
-/// No blank line at the end, and never two together. At the start there is none but before a comment, which
-/// would otherwise be that of the whole.
+/// Removes blank lines at the end and collapses consecutive ones. A blank line at the start remains only before a
+/// comment, which would otherwise become the comment of the whole definition.
 fn tidy(rows: Vec<Row>) -> Vec<Row> {
     let mut tidy: Vec<Row> = Vec::with_capacity(rows.len());
     for row in rows {
@@ -183,7 +183,7 @@ fn is_comment(row: &Row) -> bool {
     }
 }
 
-/// Writes the lines of a block, comments below each other.
+/// Writes the lines of a block with aligned comments.
 fn print(block: &[Row], text: &mut String) {
     let widths = block.iter().filter_map(|row| match row {
         Row::Declared { declaration, .. } => Some(declaration.chars().count()),

@@ -1,19 +1,18 @@
-//! Pages. Error-code tables are laid out where that is safe; everywhere else white space goes from the ends
-//! of lines, where it says nothing.
+//! Formatting of pages: lays out simple error-code tables and removes trailing white space elsewhere.
 
 mod asciidoc;
 mod line;
 mod markdown;
 
 use self::line::trimmed;
-pub(super) use self::line::without_blank_end;
+pub(super) use self::line::without_trailing_blank_lines;
 use crate::table::{Form, Page};
 
-/// The page laid out; it has no mistakes.
+/// Formats a page, which must be free of errors.
 pub(super) fn lay_out(path: &str, written: &str, page: &Page) -> String {
     let text = written.replace("\r\n", "\n");
     if text.contains('\r') {
-        // Alone it ends a line for some and not for others: who knows what the page says.
+        // Parsers disagree on whether a lone carriage return ends a line, so the page is left unchanged.
         return written.to_owned();
     }
     let lines: Vec<&str> = text.split('\n').collect();
@@ -22,7 +21,7 @@ pub(super) fn lay_out(path: &str, written: &str, page: &Page) -> String {
         Form::AsciiDoc => asciidoc::lay_out(written, &lines, page),
         Form::Flattened => lines.iter().map(|line| trimmed(line).to_owned() + "\n").collect(),
     };
-    match without_blank_end(&laid_out) {
+    match without_trailing_blank_lines(&laid_out) {
         "" => String::new(),
         laid_out => laid_out.to_owned() + "\n",
     }

@@ -22,10 +22,10 @@ const MAX_UNIT_LEN: usize = 20;
 /// The maximum length of an annotation. The limit makes the search for `]` linear.
 const MAX_ANNOTATION_LEN: usize = 400;
 
-/// The start of an annotation that holds a regular expression.
+/// The start of an annotation that contains a regular expression.
 const PATTERN: &str = "[@pattern ";
 
-/// The number of pipes around seven parameters; the last may be left out.
+/// The number of pipes around seven parameters; the last one is optional.
 pub(crate) const PARAMETER_BARS: RangeInclusive<usize> = 7..=8;
 
 /// A comment, split into annotations and text.
@@ -53,7 +53,7 @@ pub(crate) fn read<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnost
     read_by(Vocabulary::Comment, text, span, diagnostics)
 }
 
-/// Reads the annotations of a description in a page.
+/// Reads the annotations of a description on a page.
 pub(crate) fn read_description<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
     read_by(Vocabulary::Page, text, span, diagnostics)
 }

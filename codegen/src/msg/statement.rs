@@ -20,7 +20,7 @@ pub enum Statement<'s> {
     Attribute(&'static Attribute, &'s str),
     /// `[@count field]`: the value is the number of used elements of that array.
     Count(&'s str),
-    /// `[@length least, most]`, in pages: characters of a string, or elements of a list.
+    /// `[@length least, most]`, on pages: the length of a string in characters, or of a list in elements.
     Length {
         /// The minimum, if bounded.
         least: Option<u32>,

@@ -136,7 +136,7 @@ impl RuleInfo {
 pub enum Format {
     /// A JSON list of findings.
     Json,
-    /// Annotations of a workflow on GitHub.
+    /// Annotations of a GitHub workflow.
     Github,
     /// SARIF 2.1.0, for code scanning.
     Sarif,

@@ -64,7 +64,7 @@ impl Schema {
         }
         let special = field.constraints.iter().filter(|constraint| constraint.is_special());
         let special = special.filter_map(|constraint| stored(constraint.stated.value()?, scalar));
-        let is_excluded = |value: &Number| restriction.constraint().broken_by(*value).is_some();
+        let is_excluded = |value: &Number| restriction.constraint().violated_by(*value).is_some();
         restriction.special = special.filter(is_excluded).collect();
         (restriction.constraint() != Constraint::NONE).then_some(restriction)
     }

@@ -1,7 +1,7 @@
-//! Catalogues as text: gettext's PO form, read with the place of each entry, and written.
+//! Catalogues in gettext PO format: a parser that records the position of each entry, and a printer.
 //!
-//! Everything that translators and their tools write is kept: comments, flags, previous texts, obsolete entries.
-//! Plural forms are refused, since no text of a definition has any.
+//! Everything that translators and their tools write is preserved: comments, flags, previous texts, obsolete entries.
+//! Plural forms are rejected, because definitions contain none.
 
 mod entry;
 mod parser;

@@ -1,10 +1,9 @@
-//! Tags of languages, and what languages call themselves.
+//! Language tags and native names of languages.
 
-/// The language that definitions are written in.
+/// The language of definitions.
 pub const SOURCE_LANGUAGE: &str = "en";
 
-/// What languages call themselves, by tag: those that people who work with drones write most. The header of a
-/// catalogue may say it otherwise.
+/// Native names of common languages, by tag. The header of a catalogue can override the name.
 const NAMES: &[(&str, &str)] = &[
     ("ar", "العربية"),
     ("bg", "Български"),
@@ -56,20 +55,19 @@ const NAMES: &[(&str, &str)] = &[
 /// Languages and scripts that are written from right to left.
 const RIGHT_TO_LEFT: &[&str] = &["ar", "arab", "ckb", "dv", "fa", "he", "hebr", "ps", "sd", "ug", "ur", "yi"];
 
-/// What a language calls itself: that of its tag, or of the tag without its last parts. Of one that the table
-/// doesn't know it is the tag.
+/// The native name of a language. An unknown tag falls back to its shorter forms, then to the tag itself.
 pub(crate) fn name(tag: &str) -> &str {
     shorter(tag)
         .find_map(|tag| NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(tag)))
         .map_or(tag, |(_, name)| name)
 }
 
-/// A tag, then the same without its last part, and so on.
+/// Yields a tag, then the tag without its last part, and so on.
 pub(crate) fn shorter(tag: &str) -> impl Iterator<Item = &str> {
     std::iter::successors(Some(tag), |tag| tag.rsplit_once('-').map(|(start, _)| start))
 }
 
-/// Whether a text has the form of a tag of BCP 47: a language of two or three letters, and parts of up to eight
+/// True if a text has the form of a BCP 47 tag: a language of two or three letters, followed by parts of up to eight
 /// letters and digits.
 pub fn is_tag(text: &str) -> bool {
     let mut parts = text.split('-');
@@ -81,11 +79,11 @@ pub fn is_tag(text: &str) -> bool {
     is_language && text.len() <= 35 && parts.all(is_part)
 }
 
-/// Whether a language is written from right to left.
+/// True if a language is written from right to left.
 pub fn is_right_to_left(tag: &str) -> bool {
     let mut parts = tag.split('-');
     let language = parts.next().unwrap_or_default();
-    // A script of four letters says it, whatever the language.
+    // A script of four letters takes precedence over the language.
     let script = parts.find(|part| part.len() == 4 && part.bytes().all(|byte| byte.is_ascii_alphabetic()));
     RIGHT_TO_LEFT.contains(&script.unwrap_or(language).to_ascii_lowercase().as_str())
 }
@@ -95,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_language_calls_itself_by_the_nearest_tag() {
+    fn finds_the_native_name_of_the_nearest_tag() {
         assert_eq!(name("uk"), "Українська");
         assert_eq!(name("uk-UA"), "Українська");
         assert_eq!(name("pt-BR"), "Português (Brasil)");
@@ -103,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn tags_have_their_form() {
+    fn accepts_only_valid_tags() {
         for tag in ["uk", "pt-BR", "zh-Hant-TW", "sr-Latn", "gsw"] {
             assert!(is_tag(tag), "{tag}");
         }
@@ -113,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn the_script_says_the_direction() {
+    fn takes_the_direction_from_the_script() {
         assert!(is_right_to_left("ar") && is_right_to_left("fa-IR") && is_right_to_left("az-Arab"));
         assert!(!is_right_to_left("uk") && !is_right_to_left("ur-Latn"));
     }

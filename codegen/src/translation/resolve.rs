@@ -1,4 +1,4 @@
-//! Catalogues and texts come together: what is translated, and what is wrong with the rest.
+//! Matching of catalogues with the texts of the definitions.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -10,12 +10,13 @@ use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::schema::Schema;
 use crate::source::{SourceId, SourceMap, Span, stem};
 
-/// How many missing translations are named; of more it is told how many.
+/// Maximum number of missing translations named in a message. The others are only counted.
 const MAX_NAMED: usize = 3;
 
-/// Reads catalogues, which are called after their languages, and compares them with the definitions.
+/// Reads catalogues, which are named after their languages, and compares them with the definitions.
 ///
-/// Of a message, service, action or set of error codes that a catalogue has no entry for nothing is missing: a
+/// A language may leave a message, service, action or set of error codes in English. If a catalogue contains no entry
+/// for it, nothing is reported as missing.
 /// language may leave it to English.
 pub fn resolve(
     sources: &SourceMap,
@@ -38,7 +39,7 @@ pub fn resolve(
             diagnostics.push(Diagnostic::new(Problem::CatalogueName { stem: stem.to_owned() }, place));
         } else if let Some(first) = known.insert(tag.to_ascii_lowercase(), place) {
             let problem = Problem::DuplicateCatalogue { tag: tag.to_owned() };
-            diagnostics.push(Diagnostic::new(problem, place).with_related(first, "the first one"));
+            diagnostics.push(Diagnostic::new(problem, place).with_related(first, "first catalogue"));
         }
         let (catalogue, places, mut found) = parse(sources, *id);
         check_header(sources, &catalogue, &places, tag, place, &mut found);
@@ -61,7 +62,7 @@ fn check_header(
     diagnostics: &mut Vec<Diagnostic>,
 ) {
     let Some(header) = catalogue.header() else {
-        // What can't be read may be the header.
+        // The unreadable part may be the header.
         if diagnostics.is_empty() {
             diagnostics.push(Diagnostic::new(Problem::CatalogueHeader, start));
         }
@@ -75,16 +76,17 @@ fn check_header(
         let problem = Problem::CatalogueEncoding { charset: charset.to_owned() };
         diagnostics.push(Diagnostic::new(problem, place("Content-Type")));
     }
-    // gettext writes `sr_RS@latin` where BCP 47 writes `sr-Latn-RS`: the language itself is the same.
+    // gettext writes `sr_RS@latin`, BCP 47 `sr-Latn-RS`. Only the language itself is compared.
     let found = header.header_field("Language").unwrap_or_default();
-    let of = |text: &str| text.split(['_', '-', '@', '.']).next().unwrap_or_default().to_ascii_lowercase();
-    if !found.is_empty() && !tag.is_empty() && of(found) != of(tag) {
+    let language =
+        |text: &str| text.split(['_', '-', '@', '.']).next().unwrap_or_default().to_ascii_lowercase();
+    if !found.is_empty() && !tag.is_empty() && language(found) != language(tag) {
         let problem = Problem::CatalogueLanguage { found: found.to_owned(), tag: tag.to_owned() };
         diagnostics.push(Diagnostic::new(problem, place("Language")));
     }
 }
 
-/// The line of the header that gives a field; all of it, where none does.
+/// The line of the header that contains a field, or the whole header.
 fn line_of(sources: &SourceMap, header: Span, name: &str) -> Span {
     let text = sources.slice(header);
     let Some(start) = text.find(&format!("{name}:")) else { return header };
@@ -122,35 +124,34 @@ impl Reader<'_, '_> {
             if let Some(first) = known.get(key) {
                 let problem = Problem::DuplicateTranslation { key: key.to_owned() };
                 let first = self.places[*first].context;
-                diagnostics
-                    .push(Diagnostic::new(problem, place.context).with_related(first, "the first one"));
+                diagnostics.push(Diagnostic::new(problem, place.context).with_related(first, "first entry"));
                 continue;
             }
             known.insert(key, index);
-            match judge(entry, place, text) {
-                Judgement::Used => {
+            match state(entry, place, text) {
+                State::Used => {
                     let translated =
                         Translated { source: entry.id.clone(), translation: entry.translation.clone() };
                     language.entries.insert(key.to_owned(), translated);
                     language.units.insert(text.unit.clone());
                 }
-                Judgement::Missing => {}
-                Judgement::Unfit(diagnostic) => diagnostics.push(*diagnostic),
+                State::Missing => {}
+                State::Unusable(diagnostic) => diagnostics.push(*diagnostic),
             }
         }
         self.missing(&known, diagnostics);
         language
     }
 
-    /// Tells of each unit that is begun what it lacks.
+    /// Reports the missing translations of each unit with at least one entry.
     fn missing(&self, known: &HashMap<&str, usize>, diagnostics: &mut Vec<Diagnostic>) {
-        for of_unit in self.texts.chunk_by(|left, right| left.unit == right.unit) {
+        for in_unit in self.texts.chunk_by(|left, right| left.unit == right.unit) {
             let entry = |text: &Text<'_>| known.get(text.key.as_str()).copied();
-            let Some(first) = of_unit.iter().filter_map(entry).min() else { continue };
+            let Some(first) = in_unit.iter().filter_map(entry).min() else { continue };
             let is_missing = |text: &&Text<'_>| {
                 entry(text).is_none_or(|index| !self.catalogue.entries[index].is_translated())
             };
-            let missing: Vec<&Text<'_>> = of_unit.iter().filter(is_missing).collect();
+            let missing: Vec<&Text<'_>> = in_unit.iter().filter(is_missing).collect();
             if missing.is_empty() {
                 continue;
             }
@@ -162,9 +163,9 @@ impl Reader<'_, '_> {
             let place = empty.map_or(self.places[first].context, |index| self.places[index].translation);
             let problem = Problem::TranslationMissing {
                 tag: self.tag.to_owned(),
-                unit: of_unit[0].unit.clone(),
+                unit: in_unit[0].unit.clone(),
                 missing: missing.len(),
-                all: of_unit.len(),
+                all: in_unit.len(),
                 some,
             };
             diagnostics.push(Diagnostic::new(problem, place).with_related(missing[0].span, "not translated"));
@@ -172,34 +173,33 @@ impl Reader<'_, '_> {
     }
 }
 
-/// What comes of an entry.
-enum Judgement {
+/// The state of an entry.
+enum State {
     Used,
     Missing,
-    Unfit(Box<Diagnostic>),
+    Unusable(Box<Diagnostic>),
 }
 
-fn judge(entry: &Entry, place: Places, text: &Text<'_>) -> Judgement {
+fn state(entry: &Entry, place: Places, text: &Text<'_>) -> State {
     let key = text.key.clone();
     if !entry.is_translated() {
-        return Judgement::Missing;
+        return State::Missing;
     }
     let diagnostic = if entry.id != text.text {
-        Diagnostic::new(Problem::TranslationStale { key }, place.id)
-            .with_related(text.span, "what it says now")
+        Diagnostic::new(Problem::TranslationStale { key }, place.id).with_related(text.span, "current text")
     } else if entry.is_fuzzy() {
         Diagnostic::new(Problem::TranslationFuzzy { key }, place.translation)
     } else {
-        return Judgement::Used;
+        return State::Used;
     };
-    Judgement::Unfit(Box::new(diagnostic))
+    State::Unusable(Box::new(diagnostic))
 }
 
 fn unknown(key: &str, place: Places) -> Diagnostic {
     let problem = |what: String| Diagnostic::new(Problem::UnknownTranslation { what }, place.context);
     if key.is_empty() {
-        let hint = "give the entry a `msgctxt`, which says what it translates: `px4/Wind.speed`";
-        return problem("an entry without a context".to_owned()).with_hint(hint);
+        let hint = "add a `msgctxt` with the key of the translated text, such as `px4/Wind.speed`";
+        return problem("an entry without `msgctxt`".to_owned()).with_hint(hint);
     }
     problem(format!("`{key}`"))
 }

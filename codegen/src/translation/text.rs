@@ -1,19 +1,19 @@
-//! All that definitions say and that can be translated, each text with a key.
+//! The translatable texts of definitions, each with a key.
 //!
-//! | key | what it is the text of |
+//! | key | text |
 //! |---|---|
 //! | `px4/Wind` | the summary of a message, or of a part of a service or action (`px4/Tow_Request`) |
 //! | `px4/Wind/description` | the paragraphs after it |
 //! | `px4/Wind.speed` | a field |
-//! | `px4/Wind.speed/invalid` | the words of a constraint, by its name |
-//! | `px4/Wind.speed/frame` | an attribute, by its name |
-//! | `px4/Wind.speed/group` | the heading of the group that begins with this field (or constant) |
+//! | `px4/Wind.speed/invalid` | the text of a constraint, by the name of the constraint |
+//! | `px4/Wind.speed/frame` | the text of an attribute, by the name of the attribute |
+//! | `px4/Wind.speed/group` | the heading of the group that starts with this field or constant |
 //! | `px4/Wind.speed/group/description` | the paragraphs after it |
 //! | `px4/Wind::SPEED_LOW` | a constant: a value of an enum, a flag, a command |
-//! | `px4/Wind::CMD_BLOW/parameter/1` | a parameter of a command, from 1 |
-//! | `px4/Wind::CMD_BLOW/parameter/1/invalid` | the words of a constraint, by its name |
+//! | `px4/Wind::CMD_BLOW/parameter/1` | a parameter of a command, counted from 1 |
+//! | `px4/Wind::CMD_BLOW/parameter/1/invalid` | the text of a constraint, by the name of the constraint |
 //! | `flockwave/error-code/134` | the description of an error code |
-//! | `flockwave/error-table/128` | the title of the table whose range begins there |
+//! | `flockwave/error-table/128` | the title of the table whose range starts at this code |
 
 use std::collections::BTreeSet;
 
@@ -22,23 +22,23 @@ use crate::msg::constraint::{self, ConstraintKind};
 use crate::schema::{Constraint, ErrorTable, Interface, Message, MessageId, Package, Schema};
 use crate::source::Span;
 
-/// A text that can be translated.
+/// A translatable text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Text<'s> {
-    /// What it belongs to, and is translated with: the page that shows it. `px4/Wind`, `harbour/Tow.srv`,
+    /// The unit that contains the text, which is translated as a whole: `px4/Wind`, `harbour/Tow.srv`,
     /// `flockwave/error-codes`.
     pub unit: String,
-    /// What it is the text of: unique, and the same as long as that has its name.
+    /// The unique key. It stays the same unless the described item is renamed.
     pub key: String,
     /// The text.
     pub text: &'s str,
-    /// A word for translators on what it is of, where the key doesn't say it.
+    /// A note for translators, if the key is not enough.
     pub note: String,
-    /// Where the definition has it.
+    /// Location in the definition.
     pub span: Span,
 }
 
-/// What of a message can be translated; numbers are indices.
+/// The translatable texts of a message. Numbers are indexes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MessageText {
     /// [`Docs::summary`](crate::schema::Docs::summary) of the message.
@@ -51,20 +51,20 @@ pub enum MessageText {
     GroupDescription(usize),
     /// The description of a field.
     Field(usize),
-    /// The words of one of its constraints.
+    /// The text of a constraint of a field.
     Constraint(usize, &'static ConstraintKind),
-    /// The text of one of its attributes.
+    /// The text of an attribute of a field.
     Attribute(usize, &'static Attribute),
     /// The description of a constant.
     Constant(usize),
-    /// The description of a parameter of a command, which is the constant that comes first.
+    /// The description of a parameter of a command. The first index is that of the constant.
     Parameter(usize, usize),
-    /// The words of one of its constraints.
+    /// The text of a constraint of a parameter.
     ParameterConstraint(usize, usize, &'static ConstraintKind),
 }
 
 impl MessageText {
-    /// What the definition says; empty where it says nothing.
+    /// The text in the definition, or an empty string.
     pub fn of(self, message: &Message) -> &str {
         match self {
             Self::Summary => &message.docs.summary,
@@ -89,18 +89,18 @@ fn words<'c>(constraints: &'c [Constraint], kind: &ConstraintKind) -> &'c str {
     constraint::find(constraints, kind).map_or("", |constraint| constraint.text.as_str())
 }
 
-/// The keys of all texts of a message.
+/// The keys of the texts of a message.
 #[derive(Clone, Debug)]
 pub struct MessageKeys<'s> {
     message: &'s Message,
-    /// The key of its summary, with which all others begin.
+    /// The key of the summary, which is the prefix of all other keys.
     base: String,
-    /// By group, the key of the declaration that it begins with.
+    /// By group, the key of its first declaration.
     starts: Vec<String>,
 }
 
 impl<'s> MessageKeys<'s> {
-    /// The keys of the texts of `message`.
+    /// Prepares the keys for `message`.
     pub fn new(schema: &'s Schema, message: &'s Message) -> Self {
         let base = message_unit(schema, message);
         let mut keys = Self { message, base, starts: Vec::new() };
@@ -148,22 +148,22 @@ impl<'s> MessageKeys<'s> {
                 first[group] = Some((span, key));
             }
         }
-        // Each group has a declaration: it begins with one.
+        // Every group contains at least one declaration.
         first.into_iter().map(|first| first.map_or_else(|| self.base.clone(), |(_, key)| key)).collect()
     }
 }
 
-/// What a message belongs to.
+/// The unit of a message.
 pub fn message_unit(schema: &Schema, message: &Message) -> String {
     format!("{}/{}", schema.package_of(message).name, message.name)
 }
 
-/// What the parts of a service or action belong to.
+/// The unit of a service or action.
 pub fn interface_unit(package: &Package, interface: &Interface) -> String {
     format!("{}/{}.{}", package.name, interface.name, interface.kind.name())
 }
 
-/// What all tables of error codes of a package belong to.
+/// The unit of the error-code tables of a package.
 pub fn error_codes_unit(package: &Package) -> String {
     format!("{}/error-codes", package.name)
 }
@@ -178,25 +178,25 @@ pub fn error_code_key(package: &Package, code: u32) -> String {
     format!("{}/error-code/{code}", package.name)
 }
 
-/// All texts of a schema that can be translated, unit by unit, each in the order of its definition. Empty ones
-/// are left out, and so are messages that aren't selected.
+/// All translatable texts of a schema, unit by unit, in the order of the definitions. Empty texts and unselected
+/// messages are skipped.
 pub fn texts(schema: &Schema) -> Vec<Text<'_>> {
     let mut texts = Vec::new();
     for package in &schema.packages {
         for id in &package.messages {
             let unit = message_unit(schema, schema.message(*id));
-            of_message(schema, *id, &unit, &mut texts);
+            push_message(schema, *id, &unit, &mut texts);
         }
         for interface in &package.interfaces {
             let unit = interface_unit(package, interface);
-            interface.parts.iter().for_each(|id| of_message(schema, *id, &unit, &mut texts));
+            interface.parts.iter().for_each(|id| push_message(schema, *id, &unit, &mut texts));
         }
-        of_error_codes(package, &mut texts);
+        push_error_codes(package, &mut texts);
     }
     texts
 }
 
-fn of_message<'s>(schema: &'s Schema, id: MessageId, unit: &str, texts: &mut Vec<Text<'s>>) {
+fn push_message<'s>(schema: &'s Schema, id: MessageId, unit: &str, texts: &mut Vec<Text<'s>>) {
     let message = schema.message(id);
     let keys = MessageKeys::new(schema, message);
     let mut found: Vec<(MessageText, Span)> = Vec::new();
@@ -220,20 +220,20 @@ fn of_message<'s>(schema: &'s Schema, id: MessageId, unit: &str, texts: &mut Vec
         let own = std::iter::once(MessageText::Constant(index)).chain(parameters);
         found.extend(group.chain(own).map(|text| (text, constant.span)));
     }
-    // Stable: what belongs to a declaration stays together.
+    // The sort is stable, so texts of the same declaration keep their order.
     found.sort_by_key(|(_, span)| *span);
     let head = [MessageText::Summary, MessageText::Description].map(|text| (text, message.span));
     let mut known = BTreeSet::new();
     for (text, span) in head.into_iter().chain(found) {
         let (key, source) = (keys.key(text), text.of(message));
-        // Each declaration of a group has brought along its heading.
+        // The heading of a group is found once per declaration of the group.
         if !source.is_empty() && known.insert(key.clone()) {
             texts.push(Text { unit: unit.to_owned(), key, text: source, note: String::new(), span });
         }
     }
 }
 
-fn of_error_codes<'s>(package: &'s Package, texts: &mut Vec<Text<'s>>) {
+fn push_error_codes<'s>(package: &'s Package, texts: &mut Vec<Text<'s>>) {
     let unit = error_codes_unit(package);
     for table in &package.error_tables {
         texts.push(Text {

@@ -1,8 +1,8 @@
-//! Definitions in other languages.
+//! Resolved translations.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The definitions in other languages.
+/// Translations of the definitions.
 ///
 /// ```
 /// use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form, translation};
@@ -29,20 +29,20 @@ use std::collections::{BTreeMap, BTreeSet};
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Translations {
-    /// The languages, by tag. That of the definitions themselves is not among them.
+    /// Languages sorted by tag, without the language of the definitions.
     pub languages: Vec<Language>,
 }
 
-/// A language, and all that is translated into it.
+/// The translations into one language.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Language {
-    /// Its tag, as BCP 47 writes it: `uk`, `pt-BR`.
+    /// BCP 47 tag: `uk`, `pt-BR`.
     pub tag: String,
-    /// What it calls itself: `Українська`.
+    /// Native name: `Українська`.
     pub name: String,
-    /// By key.
+    /// Translated texts by key.
     pub(super) entries: BTreeMap<String, Translated>,
-    /// Messages, services, actions and sets of error codes of which anything is translated.
+    /// Units with at least one translated text.
     pub(super) units: BTreeSet<String>,
 }
 
@@ -54,20 +54,20 @@ pub(super) struct Translated {
 }
 
 impl Language {
-    /// The translation of a text, by its key. Where there is none, or none that fits what the definition says
-    /// today, the text itself is to be shown.
+    /// The translation of the text with this key. `None` means that the original text should be shown: it is not
+    /// translated, or it changed after the translation.
     pub fn get(&self, key: &str) -> Option<&str> {
         self.entries.get(key).map(|entry| entry.translation.as_str())
     }
 
-    /// All translations that fit, by key: the key, what the definition says, and the translation.
+    /// All up-to-date translations: key, original text, translation. They are sorted by key.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &str, &str)> {
         self.entries
             .iter()
             .map(|(key, entry)| (key.as_str(), entry.source.as_str(), entry.translation.as_str()))
     }
 
-    /// Whether anything of a message, service, action or set of error codes is translated; see `Text::unit`.
+    /// True if any text of this unit is translated; see `Text::unit`.
     pub fn covers(&self, unit: &str) -> bool {
         self.units.contains(unit)
     }

@@ -1,4 +1,4 @@
-//! Catalogues are brought up to date with the definitions. Nothing that a translator wrote is lost.
+//! Synchronization of catalogues with the definitions. It never discards the work of translators.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -8,8 +8,7 @@ use super::language;
 use super::text::Text;
 use crate::source::SourceMap;
 
-/// A catalogue without entries. Its header has no date and no names of people, so that it is the same whoever
-/// makes it.
+/// Creates a catalogue without entries. The header contains neither dates nor names of people, so it is reproducible.
 pub fn new_catalogue(tag: &str) -> Catalogue {
     let fields = [
         ("Project-Id-Version", "definitions"),
@@ -23,12 +22,12 @@ pub fn new_catalogue(tag: &str) -> Catalogue {
     Catalogue { entries: vec![Entry { translation, ..Entry::default() }], end: Vec::new() }
 }
 
-/// What a catalogue should hold: an entry for each of `texts` that belongs to a unit of `select`, or to one that the
-/// catalogue has entries of, in the order of `texts`.
+/// Updates a catalogue. The result contains an entry for each of `texts` whose unit is in `select` or already has
+/// entries in the catalogue, in the order of `texts`.
 ///
-/// Entries that are missing are added without a translation. Where the text has changed, the entry takes it over,
-/// keeps the one that was translated beside it, and is marked as fuzzy. Entries for which there is no text become
-/// obsolete; they come back when their text does.
+/// Missing entries are added without a translation. If a text has changed, its entry is marked as fuzzy and keeps the
+/// text that was translated. Entries whose text no longer exists become obsolete. They are restored if the text
+/// returns.
 pub fn update(
     catalogue: &Catalogue,
     sources: &SourceMap,
@@ -39,27 +38,27 @@ pub fn update(
     let mut updated = Catalogue { entries: Vec::new(), end: catalogue.end.clone() };
     let mut current: BTreeMap<&str, usize> = BTreeMap::new();
     let mut obsolete: BTreeMap<&str, usize> = BTreeMap::new();
-    // Entries that stand in the result already.
+    // Entries that are already in the result.
     let mut used: BTreeSet<usize> = BTreeSet::new();
     for (index, entry) in entries.iter().enumerate() {
         if entry.is_header() {
             updated.entries.push(entry.clone());
             used.insert(index);
         } else if let Some(key) = entry.context.as_deref() {
-            // Of several obsolete entries of a key, the last is the youngest.
+            // If several obsolete entries have the same key, the last one is the most recent.
             let known = if entry.is_obsolete { &mut obsolete } else { &mut current };
             known.insert(key, index);
         }
     }
     let has_entry = |text: &&Text<'_>| current.contains_key(text.key.as_str());
-    let begun: BTreeSet<&str> = texts.iter().filter(has_entry).map(|text| text.unit.as_str()).collect();
-    let is_wanted = |text: &&Text<'_>| begun.contains(text.unit.as_str()) || select.contains(&text.unit);
-    for text in texts.iter().filter(is_wanted) {
-        let of_text = current.get(text.key.as_str()).copied();
+    let started: BTreeSet<&str> = texts.iter().filter(has_entry).map(|text| text.unit.as_str()).collect();
+    let is_selected = |text: &&Text<'_>| started.contains(text.unit.as_str()) || select.contains(&text.unit);
+    for text in texts.iter().filter(is_selected) {
+        let existing = current.get(text.key.as_str()).copied();
         let old = obsolete.get(text.key.as_str()).copied();
-        let old = old.filter(|_| of_text.is_none_or(|index| !holds_work(&entries[index])));
-        used.extend(of_text.into_iter().chain(old));
-        let base = old.or(of_text).map(|index| entries[index].clone()).unwrap_or_default();
+        let old = old.filter(|_| existing.is_none_or(|index| !has_work(&entries[index])));
+        used.extend(existing.into_iter().chain(old));
+        let base = old.or(existing).map(|index| entries[index].clone()).unwrap_or_default();
         updated.entries.push(bring_up_to_date(base, text, sources));
     }
     let rest: Vec<&Entry> = entries
@@ -69,13 +68,13 @@ pub fn update(
         .map(|(_, entry)| entry)
         .collect();
     updated.entries.extend(rest.iter().filter(|entry| entry.is_obsolete).map(|entry| (*entry).clone()));
-    let vanished = rest.into_iter().filter(|entry| !entry.is_obsolete && holds_work(entry));
-    updated.entries.extend(vanished.map(set_aside));
+    let vanished = rest.into_iter().filter(|entry| !entry.is_obsolete && has_work(entry));
+    updated.entries.extend(vanished.map(make_obsolete));
     updated
 }
 
-/// Whether a translator has done anything in an entry.
-fn holds_work(entry: &Entry) -> bool {
+/// True if an entry contains work of a translator.
+fn has_work(entry: &Entry) -> bool {
     entry.is_translated() || !entry.comments.is_empty()
 }
 
@@ -83,7 +82,7 @@ fn bring_up_to_date(mut entry: Entry, text: &Text<'_>, sources: &SourceMap) -> E
     entry.is_obsolete = false;
     entry.context = Some(text.key.clone());
     let path = sources.path(sources.source_of(text.span));
-    // A path of this machine says nothing on others.
+    // An absolute path is specific to one machine.
     entry.references = if Path::new(path).is_relative() { vec![path.to_owned()] } else { Vec::new() };
     entry.notes = if text.note.is_empty() { Vec::new() } else { vec![text.note.clone()] };
     let is_changed = entry.id != text.text;
@@ -92,7 +91,7 @@ fn bring_up_to_date(mut entry: Entry, text: &Text<'_>, sources: &SourceMap) -> E
         entry.flags.retain(|flag| flag != FUZZY);
         (entry.previous_context, entry.previous_id) = (None, None);
     } else if is_changed {
-        // What was translated stays beside the translation, also where the text has changed twice since.
+        // Keeps the text that was translated, even if the definition has changed twice since.
         if !entry.is_fuzzy() || entry.previous_id.is_none() {
             entry.previous_id = Some(before);
         }
@@ -103,7 +102,7 @@ fn bring_up_to_date(mut entry: Entry, text: &Text<'_>, sources: &SourceMap) -> E
     entry
 }
 
-fn set_aside(entry: &Entry) -> Entry {
+fn make_obsolete(entry: &Entry) -> Entry {
     Entry { is_obsolete: true, notes: Vec::new(), references: Vec::new(), ..entry.clone() }
 }
 
@@ -135,7 +134,7 @@ mod tests {
         texts.iter().map(|text| text.unit.clone()).collect()
     }
 
-    /// What becomes of a catalogue where the definition says `text`.
+    /// Updates a catalogue for the definition `text`.
     fn updated(catalogue: &Catalogue, text: &str) -> Catalogue {
         let (sources, schema) = definitions(text);
         let texts = texts(&schema);
@@ -145,11 +144,11 @@ mod tests {
     fn entry<'c>(catalogue: &'c Catalogue, key: &str) -> &'c Entry {
         let mut found = catalogue.entries.iter().filter(|entry| entry.context.as_deref() == Some(key));
         let entry = found.next().unwrap_or_else(|| panic!("no {key}"));
-        assert!(found.next().is_none(), "{key} is there twice");
+        assert!(found.next().is_none(), "{key} is duplicated");
         entry
     }
 
-    /// A catalogue in which everything is translated.
+    /// A catalogue with all texts of a definition translated.
     fn translated(text: &str) -> Catalogue {
         let mut catalogue = updated(&new_catalogue("uk"), text);
         for entry in catalogue.entries.iter_mut().filter(|entry| !entry.is_header()) {
@@ -159,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_catalogue_has_an_entry_for_each_text() {
+    fn creates_an_entry_for_each_text() {
         let catalogue = updated(&new_catalogue("uk"), GLIDER);
         let keys: Vec<&str> = catalogue.entries.iter().filter_map(|entry| entry.context.as_deref()).collect();
         assert_eq!(keys, ["demo/Glider", "demo/Glider.timestamp", "demo/Glider.sink"]);
@@ -168,23 +167,23 @@ mod tests {
     }
 
     #[test]
-    fn what_has_changed_is_fuzzy_and_keeps_what_was_translated() {
+    fn marks_changed_texts_as_fuzzy_and_keeps_the_translated_text() {
         let changed = updated(&translated(GLIDER), &GLIDER.replace("Sink rate", "Sinking"));
         let sink = entry(&changed, "demo/Glider.sink");
         assert!(sink.is_fuzzy());
         assert_eq!((sink.id.as_str(), sink.translation.as_str()), ("Sinking", "«Sink rate»"));
         assert_eq!(sink.previous_id.as_deref(), Some("Sink rate"));
-        // A second change: the translation is still that of the first text.
+        // After a second change, `previous_id` is still the translated text.
         let again = updated(&changed, &GLIDER.replace("Sink rate", "How fast it sinks"));
         assert_eq!(entry(&again, "demo/Glider.sink").previous_id.as_deref(), Some("Sink rate"));
-        // What nobody has translated is only replaced.
+        // An entry without a translation is replaced without a mark.
         let untranslated = updated(&new_catalogue("uk"), GLIDER);
         let replaced = updated(&untranslated, &GLIDER.replace("Sink rate", "Sinking"));
         assert!(!entry(&replaced, "demo/Glider.sink").is_fuzzy());
     }
 
     #[test]
-    fn what_is_gone_is_obsolete_and_comes_back() {
+    fn restores_obsolete_entries_when_their_text_returns() {
         let before = translated(GLIDER);
         let without = GLIDER.replace("float32 sink  # [m/s] Sink rate\n", "");
         let gone = updated(&before, &without);
@@ -197,17 +196,17 @@ mod tests {
     }
 
     #[test]
-    fn only_what_is_begun_or_selected_is_added() {
+    fn adds_only_selected_units_and_units_with_entries() {
         let (sources, schema) = definitions(GLIDER);
         let texts = texts(&schema);
         let nothing = update(&new_catalogue("uk"), &sources, &texts, &BTreeSet::new());
         assert_eq!(nothing, new_catalogue("uk"));
-        let mut begun = nothing;
-        begun.entries.push(Entry { context: Some("demo/Glider.sink".to_owned()), ..Entry::default() });
-        assert_eq!(update(&begun, &sources, &texts, &BTreeSet::new()).entries.len(), 4);
+        let mut started = nothing;
+        started.entries.push(Entry { context: Some("demo/Glider.sink".to_owned()), ..Entry::default() });
+        assert_eq!(update(&started, &sources, &texts, &BTreeSet::new()).entries.len(), 4);
     }
 
-    /// Reads a catalogue, and says what is wrong with it beside what a translator has to do.
+    /// Prints and parses a catalogue. Returns the problems other than fuzzy and missing translations.
     fn mistakes(catalogue: &Catalogue, text: &str) -> Vec<&'static str> {
         let (mut sources, schema) = definitions(text);
         let id: SourceId = sources.add("uk.po", print(catalogue).into_bytes()).expect("a text");
@@ -217,7 +216,7 @@ mod tests {
         codes.filter(|code| !matches!(*code, "translation-fuzzy" | "translation-missing")).collect()
     }
 
-    /// Definitions of a few fields with a few texts.
+    /// Definitions with a few fields that have different texts.
     fn states() -> impl Strategy<Value = Vec<String>> {
         let field = (0..4_usize, 0..3_usize);
         let fields = prop::collection::btree_map(0..4_usize, field, 0..4);
@@ -231,15 +230,15 @@ mod tests {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
         #[test]
-        fn no_work_is_lost_whatever_changes(states in states()) {
+        fn never_loses_translations(states in states()) {
             let mut catalogue = new_catalogue("uk");
             let mut work: BTreeSet<String> = BTreeSet::new();
             for (step, text) in states.iter().enumerate() {
                 catalogue = updated(&catalogue, text);
                 prop_assert_eq!(&updated(&catalogue, text), &catalogue, "a second run changes nothing");
                 prop_assert_eq!(mistakes(&catalogue, text), Vec::<&str>::new());
-                let held: BTreeSet<String> = catalogue.entries.iter().map(|entry| entry.translation.clone()).collect();
-                prop_assert!(work.is_subset(&held), "{work:?} {held:?}");
+                let translations: BTreeSet<String> = catalogue.entries.iter().map(|entry| entry.translation.clone()).collect();
+                prop_assert!(work.is_subset(&translations), "{work:?} {translations:?}");
                 for (index, entry) in catalogue.entries.iter_mut().enumerate() {
                     if entry.translation.is_empty() {
                         entry.translation = format!("{step}.{index}");

@@ -1,4 +1,4 @@
-//! Bytes, text and definitions that nobody would send in good faith: an error or a value, in bounded room.
+//! Malicious bytes, text and definitions. They cause an error or a value, within bounded memory.
 
 use std::fmt::Write as _;
 
@@ -13,7 +13,7 @@ use crate::support;
 
 const ROS2: Form = Form::Msg(Dialect::Ros2);
 
-/// Everything of which a payload says how much there is.
+/// Messages with all length prefixes that a payload can contain.
 fn schema() -> Schema {
     let files = [
         (
@@ -28,36 +28,36 @@ fn schema() -> Schema {
     support::texts(ROS2, &files).1
 }
 
-/// Reads bytes in every way there is, and makes everything there is of the value.
-fn read(of: MessageType<'_>, bytes: &[u8]) {
-    for message in [of.decode_cdr(bytes), of.decode_cdr_strict(bytes)].into_iter().flatten() {
+/// Decodes bytes in all forms, and converts the value to all forms.
+fn read(ty: MessageType<'_>, bytes: &[u8]) {
+    for message in [ty.decode_cdr(bytes), ty.decode_cdr_strict(bytes)].into_iter().flatten() {
         let most = 8 * (bytes.len() - HEADER);
         assert!(message.size_in_memory() <= most, "{} bytes of {}", message.size_in_memory(), bytes.len());
         for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
             let again = message.to_cdr(order).expect("what was read can be written");
-            assert!(of.decode_cdr(&again).is_ok());
+            assert!(ty.decode_cdr(&again).is_ok());
         }
         message.validate();
-        // Infinity has no JSON.
+        // JSON can't represent infinity.
         let _ = message.to_json();
     }
-    if let Ok(message) = of.decode_uorb(bytes) {
+    if let Ok(message) = ty.decode_uorb(bytes) {
         message.to_uorb().expect("what was read can be written");
         message.validate();
         let _ = message.to_json();
     }
-    let _ = of.decode_uorb_strict(bytes);
+    let _ = ty.decode_uorb_strict(bytes);
 }
 
-/// What is in the way where a length of 2³² - 1 is put at each place, and the rest left or cut off.
+/// Writes the length 2³² - 1 at every position of a payload, and optionally truncates the rest.
 #[test]
-fn lengths_are_not_believed() {
+fn does_not_trust_lengths() {
     let schema = schema();
     let types = Types::new(&schema);
     for message in &schema.messages {
-        let of = types.find("demo", &message.name).expect("the type");
+        let ty = types.find("demo", &message.name).expect("the type");
         for seed in 0..2 {
-            let value = of.from_json(&Draw(seed).message(&schema, message)).expect("a message");
+            let value = ty.from_json(&Draw(seed).message(&schema, message)).expect("a message");
             for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
                 let payload = value.to_cdr(order).expect("a payload");
                 for at in (0..payload.len().saturating_sub(3)).step_by(4) {
@@ -68,8 +68,8 @@ fn lengths_are_not_believed() {
                             ByteOrder::BigEndian => length.to_be_bytes(),
                         };
                         payload[at..at + 4].copy_from_slice(&bytes);
-                        read(of, &payload);
-                        read(of, &payload[..at + 4]);
+                        read(ty, &payload);
+                        read(ty, &payload[..at + 4]);
                     }
                 }
             }
@@ -78,41 +78,41 @@ fn lengths_are_not_believed() {
 }
 
 #[test]
-fn random_bytes_are_a_value_or_an_error() {
+fn decodes_random_bytes_to_a_value_or_an_error() {
     let schema = schema();
     let types = Types::new(&schema);
     let mut draw = Draw(7);
     let mut values = 0;
     for _ in 0..5000 {
-        for of in types.iter() {
+        for ty in types.iter() {
             let length = draw.below(90);
             let mut bytes = draw.bytes(length);
             if let Some(head) = bytes.first_chunk_mut() {
                 *head = [0, draw.bytes(1)[0] & 1, 0, 0];
             }
-            // Small numbers make for lengths that are not refused at once.
+            // Small numbers create plausible lengths.
             bytes.iter_mut().skip(HEADER).for_each(|byte| *byte &= [0xff, 3, 0, 1][draw.below(4)]);
-            values += usize::from(of.decode_cdr(&bytes).is_ok());
-            read(of, &bytes);
+            values += usize::from(ty.decode_cdr(&bytes).is_ok());
+            read(ty, &bytes);
         }
     }
     assert!(values > 300, "only {values} values");
 }
 
 #[test]
-fn empty_messages_come_in_any_number_that_the_payload_has_bytes_for() {
+fn limits_the_number_of_empty_messages_to_the_payload_size() {
     let (_, schema, _) = support::texts(ROS2, &[("Many.msg", "Empty[] all\n"), ("Empty.msg", "")]);
     let types = Types::new(&schema);
-    let of = types.find("demo", "Many").expect("the type");
+    let ty = types.find("demo", "Many").expect("the type");
     let payload = [&[0, 1, 0, 0, 100, 0, 0, 0][..], &[0; 100]].concat();
-    let message = of.decode_cdr(&payload).expect("a message");
+    let message = ty.decode_cdr(&payload).expect("a message");
     assert_eq!(message.to_cdr(ByteOrder::LittleEndian).as_deref(), Ok(&payload[..]));
-    assert!(of.decode_cdr(&payload[..payload.len() - 1]).is_err());
-    assert!(of.decode_cdr(&[0, 1, 0, 0, 0xff, 0xff, 0xff, 0xff]).is_err());
+    assert!(ty.decode_cdr(&payload[..payload.len() - 1]).is_err());
+    assert!(ty.decode_cdr(&[0, 1, 0, 0, 0xff, 0xff, 0xff, 0xff]).is_err());
 }
 
 #[test]
-fn large_types_take_no_room_for_small_payloads() {
+fn does_not_allocate_large_types_for_small_payloads() {
     let files = [
         ("Large.msg", "uint8[16000000] a\nstring b\n"),
         ("Wide.msg", "Byte[4000000] a\nstring b\n"),
@@ -126,13 +126,13 @@ fn large_types_take_no_room_for_small_payloads() {
     assert_eq!(payload.len(), HEADER + 4_000_000 + 5);
     assert_eq!(wide.decode_cdr(&payload).expect("a message").size_in_memory(), 8 * (4_000_000 + 1));
     assert!(wide.decode_cdr(&[0, 1, 0, 0, 1, 2, 3]).is_err());
-    let of = types.find("demo", "Large").expect("the type");
-    let error = of.decode_cdr(&[0, 1, 0, 0, 1, 2, 3]).expect_err("refused");
+    let ty = types.find("demo", "Large").expect("the type");
+    let error = ty.decode_cdr(&[0, 1, 0, 0, 1, 2, 3]).expect_err("refused");
     assert_eq!(error.to_string(), "a[3] at byte 4: expected 16000000 more bytes, found 3");
 }
 
 #[test]
-fn definitions_nest_as_deep_as_the_stack_bears() {
+fn limits_the_nesting_depth_of_definitions() {
     let files: Vec<(String, String)> = (0..2000)
         .map(|level| {
             let text = if level == 0 {
@@ -151,7 +151,7 @@ fn definitions_nest_as_deep_as_the_stack_bears() {
     assert_eq!(error.reason, Reason::Defect(Defect::TooDeep(32)));
     assert_eq!(
         find(1999).from_json_text("{}").expect_err("refused").to_string(),
-        "L1999: nests messages deeper than 32"
+        "L1999: nests messages more than 32 levels deep"
     );
     assert!(find(1999).default().to_cdr(ByteOrder::LittleEndian).is_err());
     let deepest = find(32).default();
@@ -162,7 +162,7 @@ fn definitions_nest_as_deep_as_the_stack_bears() {
 }
 
 #[test]
-fn definitions_with_mistakes_are_refused_later() {
+fn reports_defects_of_types() {
     let files = [
         ("A.msg", "B b\n"),
         ("B.msg", "A[2] a\n"),
@@ -180,7 +180,7 @@ fn definitions_with_mistakes_are_refused_later() {
 }
 
 #[test]
-fn sizes_are_told() {
+fn returns_the_size_of_fixed_size_types() {
     let schema = schema();
     let types = Types::new(&schema);
     let byte = types.find("demo", "Byte").expect("the type");
@@ -191,12 +191,12 @@ fn sizes_are_told() {
         "Byte at byte 2: expected 8 bytes, or 1 without the padding at the end, found 2"
     );
     let error = types.find("demo", "Leaf").expect("the type").decode_uorb(&[0; 2]).expect_err("refused");
-    assert_eq!(error.to_string(), "Leaf: expected a message of fixed size, found strings or sequences in it");
+    assert_eq!(error.to_string(), "Leaf: expected a message of fixed size, found strings or sequences");
 }
 
-/// In words and places that the typed codec has too.
+/// The typed codec reports the same errors.
 #[test]
-fn faults_in_messages_of_fixed_size_are_told_by_path_and_byte() {
+fn reports_the_path_and_byte_of_faults_in_messages_of_fixed_size() {
     let files = [
         ("Hollow.msg", "Empty e\nuint8 x\n"),
         ("Empty.msg", ""),
@@ -205,28 +205,28 @@ fn faults_in_messages_of_fixed_size_are_told_by_path_and_byte() {
     ];
     let (_, schema, _) = support::texts(ROS2, &files);
     let types = Types::new(&schema);
-    let of = types.find("demo", "Hollow").expect("the type");
+    let ty = types.find("demo", "Hollow").expect("the type");
     for (end, expected) in [(4, "e at byte 4"), (5, "x at byte 5")] {
-        let error = of.decode_cdr(&[0, 1, 0, 0, 0, 0][..end]).expect_err("too short");
-        assert_eq!(error.to_string(), format!("{expected}: expected 1 more bytes, found 0"));
+        let error = ty.decode_cdr(&[0, 1, 0, 0, 0, 0][..end]).expect_err("too short");
+        assert_eq!(error.to_string(), format!("{expected}: expected 1 more byte, found 0"));
     }
-    let of = types.find("demo", "Out").expect("the type");
+    let ty = types.find("demo", "Out").expect("the type");
     for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
-        let mut payload = of.default().to_cdr(order).expect("a payload");
+        let mut payload = ty.default().to_cdr(order).expect("a payload");
         payload[14..].fill(9);
-        let error = of.decode_cdr_strict(&payload).expect_err("odd");
-        assert_eq!(error.to_string(), "ins[1].flags[2] at byte 14: expected a bool of 0 or 1, found 9");
+        let error = ty.decode_cdr_strict(&payload).expect_err("odd");
+        assert_eq!(error.to_string(), "ins[1].flags[2] at byte 14: expected 0 or 1, found 9");
     }
 }
 
 #[test]
-fn json_that_does_not_fit_is_refused_by_path() {
+fn reports_the_path_of_invalid_json() {
     let schema = schema();
     let types = Types::new(&schema);
-    let of = types.find("demo", "Twig").expect("the type");
+    let ty = types.find("demo", "Twig").expect("the type");
     let leaf = r#"{"a":true,"b":["x"],"c":[1,2]}"#;
     let text = format!(r#"{{"a":1,"b":["x"],"c":[{leaf}],"d":[{leaf},{leaf}]}}"#);
-    assert!(of.from_json_text(&text).is_ok());
+    assert!(ty.from_json_text(&text).is_ok());
     for (from, to, expected) in [
         ("1,2", "1,70000", "c[0].c[1]: invalid value: integer `70000`, expected an integer from 0 to 65535"),
         ("true", "0", "c[0].a: invalid type: integer `0`, expected true or false"),
@@ -243,13 +243,13 @@ fn json_that_does_not_fit_is_refused_by_path() {
     ] {
         let spoiled = text.replacen(from, to, 1);
         assert_ne!(spoiled, text);
-        let error = of.from_json_text(&spoiled).expect_err(&spoiled).to_string();
+        let error = ty.from_json_text(&spoiled).expect_err(&spoiled).to_string();
         assert!(error.starts_with(expected), "{error}\n{expected}");
         let tree = serde_json::from_str(&spoiled);
         if expected.contains("duplicate") {
             continue; // a tree holds each key once
         }
-        let error = of.from_json(&tree.expect("JSON")).expect_err(&spoiled).to_string();
+        let error = ty.from_json(&tree.expect("JSON")).expect_err(&spoiled).to_string();
         assert_eq!(error, expected);
     }
     for text in [
@@ -263,34 +263,31 @@ fn json_that_does_not_fit_is_refused_by_path() {
         &"{\"c\":[".repeat(10_000),
         &format!("{text}]"),
     ] {
-        assert!(of.from_json_text(text).is_err(), "{text}");
+        assert!(ty.from_json_text(text).is_err(), "{text}");
     }
 }
 
-/// What can't be said in a form is refused by the way to it.
+/// A value without a form is reported with its path.
 #[test]
-fn values_without_a_form_are_refused_by_path() {
+fn reports_the_path_of_values_that_a_form_cannot_represent() {
     let files = [("Outer.msg", "Inner[] all\nstring<=2[] names\n"), ("Inner.msg", "float32[2] a\n")];
     let (_, schema, _) = support::texts(ROS2, &files);
     let types = Types::new(&schema);
-    let of = types.find("demo", "Outer").expect("the type");
+    let ty = types.find("demo", "Outer").expect("the type");
     let inner = types.find("demo", "Inner").expect("the type");
     let message = inner.decode_uorb(&[0, 0, 0, 0, 0, 0, 0x80, 0xff]).expect("a message");
     assert_eq!(
         message.to_json().expect_err("refused").to_string(),
         "a[1]: -inf, which JSON has no number for"
     );
-    let message = of.from_json_text(r#"{"all":[],"names":["ab","abc"]}"#).expect("a message");
+    let message = ty.from_json_text(r#"{"all":[],"names":["ab","abc"]}"#).expect("a message");
     let error = message.to_cdr(ByteOrder::LittleEndian).expect_err("refused");
     assert_eq!(error.to_string(), "names[1]: expected at most 2, found 3");
-    assert_eq!(
-        message.validate()[0].to_string(),
-        "names[1]: 3 elements or characters where 2 fit (PX-CDR-02)"
-    );
+    assert_eq!(message.validate()[0].to_string(), "names[1]: length 3 exceeds the bound 2 (PX-CDR-02)");
 }
 
 #[test]
-fn any_path_leads_somewhere_or_nowhere() {
+fn does_not_panic_on_invalid_paths() {
     let schema = schema();
     let types = Types::new(&schema);
     let message = types.find("demo", "Twig").expect("the type").default();

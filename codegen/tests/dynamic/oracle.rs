@@ -1,4 +1,4 @@
-//! CDR and JSON of other tools, both ways.
+//! Comparison with the CDR and JSON of other tools, in both directions.
 
 use std::fs;
 
@@ -29,30 +29,31 @@ fn cdr_of_ros2_is_that_of_other_tools() {
     assert_eq!(check(&schema, &fs::read_to_string(oracle).expect("an oracle")), 282);
 }
 
-/// No corpus has a `wstring`: the bytes that `rosidl_typesupport_fastrtps` writes, put together by hand.
+/// No corpus contains a `wstring`, so these bytes were assembled by hand in the format of
+/// `rosidl_typesupport_fastrtps`.
 #[test]
 fn wide_strings_are_those_of_ros2() {
     let (_, schema, _) =
         support::texts(Form::Msg(Dialect::Ros2), &[("Label.msg", "uint8 tag\nwstring wide\n")]);
     let types = Types::new(&schema);
-    let of = types.find("demo", "Label").expect("the type");
+    let ty = types.find("demo", "Label").expect("the type");
     let text = r#"{"tag":7,"wide":"a🚁"}"#;
     for (order, hex) in [
         (ByteOrder::LittleEndian, "00010000 07000000 03000000 61000000 3dd80000 81de0000"),
         (ByteOrder::BigEndian, "00000000 07000000 00000003 00000061 0000d83d 0000de81"),
     ] {
         let payload = bytes(&hex.replace(' ', ""));
-        let message = of.from_json_text(text).expect("a message");
+        let message = ty.from_json_text(text).expect("a message");
         assert_eq!(message.to_cdr(order).as_deref(), Ok(&*payload));
-        let message = of.decode_cdr(&payload).expect("a message");
+        let message = ty.decode_cdr(&payload).expect("a message");
         assert_eq!(message.view().to_json_text().as_deref(), Ok(text));
-        // With a bit turned it is text only where each unit keeps to 16 bits, and both halves to their pair.
+        // A flipped bit leaves valid text only if each unit is at most 16 bits and surrogates stay paired.
         for at in 12..payload.len() {
             let mut payload = payload.clone();
             payload[at] ^= 0x80;
             let is_text = matches!(order, ByteOrder::LittleEndian) && [12, 13, 16, 20].contains(&at)
                 || matches!(order, ByteOrder::BigEndian) && [14, 15, 19, 23].contains(&at);
-            assert_eq!(of.decode_cdr(&payload).is_ok(), is_text, "{at}");
+            assert_eq!(ty.decode_cdr(&payload).is_ok(), is_text, "{at}");
         }
     }
 }
@@ -70,21 +71,21 @@ fn check(schema: &Schema, oracle: &str) -> usize {
     cases.len()
 }
 
-fn check_case(of: MessageType<'_>, case: &Json) {
+fn check_case(ty: MessageType<'_>, case: &Json) {
     let what = format!("{} {}", case["type"], case["case"]);
     let json = &case["json"];
-    let from_json = of.from_json(json).unwrap_or_else(|error| panic!("{what}: {error}"));
+    let from_json = ty.from_json(json).unwrap_or_else(|error| panic!("{what}: {error}"));
     for (order, key) in [(ByteOrder::LittleEndian, "cdr_le_hex"), (ByteOrder::BigEndian, "cdr_be_hex")] {
         let payload = bytes(case[key].as_str().expect("hexadecimal digits"));
-        let message = of.decode_cdr_strict(&payload).unwrap_or_else(|error| panic!("{what}: {error}"));
+        let message = ty.decode_cdr_strict(&payload).unwrap_or_else(|error| panic!("{what}: {error}"));
         let found = message.to_json().unwrap_or_else(|error| panic!("{what}: {error}"));
         assert!(same(&found, json), "{what}\n{found}\n{json}");
         assert_eq!(message.to_cdr(order).as_deref(), Ok(&*payload), "{what}");
         assert_eq!(from_json.to_cdr(order).as_deref(), Ok(&*payload), "{what} from JSON");
     }
-    if of.size().is_some() {
+    if ty.size().is_some() {
         let payload = from_json.to_uorb().unwrap_or_else(|error| panic!("{what}: {error}"));
-        let message = of.decode_uorb_strict(&payload).unwrap_or_else(|error| panic!("{what}: {error}"));
+        let message = ty.decode_uorb_strict(&payload).unwrap_or_else(|error| panic!("{what}: {error}"));
         assert!(same(&message.to_json().expect("JSON"), json), "{what} by uORB");
     }
 }
@@ -98,7 +99,7 @@ fn bytes(hexadecimal: &str) -> Vec<u8> {
         .collect()
 }
 
-/// Equal, where a float may be written with the digits of a 32-bit or of a 64-bit one, or as an integer.
+/// True if the values are equal. A float may have the digits of a 32-bit or of a 64-bit float, or be an integer.
 pub(crate) fn same(left: &Json, right: &Json) -> bool {
     match (left, right) {
         (Json::Array(left), Json::Array(right)) => {

@@ -1,4 +1,4 @@
-//! Whatever the definition, and whatever the value: what is written is read again.
+//! Round trips of arbitrary values of arbitrary definitions.
 
 use std::fmt::Write as _;
 
@@ -21,7 +21,7 @@ const SCALARS: [&str; 13] = [
 ];
 const STRINGS: [&str; 6] = ["byte", "string", "wstring", "string<=3", "wstring<=4", "Empty"];
 
-/// The type of a field; nested ones are `Inner` and `Empty`.
+/// The type of a field. Nested types are `Inner` and `Empty`.
 fn field(dialect: Dialect) -> impl Strategy<Value = String> {
     let elements: Vec<&str> = match dialect {
         Dialect::Px4 => SCALARS.to_vec(),
@@ -34,7 +34,7 @@ fn field(dialect: Dialect) -> impl Strategy<Value = String> {
     (select(elements), select(shapes)).prop_map(|(element, shape)| format!("{element}{shape}"))
 }
 
-/// A definition of a message.
+/// The definition of a message.
 fn definition(dialect: Dialect, least: usize) -> impl Strategy<Value = String> {
     proptest::collection::vec(field(dialect), least..12).prop_map(|fields| {
         fields.iter().enumerate().fold(String::new(), |mut text, (index, ty)| {
@@ -45,7 +45,7 @@ fn definition(dialect: Dialect, least: usize) -> impl Strategy<Value = String> {
 }
 
 fn schema(dialect: Dialect, outer: &str, inner: &str) -> Result<Schema, TestCaseError> {
-    // What holds `Inner` may hold no `Outer`; `Inner` holds the innermost.
+    // `Outer` contains `Inner`, and `Inner` contains the innermost message.
     let inner = inner.replace("Inner", "Innermost");
     let innermost = "uint8 a\nfloat64 b\nbool c\n";
     let files =
@@ -58,20 +58,20 @@ fn schema(dialect: Dialect, outer: &str, inner: &str) -> Result<Schema, TestCase
 fn check(schema: &Schema, seed: u64) -> Result<(), TestCaseError> {
     let types = Types::new(schema);
     for message in &schema.messages {
-        let of = types.find("demo", &message.name).expect("the type");
+        let ty = types.find("demo", &message.name).expect("the type");
         let mut draw = Draw(seed);
-        check_json(of, &draw.message(schema, message))?;
-        check_bytes(of, message, &draw.message(schema, message))?;
-        let default = of.default();
-        let read = of.from_json(&default.to_json().expect("JSON")).expect("a message");
+        check_json(ty, &draw.message(schema, message))?;
+        check_bytes(ty, message, &draw.message(schema, message))?;
+        let default = ty.default();
+        let read = ty.from_json(&default.to_json().expect("JSON")).expect("a message");
         prop_assert_eq!(read.to_json(), default.to_json());
     }
     Ok(())
 }
 
-/// A tree, text, and text with its fields in another order are the same message.
-fn check_json(of: MessageType<'_>, json: &Json) -> Result<(), TestCaseError> {
-    let message = of.from_json(json).map_err(|error| TestCaseError::fail(error.to_string()))?;
+/// A JSON tree, its text, and the text with reordered fields decode to the same message.
+fn check_json(ty: MessageType<'_>, json: &Json) -> Result<(), TestCaseError> {
+    let message = ty.from_json(json).map_err(|error| TestCaseError::fail(error.to_string()))?;
     prop_assert_eq!(&message.to_json().expect("JSON"), json);
     prop_assert_eq!(
         message.view().to_json_text().expect("JSON"),
@@ -80,32 +80,32 @@ fn check_json(of: MessageType<'_>, json: &Json) -> Result<(), TestCaseError> {
     let payload = message.to_cdr(ByteOrder::LittleEndian).expect("a payload");
     let text = json.to_string();
     prop_assert!(message.size_in_memory() <= 8 * text.len(), "{} of {text}", message.size_in_memory());
-    for text in [text, turned(json).to_string()] {
-        let message = of.from_json_text(&text).map_err(|error| TestCaseError::fail(error.to_string()))?;
+    for text in [text, reversed(json).to_string()] {
+        let message = ty.from_json_text(&text).map_err(|error| TestCaseError::fail(error.to_string()))?;
         prop_assert_eq!(message.to_cdr(ByteOrder::LittleEndian).expect("a payload"), &payload[..]);
     }
     Ok(())
 }
 
-/// The same with the fields of all objects in the opposite order.
-fn turned(json: &Json) -> Json {
+/// Reverses the fields of all objects.
+fn reversed(json: &Json) -> Json {
     match json {
-        Json::Array(values) => values.iter().map(turned).collect(),
+        Json::Array(values) => values.iter().map(reversed).collect(),
         Json::Object(fields) => {
-            fields.iter().rev().map(|(key, value)| (key.clone(), turned(value))).collect()
+            fields.iter().rev().map(|(key, value)| (key.clone(), reversed(value))).collect()
         }
         other => other.clone(),
     }
 }
 
-fn check_bytes(of: MessageType<'_>, message: &Message, json: &Json) -> Result<(), TestCaseError> {
-    let value = of.from_json(json).expect("a message");
+fn check_bytes(ty: MessageType<'_>, message: &Message, json: &Json) -> Result<(), TestCaseError> {
+    let value = ty.from_json(json).expect("a message");
     for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
         let payload = value.to_cdr(order).map_err(|error| TestCaseError::fail(error.to_string()))?;
         let size = payload.len() as u64;
         let least = message.cdr.least;
         prop_assert!(size == least || !message.cdr.is_fixed && size > least);
-        for decoded in [of.decode_cdr(&payload), of.decode_cdr_strict(&payload)] {
+        for decoded in [ty.decode_cdr(&payload), ty.decode_cdr_strict(&payload)] {
             let decoded = decoded.map_err(|error| TestCaseError::fail(error.to_string()))?;
             prop_assert_eq!(&decoded.to_json().expect("JSON"), json);
             prop_assert_eq!(&decoded.to_cdr(order).expect("a payload"), &payload);
@@ -113,29 +113,29 @@ fn check_bytes(of: MessageType<'_>, message: &Message, json: &Json) -> Result<()
             prop_assert!(decoded.size_in_memory() <= most, "{} of {most}", decoded.size_in_memory());
         }
         for end in 0..payload.len() {
-            prop_assert!(of.decode_cdr(&payload[..end]).is_err(), "{end} of {}", payload.len());
+            prop_assert!(ty.decode_cdr(&payload[..end]).is_err(), "{end} of {}", payload.len());
         }
     }
-    prop_assert_eq!(of.size().is_some(), message.uorb.is_some());
+    prop_assert_eq!(ty.size().is_some(), message.uorb.is_some());
     let Some(layout) = &message.uorb else {
-        prop_assert!(value.to_uorb().is_err() && of.decode_uorb(&[]).is_err());
+        prop_assert!(value.to_uorb().is_err() && ty.decode_uorb(&[]).is_err());
         return Ok(());
     };
     let payload = value.to_uorb().expect("a payload");
     prop_assert_eq!(payload.len(), layout.size);
     for payload in [&payload[..], &payload[..layout.size_no_padding]] {
         let decoded =
-            of.decode_uorb_strict(payload).map_err(|error| TestCaseError::fail(error.to_string()))?;
+            ty.decode_uorb_strict(payload).map_err(|error| TestCaseError::fail(error.to_string()))?;
         prop_assert_eq!(&decoded.to_json().expect("JSON"), json);
-        prop_assert_eq!(&of.view_uorb(payload).expect("a message").to_json().expect("JSON"), json);
+        prop_assert_eq!(&ty.view_uorb(payload).expect("a message").to_json().expect("JSON"), json);
         prop_assert_eq!(decoded.to_uorb().expect("a payload").len(), layout.size);
     }
     Ok(())
 }
 
-/// Of messages with many parts no list of places is made. Odd `bool`s and padding are made plain in both.
+/// Long messages have no list of copies. Both ways normalize noncanonical `bool`s and padding.
 #[test]
-fn messages_with_many_parts_are_written_like_those_with_few() {
+fn encodes_long_messages_like_short_ones() {
     let files = [
         ("Few.msg", "Pair[3] all\n"),
         ("Many.msg", "Pair[300] all\n"),
@@ -152,15 +152,15 @@ fn messages_with_many_parts_are_written_like_those_with_few() {
     assert_eq!(many.to_uorb().expect("a payload"), expected.repeat(100));
     for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
         let few = few.to_cdr(order).expect("a payload");
-        // What aligns the next pair stands between.
+        // The padding that aligns the next pair.
         let filled = [&few[HEADER..], &[0; 6]].concat();
         let payload = many.to_cdr(order).expect("a payload");
         let end = HEADER + 99 * filled.len();
         assert_eq!(payload[..end], [&few[..HEADER], &filled.repeat(99)].concat());
         assert_eq!(payload[end..], few[HEADER..]);
-        let of = many.message_type();
-        assert_eq!(of.decode_cdr(&payload).expect("a message").to_uorb(), many.to_uorb());
-        assert!(of.decode_cdr(&payload[..payload.len() - 1]).is_err());
+        let ty = many.message_type();
+        assert_eq!(ty.decode_cdr(&payload).expect("a message").to_uorb(), many.to_uorb());
+        assert!(ty.decode_cdr(&payload[..payload.len() - 1]).is_err());
     }
 }
 

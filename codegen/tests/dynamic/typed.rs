@@ -1,4 +1,4 @@
-//! Generated types and types made at run time say the same of the same bytes, and of the same JSON.
+//! Comparison of generated types with types created at run time, for the same bytes and the same JSON.
 
 use proptest::prelude::*;
 use serde::Serialize;
@@ -17,7 +17,7 @@ use uavspec_runtime::{Definition, Message, UorbMessage, record};
 use super::values::Draw;
 use crate::support;
 
-/// A message of everything that has no fixed size, as the generator would make it.
+/// A message of varying size with all kinds of fields, as the generator would declare it.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Leaf {
     on: bool,
@@ -93,10 +93,10 @@ fn trees() -> Schema {
     support::texts(Form::Msg(Dialect::Ros2), &files).1
 }
 
-/// The JSON text and the violations of a message, or why there is none.
-type Told = Result<(Option<String>, Vec<String>), String>;
+/// The JSON text and the violations of a message, or the error.
+type Outcome = Result<(Option<String>, Vec<String>), String>;
 
-fn typed<T: Message + Serialize, E: ToString>(message: Result<T, E>) -> Told {
+fn typed<T: Message + Serialize, E: ToString>(message: Result<T, E>) -> Outcome {
     let message = message.map_err(|error| error.to_string())?;
     let violations = message.validate().iter().map(ToString::to_string).collect();
     Ok((serde_json::to_string(&message).ok(), violations))
@@ -111,25 +111,25 @@ macro_rules! dynamic {
     };
 }
 
-fn agree_on_cdr<T: Message + Serialize>(of: MessageType<'_>, payload: &[u8]) -> Result<(), TestCaseError> {
-    let told: Told = dynamic!(of.decode_cdr(payload));
-    prop_assert_eq!(told, typed(T::from_cdr(payload)));
-    let told: Told = dynamic!(of.decode_cdr_strict(payload));
-    prop_assert_eq!(told, typed(T::from_cdr_strict(payload)));
+fn agree_on_cdr<T: Message + Serialize>(ty: MessageType<'_>, payload: &[u8]) -> Result<(), TestCaseError> {
+    let found: Outcome = dynamic!(ty.decode_cdr(payload));
+    prop_assert_eq!(found, typed(T::from_cdr(payload)));
+    let found: Outcome = dynamic!(ty.decode_cdr_strict(payload));
+    prop_assert_eq!(found, typed(T::from_cdr_strict(payload)));
     Ok(())
 }
 
 fn agree_on_uorb<T: UorbMessage + Serialize>(
-    of: MessageType<'_>,
+    ty: MessageType<'_>,
     payload: &[u8],
 ) -> Result<(), TestCaseError> {
-    let told: Told = dynamic!(of.decode_uorb(payload));
-    prop_assert_eq!(told, typed(T::from_uorb(payload)));
-    let told: Told = dynamic!(of.view_uorb(payload));
-    prop_assert_eq!(told, typed(T::from_uorb(payload)));
-    let told: Told = dynamic!(of.decode_uorb_strict(payload));
-    prop_assert_eq!(told, typed(T::from_uorb_strict(payload)));
-    if let (Ok(typed), Ok(message)) = (T::from_uorb(payload), of.decode_uorb(payload)) {
+    let found: Outcome = dynamic!(ty.decode_uorb(payload));
+    prop_assert_eq!(found, typed(T::from_uorb(payload)));
+    let found: Outcome = dynamic!(ty.view_uorb(payload));
+    prop_assert_eq!(found, typed(T::from_uorb(payload)));
+    let found: Outcome = dynamic!(ty.decode_uorb_strict(payload));
+    prop_assert_eq!(found, typed(T::from_uorb_strict(payload)));
+    if let (Ok(typed), Ok(message)) = (T::from_uorb(payload), ty.decode_uorb(payload)) {
         let payload = typed.to_uorb().as_ref().to_vec();
         prop_assert_eq!(message.to_uorb().expect("a payload"), payload);
         for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
@@ -139,25 +139,25 @@ fn agree_on_uorb<T: UorbMessage + Serialize>(
     Ok(())
 }
 
-/// Reads a text as both, and compares what becomes of it.
+/// Reads a text with both types, and compares the results.
 fn agree_on_json<T: Message + DeserializeOwned>(
-    of: MessageType<'_>,
+    ty: MessageType<'_>,
     text: &str,
 ) -> Result<(), TestCaseError> {
     let typed = serde_json::from_str::<T>(text);
-    let message = of.from_json_text(text);
+    let message = ty.from_json_text(text);
     prop_assert_eq!(typed.is_ok(), message.is_ok(), "{:?} {:?} {}", typed.err(), message.err(), text);
     if let (Ok(typed), Ok(message)) = (typed, message) {
         let order = ByteOrder::LittleEndian;
-        let told = message.to_cdr(order).map_err(|error| error.to_string());
-        prop_assert_eq!(told, typed.to_cdr(order).map_err(|error| error.to_string()));
+        let found = message.to_cdr(order).map_err(|error| error.to_string());
+        prop_assert_eq!(found, typed.to_cdr(order).map_err(|error| error.to_string()));
         let violations = message.validate().iter().map(ToString::to_string).collect::<Vec<_>>();
         prop_assert_eq!(violations, typed.validate().iter().map(ToString::to_string).collect::<Vec<_>>());
     }
     Ok(())
 }
 
-/// Changes some bytes, or the length.
+/// Changes some bytes or the length.
 fn spoil(payload: &mut Vec<u8>, draw: &mut Draw) {
     for _ in 0..draw.below(4) {
         if payload.is_empty() {
@@ -175,7 +175,7 @@ fn spoil(payload: &mut Vec<u8>, draw: &mut Draw) {
     }
 }
 
-/// Puts another value, or none, in the place of one.
+/// Replaces or removes one value.
 fn spoil_text(text: &str, draw: &mut Draw) -> String {
     const VALUES: [&str; 14] = [
         "null",
@@ -206,29 +206,29 @@ fn agree<T: UorbMessage + Serialize + DeserializeOwned>(
     schema: &Schema,
     seed: u64,
 ) -> Result<(), TestCaseError> {
-    let of = types.find(T::PACKAGE, T::NAME).expect("the type");
+    let ty = types.find(T::PACKAGE, T::NAME).expect("the type");
     let message = schema.messages.iter().find(|message| message.name == T::NAME).expect("the message");
     let mut draw = Draw(seed);
     let random = draw.bytes(T::SIZE);
-    agree_on_uorb::<T>(of, &random)?;
-    agree_on_uorb::<T>(of, &random[..T::SIZE_NO_PADDING])?;
+    agree_on_uorb::<T>(ty, &random)?;
+    agree_on_uorb::<T>(ty, &random[..T::SIZE_NO_PADDING])?;
     let length = draw.below(T::SIZE + 9);
     let random = draw.bytes(length);
-    agree_on_uorb::<T>(of, &random)?;
+    agree_on_uorb::<T>(ty, &random)?;
 
     let json = draw.message(schema, message);
-    let value = of.from_json(&json).expect("a message");
+    let value = ty.from_json(&json).expect("a message");
     for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
         let mut payload = value.to_cdr(order).expect("a payload");
         spoil(&mut payload, &mut draw);
-        agree_on_cdr::<T>(of, &payload)?;
+        agree_on_cdr::<T>(ty, &payload)?;
     }
     let text = json.to_string();
-    agree_on_json::<T>(of, &text)?;
-    agree_on_json::<T>(of, &spoil_text(&text, &mut draw))
+    agree_on_json::<T>(ty, &text)?;
+    agree_on_json::<T>(ty, &spoil_text(&text, &mut draw))
 }
 
-/// What is read from `payload` is `json`, wherever it lies: eight places have all alignments among them.
+/// Checks that `payload` decodes to `json` at eight consecutive offsets, which cover all alignments.
 fn check_places(payload: &[u8], json: &str, read: impl Fn(&[u8]) -> String) {
     for by in 0..8 {
         let buffer = [&[0xaa; 8][..by], payload].concat();
@@ -237,25 +237,25 @@ fn check_places(payload: &[u8], json: &str, read: impl Fn(&[u8]) -> String) {
 }
 
 #[test]
-fn a_payload_is_read_the_same_wherever_it_lies() {
+fn reads_payloads_at_any_alignment() {
     let text = |message: DynamicView<'_>| message.to_json_text().expect("JSON");
     for schema in [px4(), trees()] {
         let types = Types::new(&schema);
-        for (of, message) in types.iter().zip(&schema.messages) {
-            let value = of.from_json(&Draw(3).message(&schema, message)).expect("a message");
+        for (ty, message) in types.iter().zip(&schema.messages) {
+            let value = ty.from_json(&Draw(3).message(&schema, message)).expect("a message");
             let json = text(value.view());
             for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
                 let payload = value.to_cdr(order).expect("a payload");
-                check_places(&payload, &json, |bytes| text(of.decode_cdr(bytes).expect("a message").view()));
+                check_places(&payload, &json, |bytes| text(ty.decode_cdr(bytes).expect("a message").view()));
                 check_places(&payload, &json, |bytes| {
-                    text(of.decode_cdr_strict(bytes).expect("a message").view())
+                    text(ty.decode_cdr_strict(bytes).expect("a message").view())
                 });
             }
             let Ok(payload) = value.to_uorb() else { continue };
-            check_places(&payload, &json, |bytes| text(of.decode_uorb(bytes).expect("a message").view()));
-            check_places(&payload, &json, |bytes| text(of.view_uorb(bytes).expect("a message")));
+            check_places(&payload, &json, |bytes| text(ty.decode_uorb(bytes).expect("a message").view()));
+            check_places(&payload, &json, |bytes| text(ty.view_uorb(bytes).expect("a message")));
             check_places(&payload, &json, |bytes| {
-                text(of.decode_uorb_strict(bytes).expect("a message").view())
+                text(ty.decode_uorb_strict(bytes).expect("a message").view())
             });
         }
     }
@@ -265,27 +265,27 @@ proptest! {
     #![proptest_config(support::config(2000))]
 
     #[test]
-    fn both_say_the_same_of_trees(seed: u64) {
+    fn both_agree_on_trees(seed: u64) {
         let schema = trees();
         let types = Types::new(&schema);
-        let of = types.find("demo", "Tree").expect("the type");
+        let ty = types.find("demo", "Tree").expect("the type");
         let message = schema.messages.iter().find(|message| message.name == "Tree").expect("the message");
         let mut draw = Draw(seed);
         let json = draw.message(&schema, message);
-        let value = of.from_json(&json).expect("a message");
+        let value = ty.from_json(&json).expect("a message");
         for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
             let mut payload = value.to_cdr(order).expect("a payload");
-            agree_on_cdr::<Tree>(of, &payload)?;
+            agree_on_cdr::<Tree>(ty, &payload)?;
             for _ in 0..8 {
                 spoil(&mut payload, &mut draw);
-                agree_on_cdr::<Tree>(of, &payload)?;
+                agree_on_cdr::<Tree>(ty, &payload)?;
             }
         }
         let mut text = json.to_string();
-        agree_on_json::<Tree>(of, &text)?;
+        agree_on_json::<Tree>(ty, &text)?;
         for _ in 0..3 {
             text = spoil_text(&text, &mut draw);
-            agree_on_json::<Tree>(of, &text)?;
+            agree_on_json::<Tree>(ty, &text)?;
         }
     }
 }
@@ -294,7 +294,7 @@ proptest! {
     #![proptest_config(support::config(500))]
 
     #[test]
-    fn both_say_the_same_of_our_definitions(seed: u64) {
+    fn both_agree_on_our_definitions(seed: u64) {
         let schema = px4();
         let types = Types::new(&schema);
         agree::<ArmingCheckReply>(&types, &schema, seed)?;

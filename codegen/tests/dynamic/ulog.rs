@@ -1,4 +1,4 @@
-//! Real logs, read with the formats that they bring: all values against those that another tool finds.
+//! Comparison of values in real logs, read with the formats of the logs, with the values found by another tool.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -9,7 +9,7 @@ use uavspec_codegen::dynamic::{Defect, DynamicView, FormatProblem, MessageType, 
 use crate::support::{files_below, px4, shared};
 
 #[test]
-fn all_values_of_real_logs_are_those_of_another_tool() {
+fn reads_the_same_values_from_real_logs_as_another_tool() {
     let (Some(logs), Some(oracles)) = (shared("corpus/ulog"), shared("oracle/ulog")) else { return };
     let mut checked = 0;
     for path in files_below(&logs, &["ulg"]) {
@@ -21,10 +21,10 @@ fn all_values_of_real_logs_are_those_of_another_tool() {
     assert_eq!(checked, 15 + 70 + 96);
 }
 
-/// Healthy logs hold to the definitions of all releases, in the fields that these share: what is found is
-/// what is known to be odd, and nothing else.
+/// Healthy logs satisfy the definitions of all releases, for fields that exist in both. The only violations are known
+/// anomalies.
 #[test]
-fn values_of_real_logs_break_no_rule_but_where_it_is_known() {
+fn finds_only_known_violations_in_real_logs() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
     let schemas = ["main", "1.16", "1.15"].map(|release| px4(&corpus.join(release).join("msg")).1);
     let mut checked = 0;
@@ -34,14 +34,14 @@ fn values_of_real_logs_break_no_rule_but_where_it_is_known() {
         let log = Log::read(&bytes);
         let (types, _) = Types::from_ulog_formats(log.formats.iter().copied());
         for ((topic, _), records) in &log.records {
-            let Some(of) = types.find(ULOG_PACKAGE, topic) else { continue };
+            let Some(ty) = types.find(ULOG_PACKAGE, topic) else { continue };
             for schema in &schemas {
                 let Some(message) = schema.messages.iter().find(|message| message.topics.contains(topic))
                 else {
                     continue;
                 };
                 for record in records {
-                    let view = of.view_uorb(record).expect("a message");
+                    let view = ty.view_uorb(record).expect("a message");
                     let numbers =
                         flat(view).into_iter().filter_map(|(path, value)| Some((path, value.number()?)));
                     for (path, number) in numbers {
@@ -51,7 +51,7 @@ fn values_of_real_logs_break_no_rule_but_where_it_is_known() {
                         };
                         let Some(restriction) = schema.restriction(message, field) else { continue };
                         checked += 1;
-                        if let Some(rule) = restriction.constraint().broken_by(number) {
+                        if let Some(rule) = restriction.constraint().violated_by(number) {
                             *found.entry(format!("{topic}.{name} {rule}")).or_default() += 1;
                         }
                     }
@@ -72,17 +72,17 @@ fn check_log(bytes: &[u8], oracle: &Json) -> usize {
     for topic in topics {
         let name = topic["name"].as_str().expect("a name");
         let records = &log.records[&(name.to_owned(), topic["multi_id"].as_u64().expect("a number"))];
-        let of = types.find(ULOG_PACKAGE, name).expect("a format");
-        check_topic(of, records, topic);
+        let ty = types.find(ULOG_PACKAGE, name).expect("a format");
+        check_topic(ty, records, topic);
     }
     topics.len()
 }
 
-fn check_topic(of: MessageType<'_>, records: &[&[u8]], topic: &Json) {
-    let name = of.name();
+fn check_topic(ty: MessageType<'_>, records: &[&[u8]], topic: &Json) {
+    let name = ty.name();
     assert_eq!(topic["count"], records.len(), "{name}");
     let views: Vec<DynamicView<'_>> =
-        records.iter().map(|record| of.view_uorb(record).expect("a message")).collect();
+        records.iter().map(|record| ty.view_uorb(record).expect("a message")).collect();
     for (key, view) in [("first", views.first()), ("last", views.last())] {
         let found = flat(*view.expect("a record"));
         let expected = topic[key].as_object().expect("an object");
@@ -100,7 +100,7 @@ fn check_topic(of: MessageType<'_>, records: &[&[u8]], topic: &Json) {
     }
 }
 
-/// The values of a message with their paths, nested ones with dots, elements of arrays with brackets.
+/// The values of a message with their paths: dots for nested fields, brackets for array elements.
 fn flat(view: DynamicView<'_>) -> Vec<(String, Value<'_>)> {
     fn add<'v>(values: &mut Vec<(String, Value<'v>)>, path: String, value: Value<'v>) {
         match value {
@@ -119,7 +119,7 @@ fn flat(view: DynamicView<'_>) -> Vec<(String, Value<'_>)> {
     values
 }
 
-/// As the oracle writes it.
+/// The JSON form of a value in the oracle.
 fn json(value: Value<'_>) -> Json {
     match value {
         Value::Bool(value) => Json::from(u8::from(value)),
@@ -135,7 +135,7 @@ fn float(value: f64) -> Json {
     if value.is_infinite() { Json::from(value.to_string()) } else { Json::from(value) }
 }
 
-/// The checksum of all values, column after column.
+/// The checksum of all values, column by column.
 fn columns_crc32(views: &[DynamicView<'_>], fields: &Json) -> u32 {
     let rows: Vec<_> = views.iter().map(|view| flat(*view)).collect();
     let mut crc = u32::MAX;
@@ -163,14 +163,14 @@ fn columns_crc32(views: &[DynamicView<'_>], fields: &Json) -> u32 {
     !crc
 }
 
-/// Bytes of an integer type.
+/// Size of an integer type in bytes.
 fn size(ty: &str) -> usize {
     let bits = ty.trim_start_matches('u').trim_start_matches("int").trim_end_matches("_t");
     bits.parse::<usize>().map_or(8, |bits| bits / 8)
 }
 
 #[test]
-fn formats_that_are_unusable_are_told_and_leave_the_others() {
+fn reports_unusable_formats_and_keeps_the_others() {
     let long = format!("uint8_t[65000] a;uint8_t[{}] b", 65_533 - 65_000);
     let too_long = format!("{long};bool c");
     let deep: Vec<(String, String)> =
@@ -197,24 +197,24 @@ fn formats_that_are_unusable_are_told_and_leave_the_others() {
     ];
     formats.extend(deep.iter().map(|(name, fields)| (&**name, &**fields)));
     let (types, errors) = Types::from_ulog_formats(formats);
-    let told: Vec<String> = errors.iter().take(14).map(ToString::to_string).collect();
+    let messages: Vec<String> = errors.iter().take(14).map(ToString::to_string).collect();
     assert_eq!(
-        told,
+        messages,
         [
             "format `good` is repeated; the first one is used",
             "format `none` has no fields",
-            "format `odd` has `b` where a type and a name are expected",
-            "format `odder` has `uint8_t[3 a` where a type and a name are expected",
-            "format `zero` has an array of `0` where 1 to 65533 are expected",
-            "format `huge` has an array of `4294967295` where 1 to 65533 are expected",
+            "format `odd` has a field `b`, expected a type and a name",
+            "format `odder` has a field `uint8_t[3 a`, expected a type and a name",
+            "format `zero` has an array of length `0`, expected 1 to 65533",
+            "format `huge` has an array of length `4294967295`, expected 1 to 65533",
             "format `too_long` takes more than 65533 bytes",
             "format `twice` has two fields `a`",
-            "format `missing` has a field `b` of type `nothing`, which has no format",
-            "format `self` holds itself",
-            "format `left` holds itself",
-            "format `right` holds itself",
-            "format `holds` holds `none`, which can't be used",
-            "format `name with\\nbreak` has `bool a b` where a type and a name are expected",
+            "format `missing` has a field `b` of the unknown type `nothing`",
+            "format `self` contains itself",
+            "format `left` contains itself",
+            "format `right` contains itself",
+            "format `holds` contains the unusable type `none`",
+            "format `name with\\nbreak` has a field `bool a b`, expected a type and a name",
         ]
     );
     assert_eq!(errors[14].problem, FormatProblem::Defect(Defect::TooDeep(32)));
@@ -231,16 +231,16 @@ fn formats_that_are_unusable_are_told_and_leave_the_others() {
     assert!(types.find(ULOG_PACKAGE, "long").expect("a type").size().is_some());
     assert!(types.find(ULOG_PACKAGE, "deep32").expect("a type").view_uorb(&[1]).is_ok());
     let error = types.find(ULOG_PACKAGE, "deep33").expect("a type").view_uorb(&[1]).expect_err("refused");
-    assert_eq!(error.to_string(), "deep33: nests messages deeper than 32");
+    assert_eq!(error.to_string(), "deep33: nests messages more than 32 levels deep");
     let error = types.find(ULOG_PACKAGE, "self").expect("a type").decode_uorb(&[]).expect_err("refused");
-    assert_eq!(error.to_string(), "self: holds itself");
+    assert_eq!(error.to_string(), "self: contains itself");
 }
 
-/// What is needed of a log: <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>.
+/// The subset of a log that the tests need: <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>.
 #[derive(Default)]
 struct Log<'l> {
     formats: Vec<(&'l str, &'l str)>,
-    /// Payloads by topic and number of its instance.
+    /// Payloads by topic and instance number.
     records: BTreeMap<(String, u64), Vec<&'l [u8]>>,
 }
 

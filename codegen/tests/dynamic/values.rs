@@ -1,11 +1,11 @@
-//! Values of any message, drawn from a number.
+//! Values of any message, generated from a seed.
 
 use serde_json::{Map, Value as Json};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Element, Field, Form, Message, Schema, Shape};
 use uavspec_runtime::Scalar;
 
-/// Numbers that follow from the first one (splitmix64).
+/// A sequence of pseudorandom numbers (splitmix64).
 pub(crate) struct Draw(pub(crate) u64);
 
 impl Draw {
@@ -24,7 +24,7 @@ impl Draw {
         (0..count).map(|_| self.next().to_le_bytes()[0]).collect()
     }
 
-    /// A message as its JSON is written again: fields in declared order, floats with the digits of 64 bits.
+    /// A message as JSON in canonical form: fields in declared order, floats with the digits of 64-bit floats.
     pub(crate) fn message(&mut self, schema: &Schema, message: &Message) -> Json {
         let is_px4 = schema.package_of(message).form == Form::Msg(Dialect::Px4);
         let dialect = if is_px4 { Dialect::Px4 } else { Dialect::Ros2 };
@@ -59,7 +59,7 @@ impl Draw {
         }
     }
 
-    /// A text of at most as much by `measure`.
+    /// A text of at most `most` units of `measure`.
     fn text(&mut self, most: usize, measure: fn(&str) -> usize) -> String {
         const CHARACTERS: [char; 10] = ['a', 'Z', ' ', '"', '\\', '\n', 'é', '€', '😀', '\u{7f}'];
         let mut text = String::new();
@@ -94,7 +94,7 @@ impl Draw {
     }
 }
 
-/// A float as JSON says it, or one nearby.
+/// A finite float as JSON.
 fn finite(value: f64) -> Json {
     if value.is_infinite() { Json::from(1.0) } else { Json::from(value) }
 }

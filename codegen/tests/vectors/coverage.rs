@@ -1,5 +1,5 @@
-//! Nothing that could be tried is left out: looked for in the cases by the definitions alone, without a
-//! thought to how the emitter finds what to try.
+//! Checks that the cases cover all important values. It derives these from the definitions alone, independently of the
+//! emitter.
 
 use std::collections::BTreeSet;
 
@@ -12,26 +12,25 @@ use uavspec_runtime::Scalar;
 
 use super::{ALL, Emitted, PX4};
 
-/// What the cases try out in one field: its values where all else is as in the case `zero`, each with
-/// the rule that is broken.
-struct Tried {
+/// The values of one field in the cases, with the violated rule. All other fields have the value of the case `zero`.
+struct FieldCases {
     values: Vec<(Json, Option<String>)>,
 }
 
-impl Tried {
-    fn of(field: &str, cases: &[Json]) -> Self {
+impl FieldCases {
+    fn new(field: &str, cases: &[Json]) -> Self {
         let zero = cases[0]["json"].as_object().expect("the case of zeros comes first");
         let value = |case: &Json| {
             let json = case.get("json")?.as_object()?;
-            let is_alone = json.len() == zero.len()
+            let is_isolated = json.len() == zero.len()
                 && json.iter().all(|(name, value)| name == field || zero.get(name) == Some(value));
             let rule = case["rule"].as_str().map(str::to_owned);
-            Some((json.get(field)?.clone(), rule)).filter(|_| is_alone)
+            Some((json.get(field)?.clone(), rule)).filter(|_| is_isolated)
         };
         Self { values: cases.iter().filter_map(value).collect() }
     }
 
-    /// Whether a value, or an element, that `is` so is tried and breaks `rule`.
+    /// True if a case with `rule` has a value, or an element, that satisfies `is`.
     fn has(&self, rule: Option<&str>, is: impl Fn(&Json) -> bool) -> bool {
         self.values.iter().any(|(value, found)| {
             found.as_deref() == rule
@@ -45,13 +44,13 @@ impl Tried {
 }
 
 #[test]
-fn every_rule_has_a_case_that_breaks_it_and_a_neighbour_that_does_not() {
+fn covers_every_rule_with_a_violation_and_an_adjacent_valid_value() {
     for emitted in &*ALL {
         for (message, _, cases) in emitted.messages() {
             let form = emitted.schema.package_of(message).form;
             for field in &message.fields {
                 let name = format!("{} {}", message.name, field.name);
-                let tried = Tried::of(&field.name, &cases);
+                let tried = FieldCases::new(&field.name, &cases);
                 check_shape(field, &tried, &cases, form == PX4, &name);
                 check_values(emitted, message, field, &tried, form == PX4, &name);
             }
@@ -64,14 +63,14 @@ fn has_id(cases: &[Json], rule: Option<&str>, is: impl Fn(&Json) -> bool) -> boo
     cases.iter().any(|case| case["rule"].as_str() == rule && is(case))
 }
 
-/// Presence, type and length.
-fn check_shape(field: &Field, tried: &Tried, cases: &[Json], is_px4: bool, name: &str) {
+/// Checks presence, type and length.
+fn check_shape(field: &Field, tried: &FieldCases, cases: &[Json], is_px4: bool, name: &str) {
     let lacks = |case: &Json| {
         case["json"].as_object().is_some_and(|json| !json.is_empty() && !json.contains_key(&field.name))
     };
     let is_only_field = cases[0]["json"].as_object().is_some_and(|json| json.len() == 1);
-    assert!(has_id(cases, Some("PX-JSON-01"), lacks) || is_only_field, "{name} is missing nowhere");
-    assert!(tried.values.iter().any(|(_, rule)| rule.is_none()), "{name} is valid somewhere");
+    assert!(has_id(cases, Some("PX-JSON-01"), lacks) || is_only_field, "{name} is never missing");
+    assert!(tried.values.iter().any(|(_, rule)| rule.is_none()), "{name} is never valid");
     assert!(tried.values.iter().any(|(_, rule)| rule.as_deref() == Some("PX-JSON-02")), "{name}: wrong type");
     let of_length = |rule, length: u32| {
         tried.values.iter().any(|(value, found)| {
@@ -93,7 +92,7 @@ fn check_shape(field: &Field, tried: &Tried, cases: &[Json], is_px4: bool, name:
                     .as_str()
                     .expect("an id")
                     .starts_with(&field.name)),
-                "{name}: text that is no UTF-8"
+                "{name}: invalid UTF-8"
             );
         }
         Shape::Array(length) => {
@@ -123,12 +122,12 @@ fn check_shape(field: &Field, tried: &Tried, cases: &[Json], is_px4: bool, name:
     }
 }
 
-/// What numbers and booleans are.
+/// Checks numbers and booleans.
 fn check_values(
     emitted: &Emitted,
     message: &Message,
     field: &Field,
-    tried: &Tried,
+    tried: &FieldCases,
     is_px4: bool,
     name: &str,
 ) {
@@ -153,20 +152,20 @@ fn check_values(
                 return check_meanings(emitted, message, field, tried, name);
             }
         }
-        panic!("{name}: {greatest} isn't tried");
+        panic!("{name}: no case for {greatest}");
     }
     let has_nan = tried.has(None, Json::is_null) || tried.has(Some("PX-NAN-01"), Json::is_null);
     assert!(has_nan && tried.has(Some("PX-JSON-02"), Json::is_string), "{name}: NaN");
     let is_tried = |is: &dyn Fn(f64) -> bool| tried.number(None, is) || tried.number(Some("PX-RANGE-01"), is);
-    assert!(is_tried(&|value| value > 3e38) && is_tried(&|value| value < -3e38), "{name}: the greatest");
+    assert!(is_tried(&|value| value > 3e38) && is_tried(&|value| value < -3e38), "{name}: the maximum");
     assert!(is_tried(&|value| value == 0.0 && value.is_sign_negative()), "{name}: -0.0");
     assert!(is_tried(&|value| value > 0.0 && value < 1e-44), "{name}: a subnormal number");
     check_meanings(emitted, message, field, tried, name);
 }
 
-/// What annotations say.
+/// Checks values related to annotations.
 #[allow(clippy::cast_possible_truncation)] // the numbers are integers
-fn check_meanings(emitted: &Emitted, message: &Message, field: &Field, tried: &Tried, name: &str) {
+fn check_meanings(emitted: &Emitted, message: &Message, field: &Field, tried: &FieldCases, name: &str) {
     const CLOSE: f64 = 1e-6;
     let number = |value: &Option<Value>| value.as_ref().and_then(Value::as_f64);
     if let Some(Stated::Range(range)) = field.constraint(&RANGE).map(|found| &found.stated) {
@@ -226,7 +225,7 @@ fn check_meanings(emitted: &Emitted, message: &Message, field: &Field, tried: &T
     }
 }
 
-/// What is wrong with bytes as a whole.
+/// Checks invalid payloads.
 fn check_payloads(message: &Message, cases: &[Json], is_uorb: bool) {
     let name = &message.name;
     let sizes = |form: &str, rule: Option<&str>| -> BTreeSet<usize> {
@@ -254,5 +253,5 @@ fn check_payloads(message: &Message, cases: &[Json], is_uorb: bool) {
     let has_bool = message.fields.iter().any(|field| field.ty.element == Element::Scalar(Scalar::Bool));
     let odd =
         has_id(cases, Some("PX-BOOL-01"), |case| case["cdr"].as_str().is_some_and(|cdr| cdr.contains("99")));
-    assert!(odd || !has_bool, "{name}: an odd bool");
+    assert!(odd || !has_bool, "{name}: an invalid bool");
 }

@@ -1,4 +1,4 @@
-//! How a testee may misbehave. `testee MODE [ID]` does so over the question with that id, or over all.
+//! Faults of testees while they process requests. `testee MODE [ID]` applies to the request with this id, or to all.
 
 use std::io::{self, Write};
 use std::process;
@@ -9,17 +9,17 @@ use serde_json::{Value, json};
 use uavspec_codegen::dynamic::{PlacedElement, Types};
 use uavspec_runtime::Scalar;
 
-/// What a flood has: more than a pipe holds.
+/// The size of a flood in bytes: more than a pipe buffers.
 const FLOOD: usize = 200 << 10;
 
-pub(crate) struct Evil {
+pub(crate) struct RequestFault {
     mode: String,
     id: Option<u64>,
-    /// An answer that is held back, and until how many others have gone.
+    /// A delayed response, and the number of responses to send before it.
     held: Option<(String, usize)>,
 }
 
-impl Evil {
+impl RequestFault {
     pub(crate) fn read(arguments: &[String]) -> Self {
         let mode = arguments.first().cloned().unwrap_or_default();
         Self { mode, id: arguments.get(1).and_then(|id| id.parse().ok()), held: None }
@@ -41,7 +41,7 @@ impl Evil {
         }
     }
 
-    /// What is done instead of answering, if anything. `count` counts the hello too.
+    /// Does something else than responding, in modes that do so. `count` includes the hello.
     pub(crate) fn instead(&self, count: usize, request: &Value, output: &mut impl Write) -> io::Result<bool> {
         if self.is("crash-third") && count == 3 {
             process::exit(4);
@@ -56,7 +56,7 @@ impl Evil {
                 process::exit(3);
             }
             "orphan" => {
-                // It holds the pipes open, and is alone when this process has ended.
+                // This process keeps the pipes open, and outlives its parent.
                 let orphan = process::Command::new("sleep").arg("600").spawn()?;
                 eprintln!("{}", orphan.id());
                 process::exit(5);
@@ -83,7 +83,7 @@ impl Evil {
         Ok(true)
     }
 
-    /// Makes the answer wrong, in modes that are bugs of codecs.
+    /// Makes the response wrong, in modes that imitate buggy codecs.
     pub(crate) fn corrupt(&self, types: &Types, request: &Value, answer: &mut Value) {
         let name = request["type"].as_str().and_then(|name| name.split_once('/'));
         let Some(message) = name.and_then(|(package, name)| types.find(package, name)) else { return };

@@ -1,7 +1,7 @@
-//! The reference testee with every mistake that a testee may make, for the tests of what asks testees.
+//! A testee with selectable faults, for tests of `uavspec test` and `uavspec testee lint`.
 //!
-//! Without an argument it makes none. `--definitions PATH` makes it know other types than those of this repository;
-//! other arguments are in `evil.rs`, for what goes wrong over a question, and in `rude.rs`, for bad manners.
+//! Without arguments, it is the reference testee. `--definitions PATH` replaces the definitions of this repository. For
+//! other arguments, see `evil.rs` for faults in single requests, and `rude.rs` for violations of the protocol.
 
 #[path = "../../testees/rust/src/codec.rs"]
 mod codec;
@@ -14,15 +14,15 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use codec::Codec;
-use evil::Evil;
-use rude::Rude;
+use evil::RequestFault;
+use rude::ProtocolFault;
 use serde_json::{Value, json};
 use uavspec_conformance::definitions::Definitions;
 
 fn main() -> io::Result<ExitCode> {
     let arguments: Vec<String> = env::args().skip(1).collect();
-    let mut evil = Evil::read(&arguments);
-    let rude = Rude::read(&arguments);
+    let mut evil = RequestFault::read(&arguments);
+    let rude = ProtocolFault::read(&arguments);
     evil.at_start();
     let definitions = match arguments.as_slice() {
         [option, path] if option == "--definitions" => {
@@ -37,13 +37,11 @@ fn main() -> io::Result<ExitCode> {
     let mut count = 0;
     while let Some(line) = rude.read_line(&mut input)? {
         let Ok(mut question) = serde_json::from_slice::<Value>(&line) else {
-            rude.cannot_read(&line);
+            rude.unreadable(&line);
             continue;
         };
         let is_hello = question["op"] == "hello";
-        if rude.is_passed_over(&question, count)
-            || !is_hello && evil.instead(count, &question, &mut output)?
-        {
+        if rude.is_ignored(&question, count) || !is_hello && evil.instead(count, &question, &mut output)? {
             count += 1;
             continue;
         }

@@ -1,4 +1,4 @@
-//! Bad manners: what `uavspec testee lint` looks for. `testee MODE` shows one of them, and is right otherwise.
+//! Violations of the protocol, which `uavspec testee lint` detects. `testee MODE` has one of them.
 
 use std::io::{self, BufRead, Write};
 use std::process::{self, ExitCode};
@@ -7,14 +7,14 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-/// How long a line may be for who has a buffer of a fixed size.
+/// The line limit of a testee with a buffer of fixed size.
 const BUFFER: usize = 64 << 10;
 
-pub(crate) struct Rude {
+pub(crate) struct ProtocolFault {
     mode: String,
 }
 
-impl Rude {
+impl ProtocolFault {
     pub(crate) fn read(arguments: &[String]) -> Self {
         Self { mode: arguments.first().cloned().unwrap_or_default() }
     }
@@ -23,7 +23,7 @@ impl Rude {
         self.mode == mode
     }
 
-    /// The next line; none at the end.
+    /// Reads the next line; `None` at the end.
     pub(crate) fn read_line(&self, input: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
         let mut line = Vec::new();
         if self.is("first-line-of-read") || self.is("read-is-line") {
@@ -46,8 +46,8 @@ impl Rude {
         Ok(Some(line))
     }
 
-    /// What is done about a line that is no JSON.
-    pub(crate) fn cannot_read(&self, line: &[u8]) {
+    /// Handles a line that isn't JSON.
+    pub(crate) fn unreadable(&self, line: &[u8]) {
         let is_empty = line.trim_ascii().is_empty();
         let is_utf8 = std::str::from_utf8(line).is_ok();
         if self.is("crash-empty") && is_empty
@@ -58,35 +58,35 @@ impl Rude {
         }
     }
 
-    /// Whether nothing is said to this. `count` is how many questions came before, with the hello.
-    pub(crate) fn is_passed_over(&self, question: &Value, count: usize) -> bool {
-        let is_second_hello = question["op"] == "hello" && count > 0;
+    /// True if the request gets no response. `count` is the number of preceding requests, including the hello.
+    pub(crate) fn is_ignored(&self, request: &Value, count: usize) -> bool {
+        let is_second_hello = request["op"] == "hello" && count > 0;
         if self.is("crash-second-hello") && is_second_hello {
             process::exit(8);
         }
-        self.is("silent-unknown-op") && question["op"] == "levitate"
+        self.is("silent-unknown-op") && request["op"] == "levitate"
     }
 
-    /// What happens before an answer. Makes a question from what is none, in modes that guess.
-    pub(crate) fn before(&self, question: &mut Value, output: &mut impl Write) -> io::Result<()> {
+    /// Runs before the response. Modes that guess replace invalid members of the request.
+    pub(crate) fn before(&self, request: &mut Value, output: &mut impl Write) -> io::Result<()> {
         let is_known = |value: &Value| value == "uorb" || value == "cdr";
         match self.mode.as_str() {
-            "chatty" if question["op"] != "hello" => writeln!(output, "asked for {}", question["op"])?,
-            "guess-format" if question.get("format").is_some_and(|format| !is_known(format)) => {
-                question["format"] = "uorb".into();
+            "chatty" if request["op"] != "hello" => writeln!(output, "asked for {}", request["op"])?,
+            "guess-format" if request.get("format").is_some_and(|format| !is_known(format)) => {
+                request["format"] = "uorb".into();
             }
-            "guess-member" if question.get("format").is_none() && question.get("bytes").is_some() => {
-                question["format"] = "uorb".into();
+            "guess-member" if request.get("format").is_none() && request.get("bytes").is_some() => {
+                request["format"] = "uorb".into();
             }
             "short-ids" => {
-                #[allow(clippy::cast_possible_truncation)] // that is the mistake
-                if let Some(id) = question["id"].as_i64() {
-                    question["id"] = (id as i32).into();
+                #[allow(clippy::cast_possible_truncation)] // this is the fault
+                if let Some(id) = request["id"].as_i64() {
+                    request["id"] = (id as i32).into();
                 }
             }
             "unsigned-ids" => {
-                if let Some(id) = question["id"].as_i64() {
-                    question["id"] = id.unsigned_abs().into();
+                if let Some(id) = request["id"].as_i64() {
+                    request["id"] = id.unsigned_abs().into();
                 }
             }
             _ => {}
@@ -94,32 +94,32 @@ impl Rude {
         Ok(())
     }
 
-    /// Makes the reply wrong.
-    pub(crate) fn corrupt(&self, question: &Value, reply: &mut Value) {
-        let is_hello = question["op"] == "hello";
+    /// Makes the response wrong.
+    pub(crate) fn corrupt(&self, request: &Value, response: &mut Value) {
+        let is_hello = request["op"] == "hello";
         match self.mode.as_str() {
-            "hello-unknown-op" if is_hello => reply["ops"] = json!(["decode", "levitate"]),
-            "hello-unknown-format" if is_hello => reply["formats"] = json!(["uorb", "morse"]),
-            "hello-no-version" if is_hello => reply["version"] = Value::Null,
-            "hello-odd-type" if is_hello => reply["types"] = json!(["px4/Event", "Event"]),
-            "hello-protocol" if is_hello => reply["protocol"] = json!(2),
-            "accept-unknown-op" if question["op"] == "levitate" => replace(reply, "ok", Value::Null),
-            "reject-unknown" if !is_hello && reply.get("unsupported").is_some() => {
-                replace(reply, "rejected", "no such type".into());
+            "hello-unknown-op" if is_hello => response["ops"] = json!(["decode", "levitate"]),
+            "hello-unknown-format" if is_hello => response["formats"] = json!(["uorb", "morse"]),
+            "hello-no-version" if is_hello => response["version"] = Value::Null,
+            "hello-odd-type" if is_hello => response["types"] = json!(["px4/Event", "Event"]),
+            "hello-protocol" if is_hello => response["protocol"] = json!(2),
+            "accept-unknown-op" if request["op"] == "levitate" => replace(response, "ok", Value::Null),
+            "reject-unknown" if !is_hello && response.get("unsupported").is_some() => {
+                replace(response, "rejected", "no such type".into());
             }
-            "reject-missing" if !is_hello && reply.get("error").is_some() => {
-                replace(reply, "rejected", "no such member".into());
+            "reject-missing" if !is_hello && response.get("error").is_some() => {
+                replace(response, "rejected", "no such member".into());
             }
-            "untagged-integers" if question["op"] == "decode" => untag(reply, &["$u64", "$i64"]),
-            "untagged-floats" if question["op"] == "decode" => untag(reply, &["$f"]),
-            "ignore-tags" if question["op"] == "encode" && question.to_string().contains("$u64") => {
-                replace(reply, "rejected", "no number".into());
+            "untagged-integers" if request["op"] == "decode" => untag(response, &["$u64", "$i64"]),
+            "untagged-floats" if request["op"] == "decode" => untag(response, &["$f"]),
+            "ignore-tags" if request["op"] == "encode" && request.to_string().contains("$u64") => {
+                replace(response, "rejected", "no number".into());
             }
             _ => {}
         }
     }
 
-    /// How it ends.
+    /// Ends the testee.
     pub(crate) fn at_end(&self) -> ExitCode {
         if self.is("stays") {
             loop {
@@ -130,13 +130,13 @@ impl Rude {
     }
 }
 
-fn replace(reply: &mut Value, member: &str, value: Value) {
-    let mut other = json!({ "id": reply["id"] });
+fn replace(response: &mut Value, member: &str, value: Value) {
+    let mut other = json!({ "id": response["id"] });
     other[member] = value;
-    *reply = other;
+    *response = other;
 }
 
-/// Writes numbers as JSON has them; NaN as null.
+/// Removes the tags from numbers, as in plain JSON; NaN becomes null.
 fn untag(value: &mut Value, tags: &[&str]) {
     let tagged = value.as_object().filter(|members| members.len() == 1).and_then(|members| {
         let (tag, text) = members.iter().next()?;

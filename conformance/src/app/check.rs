@@ -12,73 +12,90 @@ use uavspec_codegen::schema::MessageId;
 use super::known::KnownArgs;
 use super::progress::Progress;
 use super::report::ReportArgs;
-use super::required::{RequireArgs, idle};
+use super::required::{RequireArgs, uncovered};
 use super::{Status, deliver};
 use crate::capture::input;
 use crate::check::{self, parallel};
 use crate::definitions::Definitions;
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
 
-/// Arguments of `check`.
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:
+const EXAMPLES: &str = "Examples:
   uavspec check flight.ulg
-  uavspec check --definitions ../px4_msgs/msg logs/*.ulg
+  uavspec check --definitions ../px4_msgs/msg logs/
   uavspec check --format json flight.ulg > report.json
   uavspec check --report html=report.html,junit=report.xml flight.ulg
   uavspec check rosbridge.jsonl bag/bag_0.mcap
-  zcat flight.ulg.gz | uavspec check - archive/
+  ssh drone cat flight.ulg | uavspec check -
   uavspec check --type px4/FailsafeFlags flags.jsonl
   uavspec check --known known.toml archive/
-  uavspec check server.jsonl
-  uavspec check --schema schemas/ server.jsonl
+  uavspec check --schema schemas/ session.jsonl";
 
-JSON is an object a line, or an array of objects. Without --type each says what it is:
+const DETAILS: &str = "\
+JSON input is one object per line, or an array of objects. Without --type, each object names its type or its topic:
   {\"type\": \"px4/FailsafeFlags\", \"message\": {…}}
-  {\"op\": \"publish\", \"topic\": \"/fmu/out/failsafe_flags\", \"msg\": {…}}   (rosbridge)
-Conversations of Flockwave are recorded so, seen from the client, or are bare messages:
-  {\"t\": 1790000000.25, \"conn\": \"tcp#1\", \"dir\": \"in\", \"msg\": {…}}   (or \"out\"; \"raw\" for no JSON)
-  {\"t\": 1790000000.20, \"conn\": \"tcp#1\", \"dir\": \"event\", \"event\": \"connect\"}   (or \"closed\")
+  {\"op\": \"publish\", \"topic\": \"/fmu/out/failsafe_flags\", \"msg\": {…}}
 
-JSON Schemas say what bodies of further types of Flockwave have to be. Files `*.json` are searched for, also in
-subfolders. A schema is of the type that stands in it as `properties.type.const`, or as one in
-`properties.type.enum`; or else that its name holds, between dots or underscores: SOAR-INF.json. With request,
-response or notification in its name, as response_SOAR-INF.json, it is of that direction alone. Others are there to
-be referred to. Types that the definitions have are judged by those.
+A recorded Flockwave session has one object per line, from the client's point of view. If a message is not JSON, \
+\"raw\" contains its text. Lines may also be bare messages:
+  {\"t\": 1790000000.20, \"conn\": \"tcp#1\", \"dir\": \"event\", \"event\": \"connect\"}
+  {\"t\": 1790000000.25, \"conn\": \"tcp#1\", \"dir\": \"in\", \"msg\": {…}}
+  {\"t\": 1790000000.30, \"conn\": \"tcp#1\", \"dir\": \"out\", \"msg\": {…}}
+  {\"t\": 1790000009.00, \"conn\": \"tcp#1\", \"dir\": \"event\", \"event\": \"closed\"}
 
-A list of known failures is TOML:
-  [[known]]                       # or [[flaky]]: it may also pass
+The Flockwave type of a JSON Schema is properties.type.const or properties.type.enum, or else a part of the file name: \
+SOAR-INF.json. A file name such as response_SOAR-INF.json limits the schema to requests, responses or notifications.
+
+A list of known failures is a TOML file. Only rule and reason are required:
+  [[known]]                       # [[flaky]] entries may also pass
   rule = \"PX-RANGE-01\"
-  subject = \"battery_status.*\"    # which may be absent, as all but the reason
+  subject = \"battery_status.*\"
   file = \"archive/2019-*.ulg\"
-  message = \"0 is out of range\"   # how the message begins
+  message = \"0 is out of range\"   # start of the message
   reason = \"firmware 1.11 leaves it 0\"
   link = \"https://example.org/issues/7\"
   expires = 2027-06-30
 
-Exit status: 0 conforms, 1 does not, 2 wrong usage, definitions or list, 3 a file can't be read to its end
-or a report can't be written, 4 a list of known failures no longer holds true, 5 nothing was checked.")]
+Exit status:
+  0  conforms
+  1  does not conform
+  2  wrong usage, or definitions or lists that can't be read
+  3  an input can't be read to the end, or a report can't be written
+  4  an entry of a list of known failures no longer applies
+  5  nothing was checked";
+
+/// Arguments of `check`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
 pub(super) struct CheckArgs {
-    /// Logs of PX4 in the format `ULog`, MCAP, messages as JSON or JSON Lines, or conversations of Flockwave, also packed with gzip or zstd;
-    /// which, is seen by the content. Folders are searched; `-` is standard input.
+    /// Files, folders or glob patterns; - is standard input.
+    ///
+    /// Inputs are PX4 logs (.ulg), MCAP files, JSON messages and recorded Flockwave sessions, optionally compressed
+    /// with gzip or zstd. The file type is detected from the content. Folders are searched for .ulg, .mcap, .json,
+    /// .jsonl and .ndjson files.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// What to judge by: a uavspec.toml, a folder with one, or a folder of .msg files; those of this program,
-    /// where nothing is said.
+    /// Definitions to check against (default: built-in).
+    ///
+    /// A uavspec.toml, a folder with one, or a folder of .msg files.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
-    /// A folder of JSON Schemas for bodies of Flockwave whose types the definitions don't have; see below.
+    /// Schemas for other Flockwave types (repeatable).
+    ///
+    /// All JSON Schemas (.json) in the folder and its subfolders are read. Types that have a definition are checked
+    /// against the definition.
     #[arg(long = "schema", value_name = "DIR")]
     schemas: Vec<PathBuf>,
-    /// The type of all messages as JSON, which then have nothing around them.
+    /// Type of all JSON messages in the input.
     #[arg(long = "type", value_name = "PACKAGE/NAME")]
     message_type: Option<String>,
-    /// Let formats that differ from the definitions count as breaches (PX-FMT-01).
+    /// Fail if a format differs from its definition.
+    ///
+    /// The differences are then violations of PX-FMT-01.
     #[arg(long)]
     strict_formats: bool,
     #[command(flatten)]
     require: RequireArgs,
-    /// How many files are read at the same time; as many as there are processors, where nothing is said.
+    /// Number of parallel checks (default: one per CPU).
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
     #[command(flatten)]
@@ -133,7 +150,7 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         |path| check_file(path, message_id, &definitions, &progress),
         |path, result| match result {
             Ok(found) if known.lists.is_empty() => progress.pausing(|| take(found)),
-            // With lists it takes all files to tell which findings count.
+            // A list applies to all files: findings are printed after the last one.
             Ok(found) => checked.push(found),
             Err(error) => {
                 let path = path.display().to_string();
@@ -143,14 +160,14 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         },
     );
     drop(progress);
-    let settled = known.settle_sources(&mut checked, &unreadable);
+    let known_status = known.finish_captures(&mut checked, &unreadable);
     checked.into_iter().for_each(take);
-    let reasons = idle(&required, &subjects);
+    let reasons = uncovered(&required, &subjects);
     let report = Report::new(Action::Check, super::command(), &definitions, subjects, unreadable, reasons);
-    deliver(&args.report, &report.with_stale(known.stale)).max(settled)
+    deliver(&args.report, &report.with_stale(known.stale)).max(known_status)
 }
 
-/// How sources are to be judged.
+/// The settings that reports depend on.
 fn settings(args: &CheckArgs) -> Settings {
     let mut arguments = Vec::new();
     if let Some(path) = &args.definitions {

@@ -11,31 +11,34 @@ use crate::check::known::{Checked, Lists, Scope, Stale, excuse_findings, rule_ou
 use crate::model::{Date, Extent, Reason};
 use crate::report::{CheckedCapture, Unreadable};
 
-/// Arguments of commands that know such lists.
+/// Arguments of commands that read lists of known failures.
 #[derive(Args, Debug)]
 pub(super) struct KnownArgs {
-    /// A list of known failures and flaky results, which then don't count; may be given several times. An entry
-    /// that no longer holds true fails the run.
+    /// List of known failures (repeatable).
+    ///
+    /// Known failures don't fail the run. An entry that no longer applies fails the run with status 4.
     #[arg(long, value_name = "FILE")]
     known: Vec<PathBuf>,
-    /// Take out of these lists what no longer holds true, and keep all else as it is. What only a person can mend stays,
-    /// and fails the run.
+    /// Remove or update outdated list entries.
+    ///
+    /// Other entries and comments stay unchanged. An entry whose messages have no common prefix must be split by hand:
+    /// the run fails until then.
     #[arg(long, requires = "known")]
     fix_known: bool,
 }
 
-/// Lists as they are used in a run.
+/// The lists of a run.
 pub(super) struct Known {
-    /// The lists, as they are after the run.
+    /// The lists; updated by `--fix-known`.
     pub(super) lists: Lists,
-    /// Why they don't hold true after the run, entry by entry.
+    /// The reason for each entry that no longer applies after the run.
     pub(super) stale: Vec<Reason>,
     today: Date,
     is_fixing: bool,
 }
 
 impl KnownArgs {
-    /// Reads the lists; what is wrong with them has been told.
+    /// Reads the lists. Errors are printed.
     pub(super) fn read(&self) -> Result<Known, Status> {
         let print_error = |error: String| {
             anstream::eprintln!("{error}");
@@ -48,15 +51,15 @@ impl KnownArgs {
 }
 
 impl Known {
-    /// Tells which entries don't hold true, or takes them out of their files. What a person has to mend stays, and is
-    /// told.
-    pub(super) fn settle(&mut self, scope: Scope, checked: &[Checked<'_>]) -> Status {
+    /// Prints the entries that no longer apply, or fixes them in their files. Entries without an automatic fix are
+    /// printed.
+    pub(super) fn finish(&mut self, scope: Scope, checked: &[Checked<'_>]) -> Status {
         let stale = self.lists.find_stale(scope, checked, self.today);
         if stale.is_empty() {
             return Status::Conforms;
         }
         if !self.is_fixing {
-            self.report_stale(&stale, "--fix-known mends it");
+            self.report_stale(&stale, "run again with --fix-known to update it");
             return Status::Stale;
         }
         if let Err(error) = self.fix(&stale) {
@@ -68,18 +71,18 @@ impl Known {
         if left.is_empty() {
             return Status::Conforms;
         }
-        self.report_stale(&left, "its messages have no beginning in common, so write an entry for each");
+        self.report_stale(&left, "the messages have no common prefix: write one entry for each");
         Status::Stale
     }
 
     fn report_stale(&mut self, stale: &[Stale], help: &str) {
         self.stale = self.lists.reasons(stale);
         anstream::eprint!("{}", self.lists.render(stale, Level::Error, true));
-        anstream::eprintln!("error: a list of known failures no longer holds true\n  help: {help}");
+        anstream::eprintln!("error: a list of known failures is out of date\n  help: {help}");
     }
 
-    /// Holds the lists against what was found in sources, and notes at each finding what excuses it.
-    pub(super) fn settle_sources(
+    /// Compares the lists with the findings, and attaches the matching entry to each known finding.
+    pub(super) fn finish_captures(
         &mut self,
         captures: &mut [CheckedCapture],
         unread: &[Unreadable],
@@ -95,7 +98,7 @@ impl Known {
                 checked.extend(unread_outcome(&capture.path));
             }
         }
-        let status = self.settle(Scope::Rules, &checked);
+        let status = self.finish(Scope::Rules, &checked);
         for capture in captures {
             excuse_findings(&self.lists, &capture.path, &mut capture.result.findings);
         }
@@ -111,7 +114,7 @@ impl Known {
         fixed.write(&self.lists)?;
         anstream::eprint!("{}", self.lists.render(&stale, Level::Note, true));
         anstream::eprintln!(
-            "mended: the entries above are gone, or have the new message; do their reasons still hold?"
+            "fixed: the entries above were removed or updated; check that the reasons still apply"
         );
         self.lists = fixed;
         Ok(())

@@ -1,4 +1,4 @@
-//! Where reports go: `--format`, and any number of `--report`.
+//! The options `--format` and `--report`.
 
 use std::fs;
 use std::io::{self, Write};
@@ -10,25 +10,30 @@ use clap::{Args, ValueEnum as _};
 
 use crate::report::{Kind, Report, Subject, subject_text};
 
-/// What stands for standard output.
+/// The path that means standard output.
 const STANDARD_OUTPUT: &str = "-";
 
-/// Which reports are written, and where to.
+/// The reports to write, and their paths.
 #[derive(Args, Clone, Debug)]
 pub(super) struct ReportArgs {
-    /// How to report on standard output; as text, where nothing is said.
-    #[arg(long, value_name = "KIND")]
+    /// Format of the report (default: text).
+    ///
+    /// It is printed on standard output. The formats are text, json, junit (XML for CI systems), sarif (for editors and
+    /// code scanning), html (a self-contained page) and markdown (for pull requests and CI summaries).
+    #[arg(long, value_name = "KIND", hide_possible_values = true)]
     format: Option<Kind>,
-    /// More reports of the same run: text, json, junit, sarif, html or markdown, each with the file to write it to;
-    /// - is standard output.
+    /// Write a report to a file (repeatable).
+    ///
+    /// For example, html=report.html. KIND is one of the formats above. Several reports may be separated by commas. The
+    /// path - is standard output.
     #[arg(long, value_name = "KIND=PATH", value_delimiter = ',')]
     report: Vec<Target>,
-    /// Why something couldn't be printed, which is told with the reports that can't be written.
+    /// The first error while printing. It is reported together with those of the files.
     #[arg(skip)]
     unprinted: OnceLock<String>,
 }
 
-/// A report, and where it goes.
+/// A value of `--report`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Target {
     kind: Kind,
@@ -40,10 +45,10 @@ impl FromStr for Target {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (name, path) = text.split_once('=').filter(|(_, path)| !path.is_empty()).ok_or_else(|| {
-            format!("it should be KIND=PATH, such as html=report.html; kinds are {}", kinds())
+            format!("expected KIND=PATH, such as html=report.html; KIND is one of {}", kinds())
         })?;
         let kind = Kind::from_str(name, false)
-            .map_err(|_| format!("there is no kind {name} of report; kinds are {}", kinds()))?;
+            .map_err(|_| format!("unknown kind `{name}`; expected one of {}", kinds()))?;
         Ok(Self { kind, path: path.into() })
     }
 }
@@ -56,54 +61,56 @@ fn kinds() -> String {
 }
 
 impl ReportArgs {
-    /// What is wrong with them together.
+    /// Returns an error if the arguments contradict each other.
     pub(super) fn problem(&self) -> Option<String> {
         let printed = self.report.iter().filter(|target| target.is_printed()).count();
         if printed + usize::from(self.format.is_some()) > 1 {
-            return Some("only one report can go to standard output: write the others to files".to_owned());
+            return Some(
+                "only one report can be printed to standard output: write the others to files".to_owned(),
+            );
         }
         let twice = |(at, target): (usize, &Target)| {
             !target.is_printed() && self.report[..at].iter().any(|other| other.path == target.path)
         };
         let at = self.report.iter().enumerate().position(twice)?;
-        Some(format!("two reports would go to {}", self.report[at].path.display()))
+        Some(format!("two reports have the path {}", self.report[at].path.display()))
     }
 
-    /// The kind that goes to standard output.
+    /// The kind of the report on standard output.
     pub(super) fn printed(&self) -> Kind {
         let printed = self.report.iter().find(|target| target.is_printed()).map(|target| target.kind);
         self.format.or(printed).unwrap_or(Kind::Text)
     }
 
-    /// Prints what is said of a source, where the report that is printed is the text, as soon as it is known.
+    /// Prints the section of a subject as soon as it is available, if the printed report is text.
     pub(super) fn print_subject(&self, subject: &Subject) {
         if self.printed() == Kind::Text {
-            self.keep(print(&subject_text(subject)));
+            self.keep_error(print(&subject_text(subject)));
         }
     }
 
-    /// Keeps the first failure of printing until the reports are written.
-    fn keep(&self, printed: io::Result<()>) {
+    /// Keeps the first error of printing until the reports are written.
+    fn keep_error(&self, printed: io::Result<()>) {
         if let Err(error) = printed {
-            let _ = self.unprinted.set(format!("standard output: the report can't be printed: {error}"));
+            let _ = self.unprinted.set(format!("standard output: can't print the report: {error}"));
         }
     }
 
-    /// Prints or writes all reports, also where one can't be; tells which that are, and why.
+    /// Prints or writes all reports, even if one fails. Returns the error messages.
     pub(super) fn write(&self, report: &Report) -> Vec<String> {
         if self.printed() != Kind::Text {
-            self.keep(ignore_broken_pipe(&mut io::stdout(), &report.to_text(self.printed())));
+            self.keep_error(ignore_broken_pipe(&mut io::stdout(), &report.to_text(self.printed())));
         }
         let files = self.report.iter().filter(|target| !target.is_printed());
         let write = |target: &Target| {
             let text = report.to_text(target.kind);
             let text = match target.kind {
-                // A file has no colours.
+                // Files have no colours.
                 Kind::Text => anstream::adapter::strip_str(&text).to_string(),
                 _ => text,
             };
             let error = write(&target.path, text.as_bytes()).err()?;
-            Some(format!("{}: the report can't be written: {error}", target.path.display()))
+            Some(format!("{}: can't write the report: {error}", target.path.display()))
         };
         self.unprinted.get().cloned().into_iter().chain(files.filter_map(write)).collect()
     }
@@ -115,12 +122,12 @@ impl Target {
     }
 }
 
-/// Prints a text with colours, where they are shown.
+/// Prints a text, with colours if the terminal supports them.
 pub(super) fn print(text: &str) -> io::Result<()> {
     ignore_broken_pipe(&mut anstream::stdout(), text)
 }
 
-/// A reader that has seen enough closes the pipe: that is no failure.
+/// Writes a text. A closed pipe is not an error.
 fn ignore_broken_pipe(to: &mut impl Write, text: &str) -> io::Result<()> {
     match to.write_all(text.as_bytes()).and_then(|()| to.flush()) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
@@ -128,16 +135,16 @@ fn ignore_broken_pipe(to: &mut impl Write, text: &str) -> io::Result<()> {
     }
 }
 
-/// Writes a file at once: nobody sees half of it, and an old one stays where the new one can't be written.
+/// Writes a file atomically. If this fails, an existing file stays unchanged.
 fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    // A pipe or a terminal can't be replaced, and what a link leads to is meant, not the link.
+    // A pipe or a terminal can't be replaced. For a link, its target is replaced.
     let path = match fs::canonicalize(path) {
         Ok(path) if !path.is_file() => return fs::write(path, bytes),
         Ok(path) => path,
         Err(_) => path.to_path_buf(),
     };
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // A folder of its own, so that the file gets the permissions that new files get.
+    // A file in a temporary folder gets the permissions of new files; a temporary file would not.
     let stage = tempfile::Builder::new().prefix(".uavspec-").tempdir_in(parent)?;
     let staged = stage.path().join("report");
     fs::write(&staged, bytes)?;
@@ -149,7 +156,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn targets_are_kinds_with_paths() {
+    fn parses_targets_and_lists_the_kinds_in_errors() {
         let target = |text: &str| text.parse::<Target>();
         assert_eq!(target("html=a=b.html"), Ok(Target { kind: Kind::Html, path: "a=b.html".into() }));
         for wrong in ["html", "html=", "pdf=a", "=a", ""] {
@@ -159,14 +166,14 @@ mod tests {
     }
 
     #[test]
-    fn files_are_replaced_whole_and_links_followed() {
+    fn replaces_files_atomically() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("report.json");
         fs::write(&path, "old and long").expect("a file");
         write(&path, b"new").expect("written");
         assert_eq!(fs::read(&path).expect("a file"), b"new");
-        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1, "nothing is left over");
+        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1, "no temporary files remain");
         assert!(write(&folder.path().join("absent/report.json"), b"new").is_err());
-        assert!(write(folder.path(), b"new").is_err(), "a folder is no file");
+        assert!(write(folder.path(), b"new").is_err(), "the path is a folder");
     }
 }

@@ -1,4 +1,4 @@
-//! Rules that have to be exercised.
+//! The option `--require`.
 
 use clap::Args;
 
@@ -7,20 +7,24 @@ use crate::model::{Reason, Rule};
 use crate::report::Subject;
 use crate::rules::rule;
 
-/// Arguments of commands that judge by rules.
+/// Arguments of commands that check rules.
 #[derive(Args, Debug)]
 pub(super) struct RequireArgs {
-    /// Rules that have to be exercised: that nothing was there to judge is a breach, too.
+    /// Fail if this rule is not covered (repeatable).
+    ///
+    /// A rule is covered if the input has something that the rule applies to. Several ids may be separated by commas.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     require: Vec<String>,
 }
 
 impl RequireArgs {
-    /// The rules; that there is no such one has been told.
+    /// The required rules. Unknown ids are printed as errors.
     pub(super) fn rules(&self) -> Result<Vec<&'static Rule>, Status> {
         let find = |id: &String| {
             rule(id).ok_or_else(|| {
-                anstream::eprintln!("error: --require {id}: no such rule\n  help: `uavspec rules` lists all");
+                anstream::eprintln!(
+                    "error: --require {id}: no such rule\n  help: run `uavspec rules` for a list"
+                );
                 Status::Usage
             })
         };
@@ -28,17 +32,17 @@ impl RequireArgs {
     }
 }
 
-/// Which of these rules were not exercised in any subject; that is told as well.
-pub(super) fn idle(required: &[&Rule], subjects: &[Subject]) -> Vec<Reason> {
-    let is_idle = |id: &str| {
+/// Prints and returns an error for each required rule that no subject covers.
+pub(super) fn uncovered(required: &[&Rule], subjects: &[Subject]) -> Vec<Reason> {
+    let is_uncovered = |id: &str| {
         let rules = subjects.iter().flat_map(|subject| &subject.rules);
         rules.filter(|rule| rule.id == id).all(|rule| rule.covered == 0)
     };
-    let idle = required.iter().filter(|rule| is_idle(rule.id));
-    let remarks = idle.map(|rule| {
-        let remark = format!("{} was required, and nothing was there that it could have judged", rule.id);
-        anstream::eprintln!("error: {remark}");
-        Reason::from(remark)
+    let uncovered = required.iter().filter(|rule| is_uncovered(rule.id));
+    let reasons = uncovered.map(|rule| {
+        let reason = format!("{} is required, but not covered by the input", rule.id);
+        anstream::eprintln!("error: {reason}");
+        Reason::from(reason)
     });
-    remarks.collect()
+    reasons.collect()
 }

@@ -16,14 +16,16 @@ use crate::rules::rule;
   uavspec rules --matrix
   uavspec rules --format json")]
 pub(super) struct RulesArgs {
-    /// Id of the rule to explain
+    /// Id of the rule to explain.
     #[arg(value_name = "ID", conflicts_with = "matrix")]
     id: Option<String>,
-    /// Check all mutants, and show which rules find which mutant
+    /// Show which rules find which mutants.
+    ///
+    /// A mutant is a capture changed so that it violates one rule.
     #[arg(long)]
     matrix: bool,
-    /// Output format
-    #[arg(long, value_name = "KIND", default_value = "text")]
+    /// Output format: text or json.
+    #[arg(long, value_name = "FORMAT", default_value = "text", hide_possible_values = true)]
     format: Format,
 }
 
@@ -32,9 +34,7 @@ pub(super) fn rules(args: &RulesArgs) -> Status {
     let text = match (&args.id, args.format) {
         (Some(id), format) => {
             let Some(rule) = rule(id) else {
-                anstream::eprintln!(
-                    "error: {id}: no such rule\n  help: run `uavspec rules` to list all rules"
-                );
+                anstream::eprintln!("error: {id}: no such rule\n  help: run `uavspec rules` for a list");
                 return Status::Usage;
             };
             if format == Format::Json { rule_list::to_json(&[rule]) } else { rule_list::rule_text(rule) }

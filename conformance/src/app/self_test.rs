@@ -9,7 +9,7 @@ use clap::Args;
 use super::Status;
 use super::progress::Progress;
 use crate::definitions::Definitions;
-use crate::matrix::live::{cases as cases_of_servers, live};
+use crate::matrix::live::{cases as server_cases, live};
 use crate::matrix::{Row, conforming, list, matrix};
 use crate::rules::RULES;
 use crate::testee::case::cases;
@@ -22,27 +22,31 @@ const FAIL: Style = AnsiColor::Red.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
 const PLAIN: Style = Style::new();
 
-/// Arguments of `self-test`.
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:
+const EXAMPLES: &str = "Examples:
   uavspec self-test
   uavspec self-test --definitions ../px4_msgs/msg
   uavspec self-test --recordings-only
-  uavspec self-test -- ./reference-codec
+  uavspec self-test -- ./reference-codec";
 
-The reference server is probed with each of its bugs, at free ports of 127.0.0.1; that takes half a minute, most of which
-is waiting.
+const STATUS: &str = "Exit status:
+  0  all checks passed
+  1  a rule or a server bug had an unexpected result, or a case failed
+  2  wrong usage, or definitions that can't be read
+  3  the testee can't be started or keeps failing";
 
-Exit status: 0 the program judges as it should, 1 it does not, 2 definitions that can't be read, 3 the testee broke.")]
+/// Arguments of `self-test`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{STATUS}"))]
 pub(super) struct SelfTestArgs {
-    /// What to make recordings of: a uavspec.toml, a folder with one, or a folder of .msg files; the definitions
-    /// of this program, where nothing is said.
+    /// Definitions to use (default: built-in).
+    ///
+    /// A uavspec.toml, a folder with one, or a folder of .msg files. The captures are generated from them.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
-    /// Probe no servers.
+    /// Check captures only; start no servers.
     #[arg(long)]
     recordings_only: bool,
-    /// A testee that is known to be right, with its arguments: it has to pass all cases.
+    /// Testee that must pass all cases, with its arguments.
     #[arg(last = true, value_name = "COMMAND")]
     testee: Vec<OsString>,
 }
@@ -57,7 +61,7 @@ pub(super) fn self_test(args: &SelfTestArgs) -> Status {
         is_right &= servers(&definitions);
     }
     if !args.testee.is_empty() {
-        match cases_of(&definitions, &args.testee) {
+        match run_cases(&definitions, &args.testee) {
             Ok(is_passing) => is_right &= is_passing,
             Err(error) => {
                 anstream::eprintln!("error: {error}");
@@ -65,16 +69,15 @@ pub(super) fn self_test(args: &SelfTestArgs) -> Status {
             }
         }
     }
-    let (style, text) =
-        if is_right { (PASS, "judges as it should") } else { (FAIL, "does not judge as it should") };
+    let (style, text) = if is_right { (PASS, "all checks passed") } else { (FAIL, "some checks failed") };
     anstream::println!("\n{style}{text}{style:#}");
     if is_right { Status::Conforms } else { Status::DoesNotConform }
 }
 
-/// Nothing may be found in what conforms.
+/// Checks captures that conform: there must be no findings.
 fn recordings(definitions: &Definitions) -> bool {
     let mut is_right = true;
-    anstream::println!("Recordings that conform, made of the definitions:");
+    anstream::println!("Captures that conform to the definitions:");
     for (name, result) in conforming(definitions) {
         let covered = RULES.iter().filter(|rule| result.findings.covered(rule) > 0).count();
         let violated: Vec<&str> = result.findings.groups().map(|group| group.rule.id).collect();
@@ -82,22 +85,22 @@ fn recordings(definitions: &Definitions) -> bool {
         is_right &= is_clean;
         let records = Grouped(result.records);
         let found =
-            if is_clean { "nothing found".to_owned() } else { format!("found {}", violated.join(", ")) };
-        line(is_clean, name, &format!("{records} messages, {covered} rules exercised, {found}"));
+            if is_clean { "no findings".to_owned() } else { format!("found {}", violated.join(", ")) };
+        line(is_clean, name, &format!("{records} messages, {covered} rules covered, {found}"));
     }
     is_right
 }
 
-/// Each rule has to find its mutants, and no other rule anything in them.
+/// Checks that each rule finds its mutants, and that no other rule has findings in them.
 fn rules(rows: &[Row]) -> bool {
-    anstream::println!("\nRules, and recordings that are changed to break them:");
+    anstream::println!("\nMutants of each rule, and how many of them it finds:");
     for rule in RULES {
         let own = || rows.iter().filter(|row| row.rule.id == rule.id);
         let made = own().filter(|row| row.violated.is_some()).count();
         let wrong: Vec<String> = own().filter(|row| !row.is_right()).map(mismatch_text).collect();
         let text = match (made, wrong.is_empty()) {
-            (0, _) => "the definitions have nothing that could break it".to_owned(),
-            (_, true) => format!("{made} found"),
+            (0, _) => "no mutants: the definitions have nothing that it applies to".to_owned(),
+            (_, true) => format!("{made} of {made} found"),
             (_, false) => wrong.join("; "),
         };
         line(wrong.is_empty(), rule.id, &text);
@@ -105,9 +108,9 @@ fn rules(rows: &[Row]) -> bool {
     rows.iter().all(Row::is_right)
 }
 
-/// In the reference server each bug has to be found, and nothing else.
+/// Probes the reference server without bugs and with each bug: the probe must find the bug and nothing else.
 fn servers(definitions: &Definitions) -> bool {
-    let cases = cases_of_servers();
+    let cases = server_cases();
     let progress = Progress::steps("servers");
     let mut rows = Vec::new();
     live(&cases, definitions, |row| {
@@ -116,16 +119,14 @@ fn servers(definitions: &Definitions) -> bool {
     });
     drop(progress);
     anstream::println!(
-        "\nThe reference server, probed as it is and with each of its bugs, live and recorded:"
+        "\nThe reference server without bugs and with each bug, probed and checked from the recording:"
     );
     let mut are_right = true;
     for (case, row) in cases.iter().zip(rows) {
-        let name = case.bug.map_or_else(|| case.name(), |of| of.rule.id.to_owned());
+        let name = case.bug.map_or_else(|| case.name(), |bug| bug.rule.id.to_owned());
         let (is_right, text) = match row {
             Ok(row) if row.is_right() && case.bug.is_some() => (true, "found".to_owned()),
-            Ok(row) if row.is_right() => {
-                (true, format!("{} rules exercised, nothing found", row.covered.len()))
-            }
+            Ok(row) if row.is_right() => (true, format!("{} rules covered, no findings", row.covered.len())),
             Ok(row) => (false, row.mismatch_text()),
             Err(error) => (false, error.to_string()),
         };
@@ -135,18 +136,18 @@ fn servers(definitions: &Definitions) -> bool {
     are_right
 }
 
-/// The testee has to pass all cases.
-fn cases_of(definitions: &Definitions, testee: &[OsString]) -> Result<bool, String> {
+/// Runs all cases with the testee: it must pass them.
+fn run_cases(definitions: &Definitions, testee: &[OsString]) -> Result<bool, String> {
     let cases = cases(definitions, definitions.types());
     let all: Vec<usize> = (0..cases.len()).collect();
     let progress = Progress::steps("cases");
     let options = Options::new(Target::Command(testee.to_vec()));
-    let mismatch_text = |done, total| progress.set(done, total);
-    let outcome = run(&cases, &all, definitions.types(), &options, &mismatch_text)?;
+    let on_progress = |done, total| progress.set(done, total);
+    let outcome = run(&cases, &all, definitions.types(), &options, &on_progress)?;
     drop(progress);
-    anstream::println!("\nA codec, asked what the definitions ask of codecs:");
+    anstream::println!("\nThe testee:");
     let counts = outcome.counts();
-    let is_right = counts.passed == cases.len() && outcome.protocol_remarks.are_good();
+    let is_right = counts.passed == cases.len() && outcome.protocol_remarks.is_empty();
     let name = outcome.hello.map_or_else(|| "testee".to_owned(), |hello| hello.name);
     let passed = Grouped(counts.passed as u64);
     line(is_right, &name, &format!("{passed} of {} cases passed", Grouped(cases.len() as u64)));

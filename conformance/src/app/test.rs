@@ -26,89 +26,113 @@ use crate::testee::run::run;
 use crate::testee::target::Target;
 use crate::text::command_line;
 
-/// Arguments of `test`.
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:
+const EXAMPLES: &str = "Examples:
   uavspec test -- ./my-codec --stdio
   uavspec test --filter 'decode-*/px4/Event/*' -- python3 testee.py
   uavspec test --known known.toml -- ./my-codec --stdio
   uavspec test --attach localhost:7700
   uavspec test --report html=report.html,junit=report.xml -- ./my-codec
-  uavspec test --dump-cases questions.jsonl
-  uavspec test --replay answers.jsonl
+  uavspec test --dump-cases requests.jsonl
+  uavspec test --replay responses.jsonl";
 
-A testee reads a line of JSON for each question and writes one for each answer, in any order:
+const DETAILS: &str = "\
+Requests and responses look like this:
   → {\"op\":\"hello\",\"protocol\":1}
-  ← {\"op\":\"hello\",\"name\":\"my-codec\",\"ops\":[\"decode\",\"validate\"],\"types\":[\"px4/Event\"]}
-  → {\"id\":17,\"op\":\"decode\",\"type\":\"px4/Event\",\"format\":\"uorb\",\"bytes\":\"<base64>\"}
-  ← {\"id\":17,\"ok\":{…}}   or \"rejected\":\"reason\"   or \"unsupported\":true   or \"error\":\"…\"
-Integers beyond ±2^53 are {\"$u64\":\"…\"} or {\"$i64\":\"…\"}, and NaN is {\"$f\":\"NaN\"}, both ways.
-`uavspec testee lint -- COMMAND` tells whether a testee keeps to all of that.
+  ← {\"op\":\"hello\",\"name\":\"my-codec\",\"ops\":[\"decode\"],\"types\":[\"px4/Event\"]}
+  → {\"id\":17,\"op\":\"decode\",\"type\":\"px4/Event\",\"format\":\"uorb\",\"bytes\":\"Zg==\"}
+  ← {\"id\":17,\"ok\":{…}}
 
-A list of known failures is TOML:
-  [[known]]                       # or [[flaky]]: it may also pass
+Instead of \"ok\", a response can be \"rejected\":\"reason\", \"unsupported\":true or \"error\":\"reason\".
+
+Integers beyond ±2^53 are {\"$u64\":\"…\"} or {\"$i64\":\"…\"}, and NaN is {\"$f\":\"NaN\"}, in both directions. \
+`uavspec testee lint` checks if a testee implements the protocol.
+
+A list of known failures is a TOML file. Only case and reason are required:
+  [[known]]                       # [[flaky]] entries may also pass
   case = \"decode-cdr/px4/Event/*\"
-  message = \"/id: expected\"       # how the message begins; may be absent, as what follows the reason
-  reason = \"big-endian CDR is not read yet\"
+  message = \"/id: expected\"       # start of the message
+  reason = \"big-endian CDR is not supported yet\"
   link = \"https://example.org/issues/7\"
   expires = 2027-06-30
 
-Exit status: 0 conforms, 1 does not, 2 wrong usage, definitions or list, 3 the testee broke or a report
-can't be written, 4 a list of known failures no longer holds true, 5 nothing was checked.")]
+Exit status:
+  0  conforms
+  1  does not conform
+  2  wrong usage, or definitions or lists that can't be read
+  3  the testee failed, or a report can't be written
+  4  an entry of a list of known failures no longer applies
+  5  nothing was checked";
+
+/// Arguments of `test`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
 pub(super) struct TestArgs {
-    /// The testee: a program and its arguments. A script that starts another program should `exec` it.
+    /// Testee and its arguments.
+    ///
+    /// A script that starts another program should `exec` it.
     #[arg(last = true, value_name = "COMMAND", required_unless_present_any = ["attach", "dump_cases", "replay"])]
     command: Vec<OsString>,
-    /// Connect to a testee that listens, over TCP, instead of starting one. Every process is a connection then: one
-    /// that is lost is a crash, and to connect again is to start again.
+    /// Connect to a running testee over TCP.
+    ///
+    /// Each connection replaces a process: a lost connection counts as a crash, and a new connection as a restart.
     #[arg(long, value_name = "HOST:PORT", conflicts_with_all = ["command", "dump_cases", "replay"])]
     attach: Option<Address>,
-    /// What to ask about: a uavspec.toml, a folder with one, or a folder of .msg files; the definitions of this
-    /// program, where nothing is said.
+    /// Definitions to use (default: built-in).
+    ///
+    /// A uavspec.toml, a folder with one, or a folder of .msg files. The cases are generated from them.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
-    /// Only the cases whose names, such as decode-uorb/px4/Event/typical, this glob matches.
+    /// Run only the cases that match this glob.
+    ///
+    /// Case names look like decode-uorb/px4/Event/typical.
     #[arg(long, value_name = "PATTERN")]
     filter: Option<String>,
-    /// How long a testee may be silent while there are questions, in seconds.
+    /// Maximum time without a response.
     #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = seconds)]
     timeout: Duration,
-    /// How long it may take to introduce itself, and to take a connection, in seconds.
+    /// Maximum time to start.
+    ///
+    /// This includes the response to the hello request, and for --attach the time to connect.
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds)]
     start_timeout: Duration,
-    /// How many questions are on their way to a process at once.
+    /// Pending requests per process.
     #[arg(long, value_name = "N", default_value = "32", value_parser = clap::value_parser!(u16).range(1..))]
     window: u16,
-    /// How often the testee is started again in a row without a case being found that brings it down alone. Cases that
-    /// are found don't count: the run goes on, at the price of a start for each, and of --timeout for each hang. 5,000
-    /// crashes of a testee that starts in 0.1 s take eight minutes, and as many hangs seven hours; --jobs divides that.
+    /// Limit of unexplained restarts.
+    ///
+    /// The run ends after this many successive restarts that identify no case as the cause. Each identified crash costs
+    /// one restart, and each hang also costs the time of --timeout. --jobs divides this time.
     #[arg(long, value_name = "N", default_value = "20")]
     max_restarts: u32,
-    /// How many processes run at once.
+    /// Number of parallel processes.
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..=256))]
     jobs: u16,
     #[command(flatten)]
     report: ReportArgs,
-    /// Write the questions to a file, each with its right answers, and ask nobody; - is standard output.
+    /// Write all requests to a file, and exit.
+    ///
+    /// Each request has its expected responses. The path - is standard output.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["command", "replay"])]
     dump_cases: Option<PathBuf>,
-    /// Judge the answers in a file; - is standard input.
+    /// Check the responses in a file.
+    ///
+    /// The path - is standard input.
     #[arg(long, value_name = "FILE", conflicts_with = "command")]
     replay: Option<PathBuf>,
     #[command(flatten)]
     known: KnownArgs,
 }
 
-/// Reads a time limit.
+/// Parses a time in seconds.
 pub(super) fn seconds(text: &str) -> Result<Duration, String> {
-    let seconds: f64 = text.parse().map_err(|_| "no number".to_owned())?;
+    let seconds: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     let duration = Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())?;
-    // What is added to the time of day must not go beyond its end.
+    // An `Instant` may overflow if a long time is added to it.
     let is_sensible = !duration.is_zero() && duration <= Duration::from_secs(86_400);
-    is_sensible.then_some(duration).ok_or_else(|| "more than 0, and at most a day".to_owned())
+    is_sensible.then_some(duration).ok_or_else(|| "expected more than 0 and at most 86400".to_owned())
 }
 
-/// Whom to ask: clap sees to it that one of the two is there.
+/// The testee to use: clap ensures that one of the arguments is present.
 pub(super) fn target(command: &[OsString], attach: Option<&Address>) -> Target {
     attach.map_or_else(|| Target::Command(command.to_vec()), |address| Target::Address(address.clone()))
 }
@@ -153,17 +177,17 @@ pub(super) fn test(args: &TestArgs) -> Status {
         },
     };
     let names: Vec<(&Case, String)> = cases.iter().map(|case| (case, case.name())).collect();
-    let settled = known.settle(Scope::Cases, &case_outcomes(&names, &outcome));
+    let known_status = known.finish(Scope::Cases, &case_outcomes(&names, &outcome));
     excuse_cases(&known.lists, &mut outcome);
-    let subject = Subject::from_testee(&outcome, &definitions, &|case| again(args, case));
+    let subject = Subject::from_testee(&outcome, &definitions, &|case| rerun_command(args, case));
     args.report.print_subject(&subject);
     let subjects = vec![subject];
     let report = Report::new(Action::Test, super::command(), &definitions, subjects, Vec::new(), Vec::new());
-    deliver(&args.report, &report.with_stale(known.stale)).max(settled)
+    deliver(&args.report, &report.with_stale(known.stale)).max(known_status)
 }
 
-/// The command that asks one case alone.
-fn again(args: &TestArgs, case: &str) -> String {
+/// The command that runs one case.
+fn rerun_command(args: &TestArgs, case: &str) -> String {
     let filter = globset::escape(case);
     let mut words = vec!["uavspec".to_owned(), "test".to_owned(), "--filter".to_owned(), filter];
     let mut add = |name: &str, value: String| words.extend([name.to_owned(), value]);
@@ -174,15 +198,15 @@ fn again(args: &TestArgs, case: &str) -> String {
         add("--replay", path.display().to_string());
         return command_line(words.iter().map(String::as_str));
     }
-    let usual = Options::new(target(&args.command, args.attach.as_ref()));
+    let defaults = Options::new(target(&args.command, args.attach.as_ref()));
     let limits = [
-        ("--timeout", args.timeout, usual.timeout),
-        ("--start-timeout", args.start_timeout, usual.start_timeout),
+        ("--timeout", args.timeout, defaults.timeout),
+        ("--start-timeout", args.start_timeout, defaults.start_timeout),
     ];
-    for (name, limit, _) in limits.iter().filter(|(_, limit, usual)| limit != usual) {
+    for (name, limit, _) in limits.iter().filter(|(_, limit, default)| limit != default) {
         add(name, limit.as_secs_f64().to_string());
     }
-    if usize::from(args.window) != usual.window {
+    if usize::from(args.window) != defaults.window {
         add("--window", args.window.to_string());
     }
     if let Some(address) = &args.attach {
@@ -194,7 +218,7 @@ fn again(args: &TestArgs, case: &str) -> String {
     command_line(words.iter().map(String::as_str))
 }
 
-/// The indices of the cases that a pattern matches; an error where there is none, as that must be a mistake.
+/// The indices of the cases that match a pattern; an error if there are none.
 fn select(cases: &[Case], pattern: Option<&str>) -> Result<Vec<usize>, String> {
     let Some(pattern) = pattern else { return Ok((0..cases.len()).collect()) };
     let glob: GlobMatcher = Glob::new(pattern).map_err(|error| error.to_string())?.compile_matcher();

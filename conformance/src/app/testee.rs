@@ -16,46 +16,59 @@ use crate::testee::lint::report::{to_json, to_text};
 use crate::testee::lint::{CHECKS, Check, check, lint};
 use crate::testee::options::Options;
 
-/// What is to be done with a testee.
+/// Subcommands of `testee`.
 #[derive(Debug, Subcommand)]
 pub(super) enum TesteeCommand {
-    /// Try the manners of a testee: whether it keeps to the protocol of `uavspec test`.
+    /// Check if a testee implements the protocol of `uavspec test`.
+    ///
+    /// Each check uses a separate process or connection. The results of the codec are not checked: use `uavspec test`.
     Lint(LintArgs),
 }
 
-/// Arguments of `testee lint`.
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:
+const EXAMPLES: &str = "Examples:
   uavspec testee lint -- ./my-codec --stdio
   uavspec testee lint --attach localhost:7700
   uavspec testee lint --only unknown-op,unknown-type -- ./my-codec
-  uavspec testee lint --format json -- python3 testee.py
+  uavspec testee lint --format json -- python3 testee.py";
 
-Each check has a process or a connection of its own. What the answers say is not judged: `uavspec test` does that.
+const STATUS: &str = "Exit status:
+  0  the testee implements the protocol
+  1  a check failed
+  2  wrong usage, or definitions that can't be read
+  3  the testee can't be started or reached";
 
-Exit status: 0 good manners, 1 a check failed, 2 wrong usage or definitions, 3 the testee can't be started or reached.")]
+/// Arguments of `testee lint`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{STATUS}"))]
 pub(super) struct LintArgs {
-    /// The testee: a program and its arguments. A script that starts another program should `exec` it.
+    /// Testee and its arguments.
+    ///
+    /// A script that starts another program should `exec` it.
     #[arg(last = true, value_name = "COMMAND", required_unless_present = "attach")]
     command: Vec<OsString>,
-    /// Connect to a testee that listens, over TCP, instead of starting one.
+    /// Connect to a running testee over TCP.
     #[arg(long, value_name = "HOST:PORT", conflicts_with = "command")]
     attach: Option<Address>,
-    /// What to ask about: a uavspec.toml, a folder with one, or a folder of .msg files; the definitions of this
-    /// program, where nothing is said.
+    /// Definitions to use (default: built-in).
+    ///
+    /// A uavspec.toml, a folder with one, or a folder of .msg files. The requests are generated from them.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
-    /// Only these checks, and the introduction that all of them need.
+    /// Run only this check (repeatable).
+    ///
+    /// Several ids may be separated by commas. The check `introduction` is always included.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     only: Vec<String>,
-    /// How long a testee may be silent while there are questions, in seconds.
+    /// Maximum time without a response.
     #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = seconds)]
     timeout: Duration,
-    /// How long it may take to introduce itself, and to take a connection, in seconds.
+    /// Maximum time to start.
+    ///
+    /// This includes the response to the hello request, and for --attach the time to connect.
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds)]
     start_timeout: Duration,
-    /// How to report.
-    #[arg(long, default_value = "text")]
+    /// Output format: text or json.
+    #[arg(long, default_value = "text", hide_possible_values = true)]
     format: Format,
 }
 
@@ -74,7 +87,7 @@ fn lint_testee(args: &LintArgs) -> Status {
         Ok(only) => only,
         Err(id) => {
             let known: Vec<&str> = CHECKS.iter().map(|check| check.id).collect();
-            anstream::eprintln!("error: --only {id}: no such check\n  help: there are {}", known.join(", "));
+            anstream::eprintln!("error: --only {id}: no such check\n  help: use one of {}", known.join(", "));
             return Status::Usage;
         }
     };
@@ -95,10 +108,10 @@ fn lint_testee(args: &LintArgs) -> Status {
             return Status::Unreadable;
         }
     };
-    // A reader that has seen enough closes the pipe: that is no failure. The stream drops colours where needed.
+    // A closed pipe is not an error. The stream removes colours if needed.
     let _ = match args.format {
         Format::Text => write!(anstream::stdout(), "{}", to_text(&found)),
         Format::Json => io::stdout().write_all(to_json(&found).as_bytes()),
     };
-    if found.are_good() { Status::Conforms } else { Status::DoesNotConform }
+    if found.is_ok() { Status::Conforms } else { Status::DoesNotConform }
 }

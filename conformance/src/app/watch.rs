@@ -20,52 +20,57 @@ use crate::watch::screen::{Screen, Step};
 use crate::watch::session::{Event, Session};
 use crate::watch::view::{Scene, draw};
 
-/// How many things that happened may wait. While so many do, no more is heard of the server.
+/// The capacity of the queue of inputs. While it is full, no messages are received.
 const WAITING_LIMIT: usize = 16;
 
-/// How long it takes at least from one picture to the next.
+/// The minimum time between two frames.
 const MIN_FRAME_TIME: Duration = Duration::from_millis(100);
 
-/// How long it takes at most: ages grow even if nothing happens.
+/// The maximum time between two frames: ages increase even without inputs.
 const MAX_FRAME_TIME: Duration = Duration::from_millis(500);
 
-/// Arguments of `watch`.
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:
+const EXAMPLES: &str = "Examples:
   uavspec watch tcp://localhost:5001
   uavspec watch 'socketio://localhost:5000?protocol=4&transport=polling'
   uavspec watch http://localhost:5000/api/v1
   uavspec watch --once tcp://localhost:5001 | awk '$2 == \"fatal\" { print $1 }'
-  uavspec watch --once --for 30 udp://localhost:5001
+  uavspec watch --once --for 30 udp://localhost:5001";
 
-It asks which UAVs there are and how they are, and changes nothing. What the server tells by itself is shown as it
-comes; what it doesn't tell is asked for every two seconds. When the server goes away, it is tried again, and what was
-known stays on the screen.
+const STATUS: &str = "Exit status:
+  0  normal exit
+  2  wrong usage
+  3  the terminal can't be used, or some UAVs did not report before --for ended";
 
-The key ? tells all keys. Where the environment has NO_COLOR, there are no colours. Where the output is no terminal, a
-table is printed once, as with --once.
-
-Exit status: 0 it ended as it should, 2 wrong usage, 3 the terminal can't be used, or with --once not all UAVs have
-told their state in time.")]
+/// Arguments of `watch`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{STATUS}"))]
 pub(super) struct WatchArgs {
-    /// Where the server is: tcp://HOST:PORT, udp://HOST:PORT, http://HOST:PORT/PATH or socketio://HOST:PORT.
+    /// Server URL: tcp://, udp://, http:// or socketio://.
+    ///
+    /// tcp://HOST:PORT, udp://HOST:PORT, http://HOST:PORT/PATH or socketio://HOST:PORT. Socket.IO URLs may end in
+    /// ?protocol=4 or ?protocol=5 (default), and &transport=polling or &transport=websocket (default).
     #[arg(value_name = "URL")]
     endpoint: Endpoint,
-    /// Print a table when all UAVs have told their state, and end.
+    /// Print one table and exit.
+    ///
+    /// The table is printed when all UAVs have reported their state. This is the default if the output is not a
+    /// terminal.
     #[arg(long)]
     once: bool,
-    /// How long --once waits for that; then the table has what is known.
+    /// Maximum time that --once waits for the UAVs.
+    ///
+    /// After this time, the table shows the known states.
     #[arg(long = "for", value_name = "SECONDS", default_value = "5", value_parser = seconds)]
     time: Duration,
 }
 
-/// What the screen has to do with.
+/// An input of the screen.
 enum Input {
-    /// Something happened to the connection, and when.
+    /// An event of the connection, with its time.
     Server(Event, Instant),
-    /// Somebody did something to the terminal; or nothing more will be known of it.
+    /// An event of the terminal. There are no more after an error.
     Terminal(io::Result<event::Event>),
-    /// It is to end.
+    /// A request to quit.
     End,
 }
 
@@ -82,7 +87,7 @@ pub(super) fn watch(args: &WatchArgs) -> Status {
     } else {
         watch_live(args, &codes, sender, &inputs).map_or_else(
             |error| {
-                anstream::eprintln!("error: the terminal can't be used: {error}");
+                anstream::eprintln!("error: can't use the terminal: {error}");
                 Status::Unreadable
             },
             |()| Status::Conforms,
@@ -92,7 +97,7 @@ pub(super) fn watch(args: &WatchArgs) -> Status {
     status
 }
 
-/// Waits for all UAVs to tell their state, and prints it.
+/// Waits until all UAVs have reported their state, and prints the table.
 fn watch_once(args: &WatchArgs, codes: &Codes, inputs: &Receiver<Input>) -> Status {
     let until = Instant::now() + args.time;
     let mut fleet = Fleet::default();
@@ -113,16 +118,16 @@ fn watch_once(args: &WatchArgs, codes: &Codes, inputs: &Receiver<Input>) -> Stat
     }
     let reason = match (&fleet.link, &fleet.remark) {
         (Link::Lost { reason, .. }, _) => crate::text::shown(reason),
-        (Link::Connecting, _) => "it doesn't answer".to_owned(),
+        (Link::Connecting, _) => "the server doesn't respond".to_owned(),
         (Link::Connected, Some(remark)) => remark.clone(),
-        (Link::Connected, None) if fleet.is_empty() => "it doesn't say which UAVs there are".to_owned(),
-        (Link::Connected, None) => "not all of its UAVs have told their state".to_owned(),
+        (Link::Connected, None) if fleet.is_empty() => "the server didn't send a list of its UAVs".to_owned(),
+        (Link::Connected, None) => "some UAVs did not report their state".to_owned(),
     };
     anstream::eprintln!("error: {}: {reason} (within {} s)", args.endpoint, args.time.as_secs_f64());
     Status::Unreadable
 }
 
-/// Gives the terminal back as it was, however this ends.
+/// Restores the terminal on drop.
 struct Restore;
 
 impl Drop for Restore {
@@ -131,7 +136,7 @@ impl Drop for Restore {
     }
 }
 
-/// Shows the fleet until somebody has seen enough.
+/// Shows the fleet until the user quits.
 fn watch_live(
     args: &WatchArgs,
     codes: &Codes,
@@ -140,7 +145,7 @@ fn watch_live(
 ) -> io::Result<()> {
     let ending = sender.clone();
     ctrlc::set_handler(move || {
-        // It may be over already.
+        // The receiver may be gone already.
         let _ = ending.send(Input::End);
     })
     .map_err(io::Error::other)?;
@@ -154,14 +159,14 @@ fn watch_live(
         let now = Instant::now();
         let scene = Scene { fleet: &fleet, codes, url: &url, is_coloured, now };
         terminal.draw(|frame| draw(frame, &scene, &mut screen))?;
-        if take_all(inputs, now, &mut fleet, &mut screen)? == Step::Quit {
+        if process_inputs(inputs, now, &mut fleet, &mut screen)? == Step::Quit {
             return Ok(());
         }
     }
 }
 
-/// Takes what happens until the next picture is due, after the one that was drawn at a time.
-fn take_all(
+/// Processes inputs until the next frame is due. `drawn` is the time of the last frame.
+fn process_inputs(
     inputs: &Receiver<Input>,
     drawn: Instant,
     fleet: &mut Fleet,
@@ -182,14 +187,14 @@ fn take_all(
             Err(RecvTimeoutError::Timeout) => return Ok(Step::Stay),
         }
         due = drawn + MIN_FRAME_TIME;
-        // A server that never pauses doesn't keep the picture from being drawn.
+        // A server that sends without pause must not delay the next frame.
         if Instant::now() >= due {
             return Ok(Step::Stay);
         }
     }
 }
 
-/// Hands on what somebody does to the terminal.
+/// Forwards the events of the terminal.
 fn forward_terminal_events(sender: &SyncSender<Input>) {
     loop {
         let event = event::read();

@@ -56,9 +56,9 @@
 //! A run is valid if it starts with a sync message, whose header and magic are 11 fixed bytes, or with four valid
 //! messages. Messages are valid if their kind is known and their first bytes are plausible: keys and names in ASCII,
 //! existing levels, and data of subscribed ids with the usual size. Other data, and unknown kinds that are letters,
-//! may appear between them; sixteen messages of any plausibility also form a run. At the end of the log or of a
-//! section, two valid messages suffice. Each byte is tried at most once as a start, and each check takes at most a
-//! few thousand steps, so the time is linear in the size of any log.
+//! may appear between them, and sixteen consecutive messages of either sort also form a run. At the end of the log or
+//! of a section, two valid messages suffice. Each byte is tried at most once as a start, and each check takes at most
+//! a few thousand steps, so the time is linear in the size of any log.
 //!
 //! Each skipped range of bytes is reported ([`Problem::Skipped`]). Changed bytes within a payload can't be detected
 //! here.

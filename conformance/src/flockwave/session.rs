@@ -325,7 +325,7 @@ impl Sessions {
         } else {
             let named = self.sent.get_mut(state.serial, refs).copied();
             exchange.reference = match named {
-                // `refs` may also name an earlier response, but that isn't a notification.
+                // `refs` may also name the response itself, which isn't a notification.
                 Some(true) if is_certain => Reference::Notification,
                 _ if is_certain => Reference::Unknown,
                 _ => Reference::Unclear,

@@ -33,7 +33,7 @@ impl Frame {
         Some(last + usize::from(!self.is_before))
     }
 
-    /// Tracks a text with several values. Returns the number of open brackets.
+    /// Tracks the brackets of a text with any number of values. Returns how many brackets are open.
     pub(crate) fn follow(&mut self, text: &str) -> u64 {
         for byte in text.bytes() {
             if self.state == State::Word {

@@ -1,5 +1,5 @@
-//! Commands, for the UAVs that the caller named. They take off, go home and land, are tested, calibrated, put to sleep
-//! and woken; nothing that could let one fall from the sky (UAV-HALT) or restart it (UAV-RST) is sent.
+//! Sends commands to the UAVs that the caller named. They take off, return home, land, run tests and calibrations,
+//! sleep and wake up. Commands that could make a UAV fall (UAV-HALT) or restart (UAV-RST) are never sent.
 
 use std::time::{Duration, Instant};
 
@@ -10,25 +10,25 @@ use super::survey::with_unknown_id;
 use crate::rules::flockwave::trial::UNKNOWN_ID;
 use crate::rules::flockwave::{FlockwaveRule, asy_10, asy_19, env_07};
 
-/// How many steps there are, more or less.
+/// The approximate number of steps.
 pub(super) const STEPS: usize = 25;
 
-/// How much longer all may take with commands.
+/// The additional time limit for commands.
 pub(super) const EXTRA_TIME: Duration = Duration::from_secs(45);
 
-/// How long an operation may take until something is heard of it, or of its end.
+/// The time limit for progress or for the end of an operation.
 const PROGRESS_TIMEOUT: Duration = Duration::from_secs(11);
 
-/// How long an operation may take that takes no time.
-const END: Duration = Duration::from_secs(20);
+/// The time limit of a short operation.
+const SHORT_TIMEOUT: Duration = Duration::from_secs(20);
 
-/// How long is waited for an operation to be suspended, or to go on though it is.
+/// The time for which a suspended operation is observed.
 const SUSPENSION_TIMEOUT: Duration = Duration::from_millis(1_500);
 
-/// How long a UAV goes on with what it does in the air.
+/// The duration of an activity in the air.
 const FLIGHT: Duration = Duration::from_secs(1);
 
-/// The height at which UAVs fly to where they are, in mm above home.
+/// The flight altitude in mm above home.
 const HEIGHT: u32 = 10_000;
 
 impl Probe<'_, '_> {
@@ -41,7 +41,7 @@ impl Probe<'_, '_> {
         let (known, missing): (Vec<String>, Vec<String>) =
             named.into_iter().partition(|id| uavs.contains(id));
         if !missing.is_empty() {
-            self.note(format!("no such UAV, so no commands were sent to it: {}", missing.join(", ")));
+            self.note(format!("unknown UAVs, which received no commands: {}", missing.join(", ")));
         }
         let Some(first) = known.first().cloned() else { return };
         self.query(json!({ "type": "SYS-TIME" }));
@@ -54,16 +54,16 @@ impl Probe<'_, '_> {
         self.fly(&known, &first);
     }
 
-    /// An operation that may stop half-way until it is told to go on.
+    /// Starts an operation that may be suspended until the client resumes it.
     fn suspend(&mut self, uav: &str) {
         let calibrate = json!({ "type": "UAV-CALIB", "ids": [uav, UNKNOWN_ID], "component": "compass" });
         let Some(receipt) = receipt(self.query(calibrate).as_ref()) else { return };
         let resume = json!({ "type": "ASYNC-RESUME", "ids": [receipt], "values": {} });
         self.query_for_trial(&asy_19::RULE, resume.clone());
-        let is_word = |message: &Value| message["body"]["suspended"] == true || is_end(message, &receipt);
-        let word = self.wait(PROGRESS_TIMEOUT, is_word);
-        // Whoever is suspended has to stay so; and of whom nothing is heard may be suspended, too.
-        let is_stopped = word.is_none_or(|message| !is_end(&message, &receipt))
+        let is_progress = |message: &Value| message["body"]["suspended"] == true || is_end(message, &receipt);
+        let message = self.wait(PROGRESS_TIMEOUT, is_progress);
+        // A suspended operation must stay suspended. Without any progress, it may be suspended as well.
+        let is_stopped = message.is_none_or(|message| !is_end(&message, &receipt))
             && self.wait(SUSPENSION_TIMEOUT, |message| is_end(message, &receipt)).is_none();
         if is_stopped {
             self.query(resume);
@@ -71,7 +71,7 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// An operation that is cancelled on the way.
+    /// Cancels an operation.
     fn cancel(&mut self, uav: &str) {
         let calibrate = json!({ "type": "UAV-CALIB", "ids": [uav], "component": "baro" });
         let Some(receipt) = receipt(self.query(calibrate).as_ref()) else { return };
@@ -79,7 +79,7 @@ impl Probe<'_, '_> {
         self.wait(PROGRESS_TIMEOUT, |message| is_end(message, &receipt));
     }
 
-    /// Parameters and logs.
+    /// Requests parameters and logs.
     fn store(&mut self, uavs: &[String], first: &str) {
         let ids = with_unknown_id(uavs);
         self.query(json!({ "type": "PRM-GET", "ids": ids, "name": "PROBE_NONE" }));
@@ -88,11 +88,11 @@ impl Probe<'_, '_> {
         self.query(json!({ "type": "LOG-DATA", "uavId": first, "logId": "1" }));
     }
 
-    /// A short flight.
+    /// Makes a short flight.
     fn fly(&mut self, uavs: &[String], first: &str) {
         let ids = with_unknown_id(uavs);
         let test = json!({ "type": "UAV-TEST", "ids": ids, "component": "led" });
-        self.operate(&asy_10::RULE, END, test);
+        self.operate(&asy_10::RULE, SHORT_TIMEOUT, test);
         self.query(json!({ "type": "UAV-SIGNAL", "ids": ids, "signals": ["light"], "duration": 500 }));
         self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-TAKEOFF", "ids": ids }));
         self.listen(FLIGHT);
@@ -111,7 +111,7 @@ impl Probe<'_, '_> {
         self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-LAND", "ids": ids }));
     }
 
-    /// UAVs that sleep answer nothing, which has to be told as well.
+    /// Makes UAVs sleep. Sleeping UAVs don't respond, which the server must report.
     fn sleep(&mut self, uavs: &[String]) {
         self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-SLEEP", "ids": uavs }));
         self.operate(
@@ -122,9 +122,9 @@ impl Probe<'_, '_> {
         self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-WAKEUP", "ids": uavs }));
     }
 
-    /// A command, and the end of the first operation that it starts.
-    fn operate(&mut self, of: &'static FlockwaveRule, limit: Duration, body: Value) {
-        if let Some(receipt) = receipt(self.query_for_trial(of, body).as_ref()) {
+    /// Sends a command, and waits for the end of its first operation.
+    fn operate(&mut self, rule: &'static FlockwaveRule, limit: Duration, body: Value) {
+        if let Some(receipt) = receipt(self.query_for_trial(rule, body).as_ref()) {
             self.wait(limit, |message| is_end(message, &receipt));
         }
     }
@@ -136,7 +136,7 @@ impl Probe<'_, '_> {
     }
 }
 
-/// The first receipt of an answer.
+/// The first receipt in an answer.
 fn receipt(answer: Option<&Value>) -> Option<String> {
     match &answer?["body"]["receipt"] {
         Value::String(receipt) => Some(receipt.clone()),
@@ -145,7 +145,7 @@ fn receipt(answer: Option<&Value>) -> Option<String> {
     }
 }
 
-/// Whether a message tells of the end of an operation.
+/// True if a message reports the end of an operation.
 fn is_end(message: &Value, receipt: &str) -> bool {
     let body = &message["body"];
     match body["type"].as_str() {

@@ -1,4 +1,4 @@
-//! A connection of a probe: all that goes over it is recorded.
+//! A connection of a probe, which records all messages.
 
 use std::collections::BTreeSet;
 use std::io::{self, ErrorKind};
@@ -12,32 +12,32 @@ use crate::flockwave::record::{Direction, Trial};
 use crate::flockwave::transport::client::{Client, Received, connect};
 use crate::flockwave::transport::endpoint::Endpoint;
 
-/// How many ids of requests without an answer are kept.
+/// The maximum number of stored ids of unanswered requests.
 const MAX_WAITING: usize = 1_000;
 
-/// What the recording says where the server closed a connection.
+/// The reason in the recording if the server closed a connection.
 const CLOSED: &str = "eof";
 
-/// How long is listened for what a server said before it closed the connection.
+/// The time limit for reading the remaining messages after the server closed the connection.
 const DRAIN_TIMEOUT: Duration = Duration::from_millis(200);
 
 /// A connection.
 pub(super) struct Session {
     name: String,
-    /// Whether each message is a request of HTTP, which goes wrong for itself.
+    /// True if each message is a separate HTTP request, which can fail by itself.
     is_one_shot: bool,
     is_stream: bool,
     client: Box<dyn Client>,
     waiting: BTreeSet<String>,
-    /// The last request.
+    /// The id of the last request.
     last_request: Option<String>,
-    /// How many answers came without an envelope.
+    /// The number of answers without an envelope.
     bare: u64,
     is_over: bool,
 }
 
 impl Session {
-    /// Connects, under a name that no other connection has.
+    /// Connects to a server. The number makes the name of the connection unique.
     pub(super) fn open(
         endpoint: &Endpoint,
         number: usize,
@@ -61,32 +61,32 @@ impl Session {
         })
     }
 
-    /// How many answers came without an envelope.
+    /// The number of answers without an envelope.
     pub(super) fn bare_answers(&self) -> u64 {
         self.bare
     }
 
-    /// Whether bytes make a stream, in which messages may come in pieces.
+    /// True if messages are sent over a byte stream, in which they may be split.
     pub(super) fn is_stream(&self) -> bool {
         self.is_stream
     }
 
-    /// Whether nothing more can go over it.
+    /// True if the connection has ended.
     pub(super) fn is_over(&self) -> bool {
         self.is_over
     }
 
-    /// Whether a request has no answer yet.
+    /// True if any request has no answer yet.
     pub(super) fn is_waiting(&self) -> bool {
         !self.waiting.is_empty()
     }
 
-    /// Whether this request has no answer yet.
-    pub(super) fn waits_for(&self, id: &str) -> bool {
+    /// True if this request has no answer yet.
+    pub(super) fn awaits(&self, id: &str) -> bool {
         self.waiting.contains(id)
     }
 
-    /// Sends a message, or what is none. Where it has an id by which an answer can be known, that is waited for.
+    /// Sends a message, which may be invalid. If it has an id, an answer is expected.
     pub(super) fn send(
         &mut self,
         tape: &mut Tape<'_>,
@@ -101,13 +101,13 @@ impl Session {
                 self.waiting.retain(|waiting| Some(waiting.as_str()) != id);
             }
             sent => {
-                self.end_with(tape, sent);
+                self.handle_send(tape, sent);
                 self.last_request = id.map(str::to_owned);
             }
         }
     }
 
-    /// Notes a message that is sent in another way than all others.
+    /// Records a message that is sent with `send_raw`.
     pub(super) fn note(
         &mut self,
         tape: &mut Tape<'_>,
@@ -121,13 +121,13 @@ impl Session {
         }
     }
 
-    /// Sends bytes as they are.
+    /// Sends bytes without recording them.
     pub(super) fn send_raw(&mut self, tape: &mut Tape<'_>, bytes: &[u8]) {
         let sent = self.client.send_raw(bytes);
-        self.end_with(tape, sent);
+        self.handle_send(tape, sent);
     }
 
-    /// Waits for the next message that is JSON.
+    /// Waits for the next JSON message.
     pub(super) fn receive(&mut self, tape: &mut Tape<'_>, until: Instant) -> Option<Value> {
         while !self.is_over {
             match self.client.receive(until) {
@@ -143,7 +143,7 @@ impl Session {
                 },
                 Ok(Received::TooLong) => tape.too_long(&self.name),
                 Ok(Received::Silence) => return None,
-                Ok(Received::End) => self.over(tape, CLOSED),
+                Ok(Received::End) => self.end(tape, CLOSED),
                 Err(error) => self.fail(tape, &error),
             }
             if Instant::now() >= until {
@@ -153,7 +153,7 @@ impl Session {
         None
     }
 
-    /// Listens until all requests have their answers, or the time is over.
+    /// Reads messages until all requests have answers, up to a time limit.
     pub(super) fn settle(&mut self, tape: &mut Tape<'_>, until: Instant) {
         while self.is_waiting() && Instant::now() < until && self.receive(tape, until).is_some() {}
     }
@@ -163,7 +163,7 @@ impl Session {
         self.find(tape, until, |message| message["refs"] == id)
     }
 
-    /// Waits for a message that is wanted.
+    /// Waits for a message that matches a predicate.
     pub(super) fn find(
         &mut self,
         tape: &mut Tape<'_>,
@@ -174,7 +174,7 @@ impl Session {
             if is_wanted(&message) {
                 return Some(message);
             }
-            // Who says enough else must not keep anybody waiting.
+            // A flood of other messages must not extend the time limit.
             if Instant::now() >= until {
                 break;
             }
@@ -184,12 +184,12 @@ impl Session {
 
     /// Ends the connection.
     pub(super) fn close(mut self, tape: &mut Tape<'_>) {
-        self.over(tape, "client");
+        self.end(tape, "client");
     }
 
-    /// Over HTTP, servers may answer with the body alone, as it is clear what it answers; the specification says nothing
-    /// of this transport. Such a body gets the envelope that goes without saying. Where there is none, as what it answers
-    /// has no id, it is an error.
+    /// Adds an envelope to an answer over HTTP that has none. The specification doesn't define this transport, and some
+    /// servers answer with the body only, since the request is known. Without an id of the request, such an answer is
+    /// an error.
     fn enveloped(&mut self, bytes: Vec<u8>) -> Result<Vec<u8>, Vec<u8>> {
         let Some(body) = bare(&bytes).filter(|_| self.is_one_shot) else { return Ok(bytes) };
         let Some(last_request) = &self.last_request else { return Err(bytes) };
@@ -198,7 +198,7 @@ impl Session {
         Ok(format!(r#"{{"$fw.version":"1.0","id":"{id}","refs":{refs},"body":{}}}"#, body.get()).into_bytes())
     }
 
-    /// What comes in answers requests; and the server may ask whether anybody is there.
+    /// Processes a message: marks its request as answered, or answers a ping of the server.
     fn take(&mut self, tape: &mut Tape<'_>, message: &Value) {
         if let Some(refs) = message["refs"].as_str() {
             self.waiting.remove(refs);
@@ -212,30 +212,30 @@ impl Session {
         }
     }
 
-    fn end_with(&mut self, tape: &mut Tape<'_>, sent: io::Result<()>) {
+    fn handle_send(&mut self, tape: &mut Tape<'_>, sent: io::Result<()>) {
         let Err(error) = sent else { return };
         if is_end(&error) {
-            // What was said before stays said.
+            // Messages sent before the end of the connection still count.
             let until = Instant::now() + DRAIN_TIMEOUT;
             while self.receive(tape, until).is_some() {}
-            self.over(tape, CLOSED);
+            self.end(tape, CLOSED);
         } else {
             self.fail(tape, &error);
         }
     }
 
     fn fail(&mut self, tape: &mut Tape<'_>, error: &io::Error) {
-        if is_end(error) { self.over(tape, CLOSED) } else { self.over(tape, &error.to_string()) }
+        if is_end(error) { self.end(tape, CLOSED) } else { self.end(tape, &error.to_string()) }
     }
 
-    fn over(&mut self, tape: &mut Tape<'_>, why: &str) {
+    fn end(&mut self, tape: &mut Tape<'_>, why: &str) {
         if !std::mem::replace(&mut self.is_over, true) {
             tape.closed(&self.name, why);
         }
     }
 }
 
-/// What a connection is called: after its transport, by which rules know whether messages keep their order.
+/// The name of a connection. It starts with the transport, because some rules depend on it.
 pub(super) fn name(endpoint: &Endpoint, number: usize) -> String {
     format!("{}#{number}", endpoint.scheme())
 }
@@ -247,7 +247,7 @@ fn bare(bytes: &[u8]) -> Option<&RawValue> {
     (read["type"].is_string() && read.get("$fw.version").is_none()).then_some(body)
 }
 
-/// Whether the server closed the connection, with what was on its way to it.
+/// True if the error means that the server closed the connection.
 fn is_end(error: &io::Error) -> bool {
     matches!(
         error.kind(),

@@ -1,4 +1,4 @@
-//! What a server is asked that changes nothing: of each family what there is, and how it is.
+//! The survey: requests that change nothing, for each family of messages.
 
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
@@ -9,23 +9,23 @@ use super::Probe;
 use crate::rules::flockwave::trial::{self, UNKNOWN_ID};
 use crate::rules::flockwave::{ack_06, env_24, sys_ping_01};
 
-/// How many steps there are, more or less.
+/// The approximate number of steps.
 pub(super) const STEPS: usize = 70;
 
-/// A type that no message has.
-const NOTHING: &str = "PROBE-NONE";
+/// A message type that doesn't exist.
+const UNKNOWN_TYPE: &str = "PROBE-NONE";
 
-/// How many objects are asked for in detail.
+/// The maximum number of objects to request in detail.
 const MAX_OBJECTS: usize = 50;
 
-/// How long it may take until a UAV appears: some are there only while a client is.
-const UAVS: Duration = Duration::from_secs(5);
+/// The time limit for the first UAV to appear. Some servers have UAVs only while a client is connected.
+const UAV_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// How long it waits from one look to the next.
+/// The interval of requests while waiting for UAVs.
 const POLL_INTERVAL: Duration = Duration::from_millis(400);
 
 impl Probe<'_, '_> {
-    /// Asks all that can be asked without changing anything.
+    /// Sends all requests of the survey.
     pub(super) fn survey(&mut self) {
         if !self.server() {
             return;
@@ -40,14 +40,14 @@ impl Probe<'_, '_> {
         self.query(json!({ "type": "OBJ-LIST" }));
     }
 
-    /// The server itself; whether it serves at all.
+    /// Requests information about the server. Returns false if the probe can't continue.
     fn server(&mut self) -> bool {
         let login = self.query_for_trial(&env_24::RULE, json!({ "type": "AUTH-INF" }));
         let is_required = login.is_some_and(|answer| answer["body"]["required"] == true);
         if is_required {
             self.query_for_trial(&ack_06::RULE, json!({ "type": "UAV-LIST" }));
             if self.options.login.is_none() {
-                self.fail("it wants a login: give one with --login".to_owned());
+                self.fail("the server requires a login; use --login".to_owned());
                 return false;
             }
         }
@@ -60,23 +60,23 @@ impl Probe<'_, '_> {
             self.query(json!({ "type": "SYS-TIME" }));
         }
         self.query(json!({ "type": "SYS-PORTS" }));
-        self.query(json!({ "type": NOTHING }));
+        self.query(json!({ "type": UNKNOWN_TYPE }));
         !self.is_late() && self.failure.is_none()
     }
 
-    /// Which UAVs there are, how they are, and what else there is.
+    /// Requests the UAVs, their states, and other objects.
     fn fleet(&mut self) -> Vec<String> {
         let began = Instant::now();
         let mut uavs = ids(self.query_for_trial(&env_24::RULE, json!({ "type": "UAV-LIST" })).as_ref());
-        while uavs.is_empty() && began.elapsed() < UAVS && !self.is_late() && self.ensure_connected() {
+        while uavs.is_empty() && began.elapsed() < UAV_TIMEOUT && !self.is_late() && self.ensure_connected() {
             self.listen(POLL_INTERVAL);
             uavs = ids(self.query(json!({ "type": "UAV-LIST" })).as_ref());
         }
         if uavs.is_empty() {
-            self.note(format!("no UAV has appeared within {} s", UAVS.as_secs()));
+            self.note(format!("no UAV has appeared within {} s", UAV_TIMEOUT.as_secs()));
         } else if began.elapsed() > POLL_INTERVAL {
             self.note(format!("the first UAV appeared after {:.1} s", began.elapsed().as_secs_f64()));
-            // The others are on their way.
+            // Further UAVs may appear soon.
             self.listen(POLL_INTERVAL * 4);
         }
         self.query(json!({ "type": "UAV-LIST" }));
@@ -97,7 +97,7 @@ impl Probe<'_, '_> {
         uavs
     }
 
-    /// What else there is, family by family.
+    /// Requests the objects of the other families.
     fn lists(&mut self, uavs: &[String]) {
         let connections = ids(self.query_for_trial(&env_24::RULE, json!({ "type": "CONN-LIST" })).as_ref());
         self.query(json!({ "type": "CONN-INF", "ids": with_unknown_id(&connections) }));
@@ -124,7 +124,7 @@ impl Probe<'_, '_> {
         self.devices(uavs);
     }
 
-    /// The devices of a UAV, and a channel of one.
+    /// Requests the devices of UAVs, and one channel.
     fn devices(&mut self, uavs: &[String]) {
         let ids = with_unknown_id(&uavs[..uavs.len().min(2)]);
         let trees = self.query_for_trial(&env_24::RULE, json!({ "type": "DEV-LIST", "ids": ids }));
@@ -139,7 +139,7 @@ impl Probe<'_, '_> {
         self.query_for_trial(&env_24::RULE, json!({ "type": "DEV-LISTSUB", "pathFilter": ["/"] }));
     }
 
-    /// The requests that try rules.
+    /// Sends the requests that test rules.
     fn trials(&mut self, uavs: &[String]) {
         for (rule, request) in trial::requests(uavs) {
             self.request(rule, request);
@@ -148,7 +148,7 @@ impl Probe<'_, '_> {
         self.query_for_trial(&env_24::RULE, resume);
     }
 
-    /// Listens for what comes by itself.
+    /// Listens to notifications.
     fn observe(&mut self) {
         let until = (Instant::now() + self.options.observe).min(self.end);
         while Instant::now() < until && self.ensure_connected() {
@@ -157,7 +157,7 @@ impl Probe<'_, '_> {
         self.step();
     }
 
-    /// Hears what comes for a while.
+    /// Reads messages for some time.
     pub(super) fn listen(&mut self, time: Duration) {
         let until = Instant::now() + time;
         let Some(session) = &mut self.session else { return };
@@ -165,7 +165,7 @@ impl Probe<'_, '_> {
     }
 }
 
-/// The ids that an answer lists, each once.
+/// The distinct ids in an answer.
 fn ids(answer: Option<&Value>) -> Vec<String> {
     strings(answer.map(|answer| &answer["body"]["ids"]))
 }
@@ -176,12 +176,12 @@ fn strings(list: Option<&Value>) -> Vec<String> {
     found.into_iter().map(str::to_owned).collect()
 }
 
-/// Some of these ids, and one that nobody has.
+/// The first of these ids, and a nonexistent one.
 pub(super) fn with_unknown_id(ids: &[String]) -> Vec<&str> {
     ids.iter().take(MAX_OBJECTS).map(String::as_str).chain([UNKNOWN_ID]).collect()
 }
 
-/// The path of the first channel in a tree of devices.
+/// The path of the first channel in a device tree.
 fn channel(path: &str, node: &Value, depth: usize) -> Option<String> {
     if node["type"] == "channel" {
         return Some(path.to_owned());

@@ -1,5 +1,5 @@
-//! The recording of a probe: each line is judged as it is written, by what judges recordings. So a live run and its
-//! recording can't come to different findings.
+//! The recording of a probe. Each line is checked as it is written, with the same code as for recordings, so a live run
+//! and its recording have the same findings.
 
 use std::io::{self, Write};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -11,10 +11,10 @@ use crate::definitions::Definitions;
 use crate::flockwave::record::{Direction, Trial};
 use crate::json::Tree;
 
-/// What stands in the place of a message that was too long to be kept.
+/// The text recorded for a message over the length limit.
 const TOO_LONG: &[u8] = b"(more than 16 MiB)";
 
-/// A recording under way.
+/// A recording in progress.
 pub(super) struct Tape<'d> {
     checker: FlockwaveChecker<'d>,
     file: Option<Box<dyn Write + 'd>>,
@@ -24,12 +24,12 @@ pub(super) struct Tape<'d> {
 }
 
 impl<'d> Tape<'d> {
-    /// Starts one, which is also written to `file`.
+    /// Starts a recording, which is also written to `file`.
     pub(super) fn new(definitions: &'d Definitions, file: Option<Box<dyn Write + 'd>>) -> Self {
         Self { checker: FlockwaveChecker::new(definitions), file, failure: None, lines: 0, bytes: 0 }
     }
 
-    /// Something went over a connection.
+    /// Records a message.
     pub(super) fn message(
         &mut self,
         connection: &str,
@@ -39,42 +39,42 @@ impl<'d> Tape<'d> {
     ) {
         let direction = if direction == Direction::In { "in" } else { "out" };
         let content = match std::str::from_utf8(bytes) {
-            // Line ends between the tokens of JSON mean nothing; strings hold none.
+            // A line end between JSON tokens is insignificant, and JSON strings can't contain one.
             Ok(text) if Tree::read(text).is_ok() => {
                 format!("\"msg\":{}", text.replace(['\n', '\r'], " "))
             }
             Ok(text) => format!("\"raw\":{}", quoted(text)),
             Err(_) => {
-                format!("\"raw\":{}", quoted(&format!("(no UTF-8) {}", String::from_utf8_lossy(bytes))))
+                format!("\"raw\":{}", quoted(&format!("(not UTF-8) {}", String::from_utf8_lossy(bytes))))
             }
         };
         self.line(connection, direction, &content, trial);
     }
 
-    /// A message came that was too long to be kept.
+    /// Records a received message over the length limit.
     pub(super) fn too_long(&mut self, connection: &str) {
         self.message(connection, Direction::In, TOO_LONG, None);
     }
 
-    /// A connection came about.
+    /// Records a new connection.
     pub(super) fn connected(&mut self, connection: &str, url: &str) {
         let content = format!("\"event\":\"connect\",\"url\":{}", quoted(url));
         self.line(connection, "event", &content, None);
     }
 
-    /// A connection didn't come about.
+    /// Records a refused connection.
     pub(super) fn refused(&mut self, connection: &str, why: &str, trial: Option<Trial<'_>>) {
         let content = format!("\"event\":\"refused\",\"why\":{}", quoted(why));
         self.line(connection, "event", &content, trial);
     }
 
-    /// A request of HTTP got no answer that is one.
+    /// Records an HTTP request without a valid response.
     pub(super) fn failed(&mut self, connection: &str, why: &str) {
         let content = format!("\"event\":\"failed\",\"why\":{}", quoted(why));
         self.line(connection, "event", &content, None);
     }
 
-    /// A connection ended.
+    /// Records the end of a connection.
     pub(super) fn closed(&mut self, connection: &str, why: &str) {
         let content = format!("\"event\":\"closed\",\"why\":{}", quoted(why));
         self.line(connection, "event", &content, None);
@@ -100,7 +100,7 @@ impl<'d> Tape<'d> {
         }
     }
 
-    /// What came of it all; or why the recording couldn't be written to its end.
+    /// Returns the findings, and the error if the recording couldn't be written completely.
     pub(super) fn finish(mut self) -> (CaptureResult, Option<io::Error>) {
         let flushed = self.file.as_mut().map_or(Ok(()), Write::flush);
         (self.checker.finish(self.bytes), self.failure.or(flushed.err()))

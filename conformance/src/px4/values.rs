@@ -179,7 +179,7 @@ impl<'c> Constraint<'c> {
     /// Checks a number.
     pub(super) fn check_number(self, found: Number) -> Result<(), Violation<'c>> {
         let Some(restriction) = self.restriction else { return Ok(()) };
-        match restriction.constraint().broken_by(found) {
+        match restriction.constraint().violated_by(found) {
             None => Ok(()),
             Some(demand) => Err(Violation::Number(demand, found, restriction)),
         }

@@ -5,18 +5,22 @@ use crate::definitions::Definitions;
 use crate::model::{self, Findings, Group, Rule};
 use crate::rules::{RULES, px4};
 
-use super::{About, Corruption, Definition, Example, Finding, Known, Outcome, RuleVerdict, Subject, Verdict};
+use super::outcome::CaptureCounts;
+use super::{
+    About, Corruption, Definition, Example, Finding, Known, Outcome, OutcomeKind, RuleVerdict, Subject,
+    Verdict,
+};
 
 /// A capture that was checked.
 #[derive(Debug)]
 pub struct CheckedCapture {
-    /// Its path, as it was given.
+    /// The path as given.
     pub path: String,
     /// The result.
     pub result: CaptureResult,
-    /// Events of a probe that are no findings, in order.
+    /// Events of a probe that are not findings, in order.
     pub notes: Vec<String>,
-    /// The time that the check took, in milliseconds.
+    /// The time of the check, in milliseconds.
     pub elapsed: u128,
 }
 
@@ -25,20 +29,20 @@ pub struct CheckedCapture {
 pub struct Settings {
     /// True if formats that differ from the definitions count as violations.
     pub are_formats_strict: bool,
-    /// The arguments of the command but the files, so that one finds the same again.
+    /// The arguments of `check` that reproduce the findings, without the files.
     pub arguments: Vec<String>,
-    /// The command that finds the same again, where it isn't `check`.
+    /// The command that reproduces the findings, if it isn't `check`.
     pub command: Option<String>,
 }
 
 impl Settings {
-    /// The command that judges a source again.
+    /// The command that checks a capture again.
     fn command(&self, path: &str) -> String {
         if let Some(command) = &self.command {
             return command.clone();
         }
         let words = ["uavspec", "check"].into_iter().chain(self.arguments.iter().map(String::as_str));
-        // What begins with a dash would be taken for an option; the dash alone is standard input.
+        // A path that starts with a dash looks like an option, except for standard input.
         let is_like_option = path.starts_with('-') && path != "-";
         let path = if is_like_option { format!("./{path}") } else { path.to_owned() };
         crate::text::command_line(words.chain([path.as_str()]))
@@ -69,7 +73,7 @@ impl From<model::Verdict> for Verdict {
 }
 
 impl Subject {
-    /// The subject for a capture that was checked.
+    /// Creates the subject of a capture.
     pub fn from_capture(checked: CheckedCapture, definitions: &Definitions, settings: &Settings) -> Self {
         let CheckedCapture { path, result, notes, elapsed } = checked;
         let findings = &result.findings;
@@ -90,7 +94,7 @@ impl Subject {
             records: result.records,
             checked: result.checked,
             duration_us: result.duration,
-            outcome: Outcome::for_capture(0, 0, 0, Vec::new()),
+            outcome: Outcome::new(OutcomeKind::Nothing, String::new()),
             findings: findings.groups().map(finding).collect(),
             more_findings: RULES.iter().map(|rule| findings.dropped(rule)).sum(),
             rules,
@@ -106,27 +110,31 @@ impl Subject {
         subject
     }
 
-    /// Says of a source what its verdicts come to.
+    /// Sets the outcome of a capture from its verdicts.
     pub(crate) fn set_outcome(&mut self) {
-        let remarks = match self.corrupt_count() {
-            0 => Vec::new(),
-            1 => vec!["One place of the file can't be read".to_owned()],
-            count => vec![format!("{count} places of the file can't be read")],
+        let counts = CaptureCounts {
+            checked: self.checked,
+            failed: self.count(Verdict::Fail),
+            warned: self.count(Verdict::Warn),
+            known: self.findings.iter().filter(|finding| finding.known.is_some()).count(),
+            corrupt: self.corrupt_count(),
         };
-        let (failed, warned) = (self.count(Verdict::Fail), self.count(Verdict::Warn));
-        let outcome = Outcome::for_capture(self.checked, failed, warned, remarks);
-        self.outcome = outcome.with_extent(self.extent);
+        let noun = match &self.about {
+            About::Capture(summary) => summary.describe().noun(),
+            About::Testee(_) => "file",
+        };
+        self.outcome = Outcome::for_capture(counts, self.extent, noun);
     }
 }
 
 fn rule_verdict(rule: &'static Rule, findings: &Findings, verdict: Verdict) -> RuleVerdict {
-    let kept: u64 = findings.groups_of(rule).map(|group| group.count).sum();
+    let grouped: u64 = findings.groups_of(rule).map(|group| group.count).sum();
     RuleVerdict {
         id: rule.id,
         level: rule.level,
         verdict,
         covered: findings.covered(rule),
-        findings: kept + findings.dropped(rule),
+        findings: grouped + findings.dropped(rule),
     }
 }
 

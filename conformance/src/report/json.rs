@@ -1,10 +1,10 @@
-//! For programs: the report as it is.
+//! Reports as JSON.
 //!
-//! The form is described by `generated/schemas/uavspec/report.schema.json`, which is made of the same types.
+//! The schema is `generated/schemas/uavspec/report.schema.json`, which is generated from the same types.
 
 use super::Report;
 
 pub(super) fn write(report: &Report) -> String {
-    // Values of this kind can always be written.
+    // Serializing a report can't fail.
     serde_json::to_string_pretty(report).map_or_else(|_| String::new(), |text| text + "\n")
 }

@@ -1,7 +1,6 @@
-//! `JUnit`, whose writer is that of `lint`: a suite for each source with a case for each rule, or for a testee
-//! with a case for each question.
+//! Reports as `JUnit` XML: one suite per subject. Captures have one case per rule, testees one per test case.
 //!
-//! Readers recognise a case by class and name, so neither says what was found.
+//! CI systems identify a case by class and name, so these don't depend on the findings.
 
 use std::fmt::Write as _;
 
@@ -14,7 +13,7 @@ use super::{
 use crate::model::Extent;
 use crate::text::shown;
 
-/// How many findings of a rule the text of its case tells.
+/// The maximum number of findings in the text of a case.
 const MAX_FINDINGS: usize = 20;
 
 pub(super) fn write(report: &Report) -> String {
@@ -32,39 +31,39 @@ pub(super) fn write(report: &Report) -> String {
         let case = junit::Case { outcome, ..junit::Case::passed(&name, READABLE) };
         Suite { name, cases: vec![case] }
     }));
-    suites.extend(whole(name, &report.reasons));
+    suites.extend(run_suite(name, &report.reasons));
     junit::write(name, &suites)
 }
 
-/// What fails the run, and belongs to no source.
-fn whole(name: &str, reasons: &[crate::model::Reason]) -> Option<Suite> {
-    let findings_text: Vec<String> = reasons.iter().map(|reason| shown(&reason.to_string())).collect();
-    let (kind, message) = ("run".to_owned(), findings_text.first()?.clone());
-    let outcome = Outcome::Failed(Reason { kind, message, text: findings_text.join("\n") });
+/// The suite for reasons that belong to no subject.
+fn run_suite(name: &str, reasons: &[crate::model::Reason]) -> Option<Suite> {
+    let messages: Vec<String> = reasons.iter().map(|reason| shown(&reason.to_string())).collect();
+    let (kind, message) = ("run".to_owned(), messages.first()?.clone());
+    let outcome = Outcome::Failed(Reason { kind, message, text: messages.join("\n") });
     let case = junit::Case { outcome, ..junit::Case::passed(name, "as a whole") };
     Some(Suite { name: name.to_owned(), cases: vec![case] })
 }
 
-/// The case that says what can't be read.
+/// The name of the case for corrupt and unreadable parts.
 const READABLE: &str = "can be read";
 
 fn suite(subject: &Subject, rules: &[RuleReport]) -> Suite {
     let cases = match &subject.about {
         About::Testee(testee) => testee_cases(subject, testee),
         About::Capture(_) => {
-            let of_rules = subject.rules.iter().filter_map(|found| {
+            let rule_cases = subject.rules.iter().filter_map(|found| {
                 let rule = rules.iter().find(|rule| rule.id == found.id)?;
                 Some(rule_case(subject, rule, found))
             });
-            std::iter::once(readable(subject)).chain(of_rules).collect()
+            std::iter::once(readable(subject)).chain(rule_cases).collect()
         }
     };
     Suite { name: shown(&subject.path), cases }
 }
 
-/// Whether a source can be read: what can't is told. That it ends early, as logs do when the power goes, or that
-/// something else is wrong with it, fails nothing; that parts of it were passed over, or that nothing more can be read,
-/// is an error.
+/// The case for corrupt and unreadable parts.
+///
+/// Skipped parts and an unreadable rest are errors. Truncation is not: logs are truncated if the power fails.
 fn readable(subject: &Subject) -> junit::Case {
     let mut case = junit::Case::passed(shown(&subject.path), READABLE);
     let mut corruption = String::new();
@@ -77,8 +76,8 @@ fn readable(subject: &Subject) -> junit::Case {
     }
     let (kind, message) = match subject.extent {
         Extent::Whole | Extent::EndsEarly => ("", ""),
-        Extent::WithGaps => ("damaged", "parts of it can't be read, and were passed over"),
-        Extent::Unreadable => ("unreadable", "it can't be read to its end"),
+        Extent::WithGaps => ("damaged", "unreadable parts were skipped"),
+        Extent::Unreadable => ("unreadable", "the file can't be read to the end"),
     };
     if message.is_empty() {
         case.output = corruption;
@@ -100,7 +99,7 @@ fn rule_case(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit
         Verdict::Pass => {}
         Verdict::Warn | Verdict::Shown | Verdict::Known => case.output = text,
         Verdict::NotCovered => {
-            case.outcome = Outcome::Skipped("nothing was there that it could have judged".to_owned());
+            case.outcome = Outcome::Skipped(Verdict::NotCovered.name().to_owned());
         }
         Verdict::Unsupported | Verdict::Inconclusive => {
             case.outcome = Outcome::Skipped(found.verdict.name().to_owned());
@@ -125,7 +124,7 @@ fn rule_case(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit
     case
 }
 
-/// All that is known of the findings of a rule.
+/// The findings of a rule as text.
 fn findings_text(findings: &[&Finding], count: u64) -> String {
     let mut text = String::new();
     let mut line = |depth: usize, label: &str, value: &str| {
@@ -150,12 +149,12 @@ fn findings_text(findings: &[&Finding], count: u64) -> String {
         line(2, "known: ", finding.known.as_ref().map_or("", |known| &known.reason));
     }
     if let Some(first) = findings.first() {
-        line(0, "to find it again: ", &first.reproduce);
+        line(0, "to reproduce: ", &first.reproduce);
         line(0, "see: ", &first.url);
     }
-    let findings_text: u64 = findings.iter().take(MAX_FINDINGS).map(|finding| finding.count).sum();
-    if count > findings_text {
-        line(0, "", &format!("… and {} more", count - findings_text));
+    let listed: u64 = findings.iter().take(MAX_FINDINGS).map(|finding| finding.count).sum();
+    if count > listed {
+        line(0, "", &format!("… and {} more", count - listed));
     }
     text.truncate(text.trim_end().len());
     text
@@ -168,16 +167,16 @@ fn testee_cases(subject: &Subject, testee: &Testee) -> Vec<junit::Case> {
     let remarks: Vec<String> =
         remarks.map(|remark| format!("{} ({} times)", shown(&remark.message), remark.count)).collect();
     cases.push(match remarks.first() {
-        None => junit::Case::passed("protocol", "keeps to it"),
+        None => junit::Case::passed("protocol", "no violations"),
         Some(first) => {
             let (kind, message) = ("protocol".to_owned(), first.clone());
-            protocol("keeps to it", Outcome::Failed(Reason { kind, message, text: remarks.join("\n") }))
+            protocol("no violations", Outcome::Failed(Reason { kind, message, text: remarks.join("\n") }))
         }
     });
-    if let Some(why) = &testee.gave_up {
-        let (kind, message) = ("broken".to_owned(), shown(why));
+    if let Some(reason) = &testee.gave_up {
+        let (kind, message) = ("broken".to_owned(), shown(reason));
         let text = format!("{}: {message}", shown(&subject.path));
-        cases.push(protocol("runs to the end", Outcome::Error(Reason { kind, message, text })));
+        cases.push(protocol("run completes", Outcome::Error(Reason { kind, message, text })));
     }
     cases
 }
@@ -185,9 +184,9 @@ fn testee_cases(subject: &Subject, testee: &Testee) -> Vec<junit::Case> {
 fn testee_case(case: &Case) -> junit::Case {
     let outcome = match case.verdict {
         CaseVerdict::Pass => Outcome::Passed,
-        CaseVerdict::Unsupported => Outcome::Skipped("the testee doesn't do this".to_owned()),
-        CaseVerdict::NotRun => Outcome::Skipped("it was not asked".to_owned()),
-        // What is listed as known is told, and fails nothing.
+        CaseVerdict::Unsupported => Outcome::Skipped("not supported by the testee".to_owned()),
+        CaseVerdict::NotRun => Outcome::Skipped("not run".to_owned()),
+        // Known failures are reported, but don't fail.
         _ if case.known.is_some() => Outcome::Skipped("known".to_owned()),
         CaseVerdict::Fail => Outcome::Failed(reason(case)),
         CaseVerdict::Crashed | CaseVerdict::TimedOut => Outcome::Error(reason(case)),
@@ -211,7 +210,7 @@ fn reason(case: &Case) -> Reason {
         ("expected: ", &case.expected),
         ("got: ", &case.actual),
         ("", &case.message),
-        ("to ask it again: ", &case.reproduce),
+        ("to reproduce: ", &case.reproduce),
     ] {
         if !value.is_empty() {
             // Writing to a string can't fail.

@@ -1,29 +1,28 @@
-//! The kinds of reports.
+//! The formats of reports.
 
 use clap::ValueEnum;
 
 use super::{Report, html, json, junit, markdown, sarif, text};
 
-/// A kind of report.
+/// A format of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Kind {
-    /// For people, at a terminal.
+    /// Text for a terminal.
     Text,
-    /// For programs: everything.
+    /// JSON with all details.
     Json,
-    /// Results of tests as XML, for CI systems that show them.
+    /// `JUnit` XML for CI systems.
     Junit,
-    /// SARIF 2.1.0, for editors and code scanning.
+    /// SARIF 2.1.0 for editors and code scanning.
     Sarif,
-    /// For people: one page that needs nothing else.
+    /// A self-contained HTML page.
     Html,
-    /// For pull requests and summaries of CI.
+    /// Markdown for pull requests and CI summaries.
     Markdown,
 }
 
 impl Report {
-    /// The report as text of a kind. That for terminals has colours, which streams drop where they would not be
-    /// shown.
+    /// Renders the report. [`Kind::Text`] has terminal colours, which `anstream` removes if needed.
     pub fn to_text(&self, kind: Kind) -> String {
         match kind {
             Kind::Text => text::write(self),

@@ -1,48 +1,48 @@
-//! What a run comes to, in a word, a sentence and an exit status.
+//! The outcome of a run: a kind, a sentence and an exit status.
 
 use serde::Serialize;
 
 use super::{Action, Subject, Unreadable, Verdict};
 use crate::model::Extent;
 
-/// What something comes to.
+/// The outcome of a run or a subject.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Outcome {
-    /// In a word.
+    /// The kind.
     #[serde(rename = "outcome")]
     pub kind: OutcomeKind,
-    /// The exit status that says so.
+    /// The exit status.
     pub status: u8,
-    /// In a sentence.
+    /// The outcome as a sentence.
     pub text: String,
-    /// What else has to do with it.
+    /// Further remarks.
     pub remarks: Vec<String>,
 }
 
-/// What something comes to; in the order of how much each weighs where there are several.
+/// A kind of outcome, in ascending precedence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum OutcomeKind {
-    /// Nothing breaks a rule that binds.
+    /// No rule of level MUST is violated.
     Conforms,
-    /// Nothing was there to judge.
+    /// Nothing was checked.
     #[serde(rename = "nothing was checked")]
     Nothing,
-    /// The list of known failures isn't true any more.
+    /// An entry of a list of known failures no longer applies.
     #[serde(rename = "stale list")]
     Stale,
-    /// Something breaks a rule that binds.
+    /// A rule of level MUST is violated.
     #[serde(rename = "does not conform")]
     DoesNotConform,
-    /// A file can't be read, or the testee broke.
+    /// A file can't be read, or a testee or server failed.
     #[serde(rename = "broken")]
     Incomplete,
 }
 
 impl OutcomeKind {
-    /// The exit status that says so.
+    /// The exit status.
     pub const fn status(self) -> u8 {
         match self {
             Self::Conforms => 0,
@@ -55,54 +55,58 @@ impl OutcomeKind {
 }
 
 impl Outcome {
-    /// One without remarks.
+    /// Creates an outcome without remarks.
     pub(crate) fn new(kind: OutcomeKind, text: impl Into<String>) -> Self {
         Self { kind, status: kind.status(), text: text.into(), remarks: Vec::new() }
     }
 
-    /// Of a source, by how many of its rules are broken and warned of.
-    pub(super) fn for_capture(checked: u64, failed: usize, warned: usize, remarks: Vec<String>) -> Self {
-        let outcome = match (failed, warned) {
-            (0, _) if checked == 0 => Self::new(OutcomeKind::Nothing, "Nothing was judged"),
-            (0, 0) => Self::new(OutcomeKind::Conforms, "Conforms"),
-            (0, _) => Self::new(OutcomeKind::Conforms, format!("Conforms, with {}", to_look_at(warned))),
-            _ => Self::new(OutcomeKind::DoesNotConform, format!("Does not conform: {}", violated(failed))),
-        };
-        Self { remarks, ..outcome }
-    }
-
-    /// The same of a source of which only so much could be read.
-    #[must_use]
-    pub(super) fn with_extent(self, extent: Extent) -> Self {
-        match extent {
-            Extent::Whole => self,
-            Extent::EndsEarly | Extent::WithGaps => {
-                Self { text: format!("{}, as far as it can be read", self.text), ..self }
-            }
+    /// The outcome for a capture. `noun` is a word for it, such as `log`.
+    pub(super) fn for_capture(counts: CaptureCounts, extent: Extent, noun: &str) -> Self {
+        let (kind, text) = (counts.kind(), counts.text());
+        let (kind, text) = match extent {
+            Extent::Whole if counts.corrupt == 0 => (kind, text),
+            Extent::Whole => (kind, format!("{text}; the {noun} has errors")),
+            Extent::EndsEarly => (kind, format!("{text}; the {noun} is truncated")),
+            Extent::WithGaps => (kind, format!("{text}; parts of the {noun} are unreadable")),
             Extent::Unreadable => {
-                let mut remarks = self.remarks;
-                remarks.insert(0, format!("{}, as far as it can be read", self.text));
-                Self { remarks, ..Self::new(OutcomeKind::Incomplete, "Could not be read to its end") }
+                let subject = if kind == OutcomeKind::Nothing { "" } else { "its readable part " };
+                let text = format!("incomplete: the {noun} can't be read to the end; {subject}{text}");
+                (OutcomeKind::Incomplete, text)
             }
-        }
+        };
+        let remarks = match counts.corrupt {
+            0 => Vec::new(),
+            1 => vec![format!("1 part of the {noun} is corrupt or unreadable")],
+            count => vec![format!("{count} parts of the {noun} are corrupt or unreadable")],
+        };
+        Self { remarks, ..Self::new(kind, capitalized(&text)) }
     }
 
-    /// Of a testee, by how many of its cases failed and passed.
-    pub(super) fn for_testee(passed: u64, failed: u64, remarks: usize, gave_up: Option<&str>) -> Self {
+    /// The outcome for a testee, from its numbers of passed and failed cases and of protocol violations.
+    pub(super) fn for_testee(passed: u64, failed: u64, violations: usize, gave_up: Option<&str>) -> Self {
         let requested = passed + failed;
         match gave_up {
-            Some(why) => Self::new(OutcomeKind::Incomplete, format!("The testee broke: {why}")),
+            Some(reason) => Self::new(OutcomeKind::Incomplete, format!("Incomplete: {reason}")),
             None if failed > 0 => Self::new(
                 OutcomeKind::DoesNotConform,
                 format!("Does not conform: {failed} of {requested} cases failed"),
             ),
-            None if remarks > 0 => Self::new(OutcomeKind::DoesNotConform, "Does not keep to the protocol"),
+            None if violations > 0 => {
+                Self::new(OutcomeKind::DoesNotConform, "Does not conform: violates the test protocol")
+            }
             None if passed == 0 => Self::new(OutcomeKind::Nothing, "Nothing was checked"),
             None => Self::new(OutcomeKind::Conforms, "Conforms"),
         }
     }
 
-    /// Of a whole run.
+    /// The text as it ends a report in the terminal, in lower case.
+    pub(super) fn last_line(&self) -> String {
+        let mut characters = self.text.chars();
+        let first = characters.next().map(|first| first.to_ascii_lowercase());
+        first.into_iter().chain(characters).collect()
+    }
+
+    /// The outcome for a whole run.
     pub(super) fn for_run(
         action: Action,
         subjects: &[Subject],
@@ -115,9 +119,9 @@ impl Outcome {
         }
         if !unreadable.is_empty() {
             let text = match (action, unreadable.len()) {
-                (Action::Probe, _) => "The server could not be asked everything".to_owned(),
-                (_, 1) => "One file could not be read".to_owned(),
-                (_, count) => format!("{count} files could not be read"),
+                (Action::Probe, _) => "Incomplete: the server did not complete the probe".to_owned(),
+                (_, 1) => "Incomplete: 1 file can't be read".to_owned(),
+                (_, count) => format!("Incomplete: {count} files can't be read"),
             };
             let rest = if subjects.is_empty() { Vec::new() } else { vec![outcome.text] };
             outcome = Self { remarks: rest, ..Self::new(OutcomeKind::Incomplete, text) };
@@ -130,16 +134,16 @@ impl Outcome {
         if let [only] = subjects {
             return only.outcome.clone();
         }
-        let mut expected = Vec::new();
+        let mut remarks = Vec::new();
         for subject in subjects {
-            expected
+            remarks
                 .extend(subject.outcome.remarks.iter().map(|remark| format!("{}: {remark}", subject.path)));
         }
         let outcomes = subjects.iter().map(|subject| subject.outcome.kind);
-        // That one of several has nothing to judge says nothing of the others.
+        // A subject with nothing to check doesn't affect the others.
         let worst = outcomes.clone().filter(|outcome| *outcome != OutcomeKind::Nothing).max();
-        let Some(worst) = worst else { return Self::new(OutcomeKind::Nothing, "Nothing was judged") };
-        let of = |verdict: Verdict| {
+        let Some(worst) = worst else { return Self::new(OutcomeKind::Nothing, "Nothing was checked") };
+        let count = |verdict: Verdict| {
             let mut ids: Vec<&str> = subjects
                 .iter()
                 .flat_map(|subject| &subject.rules)
@@ -151,34 +155,82 @@ impl Outcome {
             ids.len()
         };
         let is_testee = subjects.iter().any(Subject::is_testee);
-        let text = match (worst, of(Verdict::Warn)) {
-            (OutcomeKind::Conforms | OutcomeKind::Nothing, 0) => "Conforms".to_owned(),
-            (OutcomeKind::Conforms | OutcomeKind::Nothing, warned) => {
-                format!("Conforms, with {}", to_look_at(warned))
+        let (warned, all) = (count(Verdict::Warn), subjects.len());
+        let with_worst = outcomes.filter(|outcome| *outcome == worst).count();
+        let text = match worst {
+            OutcomeKind::Conforms | OutcomeKind::Nothing if warned == 0 => "Conforms".to_owned(),
+            OutcomeKind::Conforms | OutcomeKind::Nothing => {
+                format!("Conforms, with {}", plural(warned, "warning"))
             }
-            (OutcomeKind::Stale, _) => "The list of known failures is stale".to_owned(),
-            (OutcomeKind::DoesNotConform, _) if is_testee => "Does not conform".to_owned(),
-            (OutcomeKind::DoesNotConform, _) => {
-                let count = outcomes.filter(|outcome| *outcome == OutcomeKind::DoesNotConform).count();
-                let (violated, all) = (violated(of(Verdict::Fail)), subjects.len());
-                format!("Does not conform: {violated}, in {count} of {all} files")
+            OutcomeKind::Stale => "A list of known failures is out of date".to_owned(),
+            OutcomeKind::DoesNotConform if is_testee => "Does not conform".to_owned(),
+            OutcomeKind::DoesNotConform => {
+                let failed = count(Verdict::Fail);
+                format!("Does not conform: {failed} MUST, {warned} SHOULD ({with_worst} of {all} files)")
             }
-            (OutcomeKind::Incomplete, _) if is_testee => "A testee broke".to_owned(),
-            (OutcomeKind::Incomplete, _) => {
-                let count = outcomes.filter(|outcome| *outcome == OutcomeKind::Incomplete).count();
-                format!("{count} of {} files could not be read to their ends", subjects.len())
+            OutcomeKind::Incomplete if is_testee => "Incomplete: a testee failed".to_owned(),
+            OutcomeKind::Incomplete => {
+                format!("Incomplete: {with_worst} of {all} files can't be read to the end")
             }
         };
-        Self { remarks: expected, ..Self::new(worst, text) }
+        Self { remarks, ..Self::new(worst, text) }
     }
 }
 
-fn violated(rules: usize) -> String {
-    format!("{rules} MUST {} broken", if rules == 1 { "rule" } else { "rules" })
+/// The counts that the outcome for a capture depends on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CaptureCounts {
+    /// Messages that were checked.
+    pub(super) checked: u64,
+    /// Rules that fail.
+    pub(super) failed: usize,
+    /// Rules that warn.
+    pub(super) warned: usize,
+    /// Findings in a list of known failures.
+    pub(super) known: usize,
+    /// Corrupt or unreadable parts.
+    pub(super) corrupt: u64,
 }
 
-fn to_look_at(rules: usize) -> String {
-    format!("{rules} SHOULD {} to look at", if rules == 1 { "rule" } else { "rules" })
+impl CaptureCounts {
+    fn kind(self) -> OutcomeKind {
+        match self.failed {
+            0 if self.checked == 0 => OutcomeKind::Nothing,
+            0 => OutcomeKind::Conforms,
+            _ => OutcomeKind::DoesNotConform,
+        }
+    }
+
+    /// The outcome as a predicate, such as `conforms, with 1 warning`.
+    fn text(self) -> String {
+        let Self { failed, warned, known, .. } = self;
+        let plurals = [(warned, "warning"), (known, "known failure")];
+        let listed: Vec<String> = plurals
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, noun)| plural(*count, noun))
+            .collect();
+        match self.kind() {
+            OutcomeKind::Nothing => "nothing was checked".to_owned(),
+            OutcomeKind::DoesNotConform if known > 0 => {
+                format!("does not conform: {failed} MUST, {warned} SHOULD, {known} known")
+            }
+            OutcomeKind::DoesNotConform => format!("does not conform: {failed} MUST, {warned} SHOULD"),
+            _ if listed.is_empty() => "conforms".to_owned(),
+            _ => format!("conforms, with {}", listed.join(" and ")),
+        }
+    }
+}
+
+fn plural(count: usize, noun: &str) -> String {
+    uavspec_codegen::emit::docs::markdown::plural(count as u64, noun)
+}
+
+/// A text with a capital first letter.
+fn capitalized(text: &str) -> String {
+    let mut characters = text.chars();
+    let first = characters.next().map(|first| first.to_ascii_uppercase());
+    first.into_iter().chain(characters).collect()
 }
 
 #[cfg(test)]
@@ -189,8 +241,8 @@ mod tests {
     use crate::report::{About, RuleVerdict};
     use crate::rules::RULES;
 
-    /// A source of which rules came to these verdicts, and how much of it was judged.
-    fn source(checked: u64, verdicts: &[Verdict]) -> Subject {
+    /// A capture with this number of checked messages and these verdicts.
+    fn capture(checked: u64, verdicts: &[Verdict]) -> Subject {
         let rule = |(verdict, rule): (&Verdict, &&'static crate::model::Rule)| RuleVerdict {
             id: rule.id,
             level: rule.level,
@@ -232,72 +284,77 @@ mod tests {
     }
 
     #[test]
-    fn a_source_is_as_good_as_its_worst_rule() {
-        let expected = |checked, verdicts: &[Verdict]| outcome_of(&[source(checked, verdicts)]);
-        assert_eq!(expected(1, &[Verdict::Pass, Verdict::Shown]), (0, "Conforms".to_owned()));
-        assert_eq!(expected(1, &[Verdict::Warn]), (0, "Conforms, with 1 SHOULD rule to look at".to_owned()));
+    fn the_worst_rule_decides_the_outcome() {
+        let outcome = |checked, verdicts: &[Verdict]| outcome_of(&[capture(checked, verdicts)]);
+        assert_eq!(outcome(1, &[Verdict::Pass, Verdict::Shown]), (0, "Conforms".to_owned()));
+        assert_eq!(outcome(1, &[Verdict::Warn]), (0, "Conforms, with 1 warning".to_owned()));
+        assert_eq!(outcome(1, &[Verdict::Warn, Verdict::Warn]), (0, "Conforms, with 2 warnings".to_owned()));
         let violated = [Verdict::Fail, Verdict::Fail, Verdict::Warn];
-        assert_eq!(expected(1, &violated), (1, "Does not conform: 2 MUST rules broken".to_owned()));
-        assert_eq!(expected(0, &[Verdict::NotCovered]), (5, "Nothing was judged".to_owned()));
+        assert_eq!(outcome(1, &violated), (1, "Does not conform: 2 MUST, 1 SHOULD".to_owned()));
+        assert_eq!(outcome(0, &[Verdict::NotCovered]), (5, "Nothing was checked".to_owned()));
     }
 
     #[test]
-    fn several_sources_count_each_rule_once() {
-        let (good, bad, empty) = (source(1, &[Verdict::Pass]), source(1, &[Verdict::Fail]), source(0, &[]));
+    fn several_captures_count_each_rule_once() {
+        let (good, bad, empty) =
+            (capture(1, &[Verdict::Pass]), capture(1, &[Verdict::Fail]), capture(0, &[]));
         let all = [good.clone(), bad.clone(), bad.clone(), empty.clone()];
-        assert_eq!(outcome_of(&all), (1, "Does not conform: 1 MUST rule broken, in 2 of 4 files".to_owned()));
+        assert_eq!(outcome_of(&all), (1, "Does not conform: 1 MUST, 0 SHOULD (2 of 4 files)".to_owned()));
         assert_eq!(outcome_of(&[good.clone(), empty.clone()]), (0, "Conforms".to_owned()));
-        assert_eq!(outcome_of(&[empty.clone(), empty]), (5, "Nothing was judged".to_owned()));
-        assert_eq!(outcome_of(&[]), (5, "Nothing was judged".to_owned()));
+        assert_eq!(outcome_of(&[empty.clone(), empty]), (5, "Nothing was checked".to_owned()));
+        assert_eq!(outcome_of(&[]), (5, "Nothing was checked".to_owned()));
         assert_eq!(outcome_of(&[good, bad]).0, 1);
     }
 
     #[test]
     fn unread_data_is_reported_and_may_change_the_outcome() {
         let read = |extent, verdict| {
-            let mut source = source(1, &[verdict]);
-            source.extent = extent;
-            source.set_outcome();
-            source
+            let mut capture = capture(1, &[verdict]);
+            capture.extent = extent;
+            capture.set_outcome();
+            capture
         };
-        let expected = |extent, verdict| outcome_of(&[read(extent, verdict)]);
-        for extent in [Extent::EndsEarly, Extent::WithGaps] {
-            let text = "Conforms, as far as it can be read";
-            assert_eq!(expected(extent, Verdict::Pass), (0, text.to_owned()));
-            assert_eq!(expected(extent, Verdict::Fail).0, 1);
+        let outcome = |extent, verdict| outcome_of(&[read(extent, verdict)]);
+        for (extent, text) in [
+            (Extent::EndsEarly, "Conforms; the file is truncated"),
+            (Extent::WithGaps, "Conforms; parts of the file are unreadable"),
+        ] {
+            assert_eq!(outcome(extent, Verdict::Pass), (0, text.to_owned()));
+            assert_eq!(outcome(extent, Verdict::Fail).0, 1);
         }
-        for verdict in [Verdict::Pass, Verdict::Fail] {
-            let text = "Could not be read to its end";
-            assert_eq!(expected(Extent::Unreadable, verdict), (3, text.to_owned()));
+        for (verdict, readable) in [
+            (Verdict::Pass, "its readable part conforms"),
+            (Verdict::Fail, "its readable part does not conform: 1 MUST, 0 SHOULD"),
+        ] {
+            let text = format!("Incomplete: the file can't be read to the end; {readable}");
+            assert_eq!(outcome(Extent::Unreadable, verdict), (3, text));
         }
-        let violated = read(Extent::Unreadable, Verdict::Pass);
-        assert_eq!(violated.outcome.remarks, ["Conforms, as far as it can be read"]);
-        let all = [violated, source(1, &[Verdict::Fail])];
-        assert_eq!(outcome_of(&all), (3, "1 of 2 files could not be read to their ends".to_owned()));
+        let all = [read(Extent::Unreadable, Verdict::Pass), capture(1, &[Verdict::Fail])];
+        assert_eq!(outcome_of(&all), (3, "Incomplete: 1 of 2 files can't be read to the end".to_owned()));
     }
 
     #[test]
-    fn what_is_no_finding_counts_too() {
-        let good = [source(1, &[Verdict::Pass])];
+    fn required_rules_and_unreadable_files_change_the_outcome() {
+        let good = [capture(1, &[Verdict::Pass])];
         let required = Outcome::for_run(Action::Check, &good, &[], vec!["a rule was required".to_owned()]);
         assert_eq!((required.status, required.text.as_str()), (1, "Does not conform"));
         assert_eq!(required.remarks, ["a rule was required"]);
         let gone = Unreadable { path: "gone".to_owned(), message: "absent".to_owned() };
         let unreadable = Outcome::for_run(Action::Check, &good, &[gone.clone(), gone], Vec::new());
-        assert_eq!((unreadable.status, unreadable.text.as_str()), (3, "2 files could not be read"));
-        assert_eq!(unreadable.remarks, ["Conforms"], "what could be read is told, too");
+        assert_eq!((unreadable.status, unreadable.text.as_str()), (3, "Incomplete: 2 files can't be read"));
+        assert_eq!(unreadable.remarks, ["Conforms"], "the outcome of the other files is a remark");
     }
 
     #[test]
-    fn a_testee_fails_by_its_answers_its_manners_or_its_end() {
-        let expected = |passed, failed, remarks, gave_up| {
-            let outcome = Outcome::for_testee(passed, failed, remarks, gave_up);
+    fn a_testee_fails_if_a_case_fails_or_it_violates_the_protocol_or_stops() {
+        let outcome = |passed, failed, violations, gave_up| {
+            let outcome = Outcome::for_testee(passed, failed, violations, gave_up);
             (outcome.status, outcome.text)
         };
-        assert_eq!(expected(9, 0, 0, None), (0, "Conforms".to_owned()));
-        assert_eq!(expected(9, 1, 2, None), (1, "Does not conform: 1 of 10 cases failed".to_owned()));
-        assert_eq!(expected(9, 0, 2, None), (1, "Does not keep to the protocol".to_owned()));
-        assert_eq!(expected(0, 0, 0, None), (5, "Nothing was checked".to_owned()));
-        assert_eq!(expected(9, 1, 0, Some("it ended")), (3, "The testee broke: it ended".to_owned()));
+        assert_eq!(outcome(9, 0, 0, None), (0, "Conforms".to_owned()));
+        assert_eq!(outcome(9, 1, 2, None), (1, "Does not conform: 1 of 10 cases failed".to_owned()));
+        assert_eq!(outcome(9, 0, 2, None), (1, "Does not conform: violates the test protocol".to_owned()));
+        assert_eq!(outcome(0, 0, 0, None), (5, "Nothing was checked".to_owned()));
+        assert_eq!(outcome(9, 1, 0, Some("it ended")), (3, "Incomplete: it ended".to_owned()));
     }
 }

@@ -1,4 +1,4 @@
-//! SARIF, whose writer is that of `lint`: each finding is an entry at the first place where it was made.
+//! Reports as SARIF: one result per group of findings, at the location of its first finding.
 
 use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::report::{self as shared, Entry, Place, Region, RuleInfo};
@@ -10,15 +10,14 @@ use super::{
 use crate::model::{self, Extent};
 use crate::text::shown;
 
-/// The id under which damage is told, and what it is.
-const CORRUPTION: (&str, &str) = ("damage", "A file can be read from its start to its end.");
+/// The id for corrupt and unreadable parts, and its description.
+const CORRUPTION: (&str, &str) = ("damage", "A file can be read from start to end.");
 
-/// The id of what fails a run as a whole, and what that asks.
-const RUN: (&str, &str) =
-    ("run", "Rules that are required are exercised, and lists of known failures hold true.");
+/// The id for failures of the whole run, and its description.
+const RUN: (&str, &str) = ("run", "Required rules are covered, and lists of known failures are up to date.");
 
-/// The id of what is against the protocol of testees, and what that asks.
-const PROTOCOL: (&str, &str) = ("protocol", "A testee keeps to the protocol.");
+/// The id for violations of the test protocol, and its description.
+const PROTOCOL: (&str, &str) = ("protocol", "A testee implements the test protocol.");
 
 pub(super) fn write(report: &Report) -> String {
     let command = match report.action {
@@ -38,10 +37,10 @@ pub(super) fn write(report: &Report) -> String {
     }
     entries.extend(report.unreadable.iter().map(|unreadable| Entry {
         level: Level::Error,
-        ..entry(CORRUPTION.0, Level::Error, &unreadable.message, whole(&unreadable.path))
+        ..entry(CORRUPTION.0, Level::Error, &unreadable.message, whole_file(&unreadable.path))
     }));
     entries.extend(report.reasons.iter().map(|reason| {
-        // What belongs to no file has to stand at one.
+        // SARIF results require a file.
         let first = report.subjects.first().map_or(".", |subject| &subject.path);
         let path = if reason.path.is_empty() { first } else { &reason.path };
         let region = reason.line.map_or(Region::Whole, Region::Line);
@@ -58,7 +57,7 @@ pub(super) fn write(report: &Report) -> String {
     other(PROTOCOL, Level::Error);
     for case in report.subjects.iter().flat_map(cases) {
         if rules.iter().all(|rule| rule.id != case.op) {
-            let purpose = format!("Answers to `{}` are right.", case.op);
+            let purpose = format!("Responses to `{}` are correct.", case.op);
             rules.push(RuleInfo {
                 id: case.op.clone().into(),
                 purpose: purpose.into(),
@@ -70,7 +69,7 @@ pub(super) fn write(report: &Report) -> String {
     shared::Report { command, rules, entries }.to_text(shared::Format::Sarif)
 }
 
-/// The cases of a subject that failed.
+/// The failed cases of a subject.
 fn cases(subject: &Subject) -> impl Iterator<Item = &Case> {
     let cases = match &subject.about {
         About::Testee(testee) => &testee.cases[..],
@@ -109,7 +108,7 @@ fn finding_entry(subject: &Subject, finding: &Finding) -> Option<Entry> {
     Some(Entry {
         part: shown(&first.path),
         facts: facts.map(|(name, fact)| (name, shown(fact))).collect(),
-        help: format!("{times}to find it again: {}", shown(&finding.reproduce)),
+        help: format!("{times}to reproduce: {}", shown(&finding.reproduce)),
         related,
         url: finding.url.clone(),
         ..entry(finding.rule, level, &message, at(first.location))
@@ -137,18 +136,21 @@ fn case_entry(subject: &Subject, case: &Case) -> Entry {
         _ => format!("{}: {}: {}", case.name, case.verdict.name(), case.message),
     };
     let level = if case.known.is_some() { Level::Note } else { Level::Error };
-    // A testee has no file: what it got wrong is the definition.
-    let location = case.definition.as_ref().map_or_else(|| whole(&subject.path), |line| defined(line).0);
+    // A testee has no file: the location is the definition.
+    let location = case.definition.as_ref().map_or_else(|| whole_file(&subject.path), |line| defined(line).0);
     Entry {
-        help: format!("{}; to ask it again: {}", case.description, shown(&case.reproduce)),
+        help: format!("{}; to reproduce: {}", case.description, shown(&case.reproduce)),
         ..entry(&case.op, level, &message, location)
     }
 }
 
 fn protocol_entries(subject: &Subject, testee: &Testee) -> Vec<Entry> {
     let remarks = testee.protocol_remarks.iter().map(|remark| remark.message.clone());
-    let gave_up = testee.gave_up.iter().map(|why| format!("the testee broke: {why}"));
-    remarks.chain(gave_up).map(|text| entry(PROTOCOL.0, Level::Error, &text, whole(&subject.path))).collect()
+    let gave_up = testee.gave_up.iter().map(|reason| format!("the run ended early: {reason}"));
+    remarks
+        .chain(gave_up)
+        .map(|text| entry(PROTOCOL.0, Level::Error, &text, whole_file(&subject.path)))
+        .collect()
 }
 
 fn entry(rule: &str, level: Level, message: &str, location: Place) -> Entry {
@@ -156,7 +158,7 @@ fn entry(rule: &str, level: Level, message: &str, location: Place) -> Entry {
         rule: rule.to_owned().into(),
         category: None,
         level,
-        // Editors show it beside the code: there it must feign nothing, and be short.
+        // Editors show the message next to the code: it must be short, without control characters.
         message: shown(message),
         help: String::new(),
         place: location,
@@ -169,7 +171,7 @@ fn entry(rule: &str, level: Level, message: &str, location: Place) -> Entry {
     }
 }
 
-fn whole(path: &str) -> Place {
+fn whole_file(path: &str) -> Place {
     Place { path: path.to_owned(), region: Region::Whole }
 }
 

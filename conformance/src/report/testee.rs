@@ -1,4 +1,4 @@
-//! What came of asking a testee, as a report tells it.
+//! The result of testing a testee, as a subject of a report.
 
 use std::collections::BTreeMap;
 
@@ -14,27 +14,28 @@ use crate::rules::rule;
 use crate::testee::{case, outcome};
 
 impl Subject {
-    /// Of a testee that was asked. `again` is the command that asks one case alone.
+    /// Creates the subject of a testee. `rerun_command` returns the command that runs one case.
     pub fn from_testee(
         run: &outcome::Outcome<'_>,
         definitions: &Definitions,
-        again: &dyn Fn(&str) -> String,
+        rerun_command: &dyn Fn(&str) -> String,
     ) -> Self {
         let verdicts = run.verdicts.iter();
         let cases: Vec<Case> =
-            verdicts.map(|(case, verdict)| case_report(case, verdict, definitions, again)).collect();
+            verdicts.map(|(case, verdict)| case_report(case, verdict, definitions, rerun_command)).collect();
         let counts = counts(run.counts());
         let protocol_remarks = &run.protocol_remarks;
-        let remarks = protocol_remarks.remarks.len() + protocol_remarks.more;
+        let violations = protocol_remarks.remarks.len() + protocol_remarks.more;
         let gave_up = run.gave_up.clone();
         let outcome =
-            Outcome::for_testee(counts.pass + counts.known, counts.fail, remarks, gave_up.as_deref());
+            Outcome::for_testee(counts.pass + counts.known, counts.fail, violations, gave_up.as_deref());
         let (name, version) = match &run.hello {
             Some(hello) => (hello.name.clone(), hello.version.clone()),
             None => ("testee".to_owned(), String::new()),
         };
         let rules = rules(&cases);
-        let remark = |(what, count): &(String, usize)| Remark { message: what.clone(), count: *count as u64 };
+        let remark =
+            |(message, count): &(String, usize)| Remark { message: message.clone(), count: *count as u64 };
         let row = |((op, type_name), found): ((String, &str), outcome::Counts)| Row {
             op,
             type_name: type_name.to_owned(),
@@ -84,7 +85,7 @@ fn case_report(
     requested: &case::Case,
     verdict: &outcome::Verdict,
     definitions: &Definitions,
-    again: &dyn Fn(&str) -> String,
+    rerun_command: &dyn Fn(&str) -> String,
 ) -> Case {
     let name = requested.name();
     let span =
@@ -101,7 +102,7 @@ fn case_report(
         message: String::new(),
         stderr: String::new(),
         definition: span.map(|span| Definition::new(definitions.line(span))),
-        reproduce: again(&name),
+        reproduce: rerun_command(&name),
         known: None,
         name,
     };
@@ -115,7 +116,7 @@ fn case_report(
     found.verdict = match verdict {
         outcome::Verdict::Pass => CaseVerdict::Pass,
         outcome::Verdict::Unsupported => CaseVerdict::Unsupported,
-        // What is known fails in one of the other ways.
+        // The verdict within `Known` is never `Known`.
         outcome::Verdict::NotRun | outcome::Verdict::Known { .. } => CaseVerdict::NotRun,
         outcome::Verdict::Fail(difference) => {
             found.path.clone_from(&difference.path);
@@ -129,7 +130,7 @@ fn case_report(
             CaseVerdict::Crashed
         }
         outcome::Verdict::TimedOut { after, stderr } => {
-            found.message = format!("no answer within {} s", after.as_secs_f32());
+            found.message = format!("no response within {} s", after.as_secs_f32());
             found.stderr.clone_from(stderr);
             CaseVerdict::TimedOut
         }
@@ -137,7 +138,7 @@ fn case_report(
     found
 }
 
-/// What came of each rule that inputs of the cases break: whether the testee saw it.
+/// The verdict of each rule that inputs of the cases violate: a pass if the testee rejects the inputs.
 fn rules(cases: &[Case]) -> Vec<RuleVerdict> {
     let mut rules: BTreeMap<&str, RuleVerdict> = BTreeMap::new();
     for case in cases {
@@ -164,7 +165,7 @@ fn rules(cases: &[Case]) -> Vec<RuleVerdict> {
     rules.into_values().collect()
 }
 
-/// Cases but those that passed: of these there are thousands, and programs need only their number.
+/// Serializes the cases that did not pass. There are thousands of others, which are only counted.
 pub(super) fn not_passed<S: Serializer>(cases: &[Case], serializer: S) -> Result<S::Ok, S::Error> {
     let others: Vec<&Case> = cases.iter().filter(|case| case.verdict != CaseVerdict::Pass).collect();
     others.serialize(serializer)

@@ -1,4 +1,4 @@
-//! For people, at a terminal.
+//! Reports as text for a terminal.
 
 mod testee;
 
@@ -8,12 +8,12 @@ use anstyle::{AnsiColor, Style};
 
 use super::{About, Finding, Known, Report, Subject, Verdict};
 use crate::check::{Describe, Line, List, MAX_LISTED as MAX_SHOWN};
-use crate::model::{Extent, Level};
+use crate::model::Level;
 use crate::rules::px4;
 use crate::text::Grouped;
 use crate::text::shown;
 
-/// How wide the column of rules is at least.
+/// The minimum width of the column of rules.
 const MIN_WIDTH: usize = 12;
 
 const FAIL: Style = AnsiColor::Red.on_default().bold();
@@ -21,7 +21,7 @@ const WARN: Style = AnsiColor::Yellow.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
 const PLAIN: Style = Style::new();
 
-/// A whole report, with colours; a stream that knows drops them where they would not be shown.
+/// Renders a whole report, with colours.
 pub(super) fn write(report: &Report) -> String {
     let mut text: String = report.subjects.iter().map(subject).collect();
     for unreadable in &report.unreadable {
@@ -36,7 +36,7 @@ pub(super) fn write(report: &Report) -> String {
     text
 }
 
-/// What came of a subject, with colours.
+/// Renders the section of a subject, with colours.
 pub(crate) fn subject(subject: &Subject) -> String {
     let mut text = String::new();
     let _ = match &subject.about {
@@ -60,13 +60,13 @@ fn capture(subject: &Subject, summary: &dyn Describe, text: &mut String) -> fmt:
     let width =
         subject.findings.iter().map(|found| found.rule.len()).max().unwrap_or_default().max(MIN_WIDTH);
     for level in [Level::Must, Level::Should, Level::Info] {
-        // The formats that differ stand above already.
+        // Formats that differ are listed in the summary.
         let is_of_level = |found: &&Finding| found.level == level && found.rule != px4::FMT_01.rule.id;
         for found in subject.findings.iter().filter(is_of_level) {
             finding(found, width, text)?;
         }
     }
-    verdicts(subject, summary.noun(), text)
+    verdicts(subject, text)
 }
 
 fn lines(lines: &[Line], text: &mut String) -> fmt::Result {
@@ -86,7 +86,7 @@ fn lines(lines: &[Line], text: &mut String) -> fmt::Result {
 
 fn corruption(subject: &Subject, text: &mut String) -> fmt::Result {
     for corruption in subject.corruption.iter().take(MAX_SHOWN) {
-        writeln!(text, "{WARN}damage{WARN:#}       {}: {}", corruption.location, shown(&corruption.message))?;
+        writeln!(text, "{WARN}corrupt{WARN:#}      {}: {}", corruption.location, shown(&corruption.message))?;
     }
     let more = subject.corrupt_count().saturating_sub(MAX_SHOWN as u64);
     if more > 0 {
@@ -95,7 +95,7 @@ fn corruption(subject: &Subject, text: &mut String) -> fmt::Result {
     if subject.corruption.is_empty() { Ok(()) } else { writeln!(text) }
 }
 
-/// `width` is that of the column of rules.
+/// Writes a finding. `width` is the width of the column of rules.
 fn finding(finding: &Finding, width: usize, text: &mut String) -> fmt::Result {
     let (style, word) = match (&finding.known, finding.verdict) {
         (Some(known), _) => (PLAIN, known.kind.as_str()),
@@ -104,8 +104,11 @@ fn finding(finding: &Finding, width: usize, text: &mut String) -> fmt::Result {
         (None, _) => (PLAIN, "info"),
     };
     let Some(first) = finding.examples.first() else { return Ok(()) };
-    let times =
-        if finding.count == 1 { "once".to_owned() } else { format!("{} times", Grouped(finding.count)) };
+    let times = if finding.count == 1 {
+        "once, at".to_owned()
+    } else {
+        format!("{} times, first at", Grouped(finding.count))
+    };
     writeln!(
         text,
         "{style}{word:<5}{style:#} {:<width$} {:<6} {}: {}",
@@ -116,12 +119,11 @@ fn finding(finding: &Finding, width: usize, text: &mut String) -> fmt::Result {
     )?;
     let defined = finding.definition.as_ref().map(|line| format!("   {line}")).unwrap_or_default();
     let indent = width + 15;
-    writeln!(text, "{:indent$}{times}, first at {}{defined}", "", first.location)?;
+    writeln!(text, "{:indent$}{times} {}{defined}", "", first.location)?;
     let known = finding.known.as_ref();
     known.map_or(Ok(()), |known| writeln!(text, "{:indent$}{known}", ""))
 }
 
-/// Why something is let stand.
 impl fmt::Display for Known {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(&shown(&self.reason))?;
@@ -132,28 +134,14 @@ impl fmt::Display for Known {
     }
 }
 
-fn verdicts(subject: &Subject, noun: &str, text: &mut String) -> fmt::Result {
-    let of = |verdict| subject.rules.iter().filter(move |rule| rule.verdict == verdict);
-    let idle: Vec<&str> = of(Verdict::NotCovered).map(|rule| rule.id).collect();
-    let idle = match idle.len() {
+fn verdicts(subject: &Subject, text: &mut String) -> fmt::Result {
+    let uncovered = subject.rules.iter().filter(|rule| rule.verdict == Verdict::NotCovered);
+    let uncovered: Vec<&str> = uncovered.map(|rule| rule.id).collect();
+    let uncovered = match uncovered.len() {
         0 => String::new(),
-        count if count > MAX_SHOWN => format!("   not exercised {count}"),
-        count => format!("   not exercised {count} ({})", idle.join(", ")),
+        count if count > MAX_SHOWN => format!("   not covered {count}"),
+        count => format!("   not covered {count} ({})", uncovered.join(", ")),
     };
-    writeln!(text, "{PASS}pass{PASS:#}  {} rules{idle}\n", subject.count(Verdict::Pass))?;
-    let (failed, warned) = (subject.count(Verdict::Fail), subject.count(Verdict::Warn));
-    let corrupt = match subject.extent {
-        Extent::Whole if subject.corruption.is_empty() => String::new(),
-        Extent::Whole => format!(", and the {noun} is damaged"),
-        Extent::EndsEarly | Extent::WithGaps => ", and not all can be read".to_owned(),
-        Extent::Unreadable => "; it could not be read to its end".to_owned(),
-    };
-    let known = subject.findings.iter().filter(|finding| finding.known.is_some()).count();
-    let known = if known > 0 { format!(", {known} known") } else { String::new() };
-    match (failed, warned) {
-        (0, _) if subject.checked == 0 => writeln!(text, "nothing was judged{corrupt}"),
-        (0, 0) => writeln!(text, "conforms{known}{corrupt}"),
-        (0, _) => writeln!(text, "conforms, {warned} SHOULD to be looked at{known}{corrupt}"),
-        _ => writeln!(text, "does not conform: {failed} MUST, {warned} SHOULD{known}{corrupt}"),
-    }
+    writeln!(text, "{PASS}pass{PASS:#}  {} rules{uncovered}\n", subject.count(Verdict::Pass))?;
+    writeln!(text, "{}", subject.outcome.last_line())
 }

@@ -247,7 +247,7 @@ fn violating_value(rule: Rule, field: &Field, restriction: &Restriction) -> Opti
         (Number::Int(value), Some((low, high))) => (low..=high).contains(&value),
         (_, bounds) => bounds.is_none(),
     };
-    let violates = |number: &Number| restriction.constraint().broken_by(*number) == Some(rule);
+    let violates = |number: &Number| restriction.constraint().violated_by(*number) == Some(rule);
     Some(match candidates.filter(fits).find(violates)? {
         Number::Int(value) => i64::try_from(value).ok()?.into(),
         // NaN becomes null.

@@ -1,4 +1,4 @@
-//! The families of messages, each with what answers its requests.
+//! Handlers of requests, one module per family of messages.
 
 mod asynchronous;
 mod authentication;
@@ -17,11 +17,11 @@ mod weather;
 
 use uavspec::flockwave::json::Request;
 
-use super::hub::{Answer, Answering, Hub, SessionId};
+use super::hub::{Answer, Hub, RequestHandler, SessionId};
 use crate::rules::flockwave::env_24;
 
-/// The families that the server has, by the first part of their types.
-const FAMILIES: [(&str, Answering); 14] = [
+/// The families by the first part of their types, with their handlers.
+const FAMILIES: [(&str, RequestHandler); 14] = [
     ("ASYNC", asynchronous::answer),
     ("AUTH", authentication::answer),
     ("BCN", beacon::answer),
@@ -38,7 +38,7 @@ const FAMILIES: [(&str, Answering); 14] = [
     ("WTH", weather::answer),
 ];
 
-/// Answers a request that came on a connection.
+/// Answers a request.
 pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
     let name = request.message_type().split('-').next().unwrap_or_default();
     let family = FAMILIES.iter().find(|(known, _)| *known == name).map(|(_, family)| family);
@@ -46,13 +46,13 @@ pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Ans
         Some(_) if name == "DEV" && hub.has_bug(&env_24::RULE) => Err(unknown(&request)),
         Some(family) => family(hub, session, request),
         None if ["ACK-ACK", "ACK-NAK"].contains(&request.message_type()) => {
-            Err("acknowledgments come as responses only".to_owned())
+            Err("acknowledgments are responses, not requests".to_owned())
         }
         None => Err(unknown(&request)),
     }
 }
 
-/// Why a type isn't answered.
+/// The error for an unsupported type.
 fn unknown(request: &Request) -> String {
     // A type can be as long as a message.
     let name: String = request.message_type().chars().take(40).collect();

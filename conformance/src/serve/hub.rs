@@ -1,5 +1,5 @@
-//! The middle of the server: takes requests of all connections, and lets the simulation go on. It knows neither sockets
-//! nor the time of day: whoever calls says how much time has passed, so the same calls always give the same messages.
+//! The core of the server: processes the requests of all connections, and advances the simulation. It uses neither
+//! sockets nor the system time. The caller passes the elapsed time, so the same calls always produce the same messages.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,73 +24,73 @@ use crate::rules::flockwave::{ack_06, asy_04, asy_04i, asy_14, env_19, env_22, o
 /// The step of the simulation, in seconds.
 const STEP: f64 = 0.05;
 
-/// How many steps are made at once at most. Where the machine slept for longer, the simulation lost that time.
+/// The maximum number of steps per call. If the machine was suspended for longer, the simulation skips that time.
 const STEPS_AT_ONCE: u32 = 10_000;
 
-/// How many UAVs a notification has at most: so many fit into a datagram of UDP.
+/// The maximum number of UAVs per notification, so that it fits into a UDP datagram.
 const UAVS_AT_ONCE: usize = 50;
 
-/// How many operations a connection may have under way.
+/// The maximum number of pending operations per connection.
 const OPERATION_LIMIT: usize = 1000;
 
-/// How many ids a server remembers that doesn't take them again.
+/// The number of stored ids with the bug of FW-ENV-19.
 const ANSWERED_LIMIT: usize = 1000;
 
-/// Where messages to a client go.
+/// The sending side of a connection.
 pub(super) trait Sink: Send + Sync {
-    /// Takes a message.
+    /// Sends a message.
     fn send(&self, text: &str);
 
-    /// Ends the connection, after what was sent.
+    /// Closes the connection after the messages sent so far.
     fn close(&self);
 }
 
-/// What a connection is, as far as it makes a difference here.
+/// The kind of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ConnectionKind {
-    /// It stands until somebody ends it.
+    /// A connection that exists until either side closes it.
     Persistent,
-    /// Datagrams: nobody knows how long the other side is there.
+    /// Datagrams: the server can't detect that the client has disconnected.
     Datagrams,
-    /// A single request: notifications that it didn't cause aren't for it.
+    /// A single request, which receives only notifications that it caused.
     OneShot,
 }
 
-/// Names a connection.
+/// The id of a connection.
 pub(super) type SessionId = u64;
 
-/// What the server knows of a connection.
+/// The state of a connection.
 pub(super) struct Session {
     pub(super) kind: ConnectionKind,
     sink: Arc<dyn Sink>,
-    /// Who has logged in.
+    /// The user that has logged in.
     pub(super) user: Option<String>,
-    /// Paths of the device tree that the client has subscribed to, and how often.
+    /// Subscribed paths of the device tree, with the number of subscriptions.
     pub(super) subscriptions: BTreeMap<String, usize>,
-    /// The values that the client was told last, by path.
+    /// The values last sent to the client, by path.
     pub(super) last_sent: BTreeMap<String, Value>,
     operations: Vec<Operation>,
-    /// When the client came.
+    /// The time of the connection, since the start.
     since: Duration,
-    /// How many messages were sent.
+    /// The number of sent messages.
     sent: u64,
-    /// Ids that won't be taken again: of a server that has this bug.
+    /// Ids that were answered; used only with the bug of FW-ENV-19.
     answered: Vec<String>,
 }
 
-/// The body of the answer, or why there is none.
+/// The body of the response, or the reason of a rejection.
 pub(super) type Answer = Result<Response, String>;
 
-/// Answers a request that came on a connection.
-pub(super) type Answering = fn(&mut Hub, SessionId, Request) -> Answer;
+/// A function that answers a request.
+pub(super) type RequestHandler = fn(&mut Hub, SessionId, Request) -> Answer;
 
-/// The middle of the server.
+/// The core of the server.
 pub(super) struct Hub {
     pub(super) options: Options,
     pub(super) world: World,
-    /// How far the clock was put forward, in milliseconds.
+    /// The adjustment of the clock, in milliseconds.
     pub(super) adjustment: u64,
-    /// Time since the start.
+    /// The time since the start.
     pub(super) elapsed: Duration,
     /// The ports of the transports, by name.
     pub(super) ports: BTreeMap<&'static str, u16>,
@@ -99,16 +99,16 @@ pub(super) struct Hub {
     next_receipt: u64,
     simulated: f64,
     notified: Duration,
-    /// UAVs that are lost and yet listed: of a server that has this bug.
+    /// UAVs that are lost but still listed; used only with the bug of FW-OBJ-DEL-02.
     ghosts: Vec<String>,
-    answering: Answering,
+    handler: RequestHandler,
 }
 
 impl Hub {
-    /// A hub that answers requests by this function.
-    pub(super) fn new(options: Options, answer: Answering) -> Self {
+    /// Creates a hub that answers requests with this function.
+    pub(super) fn new(options: Options, answer: RequestHandler) -> Self {
         Self {
-            answering: answer,
+            handler: answer,
             world: World::new(&options),
             options,
             adjustment: 0,
@@ -123,9 +123,9 @@ impl Hub {
         }
     }
 
-    /// Whether the server is to break this rule.
-    pub(super) fn has_bug(&self, of: &FlockwaveRule) -> bool {
-        self.options.bug.is_some_and(|bug| std::ptr::eq(bug, of))
+    /// True if the server violates this rule.
+    pub(super) fn has_bug(&self, rule: &FlockwaveRule) -> bool {
+        self.options.bug.is_some_and(|bug| std::ptr::eq(bug, rule))
     }
 
     /// The time of the server, in milliseconds since 1970.
@@ -134,17 +134,17 @@ impl Hub {
         self.options.start.saturating_add(passed).saturating_add(self.adjustment)
     }
 
-    /// The same, as messages have it.
+    /// The time of the server, as used in messages.
     pub(super) fn timestamp(&self) -> Timestamp {
         Timestamp(i64::try_from(self.now()).unwrap_or(i64::MAX))
     }
 
-    /// A connection of a session that is there.
+    /// The state of a connection.
     pub(super) fn session(&mut self, id: SessionId) -> Option<&mut Session> {
         self.sessions.get_mut(&id)
     }
 
-    /// A client has connected.
+    /// Registers a new connection.
     pub(super) fn open(&mut self, kind: ConnectionKind, sink: Arc<dyn Sink>) -> SessionId {
         let id = self.next_session;
         self.next_session += 1;
@@ -166,12 +166,12 @@ impl Hub {
         id
     }
 
-    /// A client is gone.
+    /// Removes a connection.
     pub(super) fn close(&mut self, id: SessionId) {
         self.sessions.remove(&id);
     }
 
-    /// Tells a client which server this is.
+    /// Sends a SYS-MSG that describes the server.
     pub(super) fn greet(&mut self, id: SessionId) {
         if self.sessions.get(&id).is_some_and(|session| session.kind == ConnectionKind::Persistent) {
             let item = LogMessage {
@@ -184,13 +184,13 @@ impl Hub {
         }
     }
 
-    /// Takes what a client sent, `elapsed` after the start.
+    /// Processes bytes from a client, `elapsed` after the start.
     pub(super) fn receive(&mut self, id: SessionId, bytes: &[u8], elapsed: Duration) {
         self.elapsed = self.elapsed.max(elapsed);
         self.take(id, Incoming::parse(bytes));
     }
 
-    /// The same of a message that was read.
+    /// Processes a parsed message.
     pub(super) fn take(&mut self, id: SessionId, incoming: Incoming) {
         match incoming {
             Incoming::Request { id: request, kind, body } => {
@@ -211,7 +211,7 @@ impl Hub {
         }
     }
 
-    /// Lets time go on, up to `elapsed` after the start.
+    /// Advances the simulation to `elapsed` after the start.
     pub(super) fn advance(&mut self, elapsed: Duration) {
         self.elapsed = self.elapsed.max(elapsed);
         let target = self.elapsed.as_secs_f64() * self.options.speed;
@@ -237,35 +237,35 @@ impl Hub {
             let items = remarks.iter().map(|remark| remark.to_item(now)).collect();
             self.notify_all(&sys_msg::Notification { items }.into());
         }
-        self.lose_in_time();
-        self.part_in_time();
-        self.notify_in_time();
+        self.apply_losses();
+        self.disconnect_expired();
+        self.notify_if_due();
     }
 
-    /// Tells of the fleet as often as it is to be told of.
-    fn notify_in_time(&mut self) {
+    /// Sends fleet notifications if they are due.
+    fn notify_if_due(&mut self) {
         if self.options.rate <= 0.0 {
             return;
         }
         let period = Duration::from_secs_f64(1.0 / self.options.rate);
         let late = self.elapsed.saturating_sub(self.notified);
         if late >= period {
-            // Being late once makes nothing slower, but what was missed isn't made up for.
+            // A short delay doesn't reduce the rate. After a longer one, missed notifications are skipped.
             self.notified = if late < period * 2 { self.notified + period } else { self.elapsed };
             self.notify_of_uavs();
             self.notify_of_devices();
         }
     }
 
-    /// Says farewell to all, and ends their connections.
+    /// Sends SYS-CLOSE to all clients, and closes their connections.
     pub(super) fn end(&mut self) {
-        self.notify_all(&farewell("the server ends"));
+        self.notify_all(&farewell("the server is shutting down"));
         for session in self.sessions.values() {
             session.sink.close();
         }
     }
 
-    /// Forgets UAVs, and tells everybody.
+    /// Removes UAVs, and notifies all clients.
     pub(super) fn lose(&mut self, ids: &[String]) {
         if ids.is_empty() {
             return;
@@ -279,8 +279,8 @@ impl Hub {
         self.notify_all(&obj_del::Notification { ids }.into());
     }
 
-    /// Loses the UAVs that are to get lost by now.
-    fn lose_in_time(&mut self) {
+    /// Removes the UAVs whose time of loss has come.
+    fn apply_losses(&mut self) {
         let elapsed = self.elapsed;
         let lost: Vec<(String, Duration)> =
             self.options.losses.extract_if(.., |(_, time)| *time <= elapsed).collect();
@@ -288,22 +288,22 @@ impl Hub {
         self.lose(&ids);
     }
 
-    /// Ends the connections that have lasted as long as they may.
-    fn part_in_time(&mut self) {
+    /// Closes connections that have reached the maximum duration.
+    fn disconnect_expired(&mut self) {
         let Some(limit) = self.options.stay else { return };
         for id in self.listeners() {
             let Some(session) = self.sessions.get_mut(&id) else { continue };
             if self.elapsed.saturating_sub(session.since) < limit {
                 continue;
             }
-            // It is told once, and closes when all that was to be said is on its way.
+            // Prevents a second notification. The connection closes after all queued messages.
             session.since = Duration::MAX;
-            self.notify(id, &farewell("the time is over"));
+            self.notify(id, &farewell("the maximum connection time is over"));
             self.disconnect(id);
         }
     }
 
-    /// Starts an operation; its receipt.
+    /// Starts an operation, and returns its receipt.
     pub(super) fn start(
         &mut self,
         session: SessionId,
@@ -317,20 +317,20 @@ impl Hub {
         }
         let session = self.sessions.get_mut(&session).ok_or("the connection has ended")?;
         if session.operations.len() >= OPERATION_LIMIT {
-            return Err("too many operations are under way".to_owned());
+            return Err("too many pending operations".to_owned());
         }
         session.operations.push(operation(receipt.clone()));
         self.next_receipt += 1;
         Ok(receipt)
     }
 
-    /// An operation of a connection that is under way.
+    /// A pending operation of a connection.
     pub(super) fn operation(&mut self, session: SessionId, receipt: &str) -> Option<&mut Operation> {
         let operations = &mut self.sessions.get_mut(&session)?.operations;
         operations.iter_mut().find(|operation| operation.receipt == receipt)
     }
 
-    /// The UAV with an id.
+    /// The UAV with this id.
     pub(super) fn uav(&mut self, id: &str) -> Option<&mut Uav> {
         self.world.uavs.iter_mut().find(|uav| uav.id == id)
     }
@@ -340,7 +340,7 @@ impl Hub {
         self.send(id, None, body);
     }
 
-    /// Sends a notification to all who may hear it.
+    /// Sends a notification to all connections that receive them.
     pub(super) fn notify_all(&mut self, body: &Notification) {
         let listeners = self.listeners();
         if self.options.bug.is_some() {
@@ -349,7 +349,7 @@ impl Hub {
             }
             return;
         }
-        // What goes to many is written once.
+        // Without a bug, all connections receive the same body, so it is serialized only once.
         let written = text(body);
         for id in listeners {
             if let Some(session) = self.sessions.get_mut(&id) {
@@ -359,14 +359,14 @@ impl Hub {
         }
     }
 
-    /// The connections that hear what happens.
+    /// The connections that receive notifications.
     fn listeners(&self) -> Vec<SessionId> {
         let is_persistent =
             |id: &SessionId| self.sessions.get(id).is_some_and(|s| s.kind != ConnectionKind::OneShot);
         self.sessions.keys().copied().filter(|id| is_persistent(id) && self.may_receive(*id)).collect()
     }
 
-    /// Whether a client needs no login, or has logged in.
+    /// True if the server requires no login, or the client has logged in.
     fn may_receive(&self, id: SessionId) -> bool {
         self.options.login.is_none() || self.is_logged_in(id)
     }
@@ -384,10 +384,10 @@ impl Hub {
         if self.has_bug(&env_19::RULE) && self.sessions.get(&id).is_some_and(is_known) {
             return Err("this id was used before".to_owned());
         }
-        (self.answering)(self, id, request)
+        (self.handler)(self, id, request)
     }
 
-    /// Notes an id that was answered.
+    /// Stores an answered id.
     fn remember(&mut self, id: SessionId, request: &str) {
         if let Some(session) = self.sessions.get_mut(&id) {
             session.answered.push(request.to_owned());
@@ -444,24 +444,24 @@ impl Hub {
         }
     }
 
-    /// Sends a body, in answer to a request or by itself.
+    /// Sends a body as a response or as a notification.
     fn send(&mut self, id: SessionId, request: Option<(&str, &Value)>, body: &impl Serialize) {
         let Some(session) = self.sessions.get_mut(&id) else { return };
         session.sent += 1;
         let name = format!("s{}", session.sent);
         let refs = request.map(|(refs, _)| refs);
-        let Some(of) = self.options.bug else {
+        let Some(rule) = self.options.bug else {
             return session.sink.send(&enveloped(&name, refs, &text(body)));
         };
         let mut outgoing =
             Outgoing::new(envelope(&name, refs, value(body)), request.map(|(_, body)| body), session.sent);
-        of.bug.apply(&mut outgoing);
+        rule.bug.apply(&mut outgoing);
         for text in outgoing.into_texts() {
             session.sink.send(&text);
         }
     }
 
-    /// Ends a connection without a word.
+    /// Closes a connection without a notification.
     fn disconnect(&mut self, id: SessionId) {
         if let Some(session) = self.sessions.get(&id) {
             session.sink.close();
@@ -469,7 +469,7 @@ impl Hub {
     }
 }
 
-/// Whether a request is answered without a login.
+/// True if a request requires no login.
 fn is_open(request: &Request) -> bool {
     matches!(
         request,
@@ -481,7 +481,7 @@ fn is_open(request: &Request) -> bool {
     )
 }
 
-/// The notification before a connection ends.
+/// A notification that the server closes the connection.
 fn farewell(reason: &str) -> Notification {
     sys_close::Notification { reason: Some(reason.to_owned()) }.into()
 }
@@ -499,7 +499,7 @@ fn report_body(receipt: &str, report: Report) -> Notification {
             async_st::Notification { id, progress: progress(percentage, None), suspended: None }.into()
         }
         Report::Suspension(percentage) => {
-            let progress = progress(percentage, Some("turn the UAV, and then resume"));
+            let progress = progress(percentage, Some("turn the UAV, then resume"));
             async_st::Notification { id, progress, suspended: Some(true) }.into()
         }
         Report::Result(result) => async_resp::Notification { id, result: Some(result), error: None }.into(),

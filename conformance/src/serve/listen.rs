@@ -1,4 +1,4 @@
-//! What stands between sockets and the hub: a thread for each address, one for each connection, and one for the time.
+//! Connects sockets to the hub, with one thread per address, one per connection, and one for the simulation.
 
 mod engine;
 mod one_shot;
@@ -20,34 +20,34 @@ use super::{Listening, Options, Transport};
 use crate::flockwave::transport::http::is_silence;
 use crate::rules::flockwave::FlockwaveRule;
 
-/// How many connections there may be at a time. Each takes threads.
+/// The maximum number of concurrent connections. Each needs threads.
 const CONNECTION_LIMIT: usize = 256;
 
-/// How often the simulation goes on. Nothing that clients are told of changes faster.
+/// The interval of simulation steps. Notifications are less frequent.
 const TICK: Duration = Duration::from_millis(20);
 
-/// How long whoever waits for a socket looks away from it.
+/// The timeout of socket operations, after which a thread checks whether the server is ending.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
-/// How often it is seen whether somebody connects.
+/// The interval of checks for new connections.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(5);
 
-/// How long a client may take none of what is sent to it.
+/// The write timeout, after which a client that reads nothing is disconnected.
 const SEND_LIMIT: Duration = Duration::from_secs(10);
 
-/// How long clients may poll for the last time. The next poll mostly follows the last one at once.
+/// The time that polling clients have to fetch the last messages. The next poll usually follows immediately.
 const LAST_POLL: Duration = Duration::from_millis(500);
 
-/// How long connections have to end.
+/// The time limit for connections to end.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// What all threads share.
+/// The state that all threads share.
 pub(super) struct Shared {
     hub: Mutex<Hub>,
     sessions: Sessions,
     bug: Option<&'static FlockwaveRule>,
     started: Instant,
-    /// When it began to end.
+    /// The time at which the server began to end.
     ending: OnceLock<Instant>,
     connections: AtomicUsize,
 }
@@ -71,14 +71,14 @@ impl Shared {
         }
     }
 
-    /// Tells all threads to end, and says farewell.
+    /// Makes all threads end, and sends SYS-CLOSE to the clients.
     pub(super) fn end(&self) {
         self.ending.get_or_init(Instant::now);
         self.hub().end();
         self.sessions.end();
     }
 
-    /// Waits until connections have ended, but not for ever.
+    /// Waits until all connections have ended, up to a time limit.
     pub(super) fn wait_for_connections(&self) {
         let until = Instant::now() + SHUTDOWN_TIMEOUT;
         while self.connections.load(Ordering::Relaxed) > 0 && Instant::now() < until {
@@ -90,12 +90,12 @@ impl Shared {
         self.ending.get().is_some()
     }
 
-    /// Whether clients that poll have had time to fetch the farewell.
-    fn has_ended(&self) -> bool {
+    /// True if polling clients have had time to fetch the last messages.
+    fn is_drained(&self) -> bool {
         self.ending.get().is_some_and(|ending| ending.elapsed() >= LAST_POLL)
     }
 
-    /// The hub. What a thread left that panicked is as good as anything else: it has no state that is half done for long.
+    /// The hub. A poisoned lock is ignored, since a panic doesn't leave the hub in an invalid state.
     fn hub(&self) -> MutexGuard<'_, Hub> {
         self.hub.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -104,8 +104,8 @@ impl Shared {
         self.started.elapsed()
     }
 
-    fn has_bug(&self, of: &FlockwaveRule) -> bool {
-        self.bug.is_some_and(|bug| std::ptr::eq(bug, of))
+    fn has_bug(&self, rule: &FlockwaveRule) -> bool {
+        self.bug.is_some_and(|bug| std::ptr::eq(bug, rule))
     }
 
     fn open(&self, kind: ConnectionKind, sink: Arc<dyn Sink>) -> SessionId {
@@ -121,8 +121,8 @@ impl Shared {
     }
 }
 
-/// Lets the simulation go on.
-pub(super) fn keep_time(shared: &Arc<Shared>) -> JoinHandle<()> {
+/// Starts the thread that advances the simulation.
+pub(super) fn start_simulation(shared: &Arc<Shared>) -> JoinHandle<()> {
     let shared = Arc::clone(shared);
     thread::spawn(move || {
         while !shared.is_ending() {
@@ -133,7 +133,7 @@ pub(super) fn keep_time(shared: &Arc<Shared>) -> JoinHandle<()> {
     })
 }
 
-/// An address that is listened at.
+/// A bound address.
 pub(super) struct Bound {
     transport: Transport,
     address: SocketAddr,
@@ -148,17 +148,14 @@ enum Socket {
 impl Bound {
     pub(super) fn bind(transport: Transport, address: SocketAddr) -> io::Result<Self> {
         let explain = |error: io::Error| {
-            io::Error::new(
-                error.kind(),
-                format!("{}://{address} can't be listened at: {error}", transport.name()),
-            )
+            io::Error::new(error.kind(), format!("can't listen on {}://{address}: {error}", transport.name()))
         };
         if transport == Transport::Udp {
             let socket = UdpSocket::bind(address).map_err(explain)?;
             return Ok(Self { transport, address: socket.local_addr()?, socket: Socket::Datagram(socket) });
         }
         let listener = TcpListener::bind(address).map_err(explain)?;
-        // Whoever waits for clients has to see as well when the server ends.
+        // The thread that accepts connections must also notice when the server ends.
         listener.set_nonblocking(true)?;
         Ok(Self { transport, address: listener.local_addr()?, socket: Socket::Stream(listener) })
     }
@@ -180,7 +177,7 @@ impl Bound {
     }
 }
 
-/// Takes connections, and lets each have its thread.
+/// Accepts connections, and starts a thread for each.
 fn accept(
     shared: &Arc<Shared>,
     listener: &TcpListener,
@@ -190,7 +187,7 @@ fn accept(
         let stream = match listener.accept() {
             Ok((stream, _)) => stream,
             Err(error) => {
-                // A client that gave up before it was taken is no reason to end, nor is a lack of descriptors.
+                // Neither a client that disconnected early nor a lack of file descriptors ends the server.
                 thread::sleep(if is_silence(&error) { ACCEPT_PAUSE } else { POLL_INTERVAL });
                 continue;
             }
@@ -201,17 +198,17 @@ fn accept(
             continue;
         }
         thread::spawn(move || {
-            let _leaving = ConnectionGuard(&shared);
-            // On some systems a connection takes after its listener.
+            let _guard = ConnectionGuard(&shared);
+            // On some systems, a connection inherits this mode from its listener.
             if stream.set_nonblocking(false).is_ok() {
-                // A connection that breaks is the client's affair.
+                // Errors of a connection concern only its client.
                 let _ = serve_connection(&shared, stream);
             }
         });
     }
 }
 
-/// Counts a connection out, however its thread ends.
+/// Decrements the number of connections when the thread of a connection ends.
 struct ConnectionGuard<'s>(&'s Shared);
 
 impl Drop for ConnectionGuard<'_> {

@@ -1,4 +1,4 @@
-//! Messages as the server builds them: bodies of the types that the pages of `definitions/flockwave` give, in envelopes.
+//! Builds messages from the body types generated from `definitions/flockwave`.
 
 use std::collections::BTreeMap;
 
@@ -8,18 +8,18 @@ use uavspec::flockwave::json::{Envelope, MessageId, ReceiptId, Response, ack_ack
 
 use super::request::each_once;
 
-/// The version of the protocol that messages say they follow: that of all examples of the specification.
+/// The protocol version in messages, as in all examples of the specification.
 const PROTOCOL: &str = "1.0";
 
-/// Why what the server builds can always be written.
-const WRITABLE: &str = "its maps have texts as keys, and its tuples have no gaps";
+/// Why serializing these types can't fail.
+const WRITABLE: &str = "all maps have string keys, and no tuple has a gap";
 
-/// The text of a body.
+/// Serializes a body as text.
 pub(super) fn text(body: &impl Serialize) -> String {
     serde_json::to_string(body).expect(WRITABLE)
 }
 
-/// The value of a body, for what may change it.
+/// Converts a body to a JSON value.
 pub(super) fn value(body: &impl Serialize) -> Value {
     serde_json::to_value(body).expect(WRITABLE)
 }
@@ -31,15 +31,15 @@ pub(super) fn envelope(id: &str, refs: Option<&str>, body: Value) -> Value {
     message
 }
 
-/// The same of a body that is written already.
+/// Puts a serialized body into an envelope.
 pub(super) fn enveloped(id: &str, refs: Option<&str>, body: &str) -> String {
     let mut message = text(&cover(id, refs));
-    // The body is the last field: the brace that closes the envelope follows it.
+    // The body is the last member, so it goes before the closing brace.
     message.truncate(message.len() - 1);
     message + ",\"body\":" + body + "}"
 }
 
-/// An envelope that has no body yet.
+/// An envelope without a body.
 fn cover(id: &str, refs: Option<&str>) -> Envelope {
     Envelope {
         fw_version: PROTOCOL.into(),
@@ -49,41 +49,41 @@ fn cover(id: &str, refs: Option<&str>) -> Envelope {
     }
 }
 
-/// The answer that says yes.
+/// A positive acknowledgment (ACK-ACK).
 pub(super) fn acknowledgment() -> Response {
     ack_ack::Response {}.into()
 }
 
-/// The answer that says no.
+/// A negative acknowledgment (ACK-NAK).
 pub(super) fn refusal(reason: String) -> Response {
     ack_nak::Response { reason: Some(reason) }.into()
 }
 
-/// A map of a response, by what was asked for. A response may leave it out.
+/// A map of a response, by requested id. It may be absent.
 type Part<T> = Option<BTreeMap<String, T>>;
 
-/// What became of one of the things that a request asked for, where it may take longer.
+/// The result for one of the requested ids, which may take longer.
 pub(super) enum Outcome<T> {
-    /// It is done: what came of it.
+    /// The result.
     Value(T),
-    /// It takes longer: the receipt.
+    /// The receipt of an operation that continues.
     Receipt(String),
 }
 
-/// What became of the things that a request asked for. Each goes into exactly one of the maps of the response: that of
-/// what succeeded, which is always there, or others, which are there where they hold something.
+/// The results for the requested ids. Each id is in exactly one map of the response. The map of successes is always
+/// present; the others are present only if they are not empty.
 pub(super) struct Outcomes<T> {
     values: BTreeMap<String, T>,
     errors: BTreeMap<String, String>,
 }
 
 impl<T> Outcomes<T> {
-    /// Nothing yet.
+    /// An empty collection.
     pub(super) fn new() -> Self {
         Self { values: BTreeMap::new(), errors: BTreeMap::new() }
     }
 
-    /// What becomes of each thing that was asked for.
+    /// Calls a function for each requested id, and collects the results.
     pub(super) fn collect<I: Into<String>>(
         requested: Vec<I>,
         mut apply: impl FnMut(&str) -> Result<T, String>,
@@ -96,7 +96,7 @@ impl<T> Outcomes<T> {
         Ok(outcomes)
     }
 
-    /// Adds what became of one thing.
+    /// Adds the result for an id.
     pub(super) fn put(&mut self, id: String, outcome: Result<T, String>) {
         match outcome {
             Ok(value) => drop(self.values.insert(id, value)),
@@ -104,19 +104,19 @@ impl<T> Outcomes<T> {
         }
     }
 
-    /// The maps: what succeeded, and why the rest didn't.
+    /// The maps of successes and errors.
     pub(super) fn into_maps(self) -> (Part<T>, Part<String>) {
         (Some(self.values), unless_empty(self.errors))
     }
 
-    /// A list of what succeeded, and why the rest didn't.
+    /// The list of successes and the map of errors.
     pub(super) fn into_list<I: From<String>>(self) -> (Option<Vec<I>>, Part<String>) {
         (Some(self.values.into_keys().map(I::from).collect()), unless_empty(self.errors))
     }
 }
 
 impl<T> Outcomes<Outcome<T>> {
-    /// The maps: what succeeded, why the rest didn't, and the receipts of what takes longer.
+    /// The maps of successes, errors and receipts.
     pub(super) fn into_maps_with_receipts(self) -> (Part<T>, Part<String>, Part<ReceiptId>) {
         let (mut values, mut receipts) = (BTreeMap::new(), BTreeMap::new());
         for (id, outcome) in self.values {

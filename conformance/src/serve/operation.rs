@@ -1,28 +1,28 @@
-//! Operations that go on after the response to the request that started them.
+//! Operations that continue after the response to their request.
 
 use serde_json::Value;
 
-/// How long an operation without an answer is waited for, in seconds of the simulation.
+/// The timeout of an operation without a result, in simulated seconds.
 const ANSWER_TIMEOUT: f64 = 5.0;
 
-/// At what percentages a client is told how an operation is getting on.
+/// The percentages at which the client receives progress notifications.
 const MILESTONES: [u8; 3] = [25, 50, 75];
 
-/// Where an operation stops until the client says that it may go on.
+/// The percentage at which an operation waits for the client.
 const SUSPEND_AT: u8 = 50;
 
 /// An operation.
 #[derive(Debug)]
 pub(super) struct Operation {
     pub(super) receipt: String,
-    /// How it ends, and what comes of it.
+    /// The end of the operation: a result or silence.
     ending: Ending,
-    /// How long it takes, in seconds of the simulation.
+    /// The duration in simulated seconds.
     length: f64,
     passed: f64,
-    /// The last percentage that the client was told.
+    /// The last percentage sent to the client.
     last_reported: u8,
-    /// Whether it has to wait for the client half-way.
+    /// True if the operation waits for the client halfway.
     is_suspending: bool,
     is_suspended: bool,
     is_cancelled: bool,
@@ -34,30 +34,30 @@ enum Ending {
     Silence,
 }
 
-/// What is to be said about an operation.
+/// An event of an operation.
 #[derive(Debug, PartialEq)]
 pub(super) enum Report {
-    /// How far it has got, in percent.
+    /// The progress in percent.
     Progress(u8),
-    /// That it waits for the client, and for what.
+    /// The operation waits for the client, at this percentage.
     Suspension(u8),
-    /// What came of it.
+    /// The operation has ended with this result.
     Result(Value),
-    /// That it was cancelled.
+    /// The operation was cancelled.
     Cancellation,
-    /// That it is no longer waited for.
+    /// The operation has timed out.
     Timeout,
 }
 
 impl Report {
-    /// Whether nothing follows.
+    /// True if this is the last report.
     pub(super) fn is_last(&self) -> bool {
         !matches!(self, Self::Progress(_) | Self::Suspension(_))
     }
 }
 
 impl Operation {
-    /// An operation that takes some seconds and then gives a result.
+    /// An operation that takes some seconds and returns a result.
     pub(super) fn lasting(receipt: String, seconds: f64, result: Value) -> Self {
         Self {
             receipt,
@@ -71,37 +71,37 @@ impl Operation {
         }
     }
 
-    /// The same, but half-way it waits for the client.
+    /// An operation that waits for the client halfway.
     pub(super) fn suspending(receipt: String, seconds: f64, result: Value) -> Self {
         Self { is_suspending: true, ..Self::lasting(receipt, seconds, result) }
     }
 
-    /// An operation that nothing is ever heard of.
+    /// An operation that times out.
     pub(super) fn unanswered(receipt: String) -> Self {
         Self { ending: Ending::Silence, ..Self::lasting(receipt, ANSWER_TIMEOUT, Value::Null) }
     }
 
-    /// Cancels it; it still comes to its end.
+    /// Cancels the operation, which still reports its end.
     pub(super) fn cancel(&mut self) {
         self.is_cancelled = true;
     }
 
-    /// Lets it go on: whether it was suspended.
+    /// Resumes a suspended operation. Returns true if it was suspended.
     pub(super) fn resume(&mut self) -> bool {
         std::mem::take(&mut self.is_suspended)
     }
 
-    /// Lets a suspended operation go on as if the client had said so.
+    /// Resumes a suspended operation without a request of the client.
     pub(super) fn overrun(&mut self) {
         self.is_suspended = false;
     }
 
-    /// Whether it waits for the client.
+    /// True if the operation waits for the client.
     pub(super) fn is_suspended(&self) -> bool {
         self.is_suspended
     }
 
-    /// Lets time pass; what is to be said.
+    /// Advances the time, and returns an event to report.
     pub(super) fn advance(&mut self, seconds: f64) -> Option<Report> {
         if self.is_cancelled {
             return Some(Report::Cancellation);
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn a_suspended_one_waits() {
+    fn waits_while_suspended() {
         let mut operation = Operation::suspending("r1".to_owned(), 4.0, json!(true));
         assert!(!operation.resume());
         assert_eq!(reports(&mut operation, 9), [Report::Progress(25), Report::Suspension(50)]);

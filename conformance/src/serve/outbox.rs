@@ -1,17 +1,17 @@
-//! What waits to be sent to a client.
+//! A queue of messages to a client.
 
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Instant;
 
-/// How many bytes may wait. A client that doesn't read so much is cut off: nobody else shall suffer for it.
+/// The maximum number of queued bytes. A client that reads too slowly is disconnected, so it can't exhaust the memory.
 const MAX_BYTES: usize = 64 << 20;
 
 /// A queue between the server and a connection.
 #[derive(Debug, Default)]
 pub(super) struct Outbox {
     state: Mutex<State>,
-    has_news: Condvar,
+    changed: Condvar,
 }
 
 #[derive(Debug, Default)]
@@ -21,19 +21,19 @@ struct State {
     is_closed: bool,
 }
 
-/// What was taken out.
+/// The result of [`Outbox::take`].
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Taken {
     /// At least one text.
     Texts(Vec<String>),
-    /// Nothing, up to the given time.
+    /// Nothing before the time limit.
     Nothing,
-    /// Nothing, and nothing will follow.
+    /// Nothing: the queue is closed and empty.
     End,
 }
 
 impl Outbox {
-    /// Adds a text, unless the box is closed.
+    /// Adds a text, unless the queue is closed.
     pub(super) fn push(&self, text: String) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if state.is_closed {
@@ -44,21 +44,21 @@ impl Outbox {
         if state.bytes > MAX_BYTES {
             *state = State { is_closed: true, ..State::default() };
         }
-        self.has_news.notify_all();
+        self.changed.notify_all();
     }
 
-    /// Lets nothing more in. What waits is still taken.
+    /// Closes the queue. Queued texts can still be taken.
     pub(super) fn close(&self) {
         self.state.lock().unwrap_or_else(PoisonError::into_inner).is_closed = true;
-        self.has_news.notify_all();
+        self.changed.notify_all();
     }
 
-    /// Waits for texts, and takes up to `most`.
+    /// Waits for texts, and takes up to `most` of them.
     pub(super) fn take(&self, most: usize, until: Instant) -> Taken {
         let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let left = until.saturating_duration_since(Instant::now());
         let is_idle = |state: &mut State| state.texts.is_empty() && !state.is_closed;
-        let waited = self.has_news.wait_timeout_while(state, left, is_idle);
+        let waited = self.changed.wait_timeout_while(state, left, is_idle);
         let (mut state, _) = waited.unwrap_or_else(PoisonError::into_inner);
         let count = state.texts.len().min(most);
         if count == 0 {
@@ -75,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_waits_is_taken_after_the_box_is_closed() {
+    fn returns_queued_texts_after_closing() {
         let outbox = Outbox::default();
         assert_eq!(outbox.take(1, Instant::now()), Taken::Nothing);
         for text in ["a", "b", "c"] {

@@ -1,4 +1,4 @@
-//! What a client sent: a request, something that is nearly one, or nothing that can be answered.
+//! Parses messages from clients: valid requests, malformed requests, and messages that get no answer.
 
 use std::collections::HashSet;
 
@@ -6,42 +6,42 @@ use serde::Deserialize;
 use serde_json::Value;
 use uavspec::flockwave::json::Request;
 
-/// How many things a request may ask for. Answers are many times as long as the ids that they are about.
+/// The maximum length of lists in requests, because answers are much longer than the ids in requests.
 const LIST_LIMIT: usize = 10_000;
 
-/// The longest reason for which a body isn't read, in characters.
+/// The maximum length of an error message, in characters.
 const REASON_LIMIT: usize = 300;
 
-/// What came in.
+/// A received message.
 #[derive(Debug, PartialEq)]
 pub(super) enum Incoming {
-    /// A request.
+    /// A valid request.
     Request {
-        /// Its id.
+        /// The id of the message.
         id: String,
         /// The type of its body.
         kind: String,
-        /// Its body: an object.
+        /// The body, which is an object.
         body: Value,
     },
-    /// No proper request, but it has an id by which the answer can say so.
+    /// An invalid request with an id.
     Malformed {
-        /// The id.
+        /// The id of the message.
         id: String,
-        /// What is wrong.
+        /// The error.
         reason: String,
     },
-    /// Nothing that an answer could refer to, or an answer itself, which nobody answers.
+    /// A message without an id, or a response, neither of which gets an answer.
     Ignored,
 }
 
 impl Incoming {
-    /// Reads what came in.
+    /// Parses a message.
     pub(super) fn parse(bytes: &[u8]) -> Self {
         serde_json::from_slice(bytes).map_or(Self::Ignored, Self::from_value)
     }
 
-    /// The same of a message that was read.
+    /// Reads a message from parsed JSON.
     pub(super) fn from_value(message: Value) -> Self {
         let Value::Object(mut message) = message else { return Self::Ignored };
         let Some(Value::String(id)) = message.remove("id") else { return Self::Ignored };
@@ -50,45 +50,45 @@ impl Incoming {
         }
         let malformed = |reason: &str| Self::Malformed { id: id.clone(), reason: reason.to_owned() };
         match message.get("$fw.version") {
-            None => return malformed("the envelope has no $fw.version"),
+            None => return malformed("$fw.version is missing"),
             Some(Value::String(version)) if is_version(version) => {}
-            Some(_) => return malformed("$fw.version is no version, such as \"1.0\""),
+            Some(_) => return malformed("$fw.version must be a version such as \"1.0\""),
         }
         if message.contains_key("error") {
-            return malformed("a request has a body, and no error");
+            return malformed("a request must not have an error");
         }
         let Some(body) = message.remove("body").filter(Value::is_object) else {
-            return malformed("the body is no object");
+            return malformed("the body must be an object");
         };
         let Some(Value::String(kind)) = body.get("type") else {
-            return malformed("the type of the body is no string");
+            return malformed("the type of the body must be a string");
         };
         Self::Request { id: id.clone(), kind: kind.clone(), body }
     }
 }
 
-/// One to three numbers with dots between them.
+/// True if a text consists of one to three numbers, separated by dots.
 fn is_version(text: &str) -> bool {
     let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
     text.split('.').count() <= 3 && text.split('.').all(is_number)
 }
 
-/// Reads the body of a request.
+/// Parses the body of a request.
 pub(super) fn read(body: &Value) -> Result<Request, String> {
-    // What is wrong with a body is told with words of it, which can be as long as a message.
+    // The error message may contain text from the body, which can be very long.
     Request::deserialize(body).map_err(|error| error.to_string().chars().take(REASON_LIMIT).collect())
 }
 
-/// A list that isn't too long.
+/// Returns a list, unless it is too long.
 pub(super) fn limited<T>(list: Vec<T>) -> Result<Vec<T>, String> {
     if list.len() <= LIST_LIMIT {
         Ok(list)
     } else {
-        Err(format!("a list has more than {LIST_LIMIT} elements: ask for less at once"))
+        Err(format!("a list has more than {LIST_LIMIT} elements; request fewer"))
     }
 }
 
-/// The elements of a list that isn't too long, each once.
+/// The distinct elements of a list, unless it is too long.
 pub(super) fn each_once<T: Into<String>>(list: Vec<T>) -> Result<Vec<String>, String> {
     let list = limited(list)?;
     let mut seen = HashSet::new();
@@ -135,7 +135,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn nothing_makes_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        fn parses_arbitrary_bytes_without_panicking(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
             let _ = Incoming::parse(&bytes);
         }
     }

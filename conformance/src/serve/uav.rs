@@ -1,43 +1,43 @@
-//! A simulated UAV: what it does, where that takes it, and what it costs.
+//! A simulated UAV: its activity, position and battery.
 
 mod state;
 
 use uavspec::flockwave::ErrorCode;
 use uavspec_runtime::ErrorClass;
 
-use super::error_code::settle;
+use super::error_code::normalize;
 use super::random::Random;
 
-/// Where the fleet stands: a gliding airfield on a hill, in degrees.
+/// The position of the fleet: a gliding airfield on a hill, in degrees.
 const ORIGIN: [f64; 2] = [50.498, 9.952];
 
-/// Its altitude above mean sea level, in metres.
+/// The altitude of the origin above mean sea level, in meters.
 const ORIGIN_ALTITUDE: f64 = 905.0;
 
-/// Metres in a degree of latitude.
+/// Meters per degree of latitude.
 const DEGREE: f64 = 111_320.0;
 
-/// The altitude above the home position that UAVs take off to, in metres.
+/// The altitude above the home position after takeoff, in meters.
 const TAKEOFF_ALTITUDE: f64 = 10.0;
 
-/// Speeds in metres a second: along the ground, up, down, and without motors.
+/// Speeds in meters per second: horizontal, up, down, and without motors.
 const CRUISE: f64 = 8.0;
 const CLIMB: f64 = 2.5;
 const DESCENT: f64 = 1.5;
 const FALL: f64 = 15.0;
 
-/// Percent of charge that a second takes: in the air, with turning motors on the ground, without.
+/// Battery drain in percent per second: in the air, with running motors on the ground, and without.
 const FLYING_DRAIN: f64 = 100.0 / 1200.0;
 const IDLE_DRAIN: f64 = FLYING_DRAIN / 3.0;
 const STANDBY_DRAIN: f64 = FLYING_DRAIN / 60.0;
 
-/// How close to its target a UAV has arrived, in metres.
+/// The distance from the target at which a UAV has arrived, in meters.
 const CLOSE: f64 = 0.05;
 
-/// A position from the origin in metres: north, east, up.
+/// A position relative to the origin in meters: north, east, up.
 type Position = [f64; 3];
 
-/// What a UAV is doing.
+/// The activity of a UAV.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Activity {
     Sleeping,
@@ -51,7 +51,7 @@ enum Activity {
     Falling,
 }
 
-/// Where a UAV is sent: a position by latitude and longitude in 1e-7 degrees, and an altitude in millimetres.
+/// A target position: latitude and longitude in 1e-7 degrees, and an altitude in millimeters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Target {
     pub(super) latitude: i64,
@@ -59,14 +59,14 @@ pub(super) struct Target {
     pub(super) altitude: Option<Altitude>,
 }
 
-/// An altitude, and from where it counts.
+/// An altitude with its reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Altitude {
     AboveSeaLevel(i64),
     AboveHome(i64),
 }
 
-/// What a UAV can be told.
+/// A command to a UAV.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Command {
     TakeOff,
@@ -92,16 +92,16 @@ pub(super) struct Uav {
     heading: f64,
     activity: Activity,
     charge: f64,
-    /// Codes that were set from outside, or that stay until a restart.
+    /// Codes that were set by a client or stay until a restart.
     errors: Vec<ErrorCode>,
     signal: f64,
     random: Random,
-    /// When the server last heard of it, in milliseconds since 1970.
+    /// The time of the last message from the UAV, in milliseconds since 1970.
     last_received: u64,
 }
 
 impl Uav {
-    /// The UAV with a number, from 0.
+    /// The UAV with this number, starting at 0.
     pub(super) fn new(number: usize, charge: f64, seed: u64, now: u64) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "fleets are small")]
         let home = [(number / 10) as f64 * 3.0, (number % 10) as f64 * 3.0, 0.0];
@@ -129,7 +129,7 @@ impl Uav {
         !matches!(self.activity, Activity::Sleeping | Activity::OnGround | Activity::MotorsOn)
     }
 
-    /// Tells it to do something: what speaks against it.
+    /// Executes a command, or returns why the UAV can't execute it.
     pub(super) fn command(&mut self, command: Command) -> Result<(), String> {
         let is_flying = self.is_flying();
         match command {
@@ -149,7 +149,7 @@ impl Uav {
                 self.errors.clear();
             }
             Command::Motors { is_start: false, is_forced: false } if is_flying => {
-                return Err("it is in the air, and the command isn't forced".to_owned());
+                return Err("it is in the air; set force to stop its motors".to_owned());
             }
             Command::Motors { is_start, .. } => self.turn_motors(is_start),
             Command::TakeOff => self.take_off()?,
@@ -176,19 +176,19 @@ impl Uav {
         if self.is_flying() {
             return Err("it is in the air".to_owned());
         }
-        let is_grave = |code: &ErrorCode| matches!(code.class(), ErrorClass::Error | ErrorClass::Fatal);
-        if let Some(code) = self.codes().into_iter().find(is_grave) {
+        let is_severe = |code: &ErrorCode| matches!(code.class(), ErrorClass::Error | ErrorClass::Fatal);
+        if let Some(code) = self.codes().into_iter().find(is_severe) {
             return Err(format!("it has the error code {code}"));
         }
         self.activity = Activity::TakingOff;
         Ok(())
     }
 
-    /// Sets codes, which stay until all are cleared.
+    /// Adds codes, which remain until all are cleared.
     pub(super) fn set_errors(&mut self, codes: &[ErrorCode]) {
         self.errors.extend_from_slice(codes);
         let is_flying = self.is_flying();
-        settle(&mut self.errors, is_flying);
+        normalize(&mut self.errors, is_flying);
     }
 
     pub(super) fn clear_errors(&mut self) {
@@ -199,7 +199,7 @@ impl Uav {
         self.charge = percent.clamp(0.0, 100.0);
     }
 
-    /// Lets time pass, in seconds. `now` is in milliseconds since 1970.
+    /// Advances the simulation by some seconds. `now` is in milliseconds since 1970.
     pub(super) fn advance(&mut self, seconds: f64, now: u64) {
         if self.is_sleeping() {
             self.velocity = [0.0; 3];
@@ -224,7 +224,7 @@ impl Uav {
         }
     }
 
-    /// What a low battery makes it do by itself.
+    /// Changes the activity if the battery is low.
     fn react_to_battery(&mut self) {
         let is_busy = matches!(
             self.activity,
@@ -274,7 +274,7 @@ impl Uav {
         }
     }
 
-    /// Flies towards a position; whether it is there.
+    /// Moves towards a position. Returns true on arrival.
     fn approach(&mut self, target: Position, seconds: f64) -> bool {
         let [north, east, up] = [0, 1, 2].map(|axis| target[axis] - self.position[axis]);
         let distance = north.hypot(east);
@@ -286,7 +286,10 @@ impl Uav {
     }
 
     fn position_of(&self, target: Target) -> Position {
-        #[expect(clippy::cast_precision_loss, reason = "far finer than the simulation")]
+        #[expect(
+            clippy::cast_precision_loss,
+            reason = "the loss is far below the precision of the simulation"
+        )]
         let [latitude, longitude] = [target.latitude, target.longitude].map(|value| value as f64 / 1e7);
         let north = (latitude - ORIGIN[0]) * DEGREE;
         let east = (longitude - ORIGIN[1]) * DEGREE * ORIGIN[0].to_radians().cos();
@@ -296,7 +299,7 @@ impl Uav {
             Some(Altitude::AboveHome(altitude)) => altitude as f64 / 1000.0,
             Some(Altitude::AboveSeaLevel(altitude)) => altitude as f64 / 1000.0 - ORIGIN_ALTITUDE,
         };
-        // It doesn't leave the neighbourhood, whatever it is told.
+        // The UAV stays near the origin, regardless of the target.
         [north.clamp(-5000.0, 5000.0), east.clamp(-5000.0, 5000.0), up.clamp(2.0, 500.0)]
     }
 }
@@ -308,45 +311,45 @@ mod tests {
     use super::*;
     use crate::serve::error_code::BATTERY;
 
-    fn flown(uav: &mut Uav, seconds: u64) {
+    fn fly_for(uav: &mut Uav, seconds: u64) {
         for step in 0..seconds * 10 {
             uav.advance(0.1, 1000 + step * 100);
         }
     }
 
     #[test]
-    fn a_flight_ends_where_it_began() {
+    fn returns_to_the_home_position() {
         let mut uav = Uav::new(12, 100.0, 7, 0);
         let home = uav.coordinates();
         assert_eq!((uav.codes(), uav.mode()), (vec![ErrorCode::GROUND], FlightMode::Stab));
-        uav.command(Command::TakeOff).expect("it can");
+        uav.command(Command::TakeOff).expect("the command is valid");
         uav.advance(0.1, 1000);
         assert_eq!((uav.codes(), uav.mode()), (vec![ErrorCode::TAKEOFF], FlightMode::Takeoff));
-        assert!(uav.status().velocity.is_some_and(|speed| speed.down < 0), "down is negative in climb");
-        flown(&mut uav, 10);
+        assert!(uav.status().velocity.is_some_and(|speed| speed.down < 0), "`down` is negative in a climb");
+        fly_for(&mut uav, 10);
         assert_eq!((uav.codes(), uav.mode(), uav.coordinates()[3]), (vec![], FlightMode::Loiter, 10_000));
         let target = Target {
             latitude: home[0] + 9000,
             longitude: home[1],
             altitude: Some(Altitude::AboveHome(20_000)),
         };
-        uav.command(Command::FlyTo(target)).expect("it can");
-        flown(&mut uav, 30);
+        uav.command(Command::FlyTo(target)).expect("the command is valid");
+        fly_for(&mut uav, 30);
         let [latitude, longitude, _, above_home, _] = uav.coordinates();
         assert!((latitude - target.latitude).abs() < 10 && (longitude - target.longitude).abs() < 10);
         assert_eq!(above_home, 20_000);
-        uav.command(Command::ReturnHome).expect("it can");
+        uav.command(Command::ReturnHome).expect("the command is valid");
         uav.advance(0.1, 1000);
         assert_eq!(uav.codes(), [ErrorCode::RTH]);
-        flown(&mut uav, 60);
+        fly_for(&mut uav, 60);
         assert_eq!((uav.codes(), uav.mode()), (vec![ErrorCode::GROUND], FlightMode::Stab));
         assert!((uav.coordinates()[0] - home[0]).abs() < 10 && uav.coordinates()[3] == 0);
     }
 
     #[test]
-    fn the_battery_falls_through_its_codes_and_brings_it_down() {
+    fn returns_home_and_lands_as_the_battery_drains() {
         let mut uav = Uav::new(0, 31.0, 7, 0);
-        uav.command(Command::TakeOff).expect("it can");
+        uav.command(Command::TakeOff).expect("the command is valid");
         let mut seen = Vec::new();
         for step in 0..6000 {
             uav.advance(0.1, step * 100);
@@ -356,23 +359,23 @@ mod tests {
             }
         }
         assert_eq!(seen, [ErrorCode::LOWBAT_WARNING, ErrorCode::LOWBAT_ERROR]);
-        assert_eq!(uav.mode(), FlightMode::Stab, "it has flown home");
+        assert_eq!(uav.mode(), FlightMode::Stab, "the UAV has returned home");
         uav.set_charge(5.0);
         assert_eq!(uav.codes(), [ErrorCode::GROUND, ErrorCode::LOWBAT_FATAL]);
         assert!(uav.command(Command::TakeOff).is_err());
     }
 
     #[test]
-    fn without_motors_it_crashes() {
+    fn crashes_after_a_halt_in_the_air() {
         let mut uav = Uav::new(0, 100.0, 7, 0);
-        uav.command(Command::TakeOff).expect("it can");
-        flown(&mut uav, 10);
+        uav.command(Command::TakeOff).expect("the command is valid");
+        fly_for(&mut uav, 10);
         assert!(uav.command(Command::Motors { is_start: false, is_forced: false }).is_err());
-        uav.command(Command::Halt).expect("it can");
-        flown(&mut uav, 3);
+        uav.command(Command::Halt).expect("the command is valid");
+        fly_for(&mut uav, 3);
         assert_eq!(uav.codes(), [ErrorCode::GROUND, ErrorCode::CRASH]);
         assert!(uav.command(Command::TakeOff).is_err());
-        uav.command(Command::Restart).expect("it can");
+        uav.command(Command::Restart).expect("the command is valid");
         assert_eq!(uav.codes(), [ErrorCode::GROUND]);
     }
 }

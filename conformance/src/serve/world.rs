@@ -1,4 +1,4 @@
-//! What there is beside the connections: UAVs, and all else that clients ask about.
+//! The simulated world: UAVs and all other objects.
 
 use std::collections::BTreeMap;
 
@@ -12,18 +12,18 @@ use uavspec_runtime::Severity;
 use super::Options;
 use super::uav::Uav;
 
-/// Everything that the server simulates or pretends to have.
+/// All simulated and pretended objects.
 pub(super) struct World {
     pub(super) uavs: Vec<Uav>,
-    /// The last code of each UAV that people were told about.
-    remarked: BTreeMap<String, ErrorCode>,
+    /// The last error code reported for each UAV.
+    reported: BTreeMap<String, ErrorCode>,
     /// The RTK preset in use.
     pub(super) preset: Option<&'static Preset>,
-    /// How the base station surveys, once somebody has said it.
+    /// The settings of the base station survey, if a client has set them.
     pub(super) survey: Option<RTKSurveySettings>,
     /// Extensions by id.
     pub(super) extensions: BTreeMap<&'static str, Extension>,
-    /// Parameters of UAVs, by UAV and name, where they were changed.
+    /// Changed parameters of UAVs, by UAV and name.
     pub(super) parameters: BTreeMap<(String, &'static str), Value>,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Preset {
     pub(super) source: &'static str,
 }
 
-/// The presets that there are.
+/// All presets.
 pub(super) const PRESETS: [Preset; 2] = [
     Preset {
         id: "base",
@@ -59,14 +59,14 @@ pub(super) struct Extension {
     pub(super) configuration: BTreeMap<String, Value>,
 }
 
-/// An object that is no UAV.
+/// An object other than a UAV.
 pub(super) struct Fixture {
     pub(super) id: &'static str,
     pub(super) kind: ObjectType,
     pub(super) name: &'static str,
 }
 
-/// The objects that are no UAVs.
+/// All objects other than UAVs.
 pub(super) const FIXTURES: [Fixture; 4] = [
     Fixture { id: "mark-1", kind: ObjectType::Beacon, name: "Start of the runway" },
     Fixture { id: "mark-2", kind: ObjectType::Beacon, name: "End of the runway" },
@@ -74,18 +74,18 @@ pub(super) const FIXTURES: [Fixture; 4] = [
     Fixture { id: "wind-1", kind: ObjectType::WeatherStation, name: "Windsock" },
 ];
 
-/// Parameters that each UAV has, and their values where nobody has changed them.
+/// The parameters of each UAV, and their defaults.
 pub(super) const PARAMETERS: [(&str, i64); 3] =
     [("CRUISE_SPEED", 8), ("RTH_ALTITUDE", 10), ("LIGHT_MODE", 1)];
 
-/// Something that people should know of a UAV.
+/// An error code of a UAV to report to clients.
 pub(super) struct Remark {
     uav: String,
     code: ErrorCode,
 }
 
 impl Remark {
-    /// The item of a message to people.
+    /// The item of a SYS-MSG notification.
     pub(super) fn to_item(&self, now: Timestamp) -> LogMessage {
         let severity = match self.code.severity() {
             Severity::Informational => LogSeverity::Info,
@@ -115,7 +115,7 @@ impl World {
         let extension = |is_loaded, name| Extension { is_loaded, name, configuration: BTreeMap::new() };
         Self {
             uavs,
-            remarked: BTreeMap::new(),
+            reported: BTreeMap::new(),
             preset: None,
             survey: None,
             extensions: BTreeMap::from([
@@ -136,7 +136,7 @@ impl World {
     /// The values of the devices of a UAV.
     pub(super) fn values(uav: &Uav) -> Value {
         let [latitude, longitude, above_sea, _, above_ground] = uav.coordinates();
-        #[expect(clippy::cast_precision_loss, reason = "a few hundred")]
+        #[expect(clippy::cast_precision_loss, reason = "the value is at most a few hundred")]
         let voltage = uav.voltage() as f64 / 10.0;
         json!({
             "battery": { "voltage": voltage, "percentage": uav.percentage() },
@@ -147,9 +147,9 @@ impl World {
         })
     }
 
-    /// What stands at a path of the device tree.
+    /// The values at a path of the device tree.
     pub(super) fn values_at(&self, path: &str) -> Result<Value, String> {
-        let path = path.strip_prefix('/').ok_or("a path begins with a slash")?;
+        let path = path.strip_prefix('/').ok_or("a path must begin with a slash")?;
         if path.is_empty() {
             let all = self.uavs.iter().map(|uav| (uav.id.clone(), Self::values(uav)));
             return Ok(Value::Object(all.collect()));
@@ -159,24 +159,24 @@ impl World {
         let uav = self.uavs.iter().find(|uav| uav.id == id);
         let Some(uav) = uav else {
             let is_fixture = FIXTURES.iter().any(|fixture| fixture.id == id) && parts.next().is_none();
-            return if is_fixture { Ok(json!({})) } else { Err("there is no such object".to_owned()) };
+            return if is_fixture { Ok(json!({})) } else { Err("no such object".to_owned()) };
         };
         let mut value = Self::values(uav);
         for part in parts {
-            value = value.get_mut(part).map(Value::take).ok_or("there is no such device or channel")?;
+            value = value.get_mut(part).map(Value::take).ok_or("no such device or channel")?;
         }
         Ok(value)
     }
 
-    /// What people should know and weren't told.
+    /// Error codes that have changed since the last call.
     pub(super) fn remarks(&mut self) -> Vec<Remark> {
         let mut remarks = Vec::new();
         for uav in &self.uavs {
             let codes = uav.codes().into_iter().filter(|code| code.severity() > Severity::Informational);
             let worst = codes.max_by_key(|code| (code.severity(), *code));
             let before = match worst {
-                Some(code) => self.remarked.insert(uav.id.clone(), code),
-                None => self.remarked.remove(&uav.id),
+                Some(code) => self.reported.insert(uav.id.clone(), code),
+                None => self.reported.remove(&uav.id),
             };
             if let Some(code) = worst.filter(|_| before != worst) {
                 remarks.push(Remark { uav: uav.id.clone(), code });

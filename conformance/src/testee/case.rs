@@ -1,4 +1,4 @@
-//! What testees are asked, and what they should say: the test vectors of the definitions, op by op.
+//! The test cases for testees: requests and expected responses, made from the test vectors of the definitions.
 
 use serde_json::{Map, Value, json};
 use uavspec_codegen::dynamic::{MessageType, Types};
@@ -9,79 +9,79 @@ use super::wire::{to_base64, to_wire};
 use crate::definitions::Definitions;
 use crate::rules::px4::{self, Px4Rule};
 
-/// Rules that a payload breaks as a whole: no message comes of it, so decoding must fail. Of payloads that break
-/// others, such as a `bool` of 153, codecs may make something, or refuse them.
+/// Rules that concern the payload as a whole. A payload that violates one of them can't be decoded. If a payload
+/// violates another rule, for example with a `bool` of 153, a codec may decode or reject it.
 static PAYLOAD_RULES: [&Px4Rule; 3] = [&px4::DATA_01, &px4::CDR_01, &px4::CDR_02];
 
-/// A question, and its right answers.
+/// A request and its expected responses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// What is asked.
+    /// The requested operation.
     pub op: Op,
-    /// In which form; none where there are no bytes.
+    /// The binary format; `None` if the request and the response contain no bytes.
     pub format: Option<Format>,
-    /// Of which type, such as `px4/Event`.
+    /// The name of the message type, such as `px4/Event`.
     pub type_name: String,
-    /// Tells it from the others of its op, form and type.
+    /// An id that is unique for the op, format and type.
     pub id: String,
-    /// What is tried, in words.
+    /// A description for people.
     pub description: String,
-    /// The rule that the input breaks.
+    /// The rule that the input violates.
     pub rule: Option<String>,
-    /// What is sent.
+    /// The input of the request.
     pub input: Input,
-    /// What should come.
+    /// The expected responses.
     pub expected: Expected,
 }
 
-/// What is sent.
+/// The input of a request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Input {
-    /// The type says it all.
+    /// No input: the request names a type only.
     Nothing,
     /// A payload.
     Bytes(Vec<u8>),
-    /// JSON as it travels.
+    /// JSON in wire encoding.
     Value(Value),
 }
 
-/// What should come.
+/// The expected responses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
-    /// What may stand in `ok`.
-    pub ok: ExpectedAnswer,
-    /// Whether a rejection is right.
+    /// The accepted values of `ok`.
+    pub ok: ExpectedResponse,
+    /// True if the testee may reject the input.
     pub rejection: bool,
 }
 
-/// What may stand in `ok`.
+/// The accepted values of `ok`.
 #[derive(Clone, Debug, PartialEq)]
-pub enum ExpectedAnswer {
-    /// Nothing: it must not come to that.
+pub enum ExpectedResponse {
+    /// No value: the testee must reject the input.
     Nothing,
-    /// Anything.
+    /// Any value.
     Anything,
     /// This message, as JSON without tags.
     Message(Value),
-    /// One of these.
+    /// One of these byte strings.
     Bytes(Vec<Vec<u8>>),
-    /// This JSON.
+    /// This JSON value.
     Exactly(Value),
 }
 
 impl Case {
-    /// Its name: op, form, type and id, such as `decode-uorb/px4/Event/typical`.
+    /// The full name: op, format, type and id, such as `decode-uorb/px4/Event/typical`.
     pub fn name(&self) -> String {
         format!("{}/{}/{}", self.action(), self.type_name, self.id)
     }
 
-    /// Op and form, such as `decode-uorb`.
+    /// The op and format, such as `decode-uorb`.
     pub fn action(&self) -> String {
         let format = self.format.map(|format| format!("-{}", format.name()));
         self.op.name().to_owned() + &format.unwrap_or_default()
     }
 
-    /// The line that asks.
+    /// The request with this id, as JSON.
     pub(crate) fn request(&self, id: u64) -> Value {
         let mut request = Map::new();
         request.insert("id".to_owned(), id.into());
@@ -102,7 +102,7 @@ impl Case {
         Value::Object(request)
     }
 
-    /// Whether a testee said that it knows what this asks.
+    /// True if the testee supports the op, type and format of this case.
     pub(crate) fn is_for(&self, hello: &Hello) -> bool {
         hello.ops.contains(&self.op)
             && hello.types.contains(&self.type_name)
@@ -111,22 +111,22 @@ impl Case {
 }
 
 impl Expected {
-    const fn ok(want: ExpectedAnswer) -> Self {
+    const fn ok(want: ExpectedResponse) -> Self {
         Self { ok: want, rejection: false }
     }
 
-    const fn either(want: ExpectedAnswer) -> Self {
+    const fn either(want: ExpectedResponse) -> Self {
         Self { ok: want, rejection: true }
     }
 
-    const REJECTED: Self = Self { ok: ExpectedAnswer::Nothing, rejection: true };
+    const REJECTED: Self = Self { ok: ExpectedResponse::Nothing, rejection: true };
 }
 
 /// All cases of the definitions, type by type.
 pub fn cases(definitions: &Definitions, types: &Types) -> Vec<Case> {
     let files = vectors::emit(&definitions.schema, &vectors::Options::default());
     let files = files.iter().filter(|file| file.path.ends_with(".vectors.json"));
-    // The emitter writes JSON, and this says so once more: what can't be read has no cases.
+    // The emitter writes valid JSON. A file that can't be parsed would have no cases.
     files
         .filter_map(|file| serde_json::from_str(&file.text).ok())
         .flat_map(|file| cases_in_file(&file, types))
@@ -136,32 +136,32 @@ pub fn cases(definitions: &Definitions, types: &Types) -> Vec<Case> {
 fn cases_in_file(file: &Value, types: &Types) -> Vec<Case> {
     let Some(type_name) = file["type"].as_str() else { return Vec::new() };
     let message = type_name.split_once('/').and_then(|(package, name)| types.find(package, name));
-    let maker = Maker { type_name, message };
-    let mut cases = maker.facts(file);
+    let builder = CaseBuilder { type_name, message };
+    let mut cases = builder.type_cases(file);
     for vector in file["cases"].as_array().into_iter().flatten() {
-        maker.vector(vector, &mut cases);
+        builder.add_vector(vector, &mut cases);
     }
     cases
 }
 
-/// Makes the cases of a type.
-struct Maker<'f, 't> {
+/// Builds the cases of one type.
+struct CaseBuilder<'f, 't> {
     type_name: &'f str,
     message: Option<MessageType<'t>>,
 }
 
-impl Maker<'_, '_> {
-    /// What is asked of the type itself.
-    fn facts(&self, file: &Value) -> Vec<Case> {
+impl CaseBuilder<'_, '_> {
+    /// The cases about the type itself: its hashes and memory layout.
+    fn type_cases(&self, file: &Value) -> Vec<Case> {
         let fact = |op: Op, format, value| {
-            let head = json!({ "id": op.name(), "description": "of the type itself" });
-            self.case(&head, op, Some(format), Input::Nothing, Expected::ok(ExpectedAnswer::Exactly(value)))
+            let head = json!({ "id": op.name(), "description": "a property of the type" });
+            self.case(&head, op, Some(format), Input::Nothing, Expected::ok(ExpectedResponse::Exactly(value)))
         };
         let mut cases = Vec::new();
         for (name, format) in [("hash", Format::Uorb), ("type_hash", Format::Cdr)] {
             cases.extend(file.get(name).map(|value| fact(Op::Hash, format, value.clone())));
         }
-        // Those without PX4's hash don't lie in memory, whatever their size.
+        // Types without a PX4 hash have no memory layout, even if they have a size.
         if let Some((message, size)) =
             self.message.and_then(|it| Some((it, it.size()?))).filter(|_| file.get("hash").is_some())
         {
@@ -174,10 +174,10 @@ impl Maker<'_, '_> {
         cases
     }
 
-    fn vector(&self, vector: &Value, cases: &mut Vec<Case>) {
+    fn add_vector(&self, vector: &Value, cases: &mut Vec<Case>) {
         let rule = vector["rule"].as_str();
-        let is_held = Format::ALL.iter().any(|format| vector.get(format.name()).is_some());
-        let json = vector.get("json").filter(|json| is_held || !is_blurred(json));
+        let has_bytes = Format::ALL.iter().any(|format| vector.get(format.name()).is_some());
+        let json = vector.get("json").filter(|json| has_bytes || !is_lossy(json));
         for format in Format::ALL {
             let bytes = vector[format.name()].as_str().and_then(from_hex);
             if let Some(bytes) = &bytes {
@@ -188,9 +188,10 @@ impl Maker<'_, '_> {
             if let (Some(json), Some(message)) = (json, self.message) {
                 let input = Input::Value(to_wire(json, Some(message)));
                 let expected = bytes.as_ref().map(|bytes| self.encoded(rule, format, bytes));
-                // What no message can hold has no bytes; a format that a valid message doesn't have is not asked for.
-                let expected =
-                    expected.or_else(|| (rule.is_some() && self.has(format)).then_some(Expected::REJECTED));
+                // An invalid value has no bytes. If valid messages have no bytes in this format either, there is no
+                // case.
+                let expected = expected
+                    .or_else(|| (rule.is_some() && self.supports(format)).then_some(Expected::REJECTED));
                 cases.extend(
                     expected.map(|expected| self.case(vector, Op::Encode, Some(format), input, expected)),
                 );
@@ -203,7 +204,7 @@ impl Maker<'_, '_> {
         if let Some(json) = json {
             let input = Input::Value(to_wire(json, self.message));
             let expected =
-                if rule.is_none() { Expected::ok(ExpectedAnswer::Anything) } else { Expected::REJECTED };
+                if rule.is_none() { Expected::ok(ExpectedResponse::Anything) } else { Expected::REJECTED };
             cases.push(self.case(vector, Op::Validate, None, input.clone(), expected));
             if let Some(class) = vector.get("class") {
                 let class = json!({ "class": class, "severity": vector["severity"] });
@@ -212,18 +213,18 @@ impl Maker<'_, '_> {
                     Op::Severity,
                     None,
                     input,
-                    Expected::ok(ExpectedAnswer::Exactly(class)),
+                    Expected::ok(ExpectedResponse::Exactly(class)),
                 ));
             }
         }
     }
 
-    fn has(&self, format: Format) -> bool {
+    fn supports(&self, format: Format) -> bool {
         format == Format::Cdr || self.message.is_some_and(|message| message.size().is_some())
     }
 
-    /// What encoding should give. The padding at the end may be left out in memory, as logs have it, and CDR may be
-    /// filled up to a multiple of four bytes, as some writers do.
+    /// The expected result of encoding. uORB bytes may lack the trailing padding, as in logs. CDR bytes may be padded
+    /// to a multiple of four bytes, as some writers do.
     fn encoded(&self, rule: Option<&str>, format: Format, bytes: &[u8]) -> Expected {
         let mut other = bytes.to_vec();
         match (format, self.message.and_then(MessageType::size)) {
@@ -233,7 +234,7 @@ impl Maker<'_, '_> {
         }
         let mut right = vec![bytes.to_vec(), other];
         right.dedup();
-        Expected { ok: ExpectedAnswer::Bytes(right), rejection: rule.is_some() }
+        Expected { ok: ExpectedResponse::Bytes(right), rejection: rule.is_some() }
     }
 
     fn case(&self, vector: &Value, op: Op, format: Option<Format>, input: Input, expected: Expected) -> Case {
@@ -251,9 +252,9 @@ impl Maker<'_, '_> {
     }
 }
 
-/// What decoding should give.
+/// The expected result of decoding.
 fn decoded(rule: Option<&str>, wanted: Option<&Value>) -> Expected {
-    let want = wanted.map_or(ExpectedAnswer::Anything, |value| ExpectedAnswer::Message(value.clone()));
+    let want = wanted.map_or(ExpectedResponse::Anything, |value| ExpectedResponse::Message(value.clone()));
     match rule {
         None => Expected::ok(want),
         Some(id) if PAYLOAD_RULES.iter().any(|known| known.rule.id == id) => Expected::REJECTED,
@@ -261,14 +262,14 @@ fn decoded(rule: Option<&str>, wanted: Option<&Value>) -> Expected {
     }
 }
 
-/// Whether a number was lost when the vector was read: one below the least `int64` comes out as that, but as a
-/// float, and it depends on the testee whether that is an integer.
-#[allow(clippy::float_cmp, clippy::cast_precision_loss)] // it is exactly that
-fn is_blurred(value: &Value) -> bool {
+/// True if parsing the vector changed a number: integers below the smallest `int64` become floats that equal the
+/// smallest `int64`, and some testees read these as integers.
+#[allow(clippy::float_cmp, clippy::cast_precision_loss)] // an exact comparison is intended
+fn is_lossy(value: &Value) -> bool {
     match value {
         Value::Number(number) => number.is_f64() && number.as_f64() == Some(i64::MIN as f64),
-        Value::Array(items) => items.iter().any(is_blurred),
-        Value::Object(members) => members.values().any(is_blurred),
+        Value::Array(items) => items.iter().any(is_lossy),
+        Value::Object(members) => members.values().any(is_lossy),
         Value::Null | Value::Bool(_) | Value::String(_) => false,
     }
 }
@@ -285,7 +286,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn all_vectors_become_cases() {
+    fn makes_cases_of_all_vectors() {
         let definitions = Definitions::built_in();
         let cases = cases(&definitions, &Types::new(&definitions.schema));
         let names: BTreeSet<String> = cases.iter().map(Case::name).collect();
@@ -305,10 +306,10 @@ mod tests {
         let case = find("encode-cdr/px4/BatteryStatus/voltage_v-nan");
         assert_eq!(case.request(0)["value"]["voltage_v"], json!({ "$f": "NaN" }));
         assert_eq!(find("severity/flockwave/ErrorCode/code-66").expected.ok, {
-            ExpectedAnswer::Exactly(json!({ "class": "warning", "severity": "warning" }))
+            ExpectedResponse::Exactly(json!({ "class": "warning", "severity": "warning" }))
         });
         let least = serde_json::from_str("[{\"x\": -9223372036854775809}]").expect("JSON");
-        assert!(is_blurred(&least) && !is_blurred(&json!([i64::MIN, u64::MAX, 0.5])));
+        assert!(is_lossy(&least) && !is_lossy(&json!([i64::MIN, u64::MAX, 0.5])));
         let case = find("validate/px4/Event/timestamp-null");
         assert_eq!(
             (&case.request(0)["value"]["timestamp"], &case.expected),

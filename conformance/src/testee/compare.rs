@@ -1,7 +1,7 @@
-//! Whether an answer is right.
+//! Compares responses with expected responses.
 //!
-//! Numbers count by the value that the field's type holds: a float32 as float32, NaN as NaN, and 0 as -0, because
-//! not every writer of JSON has a word for that. Bytes tell the two apart, and are compared one by one.
+//! Numbers are compared as values of the field's type: float32 fields as float32. NaN equals NaN, and 0 equals -0,
+//! because not every JSON writer can represent these. Bytes are compared exactly.
 
 use std::fmt;
 
@@ -10,21 +10,21 @@ use uavspec_codegen::dynamic::{MessageType, PlacedElement, Types};
 use uavspec_codegen::schema::Shape;
 use uavspec_runtime::Scalar;
 
-use super::case::{Case, ExpectedAnswer};
-use super::protocol::Answer;
+use super::case::{Case, ExpectedResponse};
+use super::protocol::Response;
 use super::wire::{float, from_base64, integer};
 
-/// Most characters of a value that are told.
+/// The maximum number of characters of a value in a message.
 const MAX_SHOWN: usize = 400;
 
-/// Where an answer is wrong.
+/// A difference between a response and the expected one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// The place in the value, such as `/events/2/id`; empty for the whole.
+    /// The location in the value, such as `/events/2/id`; empty for the whole value.
     pub path: String,
-    /// What should be there.
+    /// The expected value.
     pub expected: String,
-    /// What is there.
+    /// The actual value.
     pub actual: String,
 }
 
@@ -41,13 +41,13 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Compares an answer with what is expected.
-pub(crate) fn compare(case: &Case, answer: &Answer, types: &Types) -> Result<(), Difference> {
+/// Compares a response with the expected one.
+pub(crate) fn compare(case: &Case, answer: &Response, types: &Types) -> Result<(), Difference> {
     let expected = &case.expected;
     match (answer, &expected.ok) {
-        (Answer::Rejected(_), _) if expected.rejection => Ok(()),
-        (Answer::Ok(_), ExpectedAnswer::Anything) => Ok(()),
-        (Answer::Ok(value), ExpectedAnswer::Message(wanted)) => {
+        (Response::Rejected(_), _) if expected.rejection => Ok(()),
+        (Response::Ok(_), ExpectedResponse::Anything) => Ok(()),
+        (Response::Ok(value), ExpectedResponse::Message(wanted)) => {
             let message =
                 case.type_name.split_once('/').and_then(|(package, name)| types.find(package, name));
             match message {
@@ -55,46 +55,46 @@ pub(crate) fn compare(case: &Case, answer: &Answer, types: &Types) -> Result<(),
                 None => compare_json(wanted, value, ""),
             }
         }
-        (Answer::Ok(value), ExpectedAnswer::Bytes(right)) => compare_bytes(right, value),
-        (Answer::Ok(value), ExpectedAnswer::Exactly(wanted)) => compare_json(wanted, value, ""),
+        (Response::Ok(value), ExpectedResponse::Bytes(right)) => compare_bytes(right, value),
+        (Response::Ok(value), ExpectedResponse::Exactly(wanted)) => compare_json(wanted, value, ""),
         (other, _) => Err(Difference::new("", describe(case), describe_answer(other))),
     }
 }
 
-/// What is expected, in words.
+/// A description of the expected responses.
 fn describe(case: &Case) -> String {
-    let or = if case.expected.rejection { ", or a rejection" } else { "" };
+    let or = if case.expected.rejection { " or a rejection" } else { "" };
     let violated = case.rule.as_ref().map(|rule| format!(" ({rule})")).unwrap_or_default();
     match &case.expected.ok {
-        ExpectedAnswer::Nothing => format!("a rejection{violated}"),
-        ExpectedAnswer::Anything => "acceptance".to_owned() + or,
-        ExpectedAnswer::Message(value) | ExpectedAnswer::Exactly(value) => format!("{value}{or}"),
-        ExpectedAnswer::Bytes(right) => {
+        ExpectedResponse::Nothing => format!("a rejection{violated}"),
+        ExpectedResponse::Anything => "acceptance".to_owned() + or,
+        ExpectedResponse::Message(value) | ExpectedResponse::Exactly(value) => format!("{value}{or}"),
+        ExpectedResponse::Bytes(right) => {
             format!("{}{or}", right.first().map_or_else(String::new, |bytes| hex(bytes)))
         }
     }
 }
 
-fn describe_answer(answer: &Answer) -> String {
+fn describe_answer(answer: &Response) -> String {
     match answer {
-        Answer::Ok(value) => format!("ok: {value}"),
-        Answer::Rejected(reason) => format!("rejected: {reason}"),
-        Answer::Unsupported => "unsupported".to_owned(),
-        Answer::Error(error) => format!("error: {error}"),
+        Response::Ok(value) => format!("ok: {value}"),
+        Response::Rejected(reason) => format!("rejected: {reason}"),
+        Response::Unsupported => "unsupported".to_owned(),
+        Response::Error(error) => format!("error: {error}"),
     }
 }
 
 fn compare_bytes(right: &[Vec<u8>], actual: &Value) -> Result<(), Difference> {
     let wanted = right.first().map(Vec::as_slice).unwrap_or_default();
     let Some(bytes) = actual.as_str().and_then(from_base64) else {
-        return Err(Difference::new("", "bytes in base64", actual));
+        return Err(Difference::new("", "base64", actual));
     };
     if right.contains(&bytes) {
         return Ok(());
     }
     let at = wanted.iter().zip(&bytes).position(|(left, right)| left != right);
     let at = at.unwrap_or(wanted.len().min(bytes.len()));
-    // Sixteen bytes from the first that differs, and how many there are.
+    // Sixteen bytes, starting at the first that differs, and the total length.
     let excerpt = |bytes: &[u8]| {
         let part = bytes.get(at..).unwrap_or_default();
         format!("{} of {} bytes", hex(part.get(..16).unwrap_or(part)), bytes.len())
@@ -117,7 +117,7 @@ fn compare_message(
     })
 }
 
-/// Compares what one field holds.
+/// Compares the values of a field.
 fn compare_shaped(
     element: PlacedElement<'_>,
     shape: Shape,
@@ -137,7 +137,7 @@ fn compare_shaped(
     }
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::float_cmp)] // as the field's type holds it, and exactly
+#[allow(clippy::cast_possible_truncation, clippy::float_cmp)] // exact comparison in the precision of the field
 fn compare_float(scalar: Scalar, wanted: &Value, actual: &Value, path: &str) -> Result<(), Difference> {
     let is_equal = |left: f64, right: f64| match scalar {
         Scalar::Float32 => left as f32 == right as f32,
@@ -194,12 +194,12 @@ fn compare_members(
     for (name, wanted) in left {
         let path = format!("{path}/{name}");
         let Some(actual) = right.get(name) else {
-            return Err(Difference::new(&path, wanted, "no such member"));
+            return Err(Difference::new(&path, wanted, "no member"));
         };
         compare(name, wanted, actual, &path)?;
     }
     match right.iter().find(|(name, _)| !left.contains_key(*name)) {
-        Some((name, value)) => Err(Difference::new(&format!("{path}/{name}"), "no such member", value)),
+        Some((name, value)) => Err(Difference::new(&format!("{path}/{name}"), "no member", value)),
         None => Ok(()),
     }
 }
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_count_as_the_field_holds_them() {
+    fn compares_numbers_as_values_of_the_field_type() {
         let definitions = Definitions::built_in();
         let types = Types::new(&definitions.schema);
         let battery = types.find("px4", "BatteryStatus").expect("a type");
@@ -238,7 +238,7 @@ mod tests {
             let (wanted, actual) = (with(zero.clone(), field, wanted), with(zero.clone(), field, actual));
             compare_message(battery, &wanted, &actual, "").is_ok()
         };
-        // As a float32 both are the same.
+        // These are equal as float32.
         assert!(compare("voltage_v", json!(0.1), json!(0.100_000_001_490_116_12)));
         assert!(!compare("voltage_v", json!(0.1), json!(0.100_000_01)));
         assert!(compare("voltage_v", json!(-0.0), json!(0)));
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn objects_have_exactly_their_members() {
+    fn reports_missing_and_additional_members() {
         let location =
             |wanted: Value, actual: Value| compare_json(&wanted, &actual, "").expect_err("a difference").path;
         assert_eq!(location(json!({ "a": { "b": 1 } }), json!({ "a": {} })), "/a/b");
@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_count_one_by_one() {
+    fn reports_the_first_byte_that_differs() {
         let right = [vec![1, 2, 0], vec![1, 2]];
         assert_eq!(compare_bytes(&right, &json!("AQIA")), Ok(()));
         assert_eq!(compare_bytes(&right, &json!("AQI=")), Ok(()));

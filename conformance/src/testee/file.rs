@@ -1,18 +1,18 @@
-//! Testees that can't be started from here: questions go to a file, and answers come from one.
+//! Writes requests to a file and reads responses from one, for testees that can't be started here.
 
 use std::io::{self, BufRead, Read as _, Write};
 
 use serde_json::{Value, json};
 use uavspec_codegen::dynamic::Types;
 
-use super::case::{Case, ExpectedAnswer};
+use super::case::{Case, ExpectedResponse};
 use super::options::{LINE_LIMIT, excerpt};
 use super::outcome::{Outcome, ProtocolRemarks, Verdict};
-use super::protocol::{Answer, Hello};
+use super::protocol::{Hello, Response};
 use super::run::check_answer;
 use super::wire::{to_base64, to_wire};
 
-/// Writes the selected cases, a line each: what is sent, and beside it the name, the description and what is right.
+/// Writes the selected cases, one per line: the request with its name, description and expected responses.
 pub(crate) fn dump(
     cases: &[Case],
     selected: &[usize],
@@ -32,21 +32,23 @@ pub(crate) fn dump(
     output.flush()
 }
 
-/// `ok` is a list of right answers; without it, anything is right where `accepted` is true.
+/// The expected responses: `ok` lists the accepted values; without it, any value is accepted if `accepted` is true.
 fn expected(case: &Case, types: &Types) -> Value {
-    let mut expected = json!({ "rejected": case.expected.rejection, "accepted": case.expected.ok != ExpectedAnswer::Nothing });
+    let mut expected = json!({ "rejected": case.expected.rejection, "accepted": case.expected.ok != ExpectedResponse::Nothing });
     let message = || case.type_name.split_once('/').and_then(|(package, name)| types.find(package, name));
     match &case.expected.ok {
-        ExpectedAnswer::Nothing | ExpectedAnswer::Anything => {}
-        ExpectedAnswer::Message(value) => expected["ok"] = json!([to_wire(value, message())]),
-        ExpectedAnswer::Exactly(value) => expected["ok"] = json!([to_wire(value, None)]),
-        ExpectedAnswer::Bytes(right) => expected["ok"] = right.iter().map(|bytes| to_base64(bytes)).collect(),
+        ExpectedResponse::Nothing | ExpectedResponse::Anything => {}
+        ExpectedResponse::Message(value) => expected["ok"] = json!([to_wire(value, message())]),
+        ExpectedResponse::Exactly(value) => expected["ok"] = json!([to_wire(value, None)]),
+        ExpectedResponse::Bytes(right) => {
+            expected["ok"] = right.iter().map(|bytes| to_base64(bytes)).collect()
+        }
     }
     expected
 }
 
-/// Judges answers that stand in a file, a line each, of no more bytes than a process may write. Where a hello stands among them, what it promises and the file
-/// doesn't answer is not run; without one, all that has no answer is unsupported.
+/// Checks the responses in a file, one per line, with the same line limit as for a process. If the file has a hello,
+/// supported cases without a response are not run; otherwise, all cases without a response are unsupported.
 pub(crate) fn replay<'c>(
     cases: &'c [Case],
     selected: &[usize],
@@ -61,7 +63,7 @@ pub(crate) fn replay<'c>(
             hello = Some(found);
             continue;
         }
-        let (id, answer) = match Answer::read_or_blame(line.trim_ascii()) {
+        let (id, answer) = match Response::read_lenient(line.trim_ascii()) {
             Ok(answer) => answer,
             Err(wrong) => {
                 protocol_remarks.remark(format!("{wrong}: {}", excerpt(line)));
@@ -70,26 +72,29 @@ pub(crate) fn replay<'c>(
         };
         let found = usize::try_from(id).ok().and_then(|id| Some((cases.get(id)?, verdicts.get_mut(id)?)));
         match found {
-            None => protocol_remarks.remark(format!("an answer without a question: id {id}")),
-            Some((_, Some(_))) => protocol_remarks.remark(format!("a second answer to id {id}")),
+            None => protocol_remarks.remark(format!("unexpected response with id {id}")),
+            Some((_, Some(_))) => protocol_remarks.remark(format!("duplicate response with id {id}")),
             Some((case, verdict)) => *verdict = Some(check_answer(case, &answer, types)),
         }
     }
-    let absent = |case: &Case| match &hello {
+    let verdict_without_response = |case: &Case| match &hello {
         Some(hello) if case.is_for(hello) => Verdict::NotRun,
         _ => Verdict::Unsupported,
     };
     let verdicts = selected.iter().filter_map(|id| {
         let case = cases.get(*id)?;
-        Some((case, verdicts.get_mut(*id).and_then(Option::take).unwrap_or_else(|| absent(case))))
+        Some((
+            case,
+            verdicts.get_mut(*id).and_then(Option::take).unwrap_or_else(|| verdict_without_response(case)),
+        ))
     });
     let verdicts: Vec<_> = verdicts.collect();
     let missing = verdicts.iter().filter(|(_, verdict)| *verdict == Verdict::NotRun).count();
-    let gave_up = (missing > 0).then(|| format!("{missing} answers are absent"));
+    let gave_up = (missing > 0).then(|| format!("{missing} responses are missing"));
     Ok(Outcome { hello, verdicts, protocol_remarks, restarts: 0, gave_up })
 }
 
-/// The lines of a file, which keep to a limit.
+/// The lines of a file, with a length limit.
 struct Lines<'f> {
     input: &'f mut dyn BufRead,
     line: Vec<u8>,
@@ -100,11 +105,11 @@ impl Lines<'_> {
     fn next(&mut self) -> io::Result<Option<&[u8]>> {
         self.line.clear();
         self.number += 1;
-        // One byte for the end of the line.
+        // One more byte for the line end.
         let most = LINE_LIMIT as u64 + 1;
         let read = self.input.take(most).read_until(b'\n', &mut self.line)?;
         if self.line.len() > LINE_LIMIT && !self.line.ends_with(b"\n") {
-            let text = format!("line {} has more than {LINE_LIMIT} bytes", self.number);
+            let text = format!("line {} is longer than {LINE_LIMIT} bytes", self.number);
             return Err(io::Error::new(io::ErrorKind::InvalidData, text));
         }
         Ok((read > 0).then_some(&self.line))
@@ -119,15 +124,16 @@ mod tests {
     use crate::definitions::Definitions;
 
     #[test]
-    fn a_line_without_end_is_not_read_to_its_end() {
+    fn stops_reading_an_endless_line() {
         let definitions = Definitions::built_in();
         let answers = b"{\"id\":1,\"ok\":null}\n".chain(repeat(b'a'));
-        let error = replay(&[], &[], definitions.types(), &mut BufReader::new(answers)).expect_err("no end");
-        assert_eq!(error.to_string(), "line 2 has more than 16777216 bytes");
+        let error =
+            replay(&[], &[], definitions.types(), &mut BufReader::new(answers)).expect_err("an error");
+        assert_eq!(error.to_string(), "line 2 is longer than 16777216 bytes");
         let longest = [&vec![b'a'; LINE_LIMIT][..], b"\n"].concat();
-        let outcome = replay(&[], &[], definitions.types(), &mut &longest[..]).expect("a line");
+        let outcome = replay(&[], &[], definitions.types(), &mut &longest[..]).expect("an outcome");
         assert!(
-            outcome.protocol_remarks.remarks[0].0.starts_with("no JSON"),
+            outcome.protocol_remarks.remarks[0].0.starts_with("invalid JSON"),
             "{:?}",
             outcome.protocol_remarks
         );

@@ -1,17 +1,16 @@
-//! The results of cases, as lists of known failures see them, and the cases that a list excuses.
+//! Converts case results for lists of known failures, and applies these lists.
 
 use std::collections::BTreeMap;
 use std::ptr;
 
 use super::case::Case;
-use super::outcome::{Outcome as Answers, Verdict};
+use super::outcome::{Outcome as Run, Verdict};
 use crate::check::known::{Checked, Lists, Name, Outcome};
 
-/// What came of cases: of those that were asked, as `answers` says, and of all others, which were not. `names` are
-/// the names of all cases.
-pub(crate) fn case_outcomes<'r>(names: &'r [(&'r Case, String)], answers: &Answers<'r>) -> Vec<Checked<'r>> {
+/// The outcome of each case in `names`, which contains all cases. Cases without a verdict in `run` were not run.
+pub(crate) fn case_outcomes<'r>(names: &'r [(&'r Case, String)], run: &Run<'r>) -> Vec<Checked<'r>> {
     let requested: BTreeMap<*const Case, &Verdict> =
-        answers.verdicts.iter().map(|(case, verdict)| (ptr::from_ref(*case), verdict)).collect();
+        run.verdicts.iter().map(|(case, verdict)| (ptr::from_ref(*case), verdict)).collect();
     let checked = names.iter().map(|(case, name)| {
         let outcome = match requested.get(&ptr::from_ref(*case)) {
             Some(Verdict::Pass) => Outcome::Passed,
@@ -24,9 +23,9 @@ pub(crate) fn case_outcomes<'r>(names: &'r [(&'r Case, String)], answers: &Answe
     checked.collect()
 }
 
-/// Makes each failure that an entry excuses a known one.
-pub(crate) fn excuse_cases(lists: &Lists, answers: &mut Answers<'_>) {
-    for (case, verdict) in answers.verdicts.iter_mut().filter(|(_, verdict)| verdict.is_failure()) {
+/// Marks each failure that an entry excuses as known.
+pub(crate) fn excuse_cases(lists: &Lists, run: &mut Run<'_>) {
+    for (case, verdict) in run.verdicts.iter_mut().filter(|(_, verdict)| verdict.is_failure()) {
         let messages = [verdict.to_string()];
         if let Some(excuse) = lists.excuse(Name::Case(&case.name()), &messages) {
             let failure = std::mem::replace(verdict, Verdict::NotRun);

@@ -1,8 +1,8 @@
-//! The line to a testee, be it a child process or a connection. Whatever it does, nothing here waits longer than it
-//! is told to.
+//! A connection to a testee, which is a child process or a TCP connection. No call here blocks longer than its time
+//! limit.
 //!
-//! A thread reads what it says, and one writes what it is asked: it may stop reading. The threads end with the pipes
-//! or the connection, and nobody waits for them.
+//! One thread reads from the testee, and another writes to it, since it may stop reading. The threads end with the
+//! pipes or the connection; nothing waits for them.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{Shutdown, TcpStream};
@@ -17,28 +17,28 @@ use super::protocol::Hello;
 use super::target::Target;
 use crate::net::Connection;
 
-/// How many lines may wait to be judged; then the testee waits. Few, since each may be as long as the limit allows.
+/// The maximum number of queued lines, each of which may be as long as the line limit. Then the testee has to wait.
 const MAX_QUEUED_LINES: usize = 8;
 
-/// How often is looked whether a process that says nothing has ended.
+/// The interval of checks for the end of a silent process.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
-/// What comes from a testee.
+/// An item read from a testee.
 #[derive(Debug)]
 pub(super) enum Received {
-    /// A line without its end.
+    /// A line without its line end.
     Line(Vec<u8>),
-    /// A line longer than the limit. What follows can't be read.
+    /// A line longer than the limit, after which nothing can be read.
     TooLong,
-    /// It has closed its side.
+    /// The end of the output.
     Closed,
-    /// The connection broke, and how.
+    /// A connection error.
     Lost(String),
-    /// Nothing came in time.
+    /// No data before the time limit.
     Nothing,
 }
 
-/// An open line to a testee. Dropping it kills the process, or cuts the connection.
+/// An open connection to a testee. Dropping it kills the process or closes the connection.
 pub(super) struct Link {
     peer: Peer,
     to: Option<Sender<Vec<u8>>>,
@@ -51,25 +51,25 @@ enum Peer {
 }
 
 impl Link {
-    /// Starts the testee, or connects to it. `is_again` says that it was there before.
-    pub(super) fn open(options: &Options, is_again: bool) -> Result<Self, String> {
+    /// Starts the testee, or connects to it. `is_reconnect` is true if an earlier connection succeeded.
+    pub(super) fn open(options: &Options, is_reconnect: bool) -> Result<Self, String> {
         let until = Instant::now() + options.start_timeout;
-        let (to, questions) = channel();
+        let (to, requests) = channel();
         let (lines, from) = sync_channel(MAX_QUEUED_LINES);
         let limit = options.line_limit;
         let peer = match &options.target {
             Target::Command(command) => {
                 let (process, input, output) = Process::start(command)
                     .map_err(|error| format!("can't start {}: {error}", options.target))?;
-                thread::spawn(move || write(input, &questions));
+                thread::spawn(move || write(input, &requests));
                 thread::spawn(move || read(output, &lines, limit));
                 Peer::Process(process)
             }
             Target::Address(address) => {
-                let open = if is_again { Connection::open_again } else { Connection::open };
+                let open = if is_reconnect { Connection::open_again } else { Connection::open };
                 let connected = open(address, until).and_then(|connection| {
                     let (input, output) = (connection.stream()?, connection.stream()?);
-                    thread::spawn(move || write(input, &questions));
+                    thread::spawn(move || write(input, &requests));
                     thread::spawn(move || read(output, &lines, limit));
                     Ok(connection)
                 });
@@ -82,7 +82,7 @@ impl Link {
         Ok(Self { peer, to: Some(to), from })
     }
 
-    /// Asks the testee to introduce itself; gives the line, too. What is wrong, otherwise.
+    /// Requests a hello, and returns it with its line.
     pub(super) fn introduction(&mut self, options: &Options) -> Result<(Hello, Vec<u8>), String> {
         self.send(Hello::request());
         let until = Instant::now() + options.start_timeout;
@@ -91,27 +91,27 @@ impl Link {
                 Ok(hello) => return Ok((hello, line)),
                 Err(wrong) => format!("{wrong}: {}", excerpt(&line)),
             },
-            Received::TooLong => "a line that is too long".to_owned(),
+            Received::TooLong => "a line longer than the limit".to_owned(),
             Received::Closed => self.ending(until),
             Received::Lost(how) => how,
-            Received::Nothing => format!("nothing within {} s", options.start_timeout.as_secs_f32()),
+            Received::Nothing => format!("no response within {} s", options.start_timeout.as_secs_f32()),
         };
         Err(wrong + &remaining_stderr(&self.kill()))
     }
 
-    /// Sends a line, sooner or later; if it can't be sent, the testee has ended, and that is seen elsewhere.
+    /// Queues a line to be sent. If it can't be sent, the testee has ended, which `receive` reports.
     pub(super) fn send(&self, line: String) {
         self.send_bytes((line + "\n").into_bytes());
     }
 
-    /// Sends bytes with one write.
+    /// Queues bytes to be sent with one write.
     pub(super) fn send_bytes(&self, bytes: Vec<u8>) {
         if let Some(to) = &self.to {
             let _ = to.send(bytes);
         }
     }
 
-    /// Closes its input once all has been sent.
+    /// Closes the input of the testee after everything queued has been sent.
     pub(super) fn close(&mut self) {
         self.to = None;
     }
@@ -125,50 +125,50 @@ impl Link {
                 Err(RecvTimeoutError::Timeout) if left <= POLL_INTERVAL => return Received::Nothing,
                 Err(RecvTimeoutError::Timeout) => {}
             }
-            // What it left behind may hold its output open, and ends with it.
+            // Descendants of the process may keep its output open. They are killed when it ends.
             if let Peer::Process(process) = &mut self.peer {
                 process.ended(Instant::now());
             }
         }
     }
 
-    /// How it ended, in words, after it has closed its side.
+    /// Describes how the testee ended, after it has closed its output.
     pub(super) fn ending(&mut self, until: Instant) -> String {
         match &mut self.peer {
             Peer::Process(process) => match process.ended(until) {
-                Some(how) if how.is_empty() => "it ended by itself".to_owned(),
-                Some(how) => format!("it ended: {how}"),
-                None => "it closed its standard output".to_owned(),
+                Some(how) if how.is_empty() => "the process exited with status 0".to_owned(),
+                Some(how) => format!("the process ended ({how})"),
+                None => "the testee closed its standard output".to_owned(),
             },
-            Peer::Connection(_) => "it closed the connection".to_owned(),
+            Peer::Connection(_) => "the testee closed the connection".to_owned(),
         }
     }
 
-    /// Closes its input, hands on the lines that it still says, and tells what is wrong with how it ends.
-    pub(super) fn part(&mut self, within: Duration, mut receive: impl FnMut(&[u8])) -> Result<(), String> {
+    /// Closes the input, passes on the remaining lines, and returns an error if the testee doesn't end properly.
+    pub(super) fn finish(&mut self, within: Duration, mut receive: impl FnMut(&[u8])) -> Result<(), String> {
         self.close();
         let until = Instant::now() + within;
         let mut text = self.receive(until);
         while let Received::Line(line) = &text {
             receive(line);
-            // Lines without end don't win time.
+            // A testee that never stops writing gets no extra time.
             text = if Instant::now() < until { self.receive(until) } else { Received::Nothing };
         }
         match (&mut self.peer, text) {
             (Peer::Process(process), _) => match process.ended(until) {
-                None => Err("it doesn't end when its standard input does".to_owned()),
-                Some(how) if !how.is_empty() => Err(format!("it ends with {how}")),
+                None => Err("the testee doesn't exit after its standard input is closed".to_owned()),
+                Some(how) if !how.is_empty() => Err(format!("expected an exit with status 0, got {how}")),
                 Some(_) => Ok(()),
             },
             (Peer::Connection(_), Received::Closed) => Ok(()),
             (Peer::Connection(_), Received::Lost(how)) => Err(how),
             (Peer::Connection(_), _) => {
-                Err("it doesn't close the connection when this side has closed its half".to_owned())
+                Err("the testee doesn't close the connection after uavspec has closed its half".to_owned())
             }
         }
     }
 
-    /// Kills it, and gives what it said last on standard error; cuts a connection, which has none.
+    /// Kills the process and returns the last part of its standard error, or closes the connection.
     pub(super) fn kill(&mut self) -> String {
         match &mut self.peer {
             Peer::Process(process) => process.kill(),
@@ -180,23 +180,29 @@ impl Link {
     }
 }
 
-/// What to do about a connection that can't be opened.
+/// Help for a connection that can't be opened.
 fn advice(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::ConnectionRefused => {
-            "\n  help: nobody listens there; start the testee, and compare the port"
+            "\n  help: nothing listens on this port; check the port, and that the testee is running"
         }
-        io::ErrorKind::TimedOut => "\n  help: look for a mistake in the address, or a firewall on the way",
-        _ => "\n  help: look for a mistake in the name or the address",
+        io::ErrorKind::TimedOut => {
+            "\n  help: check the address, and whether a firewall blocks the connection"
+        }
+        _ => "\n  help: check the host name or address",
     }
 }
 
-/// What to add to a message of something that the end of standard error may explain.
+/// The end of standard error, formatted to be appended to an error message.
 pub(super) fn remaining_stderr(stderr: &str) -> String {
-    if stderr.is_empty() { String::new() } else { format!("\nIts standard error ends:\n{stderr}") }
+    if stderr.is_empty() {
+        String::new()
+    } else {
+        format!("\nThe last lines of its standard error:\n{stderr}")
+    }
 }
 
-/// What is written to, and closed so that the other side sees it.
+/// A writer that can signal the end of the data to the other side.
 trait Input: Write {
     fn close(self);
 }
@@ -207,13 +213,13 @@ impl Input for ChildStdin {
 
 impl Input for TcpStream {
     fn close(self) {
-        // The other handles keep the connection open, which may have ended by itself.
+        // Other handles keep the socket open, and it may be disconnected already.
         let _ = self.shutdown(Shutdown::Write);
     }
 }
 
-fn write(mut input: impl Input, questions: &Receiver<Vec<u8>>) {
-    for bytes in questions {
+fn write(mut input: impl Input, requests: &Receiver<Vec<u8>>) {
+    for bytes in requests {
         if input.write_all(&bytes).and_then(|()| input.flush()).is_err() {
             return;
         }
@@ -225,17 +231,17 @@ fn read(output: impl Read, lines: &SyncSender<Received>, limit: usize) {
     let mut output = BufReader::with_capacity(1 << 16, output);
     loop {
         let mut line = Vec::new();
-        // One byte for the end of the line.
+        // One more byte for the line end.
         let most = u64::try_from(limit).unwrap_or(u64::MAX).saturating_add(1);
         let read = output.by_ref().take(most).read_until(b'\n', &mut line);
         let is_whole = line.pop_if(|byte| *byte == b'\n').is_some();
         let text = match read {
             Ok(_) if is_whole => Received::Line(line),
             Ok(_) if line.len() > limit => Received::TooLong,
-            // The last line may lack its end.
+            // The last line may lack a line end.
             Ok(_) if !line.is_empty() => Received::Line(line),
             Ok(_) => Received::Closed,
-            Err(error) => Received::Lost(format!("reading from it failed: {error}")),
+            Err(error) => Received::Lost(format!("can't read from the testee: {error}")),
         };
         let is_last = matches!(text, Received::TooLong | Received::Closed | Received::Lost(_));
         if lines.send(text).is_err() || is_last {

@@ -1,6 +1,6 @@
-//! A testee's manners: whether it keeps to the protocol where `uavspec test` would not look, each tried by itself.
+//! Checks whether a testee implements the protocol, including parts that `uavspec test` doesn't use.
 //!
-//! Every check has a process or a connection of its own, so that what one of them breaks is no other's fault.
+//! Every check has a separate process or connection, so that a crash affects only the check that caused it.
 
 mod answers;
 mod introduction;
@@ -19,54 +19,54 @@ use super::link::Link;
 use super::options::Options;
 use super::protocol::Hello;
 
-/// Something that a testee should do.
+/// A requirement of the protocol.
 pub struct Check {
-    /// Its name; it never changes.
+    /// The name, which never changes.
     pub id: &'static str,
-    /// What is asked for.
+    /// The requirement.
     pub statement: &'static str,
-    /// What to do where it fails.
+    /// The advice for fixing a failure.
     pub help: &'static str,
     attempt: fn(&mut Bench<'_>) -> CheckOutcome,
 }
 
-/// What came of a check.
+/// The outcome of a check.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CheckOutcome {
-    /// The testee does it.
-    Good,
-    /// It doesn't, and what it does.
-    Bad(String),
-    /// It can't be tried, and why.
+    /// The testee meets the requirement.
+    Pass,
+    /// The testee doesn't, with a description of its behavior.
+    Fail(String),
+    /// The check doesn't apply, with the reason.
     NotApplicable(String),
 }
 
 impl CheckOutcome {
-    /// Its name.
+    /// The name of the outcome.
     pub const fn name(&self) -> &'static str {
         match self {
-            Self::Good => "pass",
-            Self::Bad(_) => "fail",
+            Self::Pass => "pass",
+            Self::Fail(_) => "fail",
             Self::NotApplicable(_) => "not applicable",
         }
     }
 
-    /// What there is to tell.
+    /// The description of a failure, or why the check doesn't apply.
     pub fn message(&self) -> Option<&str> {
         match self {
-            Self::Good => None,
-            Self::Bad(what) | Self::NotApplicable(what) => Some(what),
+            Self::Pass => None,
+            Self::Fail(what) | Self::NotApplicable(what) => Some(what),
         }
     }
 }
 
 impl From<Result<(), String>> for CheckOutcome {
     fn from(result: Result<(), String>) -> Self {
-        result.map_or_else(Self::Bad, |()| Self::Good)
+        result.map_or_else(Self::Fail, |()| Self::Pass)
     }
 }
 
-/// All checks, in the order in which they are tried.
+/// All checks, in the order in which they run.
 pub const CHECKS: &[Check] = &[
     introduction::INTRODUCTION,
     introduction::HELLO_MEMBERS,
@@ -88,99 +88,99 @@ pub const CHECKS: &[Check] = &[
     numbers::TAGGED_FLOATS,
     leaving::ANSWERS_BEFORE_END,
     leaving::ENDS_BY_ITSELF,
-    // The last, as it is about what the others heard.
+    // The last, because it reports lines that the other checks received.
     answers::ONLY_ANSWERS,
 ];
 
-/// What came of all checks.
-pub struct Found {
-    /// Who was asked; none where it doesn't introduce itself.
+/// The result of all checks.
+pub struct LintResult {
+    /// The introduction of the testee; `None` without a valid hello.
     pub hello: Option<Hello>,
-    /// The checks, and what came of each.
+    /// The checks and their outcomes.
     pub outcomes: Vec<(&'static Check, CheckOutcome)>,
 }
 
-impl Found {
-    /// Whether no check failed.
-    pub fn are_good(&self) -> bool {
-        self.outcomes.iter().all(|(_, manner)| !matches!(manner, CheckOutcome::Bad(_)))
+impl LintResult {
+    /// True if no check failed.
+    pub fn is_ok(&self) -> bool {
+        self.outcomes.iter().all(|(_, outcome)| !matches!(outcome, CheckOutcome::Fail(_)))
     }
 }
 
-/// The check with this name.
+/// The check with this id.
 pub fn check(id: &str) -> Option<&'static Check> {
     CHECKS.iter().find(|check| check.id == id)
 }
 
-/// Tries the manners of a testee; an error where it can't be started, or nobody takes the connection. `only` names the
-/// checks, all where it is empty; the first is needed for all others. `progress` gets how many are done, and how many
-/// there are.
+/// Checks a testee. Returns an error if it can't be started or accepts no connection. `only` selects checks, or all
+/// checks if it is empty; the first check always runs, because the others require it. `progress` receives the number of
+/// finished checks and their total.
 pub fn lint(
     cases: &[Case],
     types: &Types,
     options: &Options,
     only: &[&Check],
     progress: &dyn Fn(usize, usize),
-) -> Result<Found, String> {
-    // Whether there is anything to try is not up to the checks.
+) -> Result<LintResult, String> {
+    // A testee that can't be started is an error of the run, not of a check.
     let first = Some(Link::open(options, false)?);
     let mut bench = Bench { cases, types, options, first, introduced: None, strays: Strays::default() };
     let is_first = |check: &Check| check.id == introduction::INTRODUCTION.id;
-    let is_asked =
+    let is_selected =
         |check: &&Check| only.is_empty() || is_first(check) || only.iter().any(|other| other.id == check.id);
-    let checks: Vec<&Check> = CHECKS.iter().filter(is_asked).collect();
+    let checks: Vec<&Check> = CHECKS.iter().filter(is_selected).collect();
     let mut outcomes = Vec::new();
     for check in &checks {
-        let manner = if is_first(check) || bench.introduced.is_some() {
+        let outcome = if is_first(check) || bench.introduced.is_some() {
             (check.attempt)(&mut bench)
         } else {
-            CheckOutcome::NotApplicable("it doesn't introduce itself".to_owned())
+            CheckOutcome::NotApplicable("the testee sends no valid hello".to_owned())
         };
-        outcomes.push((*check, manner));
+        outcomes.push((*check, outcome));
         progress(outcomes.len(), checks.len());
     }
-    Ok(Found { hello: bench.introduced.map(|(hello, _)| hello), outcomes })
+    Ok(LintResult { hello: bench.introduced.map(|(hello, _)| hello), outcomes })
 }
 
-/// What checks work with.
+/// The state that checks share.
 struct Bench<'b> {
     cases: &'b [Case],
     types: &'b Types,
     options: &'b Options,
-    /// What was opened to see that it can be.
+    /// The first connection, opened before the checks.
     first: Option<Link>,
-    /// The hello that was read, and its line.
+    /// The hello and its line.
     introduced: Option<(Hello, Vec<u8>)>,
-    /// What the testee said that answers nothing.
+    /// Received lines that are not responses.
     strays: Strays,
 }
 
 impl Bench<'_> {
-    /// Tries something in a session of its own, and keeps what was heard there that answers nothing.
-    fn attempt(&mut self, act: impl FnOnce(&Self, &mut Session<'_>) -> Result<(), String>) -> CheckOutcome {
+    /// Runs a check in a separate session, and collects the lines that are not responses.
+    fn run(&mut self, act: impl FnOnce(&Self, &mut Session<'_>) -> Result<(), String>) -> CheckOutcome {
         let mut session = match Session::start(self.options) {
             Ok(session) => session,
-            Err(wrong) => return CheckOutcome::Bad(wrong),
+            Err(wrong) => return CheckOutcome::Fail(wrong),
         };
         let result = act(self, &mut session);
         self.strays.append(session.into_strays());
         result.into()
     }
 
-    /// The cases that the testee says it knows.
+    /// The cases that the testee supports.
     fn known_cases(&self) -> impl Iterator<Item = &Case> {
         let hello = self.introduced.as_ref().map(|(hello, _)| hello);
         self.cases.iter().filter(move |case| hello.is_some_and(|hello| case.is_for(hello)))
     }
 
-    /// A case that the testee knows and that is no mistake, the first for which this holds.
+    /// The first supported case with valid input for which the predicate is true.
     fn known_case(&self, is_wanted: impl Fn(&Case) -> bool) -> Option<&Case> {
         self.known_cases().find(|case| case.rule.is_none() && is_wanted(case))
     }
 
-    /// Something to ask. Where the testee knows nothing of what there is, that is a question that it doesn't know.
+    /// A case to send: a supported one, or if there is none, any case.
     fn plain_case(&self) -> Result<&Case, String> {
         let case = self.known_case(|_| true).or_else(|| self.cases.first());
-        case.ok_or_else(|| "the definitions have no message to ask about".to_owned())
+        case.ok_or_else(|| "the definitions contain no messages".to_owned())
     }
 }

@@ -1,39 +1,39 @@
-//! Options of a run, and the lines that it reads.
+//! Options of a run.
 
 use std::time::Duration;
 
 use super::target::Target;
 
-/// The longest line that is read, in bytes, unless something else is said.
+/// The default length limit of a line, in bytes.
 pub(crate) const LINE_LIMIT: usize = 16 << 20;
 
-/// How a testee is run.
+/// Options of a run.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Where it is found.
+    /// The testee to run.
     pub target: Target,
-    /// How many questions are on their way to a process at once.
+    /// The maximum number of pending requests per process.
     pub window: usize,
-    /// How long a process may be silent while there are questions.
+    /// The time limit for the next response.
     pub timeout: Duration,
-    /// How long it may take to introduce itself, and to take a connection.
+    /// The time limit for accepting a connection and for sending a hello.
     pub start_timeout: Duration,
-    /// How many processes run at once.
+    /// The number of concurrent processes.
     pub jobs: usize,
-    /// How often processes are started again in a row without a case being found that brings them down alone.
+    /// The maximum number of consecutive restarts without finding a case that crashes the testee by itself.
     pub max_restarts: u32,
-    /// The longest line that is read, in bytes.
+    /// The length limit of a line, in bytes.
     pub line_limit: usize,
 }
 
 impl Options {
-    /// The usual ones.
+    /// The default options.
     pub const fn new(target: Target) -> Self {
         Self {
             target,
             window: 32,
             timeout: Duration::from_secs(5),
-            // Some virtual machines take their time.
+            // Some virtual machines start slowly.
             start_timeout: Duration::from_secs(30),
             jobs: 1,
             max_restarts: 20,
@@ -42,7 +42,7 @@ impl Options {
     }
 }
 
-/// The beginning of a line, as text.
+/// The beginning of a line, as quoted text.
 pub(super) fn excerpt(line: &[u8]) -> String {
     const MAX_LENGTH: usize = 80;
     let part = line.get(..MAX_LENGTH).unwrap_or(line);

@@ -1,4 +1,4 @@
-//! What came of asking.
+//! The results of a run.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,46 +9,46 @@ use super::compare::Difference;
 use super::protocol::Hello;
 use crate::model::Excuse;
 
-/// How many different remarks on manners are kept, the first by their texts; of more only the number. Which come first
-/// in time depends on how processes take turns.
+/// The maximum number of stored remarks: the first in alphabetical order, because the order in time depends on the
+/// scheduling of processes. Further remarks are only counted.
 const MAX_REMARKS: usize = 20;
 
-/// What came of a case.
+/// The result of a case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// The answer was right.
+    /// The response was correct.
     Pass,
-    /// The answer was wrong, and where.
+    /// The response was wrong.
     Fail(Difference),
-    /// The testee doesn't do this. That is no failure, and no pass.
+    /// The testee doesn't support the case, which counts as neither pass nor failure.
     Unsupported,
-    /// The process ended over it.
+    /// The process ended because of the case.
     Crashed {
-        /// How it ended.
+        /// The exit status or the error.
         how: String,
-        /// What it said last on standard error.
+        /// The last part of standard error.
         stderr: String,
     },
-    /// No answer came in time.
+    /// No response came in time.
     TimedOut {
-        /// How long was waited.
+        /// The time limit.
         after: Duration,
-        /// What it said last on standard error.
+        /// The last part of standard error.
         stderr: String,
     },
-    /// It failed, and a list of known failures lets that stand.
+    /// A failure that a list of known failures excuses.
     Known {
-        /// How it failed.
+        /// The failure.
         failure: Box<Verdict>,
-        /// Why that is let stand.
+        /// The entry that excuses it.
         excuse: Excuse,
     },
-    /// It was not asked: the run ended before, or the answer is absent from a file.
+    /// The case was not run: the run ended before, or the file contains no response.
     NotRun,
 }
 
 impl Verdict {
-    /// Its name.
+    /// The name of the verdict.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Pass => "pass",
@@ -61,13 +61,13 @@ impl Verdict {
         }
     }
 
-    /// Whether it counts against the testee.
+    /// True if the verdict counts against the testee.
     pub const fn is_failure(&self) -> bool {
         matches!(self, Self::Fail(_) | Self::Crashed { .. } | Self::TimedOut { .. })
     }
 }
 
-/// What is said of it in a line; nothing that changes from run to run.
+/// A description on one line, without details that change from run to run.
 impl fmt::Display for Verdict {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -81,12 +81,12 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// What a testee did against the protocol, each remark once with how often it applied.
+/// Violations of the protocol, each distinct text once with its number of occurrences.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ProtocolRemarks {
-    /// What, and how often; by text.
+    /// Texts and numbers of occurrences, sorted by text.
     pub remarks: Vec<(String, usize)>,
-    /// How many others there were.
+    /// The number of remarks that are not listed.
     pub more: usize,
 }
 
@@ -96,45 +96,45 @@ impl ProtocolRemarks {
             Ok(at) => self.remarks[at].1 += 1,
             Err(at) => self.remarks.insert(at, (what, 1)),
         }
-        // One that goes never comes again: there are enough before it.
+        // A dropped text can't reappear: the list stays full of texts that precede it.
         if self.remarks.len() > MAX_REMARKS {
             self.more += self.remarks.pop().map_or(0, |(_, count)| count);
         }
     }
 
-    /// Whether there is nothing to tell.
-    pub fn are_good(&self) -> bool {
+    /// True if there are no remarks.
+    pub fn is_empty(&self) -> bool {
         self.remarks.is_empty()
     }
 }
 
-/// A whole run.
+/// The result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome<'c> {
-    /// Who was asked; none where a file of answers doesn't say.
+    /// The introduction of the testee; `None` if a file of responses contains no hello.
     pub hello: Option<Hello>,
-    /// The cases with their verdicts.
+    /// The cases and their verdicts.
     pub verdicts: Vec<(&'c Case, Verdict)>,
-    /// What was against the protocol.
+    /// The violations of the protocol.
     pub protocol_remarks: ProtocolRemarks,
-    /// How often the process had to be started again.
+    /// The number of restarts of the testee.
     pub restarts: u32,
     /// Why the run ended early.
     pub gave_up: Option<String>,
 }
 
-/// How many cases came to which verdict.
+/// The number of cases per verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Right answers.
+    /// Correct responses.
     pub passed: usize,
-    /// Wrong answers, crashes and hangs.
+    /// Wrong responses, crashes and timeouts.
     pub failed: usize,
-    /// Failures that are let stand.
+    /// Failures that a list of known failures excuses.
     pub known: usize,
-    /// What the testee doesn't do.
+    /// Cases that the testee doesn't support.
     pub unsupported: usize,
-    /// What it wasn't asked.
+    /// Cases that were not run.
     pub not_run: usize,
 }
 
@@ -158,7 +158,7 @@ impl Outcome<'_> {
         counts
     }
 
-    /// The counts for each op with its form, and type.
+    /// The counts per op with format, and type.
     pub fn table(&self) -> BTreeMap<(String, &str), Counts> {
         let mut table: BTreeMap<(String, &str), Counts> = BTreeMap::new();
         for (case, verdict) in &self.verdicts {
@@ -167,13 +167,13 @@ impl Outcome<'_> {
         table
     }
 
-    /// The cases that failed and count.
+    /// The cases that failed without an excuse.
     pub fn failures(&self) -> impl Iterator<Item = (&Case, &Verdict)> {
         let failed = self.verdicts.iter().filter(|(_, verdict)| verdict.is_failure());
         failed.map(|(case, verdict)| (*case, verdict))
     }
 
-    /// The cases that failed, and why that is let stand.
+    /// The cases with an excused failure, and the excuses.
     pub fn known(&self) -> impl Iterator<Item = (&Case, &Excuse)> {
         self.verdicts.iter().filter_map(|(case, verdict)| match verdict {
             Verdict::Known { excuse, .. } => Some((*case, excuse)),
@@ -187,9 +187,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn remarks_are_the_same_in_whatever_order_they_come() {
+    fn lists_the_same_remarks_for_any_arrival_order() {
         let all: Vec<String> =
-            (0..90).map(|number| format!("an answer without a question: id {}", number % 30)).collect();
+            (0..90).map(|number| format!("unexpected response with id {}", number % 30)).collect();
         let reported = |remarks: &mut dyn Iterator<Item = &String>| {
             let mut protocol_remarks = ProtocolRemarks::default();
             remarks.for_each(|remark| protocol_remarks.remark(remark.clone()));

@@ -1,8 +1,8 @@
-//! A testee as a child process. Nothing here waits longer than it is told to.
+//! Runs a testee as a child process. No call here blocks longer than its time limit.
 //!
-//! It leads a group of processes, and is over when it has ended itself: what it started and left behind is killed
-//! with the group, where there are groups. A thread drains its standard error. It ends with the pipe, which children
-//! of the child may hold open that have left the group; so nobody waits for it.
+//! The child leads a process group. When the child ends, the rest of the group is killed, on platforms with process
+//! groups. A thread drains standard error. It ends with the pipe, which descendants outside the group may keep open, so
+//! nothing waits for the thread.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::ffi::OsString;
@@ -13,22 +13,22 @@ use std::sync::{Arc, Mutex, Once, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How much of what it said last on standard error is kept, in bytes.
+/// The maximum number of stored bytes at the end of standard error.
 const MAX_STDERR: usize = 8 << 10;
 
-/// How long is waited for the end of standard error once the process has ended.
+/// The time limit for the end of standard error after the process has ended.
 const STDERR_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// How often is looked whether it has ended.
+/// The interval of checks for the end of the process.
 const POLL_INTERVAL: Duration = Duration::from_millis(5);
 
-/// What a shell says of a program that was interrupted.
+/// The exit status of an interrupted program, as in shells.
 const INTERRUPTED: i32 = 130;
 
-/// The groups that run. What a terminal sends to the foreground doesn't reach them.
+/// The running process groups. They don't receive the signals that a terminal sends to the foreground group.
 static GROUPS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
 
-/// A running testee. Dropping it kills it.
+/// A running testee. Dropping it kills the process.
 pub(super) struct Process {
     child: Child,
     errors: Arc<Mutex<VecDeque<u8>>>,
@@ -36,7 +36,7 @@ pub(super) struct Process {
 }
 
 impl Process {
-    /// Starts it; gives its standard input and output, too.
+    /// Starts a testee, and returns its standard input and output as well.
     pub(super) fn start(command: &[OsString]) -> io::Result<(Self, ChildStdin, ChildStdout)> {
         let Some((program, arguments)) = command.split_first() else {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, "no command"));
@@ -58,11 +58,11 @@ impl Process {
         let process = Self { child, errors, errors_end };
         match (input, output) {
             (Some(input), Some(output)) => Ok((process, input, output)),
-            _ => Err(io::Error::other("no pipes to it")),
+            _ => Err(io::Error::other("the process has no pipes")),
         }
     }
 
-    /// How it ended, in words, and nothing where that was as it should be; none where it still runs at that time.
+    /// Returns how the process ended, which is empty after a success; `None` if it still runs at `until`.
     pub(super) fn ended(&mut self, until: Instant) -> Option<String> {
         loop {
             let how = match self.child.try_wait() {
@@ -80,7 +80,7 @@ impl Process {
         }
     }
 
-    /// Kills it, and gives what it said last on standard error.
+    /// Kills the process, and returns the last part of its standard error.
     pub(super) fn kill(&mut self) -> String {
         self.end();
         let _ = self.errors_end.recv_timeout(STDERR_TIMEOUT);
@@ -91,12 +91,12 @@ impl Process {
 
     fn end(&mut self) {
         self.kill_group();
-        // It may have ended by itself.
+        // It may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 
-    /// Kills what is left of its group, once: later another group may have the number.
+    /// Kills the remaining processes of the group, only once: another group may get the same number later.
     fn kill_group(&self) {
         if groups(|groups| groups.remove(&self.child.id())) {
             kill_group(self.child.id());
@@ -119,7 +119,7 @@ fn kill_group(leader: u32) {
     use nix::sys::signal::{Signal, killpg};
     use nix::unistd::Pid;
     if let Ok(leader) = i32::try_from(leader) {
-        // There may be none left.
+        // All processes of the group may have ended.
         let _ = killpg(Pid::from_raw(leader), Signal::SIGKILL);
     }
 }
@@ -127,11 +127,11 @@ fn kill_group(leader: u32) {
 #[cfg(not(unix))]
 fn kill_group(_: u32) {}
 
-/// Nobody else ends testees that hang, when this program is told to end.
+/// Kills all testees when this program is interrupted; otherwise, hanging testees would continue to run.
 fn kill_all_when_interrupted() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // Who has a handler already sees to it.
+        // An application with its own handler is responsible for this.
         let _ = ctrlc::try_set_handler(|| {
             groups(std::mem::take).into_iter().for_each(kill_group);
             std::process::exit(INTERRUPTED);
@@ -147,6 +147,6 @@ fn drain(mut output: ChildStderr, errors: &Mutex<VecDeque<u8>>, end: &Sender<()>
         let excess = errors.len().saturating_sub(MAX_STDERR);
         errors.drain(..excess);
     }
-    // Nobody may be waiting any more.
+    // The receiver may be gone.
     let _ = end.send(());
 }

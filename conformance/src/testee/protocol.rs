@@ -1,4 +1,4 @@
-//! What testees say: one line of JSON each.
+//! The protocol between uavspec and a testee: one line of JSON per message.
 //!
 //! ```text
 //! → {"op":"hello","protocol":1}
@@ -7,19 +7,19 @@
 //! ← {"id":17,"ok":{"timestamp":5,…}}   or "rejected":"reason"   or "unsupported":true   or "error":"…"
 //! ```
 //!
-//! | op | asks with | `ok` holds |
+//! | op | input | `ok` contains |
 //! |---|---|---|
 //! | `decode` | `format` (`uorb`, `cdr`), `bytes` | the message |
 //! | `encode` | `format`, `value` | bytes |
 //! | `roundtrip` | `format`, `bytes` | the bytes after decoding and encoding |
-//! | `validate` | `value` | anything |
+//! | `validate` | `value` | any value |
 //! | `severity` | `value`: an error code | `{"class": "warning", "severity": "warning"}` |
 //! | `hash` | `format` | PX4's hash of the fields as a number for `uorb`, ROS's `RIHS01_…` for `cdr` |
 //! | `layout` | `format` (`uorb`) | `{"size": …, "size_no_padding": …, "offsets": {"timestamp": 0, …}}` |
 //!
-//! An id is an integer within ±2^53. A question that a testee doesn't understand, since it lacks a member or names an
-//! op, a type or a format that the testee doesn't know, is answered with `unsupported` or `error`; what has no id gets
-//! no answer, or one with `error` alone.
+//! An id is an integer within ±2^53. The response is `unsupported` or `error` if the request lacks a member, or names
+//! an op, type or format that the testee doesn't know. A request without an id gets no response, or an `error` without
+//! an id.
 
 use std::fmt;
 
@@ -30,27 +30,27 @@ use super::wire::integer;
 /// The version of the protocol.
 pub const PROTOCOL: u32 = 1;
 
-/// What may be asked of a testee.
+/// An operation of a testee.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Op {
-    /// Bytes to JSON.
+    /// Converts bytes to JSON.
     Decode,
-    /// JSON to bytes.
+    /// Converts JSON to bytes.
     Encode,
-    /// Bytes to bytes.
+    /// Decodes bytes and encodes the result.
     Roundtrip,
-    /// JSON to a verdict.
+    /// Accepts or rejects JSON.
     Validate,
-    /// An error code to its class.
+    /// Returns the class and severity of an error code.
     Severity,
-    /// What tells whether two sides mean the same message.
+    /// Returns the hash by which two sides recognize a common message definition.
     Hash,
-    /// Where fields lie in memory.
+    /// Returns the size and field offsets of the message in memory.
     Layout,
 }
 
 impl Op {
-    /// All of them.
+    /// All operations.
     pub const ALL: [Self; 7] = [
         Self::Decode,
         Self::Encode,
@@ -61,7 +61,7 @@ impl Op {
         Self::Layout,
     ];
 
-    /// Its name on the wire.
+    /// The name on the wire.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Decode => "decode",
@@ -75,20 +75,20 @@ impl Op {
     }
 }
 
-/// A binary form.
+/// A binary format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Format {
-    /// The payload in memory.
+    /// The message in memory, as PX4 stores it.
     Uorb,
-    /// CDR with its header; written little-endian.
+    /// CDR with its encapsulation header; written in little-endian order.
     Cdr,
 }
 
 impl Format {
-    /// Both.
+    /// All formats.
     pub const ALL: [Self; 2] = [Self::Uorb, Self::Cdr];
 
-    /// Its name on the wire.
+    /// The name on the wire.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Uorb => "uorb",
@@ -97,48 +97,46 @@ impl Format {
     }
 }
 
-/// How a testee introduces itself.
+/// The introduction of a testee.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hello {
-    /// Its name.
+    /// The name of the testee.
     pub name: String,
-    /// Its version; empty where it says none.
+    /// The version of the testee; empty if unknown.
     pub version: String,
-    /// The ops that it takes; names that this version doesn't know are passed over.
+    /// The supported operations, without names that this version doesn't know.
     pub ops: Vec<Op>,
-    /// The types that it knows, such as `px4/Event`.
+    /// The supported types, such as `px4/Event`.
     pub types: Vec<String>,
-    /// The formats that it takes: both, where it doesn't say.
+    /// The supported formats; all formats if the testee doesn't list them.
     pub formats: Vec<Format>,
 }
 
 impl Hello {
-    /// The line that asks for it.
+    /// The request for a hello.
     pub(crate) fn request() -> String {
         json!({ "op": "hello", "protocol": PROTOCOL }).to_string()
     }
 
-    /// Reads the answer; what is wrong with it, otherwise.
+    /// Parses a hello.
     pub(crate) fn read(line: &[u8]) -> Result<Self, String> {
-        let value: Value = serde_json::from_slice(line).map_err(|error| format!("no JSON: {error}"))?;
+        let value: Value = serde_json::from_slice(line).map_err(|error| format!("invalid JSON: {error}"))?;
         if value["op"] != "hello" {
-            return Err("no member \"op\" with the value \"hello\"".to_owned());
+            return Err("expected \"op\":\"hello\"".to_owned());
         }
         if let Some(other) = value.get("protocol").filter(|version| **version != PROTOCOL) {
-            return Err(format!(
-                "it speaks version {other} of the protocol, and this program version {PROTOCOL}"
-            ));
+            return Err(format!("expected protocol version {PROTOCOL}, found {other}"));
         }
         let text = |name: &str| value[name].as_str().map(str::to_owned);
         let list = |name: &str| -> Result<Vec<String>, String> {
-            let items = value[name].as_array().ok_or_else(|| format!("no list \"{name}\""))?;
+            let items = value[name].as_array().ok_or_else(|| format!("expected a list in \"{name}\""))?;
             let items = items.iter().map(|item| item.as_str().map(str::to_owned));
-            items.collect::<Option<_>>().ok_or_else(|| format!("\"{name}\" holds more than strings"))
+            items.collect::<Option<_>>().ok_or_else(|| format!("expected only strings in \"{name}\""))
         };
         let (ops, formats) = (list("ops")?, value.get("formats").map(|_| list("formats")).transpose()?);
         let is_listed = |name: &str| formats.as_ref().is_none_or(|listed| listed.iter().any(|it| it == name));
         Ok(Self {
-            name: text("name").ok_or("no member \"name\"")?,
+            name: text("name").ok_or("\"name\" is missing")?,
             version: text("version").unwrap_or_default(),
             ops: Op::ALL.into_iter().filter(|op| ops.iter().any(|name| name == op.name())).collect(),
             types: list("types")?,
@@ -154,47 +152,47 @@ impl fmt::Display for Hello {
     }
 }
 
-/// What a testee says to a case.
+/// The response of a testee to a case.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Answer {
-    /// What came of it.
+pub(crate) enum Response {
+    /// The result.
     Ok(Value),
-    /// The input is wrong, and why.
+    /// The input is invalid, for this reason.
     Rejected(String),
-    /// It doesn't do this.
+    /// The testee doesn't support the request.
     Unsupported,
-    /// It couldn't, through no fault of the input.
+    /// The request failed for another reason than invalid input.
     Error(String),
 }
 
-impl Answer {
-    /// Reads a line: the id, and the answer or what is wrong with it.
+impl Response {
+    /// Parses a line into the id and the response.
     pub(crate) fn read(line: &[u8]) -> Result<(i64, Self), String> {
         let value = json(line)?;
         let id = Some(&value["id"]).filter(|id| id.is_number()).and_then(integer);
-        let id = id.and_then(|id| i64::try_from(id).ok()).ok_or("no member \"id\" with an integer")?;
+        let id = id.and_then(|id| i64::try_from(id).ok()).ok_or("expected an integer in \"id\"")?;
         let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         let mut found = ["ok", "rejected", "unsupported", "error"]
             .into_iter()
             .filter_map(|name| Some((name, value.get(name)?)));
         let (Some((name, member)), None) = (found.next(), found.next()) else {
-            // The case is known, so this is the answer to it, and needn't be waited for.
-            let wrong = "not exactly one of \"ok\", \"rejected\", \"unsupported\" and \"error\"";
+            // The id is known, so this is the response to that case, and there is no other to wait for.
+            let wrong = "expected exactly one of \"ok\", \"rejected\", \"unsupported\" and \"error\"";
             return Ok((id, Self::Error(wrong.to_owned())));
         };
         let answer = match name {
             "ok" => Self::Ok(member.clone()),
             "rejected" => Self::Rejected(text(member)),
             "unsupported" if *member == true => Self::Unsupported,
-            "unsupported" => Self::Error(format!("\"unsupported\" is {member}, where it can only be true")),
+            "unsupported" => Self::Error(format!("\"unsupported\": expected true, found {member}")),
             _ => Self::Error(text(member)),
         };
         Ok((id, answer))
     }
 
-    /// The same; of a line that can't be read the answer is that, where its id stands at its beginning. Many libraries
-    /// write NaN by its name, and nobody has to wait for an answer that has come.
-    pub(crate) fn read_or_blame(line: &[u8]) -> Result<(i64, Self), String> {
+    /// Like [`read`](Self::read), but returns an error response for an unreadable line that starts with an id. Many
+    /// libraries write a bare `NaN`, for example; without this, the case would wait until its timeout.
+    pub(crate) fn read_lenient(line: &[u8]) -> Result<(i64, Self), String> {
         Self::read(line).or_else(|wrong| match leading_id(line) {
             Some(id) => Ok((id, Self::Error(wrong))),
             None => Err(wrong),
@@ -203,12 +201,12 @@ impl Answer {
 }
 
 fn json(line: &[u8]) -> Result<Value, String> {
-    let text =
-        std::str::from_utf8(line).map_err(|error| format!("no UTF-8 from byte {}", error.valid_up_to()))?;
-    serde_json::from_str(text).map_err(|error| format!("no JSON: {error}"))
+    let text = std::str::from_utf8(line)
+        .map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))?;
+    serde_json::from_str(text).map_err(|error| format!("invalid JSON: {error}"))
 }
 
-/// The id of a line that can't be read, where it stands at its beginning.
+/// The id at the beginning of a line that can't be parsed.
 fn leading_id(line: &[u8]) -> Option<i64> {
     let mut rest = line;
     for part in ["{", "\"id\"", ":"] {
@@ -234,11 +232,11 @@ mod tests {
         assert_eq!(hello.to_string(), "x");
         for (line, wrong) in [
             ("{}", "\"op\""),
-            ("hello", "no JSON"),
+            ("hello", "invalid JSON"),
             (r#"{"op":"hello","ops":[],"types":[]}"#, "\"name\""),
             (r#"{"op":"hello","name":"x","types":[]}"#, "\"ops\""),
             (r#"{"op":"hello","name":"x","ops":[1],"types":[]}"#, "strings"),
-            (r#"{"op":"hello","protocol":2}"#, "version 2"),
+            (r#"{"op":"hello","protocol":2}"#, "found 2"),
         ] {
             let text = Hello::read(line.as_bytes()).expect_err(line);
             assert!(text.contains(wrong), "{text}");
@@ -246,21 +244,21 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_is_one_of_four() {
-        let read = |line: &str| Answer::read(line.as_bytes());
-        assert_eq!(read(r#"{"id":1,"ok":null}"#), Ok((1, Answer::Ok(Value::Null))));
-        assert_eq!(read(r#"{"id":2,"rejected":"short"}"#), Ok((2, Answer::Rejected("short".to_owned()))));
-        assert_eq!(read(r#"{"id":3,"unsupported":true}"#), Ok((3, Answer::Unsupported)));
-        assert_eq!(read(r#"{"id":4,"error":{"no":1}}"#), Ok((4, Answer::Error(r#"{"no":1}"#.to_owned()))));
+    fn reads_the_four_kinds_of_responses() {
+        let read = |line: &str| Response::read(line.as_bytes());
+        assert_eq!(read(r#"{"id":1,"ok":null}"#), Ok((1, Response::Ok(Value::Null))));
+        assert_eq!(read(r#"{"id":2,"rejected":"short"}"#), Ok((2, Response::Rejected("short".to_owned()))));
+        assert_eq!(read(r#"{"id":3,"unsupported":true}"#), Ok((3, Response::Unsupported)));
+        assert_eq!(read(r#"{"id":4,"error":{"no":1}}"#), Ok((4, Response::Error(r#"{"no":1}"#.to_owned()))));
         for wrong in [r#"{"id":1}"#, r#"{"id":1,"ok":1,"error":""}"#] {
-            assert!(matches!(read(wrong), Ok((1, Answer::Error(_)))), "{wrong}");
+            assert!(matches!(read(wrong), Ok((1, Response::Error(_)))), "{wrong}");
         }
         for wrong in ["false", "null", "1", "\"no\""] {
-            let (_, text) = read(&format!("{{\"id\":5,\"unsupported\":{wrong}}}")).expect("an answer");
-            assert!(matches!(&text, Answer::Error(why) if why.contains(wrong)), "{text:?}");
+            let (_, text) = read(&format!("{{\"id\":5,\"unsupported\":{wrong}}}")).expect("a response");
+            assert!(matches!(&text, Response::Error(why) if why.contains(wrong)), "{text:?}");
         }
-        // Not every writer of JSON tells whole floats and integers apart.
-        assert_eq!(read(r#"{"id":-5.0,"ok":null}"#), Ok((-5, Answer::Ok(Value::Null))));
+        // Some JSON writers don't distinguish integers from whole floats.
+        assert_eq!(read(r#"{"id":-5.0,"ok":null}"#), Ok((-5, Response::Ok(Value::Null))));
         for wrong in [
             r#"{"ok":1}"#,
             r#"{"id":0.5,"ok":1}"#,
@@ -271,20 +269,20 @@ mod tests {
         ] {
             assert!(read(wrong).is_err(), "{wrong}");
         }
-        assert!(Answer::read(b"\xff").expect_err("no UTF-8").contains("no UTF-8"));
+        assert!(Response::read(b"\xff").expect_err("invalid UTF-8").contains("invalid UTF-8"));
         for (line, wrong) in [
-            (&b"{ \"id\": 7, \"ok\": {\"speed\": NaN}}"[..], "no JSON"),
-            (b"{\"id\":7,\"ok\":\"\xff\"}", "no UTF-8 from byte 14"),
-            (b"{\"id\":7,", "no JSON"),
+            (&b"{ \"id\": 7, \"ok\": {\"speed\": NaN}}"[..], "invalid JSON"),
+            (b"{\"id\":7,\"ok\":\"\xff\"}", "invalid UTF-8 at byte 14"),
+            (b"{\"id\":7,", "invalid JSON"),
         ] {
-            let Ok((7, Answer::Error(why))) = Answer::read_or_blame(line) else { panic!("{line:?}") };
+            let Ok((7, Response::Error(why))) = Response::read_lenient(line) else { panic!("{line:?}") };
             assert!(why.starts_with(wrong), "{why}");
-            assert_eq!(Answer::read(line), Err(why));
+            assert_eq!(Response::read(line), Err(why));
         }
         for line in
             ["{\"id\":7", "{\"id\":\"7\"", "{\"ok\":{\"id\":7,", "{\"id\" 7,", "\"id\":7,", "{\"id\":-,"]
         {
-            assert!(Answer::read_or_blame(line.as_bytes()).is_err(), "{line}");
+            assert!(Response::read_lenient(line.as_bytes()).is_err(), "{line}");
         }
     }
 }

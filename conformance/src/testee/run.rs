@@ -1,12 +1,13 @@
-//! Asks a testee all cases, and names what it fails, hangs or crashes over.
+//! Runs cases, and finds the cases that fail, time out or crash the testee.
 //!
-//! A connection to a testee that listens is a process here: it starts when it is opened, and ends when it is lost.
+//! For a testee that listens on a port, a connection corresponds to a process.
 //!
-//! Several questions are on their way at once. When the process ends or falls silent, one of those without an answer
-//! is to blame: each is asked again alone, the oldest first, until one of them brings down a process that was asked
-//! nothing else. So a culprit is always seen to be one; a crash that none of them leads to alone is told as such.
-//! Where there was a culprit the next is often near, so after one the questions go out singly, and soon more at once again
-//! if all goes well: of a testee that crashes over everything each case costs one start.
+//! Several requests are pending at a time. If the process ends or stops responding, one of the pending requests is the
+//! probable cause. Each of them is repeated alone, the oldest first, until one ends a process that received nothing
+//! else. So a case counts as crashed only if it crashes the testee by itself; other crashes become remarks.
+//!
+//! Neighboring cases often fail together. After a crash, requests are therefore sent one at a time, and the number of
+//! pending requests doubles with each response. If every case crashes the testee, each costs one start.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -20,10 +21,10 @@ use super::compare::compare;
 use super::link::{Link, Received};
 use super::options::{Options, excerpt};
 use super::outcome::{Outcome, ProtocolRemarks, Verdict};
-use super::protocol::{Answer, Hello};
+use super::protocol::{Hello, Response};
 
-/// Asks a testee the selected cases (indices, which are the ids on the wire); an error where it can't be started or
-/// doesn't introduce itself. `progress` gets how many are done, and how many there are.
+/// Runs the selected cases, given as indices, which are also their ids on the wire. Returns an error if the testee
+/// can't be started or sends no valid hello. `progress` receives the number of finished cases and their total.
 pub fn run<'c>(
     cases: &'c [Case],
     selected: &[usize],
@@ -58,12 +59,12 @@ pub fn run<'c>(
     })
 }
 
-/// Starts a process, or connects to one, and lets it introduce itself.
-fn start(options: &Options, is_again: bool) -> Result<(Link, Hello), String> {
-    let mut link = Link::open(options, is_again)?;
+/// Starts a process or opens a connection, and requests a hello.
+fn start(options: &Options, is_reconnect: bool) -> Result<(Link, Hello), String> {
+    let mut link = Link::open(options, is_reconnect)?;
     match link.introduction(options) {
         Ok((hello, _)) => Ok((link, hello)),
-        Err(wrong) => Err(format!("{} doesn't introduce itself: {wrong}", options.target)),
+        Err(wrong) => Err(format!("no valid hello from {}: {wrong}", options.target)),
     }
 }
 
@@ -82,7 +83,7 @@ struct State {
     verdicts: Vec<(usize, Verdict)>,
     protocol_remarks: ProtocolRemarks,
     restarts: u32,
-    /// Those since the last case that was found to be to blame.
+    /// The number of restarts since a crash was last attributed to a case.
     futile: u32,
     gave_up: Option<String>,
 }
@@ -103,29 +104,29 @@ impl Shared<'_> {
     }
 }
 
-/// Why a process is of no more use.
+/// Why a process can't be used any more.
 #[derive(Clone, Debug)]
 enum End {
     Silent,
     Ended(String),
 }
 
-/// One process after the other.
+/// Runs cases on one process after another.
 struct Worker<'s, 'r> {
     shared: &'s Shared<'r>,
     link: Option<Link>,
-    /// Questions without an answer, the oldest first.
-    open: VecDeque<usize>,
-    /// How many questions this process was asked.
+    /// Pending requests, the oldest first.
+    pending: VecDeque<usize>,
+    /// The number of requests sent to this process.
     num_sent: usize,
-    /// How many questions may be on their way.
+    /// The maximum number of pending requests.
     window: usize,
     answered: BTreeSet<usize>,
-    /// When a question or an answer last went over the wire.
+    /// The time of the last request or response.
     last: Instant,
-    /// Questions to be asked alone.
+    /// Requests to repeat alone.
     suspects: VecDeque<usize>,
-    /// What they are suspected of.
+    /// Why these requests are repeated.
     suspicion: Option<String>,
 }
 
@@ -134,7 +135,7 @@ impl<'s, 'r> Worker<'s, 'r> {
         Self {
             shared,
             link,
-            open: VecDeque::new(),
+            pending: VecDeque::new(),
             num_sent: 0,
             window: shared.options.window.max(1),
             answered: BTreeSet::new(),
@@ -145,7 +146,7 @@ impl<'s, 'r> Worker<'s, 'r> {
     }
 
     fn run(mut self) {
-        // The first process of another worker is no restart.
+        // The first process of an additional worker is not a restart.
         let mut is_restart = self.link.is_some();
         while self.has_work() {
             if self.link.is_none() && !self.start(is_restart) {
@@ -153,27 +154,31 @@ impl<'s, 'r> Worker<'s, 'r> {
             }
             is_restart = true;
             self.send_requests();
-            if !self.open.is_empty() {
+            if !self.pending.is_empty() {
                 self.receive();
             }
         }
         self.end();
-        // What a run that gave up leaves behind.
-        self.shared.state().queue.extend(self.open.drain(..).chain(self.suspects.drain(..)));
+        // Cases that were not run because the run ended early.
+        self.shared.state().queue.extend(self.pending.drain(..).chain(self.suspects.drain(..)));
     }
 
     fn has_work(&self) -> bool {
         let state = self.shared.state();
         state.gave_up.is_none()
-            && !(self.open.is_empty() && self.suspects.is_empty() && state.queue.is_empty())
+            && !(self.pending.is_empty() && self.suspects.is_empty() && state.queue.is_empty())
     }
 
     fn start(&mut self, is_restart: bool) -> bool {
         if is_restart {
             let mut state = self.shared.state();
             if state.futile >= self.shared.options.max_restarts {
-                let why = self.suspicion.as_ref().map(|why| format!("; last {why}")).unwrap_or_default();
-                let restarts = format!("{} restarts in a row without a culprit", state.futile);
+                let why =
+                    self.suspicion.as_ref().map(|why| format!("; the last time, {why}")).unwrap_or_default();
+                let restarts = format!(
+                    "{} consecutive restarts without finding the case that causes them",
+                    state.futile
+                );
                 state.gave_up = Some(format!("gave up after {restarts}{why}"));
                 return false;
             }
@@ -188,37 +193,40 @@ impl<'s, 'r> Worker<'s, 'r> {
                 true
             }
             Err(error) => {
-                let before =
-                    self.suspicion.as_ref().map(|why| format!("; before, {why}")).unwrap_or_default();
+                let before = self
+                    .suspicion
+                    .as_ref()
+                    .map(|why| format!("\n  note: before that, {why}"))
+                    .unwrap_or_default();
                 self.shared.state().gave_up = Some(error + &before);
                 false
             }
         }
     }
 
-    /// Sends what may be sent: suspects one by one.
+    /// Sends the requests that may be sent now; suspects are sent one at a time.
     fn send_requests(&mut self) {
         if self.suspicion.is_some() {
-            if self.open.is_empty()
+            if self.pending.is_empty()
                 && let Some(id) = self.suspects.pop_front()
             {
                 self.send(id);
             }
             return;
         }
-        while self.open.len() < self.window {
+        while self.pending.len() < self.window {
             let Some(id) = self.shared.state().queue.pop_front() else { return };
             self.send(id);
         }
     }
 
     fn send(&mut self, id: usize) {
-        if self.open.is_empty() {
+        if self.pending.is_empty() {
             self.last = Instant::now();
         }
         if let (Some(link), Some(case)) = (&self.link, self.shared.cases.get(id)) {
             link.send(case.request(id as u64).to_string());
-            self.open.push_back(id);
+            self.pending.push_back(id);
             self.num_sent += 1;
         }
     }
@@ -231,7 +239,7 @@ impl<'s, 'r> Worker<'s, 'r> {
             Received::Nothing => return self.process_ended(End::Silent),
             Received::TooLong => {
                 let limit = self.shared.options.line_limit;
-                return self.process_ended(End::Ended(format!("a line of more than {limit} bytes")));
+                return self.process_ended(End::Ended(format!("a line longer than {limit} bytes")));
             }
             Received::Closed => {
                 let how = testee.ending(until);
@@ -239,44 +247,44 @@ impl<'s, 'r> Worker<'s, 'r> {
             }
             Received::Lost(how) => return self.process_ended(End::Ended(how)),
         }
-        // Lines that are no answers don't win time.
-        if !self.open.is_empty() && Instant::now() >= self.last + self.shared.options.timeout {
+        // Lines other than responses don't extend the time limit.
+        if !self.pending.is_empty() && Instant::now() >= self.last + self.shared.options.timeout {
             self.process_ended(End::Silent);
         }
     }
 
     fn line(&mut self, line: &[u8]) {
-        let (id, answer) = match Answer::read_or_blame(line.trim_ascii()) {
+        let (id, answer) = match Response::read_lenient(line.trim_ascii()) {
             Ok(answer) => answer,
             Err(wrong) => return self.shared.remark(format!("{wrong}: {}", excerpt(line))),
         };
-        let location = self.open.iter().position(|open| i64::try_from(*open) == Ok(id));
+        let location = self.pending.iter().position(|pending| i64::try_from(*pending) == Ok(id));
         let Some((id, case)) = location.and_then(|location| {
-            let id = self.open.remove(location)?;
+            let id = self.pending.remove(location)?;
             Some((id, self.shared.cases.get(id)?))
         }) else {
             let is_repeated = usize::try_from(id).is_ok_and(|id| self.answered.contains(&id));
-            let what = if is_repeated { "a second answer to" } else { "an answer without a question:" };
-            return self.shared.remark(format!("{what} id {id}"));
+            let what = if is_repeated { "duplicate" } else { "unexpected" };
+            return self.shared.remark(format!("{what} response with id {id}"));
         };
         self.answered.insert(id);
         self.last = Instant::now();
         self.window = (2 * self.window).min(self.shared.options.window.max(1));
         self.shared.decide(id, check_answer(case, &answer, self.shared.types));
         if self.suspects.is_empty()
-            && self.open.is_empty()
+            && self.pending.is_empty()
             && let Some(what) = self.suspicion.take()
         {
-            self.shared.remark(what + ", and none of them leads to that alone");
+            self.shared.remark(what + ", but none of them causes this alone");
         }
     }
 
-    /// Ends the process, and finds out over which question that happened.
+    /// Stops using the process, and determines which request caused its end.
     fn process_ended(&mut self, end: End) {
         let Some(mut link) = self.link.take() else { return };
         let stderr = link.kill();
-        if let (1, 1, Some(id)) = (self.open.len(), self.num_sent, self.open.front().copied()) {
-            self.open.clear();
+        if let (1, 1, Some(id)) = (self.pending.len(), self.num_sent, self.pending.front().copied()) {
+            self.pending.clear();
             let after = self.shared.options.timeout;
             self.shared.decide(
                 id,
@@ -292,27 +300,27 @@ impl<'s, 'r> Worker<'s, 'r> {
             return;
         }
         let how = match end {
-            End::Silent => "it fell silent".to_owned(),
+            End::Silent => "the testee stopped responding".to_owned(),
             End::Ended(how) => how,
         };
-        self.suspicion = Some(format!("{how} over {} questions on their way", self.open.len()));
-        self.open.drain(..).rev().for_each(|id| self.suspects.push_front(id));
+        self.suspicion = Some(format!("{how} with {} pending requests", self.pending.len()));
+        self.pending.drain(..).rev().for_each(|id| self.suspects.push_front(id));
     }
 
-    /// Closes its standard input, and looks whether it ends as it should.
+    /// Closes standard input, and checks that the testee ends properly.
     fn end(&mut self) {
         let Some(mut link) = self.link.take() else { return };
-        let parted = link.part(self.shared.options.timeout, |line| {
-            self.shared.remark(format!("a line after the last answer: {}", excerpt(line)));
+        let finished = link.finish(self.shared.options.timeout, |line| {
+            self.shared.remark(format!("a line after the last response: {}", excerpt(line)));
         });
-        if let Err(what) = parted {
+        if let Err(what) = finished {
             self.shared.remark(what);
         }
     }
 }
 
-pub(super) fn check_answer(case: &Case, answer: &Answer, types: &Types) -> Verdict {
-    if *answer == Answer::Unsupported {
+pub(super) fn check_answer(case: &Case, answer: &Response, types: &Types) -> Verdict {
+    if *answer == Response::Unsupported {
         return Verdict::Unsupported;
     }
     compare(case, answer, types).map_or_else(Verdict::Fail, |()| Verdict::Pass)

@@ -1,16 +1,16 @@
-//! Where a testee is found.
+//! The location of a testee.
 
 use std::ffi::OsString;
 use std::fmt;
 
 use crate::net::Address;
 
-/// Where a testee is found.
+/// The location of a testee.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// A program and its arguments: it is started, and asked over its standard input and output.
+    /// A program with its arguments. It is started and communicates over standard input and output.
     Command(Vec<OsString>),
-    /// Somewhere a testee listens that was started by others.
+    /// The address of a running testee.
     Address(Address),
 }
 

@@ -1,41 +1,42 @@
-//! Values as they travel: JSON whose numbers no reader loses.
+//! The encoding of values in the protocol: JSON with numbers that all parsers preserve.
 //!
-//! Many a reader of JSON keeps all numbers as 64-bit floats. So integers beyond ±2^53 travel as
-//! `{"$u64": "18446744073709551615"}` or `{"$i64": "…"}`, and floats that JSON has no word for as `{"$f": "NaN"}`,
-//! `{"$f": "inf"}` and `{"$f": "-inf"}`. Bytes travel in base64 (RFC 4648, section 4, with padding).
+//! Many JSON parsers store all numbers as 64-bit floats. So integers beyond ±2^53 are written as
+//! `{"$u64": "18446744073709551615"}` or `{"$i64": "…"}`, and floats that JSON can't represent as
+//! `{"$f": "NaN"}`, `{"$f": "inf"}` and `{"$f": "-inf"}`. Bytes are base64 (RFC 4648, section 4, with padding).
 
 use serde_json::{Map, Number, Value, json};
 use uavspec_codegen::dynamic::{MessageType, PlacedElement};
 
 pub use crate::json::base64::{decode as from_base64, encode as to_base64};
 
-/// Up to here 64-bit floats hold every integer.
+/// 64-bit floats represent all integers up to this one.
 const EXACT: u64 = 1 << 53;
 
-/// The tag of integers above zero.
+/// The tag of positive integers.
 const UNSIGNED: &str = "$u64";
 
-/// The tag of integers below zero.
+/// The tag of negative integers.
 const SIGNED: &str = "$i64";
 
-/// The tag of floats that JSON has no word for.
+/// The tag of floats that JSON can't represent.
 const FLOAT: &str = "$f";
 
-/// The value as it travels. Null in the place of a float is NaN; `of` tells where floats are.
-pub fn to_wire(value: &Value, of: Option<MessageType<'_>>) -> Value {
+/// Encodes a value for the wire. `message` says which fields are floats: a null in these is NaN.
+pub fn to_wire(value: &Value, message: Option<MessageType<'_>>) -> Value {
     match value {
         Value::Number(number) => number_to_wire(number),
-        Value::Array(items) => items.iter().map(|item| to_wire(item, of)).collect(),
+        Value::Array(items) => items.iter().map(|item| to_wire(item, message)).collect(),
         Value::Object(members) => {
-            let member = |(name, value): (&String, &Value)| (name.clone(), member_to_wire(name, value, of));
+            let member =
+                |(name, value): (&String, &Value)| (name.clone(), member_to_wire(name, value, message));
             Value::Object(members.iter().map(member).collect())
         }
         Value::Null | Value::Bool(_) | Value::String(_) => value.clone(),
     }
 }
 
-fn member_to_wire(name: &str, value: &Value, of: Option<MessageType<'_>>) -> Value {
-    let field = of.and_then(|message| message.layout().find(|field| field.name == name));
+fn member_to_wire(name: &str, value: &Value, message: Option<MessageType<'_>>) -> Value {
+    let field = message.and_then(|message| message.layout().find(|field| field.name == name));
     match field.map(|field| field.element) {
         Some(PlacedElement::Message(nested)) => to_wire(value, Some(nested)),
         Some(PlacedElement::Scalar(scalar)) if scalar.is_float() => float_to_wire(value),
@@ -61,7 +62,7 @@ fn number_to_wire(number: &Number) -> Value {
     }
 }
 
-/// The value without tags: NaN is null, as in the published schemas; what JSON can't say stays as it is.
+/// Removes the tags of a value. NaN becomes null, as in the published schemas; infinities stay tagged.
 pub fn from_wire(value: &Value) -> Value {
     match value {
         Value::Array(items) => items.iter().map(from_wire).collect(),
@@ -81,7 +82,7 @@ fn untagged(members: &Map<String, Value>) -> Option<Value> {
     }
 }
 
-/// The integer that a value is. Floats without a fraction are integers: not every writer tells the two apart.
+/// The value as an integer. A float without a fraction is an integer, since some writers don't distinguish them.
 pub(super) fn integer(value: &Value) -> Option<i128> {
     match value {
         Value::Number(number) => number.as_i128().or_else(|| whole(number.as_f64()?)),
@@ -93,13 +94,13 @@ pub(super) fn integer(value: &Value) -> Option<i128> {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)] // no fraction, and within bounds
+#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)] // without a fraction and within bounds
 fn whole(value: f64) -> Option<i128> {
     (value.fract() == 0.0 && value.abs() <= EXACT as f64).then_some(value as i128)
 }
 
-/// The float that a value is; null is NaN.
-#[allow(clippy::cast_precision_loss)] // a float is what was asked for
+/// The value as a float; null is NaN.
+#[allow(clippy::cast_precision_loss)] // the caller asks for a float
 pub(super) fn float(value: &Value) -> Option<f64> {
     match value {
         Value::Null => Some(f64::NAN),
@@ -114,7 +115,7 @@ pub(super) fn float(value: &Value) -> Option<f64> {
     }
 }
 
-/// Whether a value is a number under one of these tags.
+/// True if a value is a number with one of these tags.
 pub(super) fn has_tag(value: &Value, tags: &[&str]) -> bool {
     tag(value).is_some_and(|(name, _)| tags.contains(&name))
         && (float(value).is_some() || integer(value).is_some())
@@ -131,8 +132,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn base64_is_that_of_rfc_4648() {
-        // Section 10.
+    fn encodes_base64_as_in_rfc_4648() {
+        // The test vectors of section 10.
         for (plain, coded) in [
             ("", ""),
             ("f", "Zg=="),
@@ -151,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn what_others_would_lose_is_tagged() {
+    fn tags_numbers_that_floats_would_round() {
         let plain = json!([0, -7, 0.5, u64::MAX, i64::MIN, EXACT, EXACT + 1, "x", true, { "a": -9_007_199_254_740_993_i64 }]);
         let wire = to_wire(&plain, None);
         assert_eq!(wire[3], json!({ "$u64": "18446744073709551615" }));

@@ -1,4 +1,4 @@
-//! Whole bodies have the shapes that the definitions give them: what deviates is seen, and told by one rule.
+//! Tests of body schemas: each deviation from the definitions is reported by exactly one rule.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
@@ -14,7 +14,7 @@ use uavspec_codegen::schema::json_type::Direction;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
-/// A body that is given for a message and a direction, and whether it has their shape.
+/// A body for a message and a direction, with the expected validity.
 struct Vector {
     type_name: String,
     direction: Direction,
@@ -53,9 +53,9 @@ fn deviations(type_name: &str, direction: Direction, body: &Value) -> Vec<Deviat
     DEFINITIONS.body_schemas().deviations(type_name, direction, &tree).expect("a shape")
 }
 
-/// The emitter of JSON Schemas and vectors and the check of bodies go their own ways from the same definitions.
+/// The generated schemas and vectors are independent of the check of bodies.
 #[test]
-fn bodies_have_their_shape_where_the_vectors_say_so() {
+fn agrees_with_the_vectors_on_valid_bodies() {
     let vectors = vectors();
     assert!(vectors.len() > 2_000, "{}", vectors.len());
     let mut wrong = Vec::new();
@@ -68,7 +68,7 @@ fn bodies_have_their_shape_where_the_vectors_say_so() {
     assert_eq!(wrong, Vec::<String>::new());
 }
 
-/// The places of all values in a value, as JSON pointers.
+/// The locations of all values, as JSON pointers.
 fn places(value: &Value, at: &str, places: &mut Vec<String>) {
     let mut inner = |key: &str, value: &Value| {
         let at = format!("{at}/{}", key.replace('~', "~0").replace('/', "~1"));
@@ -84,7 +84,7 @@ fn places(value: &Value, at: &str, places: &mut Vec<String>) {
     }
 }
 
-/// A body with small changes, one each.
+/// Bodies with one small change each.
 fn changed(body: &Value) -> Vec<Value> {
     let mut found = Vec::new();
     let mut all = Vec::new();
@@ -108,7 +108,7 @@ fn changed(body: &Value) -> Vec<Value> {
     found
 }
 
-/// What rules find in a body, and where.
+/// The locations of findings in a body, by rule.
 fn found(direction: Direction, body: &Value) -> BTreeMap<&'static str, BTreeSet<String>> {
     let mut message = json!({ "$fw.version": "1.0", "id": "say-1", "body": body });
     if direction == Direction::Response {
@@ -124,7 +124,7 @@ fn found(direction: Direction, body: &Value) -> BTreeMap<&'static str, BTreeSet<
     found
 }
 
-/// What has a rule of its own is told by that, and what has none by `FW-ENV-18`.
+/// A deviation is reported by its specific rule, or by `FW-ENV-18` if there is none.
 #[test]
 fn reports_each_deviation_once() {
     let (mut own, mut rest) = (0, 0);
@@ -133,7 +133,7 @@ fn reports_each_deviation_once() {
         if direction == Direction::Request {
             continue;
         }
-        // A body with all fields breaks rules on which of them go together.
+        // A body with all fields violates rules about fields that exclude each other.
         let before = found(direction, &body);
         for body in changed(&body) {
             let (deviations, found) = (deviations(&type_name, direction, &body), found(direction, &body));
@@ -146,13 +146,13 @@ fn reports_each_deviation_once() {
             );
             for deviation in &deviations {
                 let Some(rule) = attributed(&type_name, deviation).map(|rule| rule.id) else { continue };
-                assert!(found.contains_key(rule), "{rule} is to tell {deviation:?} of {body}: {found:?}");
+                assert!(found.contains_key(rule), "{rule} must report {deviation:?} in {body}: {found:?}");
                 own += 1;
             }
             let is_new = |rule: &&str| *rule != "FW-ENV-18" && !before.contains_key(rule);
             for (rule, places) in found.iter().filter(|(rule, _)| is_new(rule)) {
                 let both: Vec<_> = places.intersection(&reported).collect();
-                assert!(both.is_empty(), "{rule} tells {both:?} of {body}, too");
+                assert!(both.is_empty(), "{rule} also reports {both:?} in {body}");
             }
             rest += reported.len();
         }
@@ -222,9 +222,9 @@ fn reports_deviations_with_location_and_expected_value() {
     );
 }
 
-/// Findings are grouped by the field that is wrong, and say where it is defined.
+/// Findings are grouped by field, and refer to the definition of the field.
 #[test]
-fn findings_lead_to_the_definition() {
+fn findings_refer_to_the_definition() {
     let line = |weather: Value| {
         let body = json!({ "type": "WTH-AT", "weather": weather, "wind": 3 });
         json!({ "dir": "in", "msg": { "$fw.version": "1.0", "id": "a", "refs": "b", "body": body } })
@@ -252,16 +252,16 @@ fn findings_lead_to_the_definition() {
         groups(&DEFINITIONS),
         expected.map(|(subject, count, line)| (subject.to_owned(), count, Some(line.to_owned())))
     );
-    // Definitions without messages of their own know nothing of those pages.
+    // User definitions without these messages don't contain the pages.
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("Glider.msg"), "uint64 timestamp # [us] Time\n").expect("a file");
     let other = Definitions::load(folder.path()).expect("definitions");
     assert_eq!(groups(&other), expected.map(|(subject, count, _)| (subject.to_owned(), count, None)));
 }
 
-/// Where each of two shapes may hold both again, a body isn't looked at without end.
+/// Alternatives that contain each other don't cause endless recursion.
 #[test]
-fn alternatives_within_alternatives_come_to_an_end() {
+fn ends_with_recursive_alternatives() {
     let side = |name: &str| {
         format!(
             "## {name}\n\n| Field | Required | Type | Description |\n|---|---|---|---|\n\
@@ -294,9 +294,9 @@ fn alternatives_within_alternatives_come_to_an_end() {
     assert_eq!(found[0].mismatch.expected, "an object of the type Left, or an object of the type Right");
 }
 
-/// Bodies of any size and depth are survived, and what is told of them is bounded.
+/// Bodies of any size and depth are checked, and their findings are bounded.
 #[test]
-fn hostile_bodies_are_survived() {
+fn checks_hostile_bodies() {
     let mut node = json!({ "type": "device" });
     for _ in 0..55 {
         node = json!({ "type": "device", "children": { "in": node } });

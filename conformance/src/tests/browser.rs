@@ -1,6 +1,7 @@
-//! HTML reports in a browser: they fit a desktop and a phone, follow its colour scheme, load nothing and run nothing.
+//! Tests of HTML reports in a browser: they fit desktop and phone screens, follow the color scheme, and neither load
+//! resources nor run scripts.
 //!
-//! `UAVSPEC_PICTURES` names a folder where the pictures stay.
+//! `UAVSPEC_PICTURES` names a folder in which to keep the screenshots.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +13,7 @@ use serde_json::Value;
 
 use crate::tests::hostile::{checked, tested};
 
-/// Programs that are Chromium, under the names that systems give it.
+/// Common program names of Chromium.
 const BROWSERS: [&str; 5] =
     ["chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
@@ -25,8 +26,8 @@ fn browser() -> String {
         .expect("Chromium, or its path in UAVSPEC_CHROMIUM")
 }
 
-/// What a browser says of a report, screen by screen; the pictures are taken into `folder`.
-fn look(name: &str, report: &Report, folder: &Path) -> Vec<Value> {
+/// What the browser measures in a report, for each screen. Screenshots are stored in `folder`.
+fn measure(name: &str, report: &Report, folder: &Path) -> Vec<Value> {
     let page = folder.join(format!("{name}.html"));
     fs::write(&page, report.to_text(Kind::Html)).expect("a file");
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/tests/browser/look.py");
@@ -47,7 +48,7 @@ fn reports_fit_every_screen_in_both_schemes() {
     fs::create_dir_all(&folder).expect("a folder");
     let definitions = Definitions::built_in();
     for (name, report) in [("checked", checked(&definitions)), ("tested", tested(&definitions))] {
-        let seen = look(name, &report, &folder);
+        let seen = measure(name, &report, &folder);
         assert_eq!(seen.len(), 4, "two widths, two schemes");
         for one in &seen {
             let reported = format!("{name}: {one}");
@@ -67,8 +68,8 @@ fn reports_fit_every_screen_in_both_schemes() {
             assert!(picture.starts_with(b"\x89PNG") && picture.len() > 10_000, "{} bytes", picture.len());
         }
         let colours = |scheme: &str| {
-            let of = seen.iter().filter(|one| one["scheme"] == scheme);
-            of.map(|one| one["closed"]["background"].clone()).collect::<Vec<_>>()
+            let pages = seen.iter().filter(|one| one["scheme"] == scheme);
+            pages.map(|one| one["closed"]["background"].clone()).collect::<Vec<_>>()
         };
         assert!(colours("light").iter().all(|light| !colours("dark").contains(light)), "{seen:?}");
     }

@@ -1,4 +1,4 @@
-//! Logs judged: each rule finds what breaks it, and nothing in a log that conforms.
+//! Tests of logs: each rule finds its violations, and conforming logs have no findings.
 
 mod counted;
 use crate::tests::support;
@@ -48,7 +48,7 @@ fn definitions() -> (TempDir, Definitions) {
     (folder, definitions)
 }
 
-/// A message of the glider that conforms.
+/// A glider message that conforms.
 #[derive(Clone)]
 struct Glider {
     timestamp: u64,
@@ -93,10 +93,10 @@ impl Glider {
     }
 }
 
-/// Period of the messages, in µs.
+/// The period of the messages, in µs.
 const PERIOD: u64 = 20_000;
 
-/// A log that conforms, with a message of its own at the end.
+/// A conforming log, followed by another message.
 fn log_with(last: &Glider) -> Writer {
     let mut log = start();
     for number in 1..60 {
@@ -115,9 +115,9 @@ fn start() -> Writer {
     log
 }
 
-/// What isn't there may have been in what is missing.
+/// Missing messages may have been in the missing part of the log.
 #[test]
-fn what_was_lost_with_a_part_of_the_log_breaks_no_rule() {
+fn reports_no_violations_that_a_missing_part_may_explain() {
     let whole = log_with(&Glider::at(60 * PERIOD)).bytes;
     let found = |bytes: &[u8]| {
         let (_folder, definitions) = definitions();
@@ -127,17 +127,17 @@ fn what_was_lost_with_a_part_of_the_log_breaks_no_rule() {
         (found, result.corruption.into_iter().map(|(_, text)| text).collect::<Vec<_>>())
     };
     let position = |what: &[u8]| whole.windows(what.len()).position(|part| part == what).expect("a part");
-    // The subscription, which is the last before the data.
+    // The subscription is the last message before the data.
     let subscription = position(b"\x00\x05\x00glider") - 3;
-    let mut torn = whole.clone();
-    torn[subscription..subscription + 3].copy_from_slice(&[0xff, 0xff, 0]);
-    let (rules, corruption) = found(&torn);
+    let mut corrupt = whole.clone();
+    corrupt[subscription..subscription + 3].copy_from_slice(&[0xff, 0xff, 0]);
+    let (rules, corruption) = found(&corrupt);
     assert_eq!(rules, [""; 0]);
     assert!(
         corruption.iter().any(|text| text.starts_with("data of id 5, which isn't subscribed")),
         "{corruption:?}"
     );
-    // Behind the format of the glider, and within that of the mark.
+    // After the format of the glider, and within that of the mark.
     let mark = position(b"mark:uint64_t") - 3;
     for cut in [mark, mark + 2, mark + 20] {
         let (rules, corruption) = found(&whole[..cut]);
@@ -158,7 +158,7 @@ fn as_log(result: &CaptureResult) -> &LogSummary {
     }
 }
 
-/// The rules that are broken, each with its subject and what is said of the first breach.
+/// The violated rules, each with the subject and message of the first finding.
 fn violated(result: &CaptureResult) -> Vec<(&'static str, String)> {
     let message =
         |group: &crate::model::Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
@@ -185,13 +185,13 @@ fn a_conforming_log_has_no_violations_and_covers_its_rules() {
         .filter(|rule| result.findings.verdict(rule) == Verdict::NotCovered)
         .map(|rule| rule.id)
         .collect();
-    // No external component talks, the topic has no version behind its name, and the log is neither JSON nor MCAP.
+    // No external component communicates, the topic has no version suffix, and the log is neither JSON nor MCAP.
     let talk = ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-04", "PX-EXT-05"];
     let others = ["PX-FSF-03", "PX-HASH-01", "PX-JSON-01", "PX-JSON-02", "PX-VER-01"];
     assert_eq!(idle, [&["PX-ARR-01", "PX-CDR-01", "PX-CDR-02"], &talk[..], &others].concat());
 }
 
-/// A log that breaks the rule, and what is said of it.
+/// Logs that violate one rule each, with the expected message.
 fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
     let good = Glider::at(60 * PERIOD);
     let value = |change: fn(&mut Glider)| {
@@ -247,16 +247,8 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
             "tow: format `tow` has a field `ropes`",
         ),
         ("PX-FMT-03", no_timestamp, "glider: the format has no field `uint64_t timestamp`"),
-        (
-            "PX-LEN-01",
-            value(|glider| glider.num_marks = 4),
-            "glider.num_marks: 4 entries in use of an array of 3",
-        ),
-        (
-            "PX-NAN-01",
-            value(|glider| glider.speed = f32::NAN),
-            "glider.speed: NaN, which has no meaning here",
-        ),
+        ("PX-LEN-01", value(|glider| glider.num_marks = 4), "glider.num_marks: 4 exceeds the array length 3"),
+        ("PX-NAN-01", value(|glider| glider.speed = f32::NAN), "glider.speed: NaN is not allowed here"),
         ("PX-QUEUE-01", burst, "glider: more than 2 messages with timestamp 1200000 µs"),
         (
             "PX-RANGE-01",
@@ -278,7 +270,7 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
     ]
 }
 
-/// Rules that a mutant breaks beside its own, as it can't be otherwise.
+/// Rules that a mutant necessarily violates in addition to its own.
 const ALSO_VIOLATED: [(&str, &str); 1] = [("PX-FMT-03", "PX-FMT-01")];
 
 #[test]
@@ -291,20 +283,20 @@ fn a_violation_has_a_message_and_a_location() {
         assert!(own.len() == 1 && own[0].starts_with(message), "{id}: {found:?}");
         let others: Vec<&str> = found.iter().map(|(rule, _)| *rule).filter(|rule| *rule != id).collect();
         let allowed: Vec<&str> =
-            ALSO_VIOLATED.iter().filter(|(of, _)| *of == id).map(|(_, also)| *also).collect();
+            ALSO_VIOLATED.iter().filter(|(rule, _)| *rule == id).map(|(_, also)| *also).collect();
         assert_eq!(others, allowed, "{id}: {found:?}");
     }
 }
 
 #[test]
-fn a_topic_may_be_subscribed_again_once_nothing_subscribes_it() {
+fn accepts_a_new_subscription_after_the_old_one_ended() {
     let checked = |change: &dyn Fn(&mut Writer)| {
         let mut log = conforming();
         change(&mut log);
         let result = run_check(&log);
         violated(&result).iter().map(|(rule, _)| *rule).collect::<Vec<_>>()
     };
-    // As the same id; as another, once the first is unsubscribed, or means something else.
+    // With the same id, or with another id after the old one was unsubscribed or reused.
     let again = |log: &mut Writer, id| _ = log.subscribe(id, 0, "glider");
     assert_eq!(checked(&|log| again(log, 5)), NONE);
     let moved = |log: &mut Writer| {
@@ -317,7 +309,7 @@ fn a_topic_may_be_subscribed_again_once_nothing_subscribes_it() {
         again(log, 6);
     };
     assert_eq!(checked(&renamed), NONE);
-    // What was unsubscribed for good doesn't take the place of what came after it.
+    // An ended subscription doesn't excuse a later duplicate.
     let twice = |log: &mut Writer| {
         moved(log);
         log.subscribe(5, 0, "mark");
@@ -330,7 +322,7 @@ fn a_topic_may_be_subscribed_again_once_nothing_subscribes_it() {
 const NONE: [&str; 0] = [];
 
 #[test]
-fn topics_without_data_have_a_time_all_the_same() {
+fn requires_a_timestamp_of_topics_without_data() {
     let checked = |data: bool| {
         let mut log = start();
         log.format("sonde:float x;");
@@ -349,7 +341,7 @@ fn topics_without_data_have_a_time_all_the_same() {
         let message = "sonde: the format has no field `uint64_t timestamp`";
         assert_eq!(checked(data), [("PX-FMT-03", message.to_owned())]);
     }
-    // What nothing subscribes is nested, and a format that can't be used has no size.
+    // Formats without a subscription may be nested, and an unusable format has no size.
     let mut log = start();
     log.format("sonde:float x;");
     log.format("rope:sail sails;");
@@ -357,7 +349,7 @@ fn topics_without_data_have_a_time_all_the_same() {
     assert_eq!(violated(&run_check(&log)).iter().map(|(rule, _)| *rule).collect::<Vec<_>>(), ["PX-FMT-02"]);
 }
 
-/// What a definition says of it stands beside each finding that has to do with one.
+/// A finding refers to the definition, if there is one.
 #[test]
 fn findings_have_a_definition_and_the_expected_value() {
     let (_folder, definitions) = definitions();
@@ -367,7 +359,7 @@ fn findings_have_a_definition_and_the_expected_value() {
         let line = group.definition.map(|span| definitions.line(span));
         let line = line.map(|line| line.text.split('#').next().unwrap_or_default().trim().to_owned());
         let expected = match id {
-            // No definition is known of what isn't subscribed, or isn't a topic.
+            // There is no definition of an unknown subscription or format.
             "PX-DATA-02" | "PX-FMT-02" => None,
             "PX-TIME-01" => Some("uint64 timestamp"),
             "PX-DATA-01" | "PX-DATA-03" | "PX-FMT-01" | "PX-FMT-03" | "PX-QUEUE-01" | "PX-TIME-02" => {
@@ -398,7 +390,7 @@ fn allowed_values_outside_the_range_pass() {
 }
 
 #[test]
-fn values_in_nested_messages_are_named_by_their_way() {
+fn reports_the_path_of_nested_values() {
     let mut glider = Glider::at(60 * PERIOD);
     glider.heights[1] = 9001;
     let found = violated(&run_check(&log_with(&glider)));
@@ -411,9 +403,9 @@ fn values_in_nested_messages_are_named_by_their_way() {
     );
 }
 
-/// Where in the record something is, is told of each value, whether or not the words need it.
+/// Each finding on a value contains its path, even if the message doesn't.
 #[test]
-fn findings_on_values_have_the_path_of_their_field() {
+fn findings_on_values_contain_the_path_of_the_field() {
     let mut glider = Glider { is_landed: 2, mode: 8, ..Glider::at(60 * PERIOD) };
     glider.flaps[1] = 1.5;
     glider.heights[1] = 9001;
@@ -423,7 +415,7 @@ fn findings_on_values_have_the_path_of_their_field() {
 }
 
 #[test]
-fn a_pause_with_a_dropout_nearby_has_its_reason() {
+fn accepts_a_gap_near_a_dropout() {
     let mut log = start();
     for number in 1..60 {
         log.data(5, &Glider::at(number * PERIOD).bytes());
@@ -436,7 +428,7 @@ fn a_pause_with_a_dropout_nearby_has_its_reason() {
 }
 
 #[test]
-fn equal_findings_are_counted() {
+fn counts_equal_findings() {
     let mut log = start();
     for number in 1..=5 {
         log.data(5, &Glider { is_landed: 2, ..Glider::at(number * PERIOD) }.bytes());
@@ -448,7 +440,7 @@ fn equal_findings_are_counted() {
     assert_eq!(result.findings.verdict(rule), Verdict::Fail);
 }
 
-/// Real logs conform to all that must hold, and what is known to be odd is found.
+/// Real logs have no violations, except for known peculiarities.
 #[test]
 fn real_logs_have_the_known_results() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
@@ -471,10 +463,9 @@ fn real_logs_have_the_known_results() {
     assert_eq!(odd, 94, "batteries whose greatest error is 0");
 }
 
-/// The oracles of logs and of definitions say each by itself what the fields are: which formats equal is for this test
-/// to work out from them.
+/// The oracles describe formats and definitions independently. This test determines from them which formats match.
 #[test]
-fn which_formats_equal_agrees_with_the_reference_tools() {
+fn matches_the_same_formats_as_the_reference_tools() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
     let Some(oracle) = shared("oracle") else { return };
     let read = |path: &str| -> Value {
@@ -509,7 +500,7 @@ fn which_formats_equal_agrees_with_the_reference_tools() {
     assert!(seen.iter().all(|count| *count > 50), "{seen:?}");
 }
 
-/// Whether a format of a log has the fields of a message, both as other tools read them.
+/// True if a format of a log has the fields of a message, according to the oracles.
 fn is_same(format: &str, message: &str, formats: &Value, messages: &Value) -> bool {
     let fields = |list: &Value| -> Vec<(String, String)> {
         let text = |field: &Value, at: usize| field[at].as_str().expect("a text").to_owned();

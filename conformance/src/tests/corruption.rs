@@ -1,4 +1,4 @@
-//! Sources that are damaged in every way are judged as far as they can be read, and say where they can't.
+//! Tests of corrupt captures of all kinds: readable parts are checked, and corruption is reported.
 
 use crate::tests::support;
 
@@ -13,8 +13,8 @@ fn checked(bytes: &[u8], definitions: &Definitions) -> CaptureResult {
     check_capture(bytes, None, definitions).expect("bytes can be read")
 }
 
-/// What each kind of source is, and how much of it is judged.
-fn sources(definitions: &Definitions) -> Vec<(&'static str, Vec<u8>, u64)> {
+/// Captures of each kind, with the number of checked messages.
+fn captures(definitions: &Definitions) -> Vec<(&'static str, Vec<u8>, u64)> {
     let flight = Flight::new(definitions);
     let sources = [
         ("log", flight.log().to_bytes()),
@@ -31,8 +31,8 @@ fn sources(definitions: &Definitions) -> Vec<(&'static str, Vec<u8>, u64)> {
         .into()
 }
 
-/// All damage lies in what was read.
-fn check_places(name: &str, result: &CaptureResult, size: usize) {
+/// Asserts that all reported corruption is within the capture.
+fn assert_locations(name: &str, result: &CaptureResult, size: usize) {
     for (location, what) in &result.corruption {
         let (Location::Byte(at) | Location::Line(at)) = *location;
         assert!(at <= size as u64, "{name}: {what} at {location} of {size}");
@@ -42,14 +42,14 @@ fn check_places(name: &str, result: &CaptureResult, size: usize) {
 #[test]
 fn checks_records_before_a_truncation() {
     let definitions = Definitions::built_in();
-    for (name, bytes, whole) in sources(&definitions) {
+    for (name, bytes, whole) in captures(&definitions) {
         let mut before = 0;
-        // JSON has ten times as many bytes, and each cut reads them all.
+        // JSON is ten times as long, and every cut is read completely.
         let step = extent(1, 4) * if name == "log" || name == "MCAP" { 97 } else { 970 };
         for cut in (0..bytes.len()).step_by(step) {
             let result = checked(&bytes[..cut], &definitions);
-            check_places(name, &result, cut);
-            // A subscription or a message more can only add to what is judged.
+            assert_locations(name, &result, cut);
+            // Further data can only increase the number of checked messages.
             assert!(result.checked >= before, "{name} cut at {cut}");
             before = result.checked;
             assert!(result.checked <= whole);
@@ -59,28 +59,27 @@ fn checks_records_before_a_truncation() {
 }
 
 #[test]
-fn a_flipped_bit_costs_few_messages() {
+fn a_flipped_bit_loses_few_messages() {
     let definitions = Definitions::built_in();
-    for (name, bytes, whole) in sources(&definitions) {
+    for (name, bytes, whole) in captures(&definitions) {
         let mut random = Random(97);
         let mut corrupt = 0;
         let flips = if name == "log" || name == "MCAP" { 1_000 } else { 250 } / extent(1, 4);
         for _ in 0..flips {
-            // Magic and flag bits say that nobody should go on who doesn't know them.
+            // The magic and the flag bits are excluded: errors there make a log unreadable.
             let head = if name == "log" { 59 } else { 0 };
             let (at, bit) = (head + random.index(bytes.len() - head), random.below(8));
             let mut flipped = bytes.clone();
             flipped[at] ^= 1 << bit;
             let result = checked(&flipped, &definitions);
-            check_places(name, &result, bytes.len());
+            assert_locations(name, &result, bytes.len());
             corrupt += u64::from(!result.corruption.is_empty());
-            // What says what messages are may be hit: then those of a topic, and of one that nests it, are lost, and
-            // that is told.
+            // The flipped bit may affect a definition. Then all messages of its topic are lost, which is reported.
             let lost = whole - result.checked.min(whole);
             let is_ordered = !result.corruption.is_empty()
                 || result.records > result.checked
                 || result.findings.groups().next().is_some();
-            // Data whose kind became that of a text is one.
+            // Data whose kind became that of a text message is one lost message.
             assert!(lost <= 1 || is_ordered, "{name}: {lost} lost after bit {bit} of byte {at}");
             assert!(
                 lost <= 3 * ROUNDS,
@@ -90,7 +89,7 @@ fn a_flipped_bit_costs_few_messages() {
         }
         assert!(
             corrupt > extent(10, 2),
-            "{name}: only {corrupt} of {flips} flipped bits were noticed as damage"
+            "{name}: only {corrupt} of {flips} flipped bits were reported as corruption"
         );
     }
 }
@@ -98,7 +97,7 @@ fn a_flipped_bit_costs_few_messages() {
 #[test]
 fn checks_sections_in_the_wrong_order() {
     let definitions = Definitions::built_in();
-    for (name, bytes, _) in sources(&definitions) {
+    for (name, bytes, _) in captures(&definitions) {
         let mut random = Random(5);
         for _ in 0..50 {
             let mut cuts = [random.index(bytes.len()), random.index(bytes.len()), random.index(bytes.len())];
@@ -107,7 +106,7 @@ fn checks_sections_in_the_wrong_order() {
             let swapped =
                 [&bytes[..first], &bytes[second..third], &bytes[first..second], &bytes[third..]].concat();
             let result = checked(&swapped, &definitions);
-            check_places(name, &result, bytes.len());
+            assert_locations(name, &result, bytes.len());
         }
     }
 }
@@ -122,17 +121,17 @@ fn reports_noise_from_the_start() {
         let result = checked(&[start, &noise].concat(), &definitions);
         assert_eq!(result.checked, 0, "{start:?}");
         assert!(!result.corruption.is_empty(), "{start:?}");
-        check_places("noise", &result, start.len() + noise.len());
+        assert_locations("noise", &result, start.len() + noise.len());
     }
     for start in [&b"ULoG\x01\x12\x35\x01"[..], &[0; 20], &noise, b"\xff\xfe{\0}\0", b"\x01\x02"] {
-        let error = check_capture(start, None, &definitions).expect_err("nothing that can be judged");
+        let error = check_capture(start, None, &definitions).expect_err("an unknown file type");
         let expected = format!(
             "byte 0: unknown file type: expected ULog, MCAP or JSON, found the bytes {:02x} ",
             start[0]
         );
         assert!(error.to_string().starts_with(&expected), "{error}");
     }
-    // What has one wrong byte may be damaged, and letters of other languages are none.
+    // Files with one wrong byte count as corrupt, as do texts in other scripts.
     for start in [&b"\x1b{\"type\":1}\n"[..], "\u{feff}{\"ключ\":1}".as_bytes(), b"\0"] {
         assert!(check_capture(start, None, &definitions).is_ok(), "{}", start.escape_ascii());
     }

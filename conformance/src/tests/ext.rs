@@ -1,5 +1,5 @@
-//! The talk between a flight controller and external components: what the rules find in it, and what they leave
-//! alone since a recording doesn't show all.
+//! Tests of the communication between a flight controller and external components: findings, and cases that an
+//! incomplete recording leaves undecided.
 
 use crate::tests::mcap::file;
 
@@ -20,10 +20,10 @@ static FLIGHT: LazyLock<Flight<'static>> = LazyLock::new(|| Flight::new(&DEFINIT
 const REQUEST: &str = "ArmingCheckRequest";
 const REPLY: &str = "ArmingCheckReply";
 
-/// From one request to the next, in ms.
+/// The time between requests, in ms.
 const PERIOD: u64 = 300;
 
-/// A recording that is written message by message, with times in ms.
+/// A recording, written message by message with times in ms.
 #[derive(Clone)]
 struct Script<'d> {
     typical: &'d Flight<'d>,
@@ -46,7 +46,7 @@ impl<'d> Script<'d> {
     }
 
     /// Adds a message that differs from a typical one in these fields.
-    fn say(&mut self, message: &str, ms: u64, fields: &Value) {
+    fn add(&mut self, message: &str, ms: u64, fields: &Value) {
         let topic = self.topic(message);
         let sent = self.typical.messages.iter().find(|sent| sent.topic == topic).expect("a message");
         let mut value = sent.value.clone();
@@ -61,27 +61,27 @@ impl<'d> Script<'d> {
 
     fn request(&mut self, ms: u64, id: u8, registrations: &[u8]) {
         let mask: u32 = registrations.iter().map(|id| 1 << id).sum();
-        self.say(REQUEST, ms, &json!({ "request_id": id, "valid_registrations_mask": mask }));
+        self.add(REQUEST, ms, &json!({ "request_id": id, "valid_registrations_mask": mask }));
     }
 
     fn reply(&mut self, ms: u64, id: u8, registration: u8) {
         let fields = json!({
             "request_id": id, "registration_id": registration, "can_arm_and_run": true, "num_events": 0,
         });
-        self.say(REPLY, ms, &fields);
+        self.add(REPLY, ms, &fields);
     }
 
     fn register(&mut self, ms: u64, registration: i8) {
         let fields = json!({ "success": true, "arming_check_id": registration });
-        self.say("RegisterExtComponentReply", ms, &fields);
+        self.add("RegisterExtComponentReply", ms, &fields);
     }
 
     fn unregister(&mut self, ms: u64, registration: i8) {
-        self.say("UnregisterExtComponent", ms, &json!({ "arming_check_id": registration }));
+        self.add("UnregisterExtComponent", ms, &json!({ "arming_check_id": registration }));
     }
 
-    /// Requests from this one to before that one, each with answers of all that are registered.
-    fn talk(&mut self, from: u64, to: u64, registrations: &[u8]) {
+    /// Adds requests from one number up to, but not including, another, with replies of all registered components.
+    fn exchange(&mut self, from: u64, to: u64, registrations: &[u8]) {
         for number in from..to {
             self.request(number * PERIOD, id(number), registrations);
             for registration in registrations {
@@ -90,7 +90,7 @@ impl<'d> Script<'d> {
         }
     }
 
-    /// What the rules on external components find, in a log as well as in JSON and in MCAP.
+    /// The findings of the rules on external components, which are the same in ULog, JSON and MCAP.
     fn found(&self) -> Vec<String> {
         let log = self.run_check(&self.flight.log().to_bytes());
         for other in [self.flight.rosbridge().to_bytes(), self.flight.bag().to_bytes()] {
@@ -113,12 +113,12 @@ impl<'d> Script<'d> {
     }
 }
 
-/// The id of a request, which begins anew.
+/// The id of a request, which wraps around.
 fn id(number: u64) -> u8 {
     u8::try_from(number % 256).expect("a byte")
 }
 
-/// What is found by these rules: the rule, where, how often, and what is said of the first.
+/// The findings of these rules: the rule, the subject, the count, and the first message.
 fn reported(result: &CaptureResult) -> Vec<String> {
     let groups = result.findings.groups().filter(|group| group.rule.id.starts_with("PX-EXT"));
     groups
@@ -131,44 +131,44 @@ fn reported(result: &CaptureResult) -> Vec<String> {
 
 const NOTHING: [&str; 0] = [];
 
-/// When a component registers in the talks that begin with request 100, in ms.
-const SHORTLY: u64 = 100 * PERIOD - 200;
+/// The time of a registration shortly before request 100, in ms.
+const REGISTRATION_TIME: u64 = 100 * PERIOD - 200;
 
 #[test]
-fn numbers_of_requests_begin_anew_and_all_is_well() {
+fn accepts_request_ids_that_wrap_around() {
     let mut script = Script::new();
     script.register(0, 3);
     script.register(1, 5);
-    script.talk(250, 260, &[3, 5]);
+    script.exchange(250, 260, &[3, 5]);
     script.unregister(260 * PERIOD, 5);
-    script.talk(261, 270, &[3]);
+    script.exchange(261, 270, &[3]);
     assert_eq!(script.found(), NOTHING);
     assert_eq!(script.covered("PX-EXT-01"), 29);
     assert_eq!(script.covered("PX-EXT-02"), 29);
-    // The last two requests of each part aren't judged, and before the second a request is missing.
+    // The last two requests of each part aren't checked, and one request before the second part is missing.
     assert_eq!(script.covered("PX-EXT-03"), 2 * 8 + 7);
 }
 
 #[test]
-fn the_request_before_the_latest_may_be_answered_but_that_is_late() {
+fn a_reply_to_the_previous_request_is_late() {
     let mut script = Script::new();
-    script.talk(100, 105, &[3]);
+    script.exchange(100, 105, &[3]);
     script.request(105 * PERIOD, 105, &[3]);
     script.request(106 * PERIOD, 106, &[3]);
     script.reply(106 * PERIOD + 20, 105, 3);
     script.reply(106 * PERIOD + 25, 106, 3);
-    script.talk(107, 110, &[3]);
+    script.exchange(107, 110, &[3]);
     let late = "request 105: registration 3 replies after the next request";
     assert_eq!(script.found(), [format!("PX-EXT-03 arming_check_request 1: {late}")]);
 }
 
 #[test]
-fn an_answer_to_any_other_request_is_wrong() {
+fn reports_replies_to_other_requests() {
     for (answered, is_wrong) in [(103, true), (104, false), (105, false), (106, true), (250, true)] {
         let mut script = Script::new();
-        script.talk(100, 106, &[3]);
+        script.exchange(100, 106, &[3]);
         script.reply(105 * PERIOD + 20, answered, 3);
-        script.talk(106, 109, &[3]);
+        script.exchange(106, 109, &[3]);
         let message = format!(
             "PX-EXT-01 arming_check_reply.request_id 1: registration 3 answers request {answered}, \
              but the latest request is 105"
@@ -179,27 +179,27 @@ fn an_answer_to_any_other_request_is_wrong() {
 }
 
 #[test]
-fn at_the_end_only_what_lies_behind_is_wrong() {
+fn reports_only_old_request_ids_at_the_end() {
     for (answered, is_wrong) in
         [(103, true), (100, true), (234, true), (233, false), (104, false), (106, false), (110, false)]
     {
         let mut script = Script::new();
-        script.talk(100, 106, &[3]);
+        script.exchange(100, 106, &[3]);
         script.reply(105 * PERIOD + 20, answered, 3);
         assert_eq!(script.found().len(), usize::from(is_wrong), "{answered}");
     }
     let mut script = Script::new();
     script.request(PERIOD, 100, &[3]);
     script.reply(PERIOD + 5, 90, 3);
-    assert_eq!(script.found(), NOTHING, "the request before may have had any number");
+    assert_eq!(script.found(), NOTHING, "the previous request may have had any id");
 }
 
 #[test]
-fn topics_need_not_be_in_order_in_the_file() {
-    // An answer before its request, and one behind the next; by their times both are right.
+fn accepts_topics_in_any_order() {
+    // One reply precedes its request and one follows the next request; their times are correct.
     for times in [[5, 5], [0, 0]] {
         let mut script = Script::new();
-        script.talk(100, 105, &[3]);
+        script.exchange(100, 105, &[3]);
         let time = |number: u64, at: usize| if times[at] == 0 { 0 } else { number * PERIOD + times[at] };
         script.reply(time(105, 0), 105, 3);
         script.request(105 * PERIOD, 105, &[3]);
@@ -207,21 +207,21 @@ fn topics_need_not_be_in_order_in_the_file() {
         script.request(107 * PERIOD, 107, &[3]);
         script.reply(time(106, 1), 106, 3);
         script.reply(107 * PERIOD + 5, 107, 3);
-        script.talk(108, 112, &[3]);
+        script.exchange(108, 112, &[3]);
         assert_eq!(script.found(), NOTHING);
     }
-    // Far behind, too, it answers the request that was the latest at its time.
+    // Replies are compared with the latest request at their time, even if they are stored much later.
     let mut script = Script::new();
-    script.talk(100, 105, &[]);
+    script.exchange(100, 105, &[]);
     script.reply(102 * PERIOD + 5, 101, 3);
     script.reply(102 * PERIOD + 5, 100, 3);
-    script.talk(105, 107, &[]);
+    script.exchange(105, 107, &[]);
     assert_eq!(script.found().len(), 1);
     assert!(script.found()[0].contains("registration 3 answers request 100"));
 }
 
 #[test]
-fn the_clock_of_a_component_may_be_another() {
+fn components_may_use_another_clock() {
     for offset in [8, 1_000_000] {
         let mut script = Script::new();
         for number in 100..110 {
@@ -237,12 +237,12 @@ fn the_clock_of_a_component_may_be_another() {
 fn reports_nothing_before_the_first_request() {
     let mut script = Script::new();
     script.reply(5, 17, 3);
-    script.talk(100, 103, &[3]);
+    script.exchange(100, 103, &[3]);
     assert_eq!(script.found(), NOTHING);
     assert_eq!(script.covered("PX-EXT-01"), 3);
 }
 
-/// A log begins with the latest message of each topic.
+/// A log starts with the latest message of each topic.
 #[test]
 fn ignores_an_answer_older_than_all_requests() {
     for is_first in [false, true] {
@@ -255,14 +255,14 @@ fn ignores_an_answer_older_than_all_requests() {
             script.reply(70 * PERIOD, 70, 3);
         }
         script.reply(100 * PERIOD + 5, 100, 3);
-        script.talk(101, 110, &[3]);
+        script.exchange(101, 110, &[3]);
         assert_eq!(script.found(), NOTHING);
         script.reply(110 * PERIOD, 70, 3);
         assert_eq!(script.found().len(), 1);
     }
 }
 
-/// A log with something between the messages before and those after it.
+/// A log with other entries between two parts.
 fn interrupted(before: &Script<'_>, between: Vec<Entry>, after: &Script<'_>) -> Vec<u8> {
     let mut log = before.flight.log();
     log.entries.extend(between);
@@ -272,17 +272,17 @@ fn interrupted(before: &Script<'_>, between: Vec<Entry>, after: &Script<'_>) -> 
 }
 
 #[test]
-fn after_a_dropout_nothing_is_known() {
+fn knows_no_state_after_a_dropout() {
     let mut before = Script::new();
-    before.register(SHORTLY, 3);
-    before.talk(100, 105, &[3]);
+    before.register(REGISTRATION_TIME, 3);
+    before.exchange(100, 105, &[3]);
     before.unregister(105 * PERIOD - 100, 3);
     let mut after = Script::new();
     after.reply(105 * PERIOD, 50, 3);
     after.reply(105 * PERIOD, 104, 9);
-    after.talk(105, 106, &[]);
+    after.exchange(105, 106, &[]);
     after.reply(105 * PERIOD + 5, 105, 3);
-    after.talk(106, 108, &[]);
+    after.exchange(106, 108, &[]);
     let wrong = before.run_check(&interrupted(&before, vec![], &after));
     let rules: Vec<&str> = wrong.findings.groups().map(|group| group.rule.id).collect();
     assert_eq!(rules, ["PX-EXT-01", "PX-EXT-02"]);
@@ -293,11 +293,11 @@ fn after_a_dropout_nothing_is_known() {
 }
 
 #[test]
-fn an_answer_that_was_lost_is_not_missed() {
+fn reports_no_missing_reply_that_may_be_lost() {
     let [mut before, mut after] = [Script::new(), Script::new()];
-    before.talk(100, 105, &[3]);
+    before.exchange(100, 105, &[3]);
     before.request(105 * PERIOD, 105, &[3]);
-    after.talk(106, 110, &[3]);
+    after.exchange(106, 110, &[3]);
     let missing = before.run_check(&interrupted(&before, vec![], &after));
     let message = "request 105: registration 3 does not reply";
     assert_eq!(reported(&missing), [format!("PX-EXT-03 arming_check_request 1: {message}")]);
@@ -305,7 +305,7 @@ fn an_answer_that_was_lost_is_not_missed() {
     assert_eq!(reported(&lost), NOTHING);
     assert!(lost.findings.covered(rule("PX-EXT-03").expect("a rule")) > 0);
 
-    // As JSON, with a mistake in it, or as what is no JSON at all.
+    // As JSON with an error, and as text that isn't JSON.
     let mut whole = before.clone();
     whole.reply(105 * PERIOD + 5, 105, 3);
     whole.flight.messages.extend(after.flight.messages.clone());
@@ -326,42 +326,46 @@ fn an_answer_that_was_lost_is_not_missed() {
 }
 
 #[test]
-fn recordings_that_begin_in_the_middle_know_registrations_by_masks_only() {
+fn uses_masks_if_the_recording_starts_late() {
     let mut script = Script::new();
-    script.talk(100, 103, &[3]);
+    script.exchange(100, 103, &[3]);
     script.reply(102 * PERIOD + 8, 102, 5);
-    script.talk(103, 106, &[3]);
+    script.exchange(103, 106, &[3]);
     assert_eq!(script.found(), NOTHING);
     script.unregister(105 * PERIOD + 100, 3);
-    // It answers the request before it left.
+    // The component answers the request that preceded its unregistration.
     script.reply(105 * PERIOD + 102, 105, 3);
-    script.talk(106, 107, &[]);
+    script.exchange(106, 107, &[]);
     assert_eq!(script.found(), NOTHING);
     script.reply(106 * PERIOD + 5, 106, 3);
-    script.talk(107, 109, &[]);
+    script.exchange(107, 109, &[]);
     let message = "registration id 3 was released before the request";
     let expected = [format!("PX-EXT-02 arming_check_reply.registration_id 1: {message}")];
     assert_eq!(script.found(), expected);
 }
 
 #[test]
-fn an_id_that_was_never_given_out_is_wrong_where_the_beginning_is_recorded() {
+fn reports_unassigned_ids_if_the_start_is_recorded() {
     let message = |id: u8| {
         let message = format!("registration id {id} was never assigned");
         vec![format!("PX-EXT-02 arming_check_reply.registration_id 1: {message}")]
     };
-    let stranger = |begin: fn(&mut Script<'static>), mask: &[u8]| {
+    let unknown_component = |begin: fn(&mut Script<'static>), mask: &[u8]| {
         let mut script = Script::new();
         begin(&mut script);
-        script.talk(100, 102, mask);
+        script.exchange(100, 102, mask);
         script.reply(101 * PERIOD + 8, 101, 9);
-        script.talk(102, 104, mask);
+        script.exchange(102, 104, mask);
         script.found()
     };
-    assert_eq!(stranger(|script| script.register(SHORTLY, 3), &[3]), message(9));
-    assert_eq!(stranger(|_| {}, &[3]), NOTHING);
-    assert_eq!(stranger(|script| script.register(SHORTLY, 3), &[3, 5]), NOTHING, "5 was there before");
-    assert_eq!(stranger(|script| script.register(SHORTLY, 3), &[3, 9]), NOTHING);
+    assert_eq!(unknown_component(|script| script.register(REGISTRATION_TIME, 3), &[3]), message(9));
+    assert_eq!(unknown_component(|_| {}, &[3]), NOTHING);
+    assert_eq!(
+        unknown_component(|script| script.register(REGISTRATION_TIME, 3), &[3, 5]),
+        NOTHING,
+        "5 was there before"
+    );
+    assert_eq!(unknown_component(|script| script.register(REGISTRATION_TIME, 3), &[3, 9]), NOTHING);
     for first in [
         |script: &mut Script<'static>| script.unregister(9, 1),
         |script: &mut Script<'static>| script.reply(9, 1, 3),
@@ -369,26 +373,26 @@ fn an_id_that_was_never_given_out_is_wrong_where_the_beginning_is_recorded() {
     ] {
         let mut script = Script::new();
         first(&mut script);
-        script.register(SHORTLY, 3);
-        script.talk(100, 102, &[3]);
+        script.register(REGISTRATION_TIME, 3);
+        script.exchange(100, 102, &[3]);
         script.reply(101 * PERIOD + 8, 101, 9);
-        script.talk(102, 104, &[3]);
+        script.exchange(102, 104, &[3]);
         assert_eq!(script.found(), NOTHING);
     }
-    // What failed, or takes no part in arming checks, gives out no id.
-    let failed = stranger(
+    // A failed registration, or one without arming checks, assigns no id.
+    let failed = unknown_component(
         |script| {
-            script.register(SHORTLY, 3);
+            script.register(REGISTRATION_TIME, 3);
             let fields = json!({ "success": false, "arming_check_id": 9 });
-            script.say("RegisterExtComponentReply", SHORTLY + 1, &fields);
-            script.register(SHORTLY + 2, -1);
+            script.add("RegisterExtComponentReply", REGISTRATION_TIME + 1, &fields);
+            script.register(REGISTRATION_TIME + 2, -1);
         },
         &[3],
     );
     assert_eq!(failed, message(9));
 }
 
-/// Who was slow is no longer asked, and answers all the same: nobody knows when it was registered.
+/// A slow component gets no requests but still replies, so the time of its registration is unknown.
 #[test]
 fn an_old_registration_does_not_mark_the_start() {
     let late = |registered: u64| {
@@ -405,32 +409,32 @@ fn an_old_registration_does_not_mark_the_start() {
     assert_eq!(late(100 * PERIOD - 601), 0);
     assert_eq!(late(100 * PERIOD - 600), 1);
     assert_eq!(late(100 * PERIOD + 10), 1);
-    assert_eq!(late(100 * PERIOD + 11), 0, "it stands before the request only in the file");
-    assert_eq!(late(0), 0, "it has no time");
+    assert_eq!(late(100 * PERIOD + 11), 0, "the reply precedes the request only in the file");
+    assert_eq!(late(0), 0, "the reply has no time");
 }
 
-/// The header of a log tells its first second as the time of its start.
+/// The header of a log contains only the second of its start.
 #[test]
 fn a_registration_before_the_log_does_not_mark_the_start() {
     for (registered, is_wrong) in [(999, false), (1_000, true)] {
         let mut script = Script::new();
         script.register(registered, 3);
-        script.talk(4, 6, &[3]);
+        script.exchange(4, 6, &[3]);
         script.reply(5 * PERIOD + 8, 5, 9);
-        script.talk(6, 8, &[3]);
+        script.exchange(6, 8, &[3]);
         let log = script.run_check(&script.flight.log().to_bytes());
         assert_eq!(reported(&log).len(), usize::from(is_wrong), "{registered}");
     }
 }
 
 #[test]
-fn nor_does_one_after_a_dropout() {
+fn a_registration_after_a_dropout_does_not_mark_the_start() {
     let [mut before, mut after] = [Script::new(), Script::new()];
-    before.talk(90, 92, &[9]);
-    after.register(SHORTLY, 3);
-    after.talk(100, 102, &[3]);
+    before.exchange(90, 92, &[9]);
+    after.register(REGISTRATION_TIME, 3);
+    after.exchange(100, 102, &[3]);
     after.reply(101 * PERIOD + 8, 101, 9);
-    after.talk(102, 104, &[3]);
+    after.exchange(102, 104, &[3]);
     assert_eq!(
         reported(&before.run_check(&interrupted(&before, vec![Entry::Dropout(100)], &after))),
         NOTHING
@@ -441,27 +445,27 @@ fn nor_does_one_after_a_dropout() {
 #[test]
 fn a_mask_shows_that_an_id_was_reused() {
     let mut script = Script::new();
-    script.register(SHORTLY, 3);
-    script.talk(100, 105, &[3]);
+    script.register(REGISTRATION_TIME, 3);
+    script.exchange(100, 105, &[3]);
     script.unregister(105 * PERIOD - 100, 3);
-    script.talk(105, 107, &[]);
+    script.exchange(105, 107, &[]);
     // The registration isn't in the recording.
-    script.talk(107, 112, &[3]);
-    // Now it is slow, and isn't asked any more.
+    script.exchange(107, 112, &[3]);
+    // Now the component is slow and gets no requests.
     script.request(112 * PERIOD, 112, &[]);
     script.reply(112 * PERIOD + 5, 112, 3);
-    // Nor need others be in the recording.
+    // Other components need not be in the recording either.
     script.reply(112 * PERIOD + 6, 112, 9);
-    script.talk(113, 116, &[]);
+    script.exchange(113, 116, &[]);
     assert_eq!(script.found(), NOTHING);
 }
 
 #[test]
 fn without_times_uses_the_order_of_arrival() {
     let mut script = Script::new();
-    script.talk(100, 103, &[3]);
+    script.exchange(100, 103, &[3]);
     script.unregister(0, 3);
-    script.talk(103, 104, &[]);
+    script.exchange(103, 104, &[]);
     script.reply(0, 103, 3);
     let message = "registration id 3 was released before the request";
     assert_eq!(script.found(), [format!("PX-EXT-02 arming_check_reply.registration_id 1: {message}")]);
@@ -470,29 +474,29 @@ fn without_times_uses_the_order_of_arrival() {
 #[test]
 fn accepts_a_late_answer_after_an_unregistration() {
     let mut script = Script::new();
-    script.talk(100, 103, &[3]);
+    script.exchange(100, 103, &[3]);
     script.unregister(103 * PERIOD - 50, 3);
     script.request(103 * PERIOD, 103, &[]);
     script.reply(103 * PERIOD + 5, 102, 3);
-    script.talk(104, 106, &[]);
+    script.exchange(104, 106, &[]);
     assert_eq!(script.found(), NOTHING);
 }
 
 #[test]
-fn answers_that_stand_far_behind_are_looked_up_among_eight_requests() {
+fn finds_the_request_of_a_delayed_reply_among_eight() {
     for (requests, is_found) in [(8, true), (9, false)] {
         let mut script = Script::new();
-        script.talk(100, 100 + requests, &[]);
+        script.exchange(100, 100 + requests, &[]);
         script.reply(100 * PERIOD + 5, 99, 3);
-        script.talk(100 + requests, 102 + requests, &[]);
+        script.exchange(100 + requests, 102 + requests, &[]);
         assert_eq!(script.found(), NOTHING, "{requests}");
         assert_eq!(script.covered("PX-EXT-01"), u64::from(is_found), "{requests}");
     }
 }
 
-/// Nodes of ROS 2 often give their messages no time.
+/// ROS 2 nodes often set no time in their messages.
 #[test]
-fn answers_without_a_time_are_late_if_several_in_a_row_stand_behind_the_next_request() {
+fn replies_without_a_time_are_late_if_several_follow_the_next_request() {
     for (late, found) in [(1, 0), (2, 0), (3, 1), (5, 3)] {
         let mut script = Script::new();
         for number in 100..115 {
@@ -511,9 +515,9 @@ fn answers_without_a_time_are_late_if_several_in_a_row_stand_behind_the_next_req
         };
         assert_eq!(script.found(), expected, "{late}");
     }
-    // Whose answer stands there twice wasn't late, nor is another's streak its own.
+    // Duplicate replies and replies of other components don't count.
     let mut script = Script::new();
-    script.talk(100, 103, &[3, 5]);
+    script.exchange(100, 103, &[3, 5]);
     for number in 103..115 {
         script.request(number * PERIOD, id(number), &[3, 5]);
         script.reply(0, id(number - 1), 3);
@@ -524,17 +528,17 @@ fn answers_without_a_time_are_late_if_several_in_a_row_stand_behind_the_next_req
     assert_eq!(script.found(), NOTHING);
 }
 
-/// A message that can't be read is one that may have said anything.
+/// An unreadable message may have any content.
 #[test]
-fn an_answer_that_can_not_be_read_is_not_missed() {
+fn reports_no_missing_reply_that_may_be_unreadable() {
     let mut script = Script::new();
-    script.talk(100, 110, &[3]);
+    script.exchange(100, 110, &[3]);
     let [reply, other] =
         [REPLY, "FailsafeFlags"].map(|name| u16::try_from(script.topic(name)).expect("an id"));
-    // The same for what belongs to no talk: then the answer is missing.
+    // If an unrelated message is unreadable, the reply is missing.
     for (id, found) in [(reply, &["PX-DATA-01"][..]), (other, &["PX-DATA-01", "PX-EXT-03"])] {
         let mut log = script.flight.log();
-        let at = log.entries.iter().rposition(|entry| matches!(entry, Entry::Data(of, _) if *of == reply));
+        let at = log.entries.iter().rposition(|entry| matches!(entry, Entry::Data(id, _) if *id == reply));
         log.entries[at.expect("a reply") - 8] = Entry::Data(id, b"abc".to_vec());
         assert_eq!(rules_violated(&script.run_check(&log.to_bytes())), found);
 
@@ -555,7 +559,7 @@ fn rules_violated(result: &CaptureResult) -> Vec<&'static str> {
 #[test]
 fn checks_sessions_in_json_of_mcap() {
     let mut script = Script::new();
-    script.talk(100, 110, &[3]);
+    script.exchange(100, 110, &[3]);
     script.reply(109 * PERIOD + 9, 50, 3);
     let topics = [REQUEST, REPLY].map(|message| script.topic(message));
     let mut records = Vec::new();
@@ -574,10 +578,10 @@ fn checks_sessions_in_json_of_mcap() {
 
 /// A topic may be unsubscribed, and subscribed again with another id.
 #[test]
-fn a_talk_may_go_on_with_other_ids() {
+fn accepts_new_subscription_ids() {
     let [mut before, mut after] = [Script::new(), Script::new()];
-    before.talk(100, 105, &[3]);
-    after.talk(105, 110, &[3]);
+    before.exchange(100, 105, &[3]);
+    after.exchange(105, 110, &[3]);
     after.reply(109 * PERIOD + 9, 50, 3);
     let request = u16::try_from(before.topic(REQUEST)).expect("an id");
     let mut bytes = before.flight.log().to_bytes();
@@ -593,26 +597,26 @@ fn a_talk_may_go_on_with_other_ids() {
         }
     }
     log.entries.insert(0, Entry::Subscription(900, 0, "arming_check_request".to_owned()));
-    // Behind the header.
+    // Without the header.
     bytes.extend(&log.to_bytes()[16..]);
     assert_eq!(rules_violated(&before.run_check(&bytes)), ["PX-EXT-01"]);
 }
 
 #[test]
-fn a_registration_may_stand_behind_the_first_answer_in_the_file() {
+fn accepts_a_registration_after_the_first_reply_in_the_file() {
     let mut script = Script::new();
-    script.register(SHORTLY, 3);
-    script.talk(100, 102, &[3]);
+    script.register(REGISTRATION_TIME, 3);
+    script.exchange(100, 102, &[3]);
     script.request(102 * PERIOD, 102, &[3]);
     script.reply(102 * PERIOD + 5, 102, 3);
     script.reply(102 * PERIOD + 7, 102, 5);
     script.register(102 * PERIOD + 2, 5);
-    script.talk(103, 106, &[3, 5]);
+    script.exchange(103, 106, &[3, 5]);
     assert_eq!(script.found(), NOTHING);
 }
 
 #[test]
-fn an_id_that_nobody_can_have_is_always_wrong() {
+fn reports_impossible_ids() {
     for (id, is_wrong) in [(127, false), (128, true), (255, true)] {
         let mut script = Script::new();
         script.reply(5, 17, id);
@@ -621,16 +625,16 @@ fn an_id_that_nobody_can_have_is_always_wrong() {
 }
 
 #[test]
-fn an_id_that_was_given_back_may_be_given_out_again() {
+fn accepts_reassigned_ids() {
     let mut script = Script::new();
     script.register(10, 3);
-    script.talk(100, 105, &[3]);
+    script.exchange(100, 105, &[3]);
     script.unregister(105 * PERIOD - 100, 3);
-    script.talk(105, 107, &[]);
+    script.exchange(105, 107, &[]);
     script.register(107 * PERIOD - 100, 3);
-    script.talk(107, 112, &[3]);
+    script.exchange(107, 112, &[3]);
     assert_eq!(script.found(), NOTHING);
-    // In the file, the registration may stand behind the first request that it is part of.
+    // In the file, the registration may follow the first request that includes it.
     let at = script
         .flight
         .messages
@@ -642,17 +646,17 @@ fn an_id_that_was_given_back_may_be_given_out_again() {
 }
 
 #[test]
-fn what_is_older_than_what_it_seems_to_end_ends_nothing() {
+fn ignores_an_unregistration_older_than_the_registration() {
     let mut script = Script::new();
-    script.talk(100, 102, &[3]);
+    script.exchange(100, 102, &[3]);
     script.unregister(50 * PERIOD, 3);
     script.request(102 * PERIOD, 102, &[]);
     script.reply(102 * PERIOD + 5, 102, 3);
-    script.talk(103, 105, &[]);
+    script.exchange(103, 105, &[]);
     assert_eq!(script.found(), NOTHING);
-    // Nor does an old registration give out again what was given back since.
+    // Similarly, an old registration doesn't assign an id that was released later.
     let mut script = Script::new();
-    script.talk(100, 102, &[3]);
+    script.exchange(100, 102, &[3]);
     script.unregister(102 * PERIOD - 50, 3);
     script.register(10, 3);
     script.request(102 * PERIOD, 102, &[]);
@@ -661,10 +665,10 @@ fn what_is_older_than_what_it_seems_to_end_ends_nothing() {
 }
 
 #[test]
-fn a_request_may_be_under_way_while_a_component_leaves() {
+fn accepts_a_pending_request_during_an_unregistration() {
     for (mask, ms, is_wrong) in [(&[3][..], 100, false), (&[], 105, false), (&[], 150, true)] {
         let mut script = Script::new();
-        script.talk(1, 3, &[3]);
+        script.exchange(1, 3, &[3]);
         script.unregister(3 * PERIOD + 95, 3);
         script.request(3 * PERIOD + ms, 3, mask);
         script.reply(3 * PERIOD + ms + 5, 3, 3);
@@ -673,7 +677,7 @@ fn a_request_may_be_under_way_while_a_component_leaves() {
 }
 
 #[test]
-fn recordings_with_some_of_the_requests_are_left_alone() {
+fn ignores_recordings_with_only_some_requests() {
     let mut script = Script::new();
     for number in 100..130 {
         if number % 3 == 0 {
@@ -685,7 +689,7 @@ fn recordings_with_some_of_the_requests_are_left_alone() {
 }
 
 #[test]
-fn recordings_with_some_of_the_replies_are_left_alone() {
+fn ignores_recordings_with_only_some_replies() {
     for step in [2, 3] {
         let mut script = Script::new();
         for number in 100..130 {
@@ -700,30 +704,30 @@ fn recordings_with_some_of_the_replies_are_left_alone() {
 }
 
 #[test]
-fn of_several_components_the_silent_one_is_named() {
+fn names_the_component_that_does_not_reply() {
     let mut script = Script::new();
-    script.talk(100, 103, &[3, 5]);
+    script.exchange(100, 103, &[3, 5]);
     for number in 103..107 {
         script.request(number * PERIOD, id(number), &[3, 5]);
         script.reply(number * PERIOD + 5, id(number), 3);
     }
-    // The flight controller no longer counts on it.
-    script.talk(107, 112, &[3]);
+    // The flight controller no longer expects a reply of the component.
+    script.exchange(107, 112, &[3]);
     let message = "request 103: registration 5 does not reply";
     assert_eq!(script.found(), [format!("PX-EXT-03 arming_check_request 3: {message}")]);
 }
 
 #[test]
-fn components_that_come_or_go_need_not_answer() {
+fn new_and_leaving_components_need_not_reply() {
     let mut script = Script::new();
-    script.talk(100, 105, &[3, 5]);
+    script.exchange(100, 105, &[3, 5]);
     script.request(105 * PERIOD, 105, &[3, 5]);
     script.unregister(105 * PERIOD + 2, 5);
     script.reply(105 * PERIOD + 5, 105, 3);
     script.request(106 * PERIOD, 106, &[3, 5]);
     script.register(106 * PERIOD + 2, 5);
     script.reply(106 * PERIOD + 5, 106, 3);
-    // The new one takes its time.
+    // The new component starts slowly.
     for number in 107..112 {
         script.request(number * PERIOD, id(number), &[3, 5]);
         script.reply(number * PERIOD + 5, id(number), 3);
@@ -732,12 +736,12 @@ fn components_that_come_or_go_need_not_answer() {
 }
 
 #[test]
-fn a_flight_controller_that_starts_again_begins_anew() {
+fn a_restart_of_the_flight_controller_starts_over() {
     for (ms, is_wrong) in [(105 * PERIOD, true), (50, false)] {
         let mut script = Script::new();
-        script.register(SHORTLY, 3);
-        script.talk(100, 105, &[3]);
-        // Numbers may go on by chance.
+        script.register(REGISTRATION_TIME, 3);
+        script.exchange(100, 105, &[3]);
+        // Request ids may continue by chance.
         script.request(ms, 105, &[3]);
         script.reply(ms + 5, 105, 3);
         script.reply(ms + 6, 105, 9);
@@ -746,9 +750,9 @@ fn a_flight_controller_that_starts_again_begins_anew() {
     }
 }
 
-/// Time goes back only where it is less than before.
+/// Time goes back only if it decreases.
 #[test]
-fn requests_of_one_time_follow_each_other() {
+fn accepts_requests_with_equal_times() {
     let mut script = Script::new();
     script.request(100 * PERIOD, 100, &[3]);
     script.request(100 * PERIOD, 101, &[3]);
@@ -758,21 +762,21 @@ fn requests_of_one_time_follow_each_other() {
 }
 
 #[test]
-fn who_answers_too_early_does_not_answer() {
+fn a_reply_before_the_request_does_not_count() {
     let mut script = Script::new();
-    script.talk(100, 105, &[3]);
+    script.exchange(100, 105, &[3]);
     script.reply(104 * PERIOD + 9, 105, 3);
     script.request(105 * PERIOD, 105, &[3]);
-    script.talk(106, 110, &[3]);
+    script.exchange(106, 110, &[3]);
     let found = script.found();
     assert_eq!(found.len(), 2, "{found:?}");
     assert!(found[0].starts_with("PX-EXT-01") && found[1].starts_with("PX-EXT-03"), "{found:?}");
 }
 
 #[test]
-fn components_may_share_a_topic_by_instances() {
+fn components_may_use_instances_of_a_topic() {
     let mut script = Script::new();
-    script.talk(100, 110, &[3, 5]);
+    script.exchange(100, 110, &[3, 5]);
     script.reply(109 * PERIOD + 9, 50, 3);
     let mut log = script.flight.log();
     let reply = u16::try_from(script.topic(REPLY)).expect("an id");
@@ -789,12 +793,12 @@ fn components_may_share_a_topic_by_instances() {
     assert_eq!(rules, ["PX-EXT-01"]);
     assert_eq!(result.findings.covered(rule("PX-EXT-03").expect("a rule")), 16);
 
-    // A logger subscribes to instances that nobody publishes.
+    // A logger subscribes to unpublished instances.
     let at = last_subscription.expect("a subscription") + 1;
     log.entries.insert(at, Entry::Subscription(901, 1, "arming_check_request".to_owned()));
     assert_eq!(reported(&script.run_check(&log.to_bytes())).len(), 1);
 
-    // But where two ask, nobody knows who is meant.
+    // With two requesters, it is unknown whom a reply is for.
     let request = u16::try_from(script.topic(REQUEST)).expect("an id");
     let of_another = log.entries.iter().find_map(|entry| match entry {
         Entry::Data(id, payload) if *id == request => Some(Entry::Data(901, payload.clone())),
@@ -809,9 +813,9 @@ fn components_may_share_a_topic_by_instances() {
 #[test]
 fn does_not_check_indistinguishable_vehicles() {
     let mut script = Script::new();
-    script.talk(100, 104, &[3]);
+    script.exchange(100, 104, &[3]);
     script.reply(103 * PERIOD + 9, 50, 3);
-    script.talk(104, 106, &[3]);
+    script.exchange(104, 106, &[3]);
     let mut lines = script.flight.rosbridge().lines;
     assert_eq!(reported(&script.run_check(lines.join("\n").as_bytes())).len(), 1);
     for topic in ["arming_check_request", "arming_check_reply"] {
@@ -825,9 +829,9 @@ fn does_not_check_indistinguishable_vehicles() {
 }
 
 #[test]
-fn a_message_that_is_recorded_twice_is_one() {
+fn ignores_duplicate_messages() {
     let mut script = Script::new();
-    script.talk(100, 110, &[3]);
+    script.exchange(100, 110, &[3]);
     let messages = std::mem::take(&mut script.flight.messages);
     script.flight.messages = messages.into_iter().flat_map(|sent| [sent.clone(), sent]).collect();
     assert_eq!(script.found(), NOTHING);
@@ -835,13 +839,13 @@ fn a_message_that_is_recorded_twice_is_one() {
 }
 
 #[test]
-fn many_replies_that_wait_are_let_go() {
+fn stores_a_bounded_number_of_replies() {
     let mut script = Script::new();
-    script.talk(100, 102, &[3]);
+    script.exchange(100, 102, &[3]);
     for _ in 0..100 {
         script.reply(101 * PERIOD + 9, 50, 9);
     }
-    script.talk(102, 104, &[3]);
+    script.exchange(102, 104, &[3]);
     let message = "registration 9 answers request 50, but the latest request is 101";
     assert_eq!(script.found(), [format!("PX-EXT-01 arming_check_reply.request_id 64: {message}")]);
 }
@@ -866,27 +870,27 @@ fn without_masks_uses_registrations() {
     let flight = Flight::new(&definitions);
     let mut script = Script::with_flight(&flight);
     script.register(10, 3);
-    script.talk(100, 105, &[3, 5]);
+    script.exchange(100, 105, &[3, 5]);
     script.request(105 * PERIOD, 105, &[]);
     script.reply(105 * PERIOD + 5, 105, 5);
-    script.talk(106, 109, &[3]);
+    script.exchange(106, 109, &[3]);
     script.unregister(109 * PERIOD - 5, 3);
-    script.talk(109, 114, &[]);
+    script.exchange(109, 114, &[]);
     let message = "request 105: registration 3 does not reply";
     let expected = [format!("PX-EXT-03 arming_check_request 1: {message}")];
-    assert_eq!(script.found(), expected, "nobody knows of 5, which was there before, or wasn't");
-    // Those from 100 to 107: the answer to 108 isn't asked of who has left before 109.
+    assert_eq!(script.found(), expected, "it is unknown whether 5 was registered");
+    // The requests 100 to 107: the component was unregistered before request 109, so it need not answer 108.
     assert_eq!(script.covered("PX-EXT-03"), 8);
     script.reply(113 * PERIOD + 5, 113, 3);
-    assert_eq!(script.found().len(), 1, "it may have been registered again, and go on");
-    script.talk(114, 116, &[]);
+    assert_eq!(script.found().len(), 1, "the component may have been registered again");
+    script.exchange(114, 116, &[]);
     assert_eq!(script.found().len(), 1);
-    script.talk(116, 117, &[]);
+    script.exchange(116, 117, &[]);
     assert_eq!(script.found().len(), 2);
 }
 
 #[test]
-fn without_masks_who_goes_on_to_answer_was_registered_again() {
+fn without_masks_further_replies_imply_a_registration() {
     let folder = TempDir::new().expect("a folder");
     for (name, text) in TALK {
         fs::write(folder.path().join(format!("{name}.msg")), text).expect("a file");
@@ -896,39 +900,39 @@ fn without_masks_who_goes_on_to_answer_was_registered_again() {
     let left = |after: &dyn Fn(&mut Script<'_>)| {
         let mut script = Script::with_flight(&flight);
         script.register(10, 3);
-        script.talk(100, 105, &[3]);
+        script.exchange(100, 105, &[3]);
         script.unregister(105 * PERIOD - 100, 3);
         after(&mut script);
-        script.talk(110, 116, &[]);
+        script.exchange(110, 116, &[]);
         script.found().iter().filter(|message| message.starts_with("PX-EXT-02")).count()
     };
     let once = left(&|script| {
-        script.talk(105, 106, &[3]);
-        script.talk(106, 110, &[]);
+        script.exchange(105, 106, &[3]);
+        script.exchange(106, 110, &[]);
     });
     assert_eq!(once, 1);
-    assert_eq!(left(&|script| script.talk(105, 110, &[3])), 0, "it goes on");
-    // Its registration stands behind its first answer.
+    assert_eq!(left(&|script| script.exchange(105, 110, &[3])), 0, "the component continues");
+    // The registration follows the first reply.
     let registered = left(&|script| {
-        script.talk(105, 106, &[3]);
+        script.exchange(105, 106, &[3]);
         script.register(105 * PERIOD - 50, 3);
-        script.talk(106, 110, &[]);
+        script.exchange(106, 110, &[]);
     });
     assert_eq!(registered, 0);
-    // A request is missing in between.
+    // A request in between is missing.
     let missing = left(&|script| {
-        script.talk(105, 106, &[3]);
-        script.talk(107, 110, &[]);
+        script.exchange(105, 106, &[3]);
+        script.exchange(107, 110, &[]);
     });
     assert_eq!(missing, 0);
-    // Topics aren't in order among each other: it came again after it had left.
+    // Topics have no common order: the component registered again after it had left.
     let mut script = Script::with_flight(&flight);
     script.register(10, 3);
-    script.talk(100, 105, &[3]);
+    script.exchange(100, 105, &[3]);
     script.register(105 * PERIOD - 100, 3);
     script.unregister(105 * PERIOD - 105, 3);
-    script.talk(105, 106, &[3]);
-    script.talk(106, 112, &[]);
+    script.exchange(105, 106, &[3]);
+    script.exchange(106, 112, &[]);
     assert_eq!(script.found(), NOTHING);
 }
 
@@ -944,7 +948,7 @@ fn does_not_check_fields_that_a_release_lacks() {
     let flight = Flight::new(&definitions);
     let mut script = Script::with_flight(&flight);
     script.register(10, 3);
-    script.talk(100, 105, &[3]);
+    script.exchange(100, 105, &[3]);
     script.reply(105 * PERIOD, 9, 200);
     assert_eq!(script.found(), NOTHING);
     for id in ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-04", "PX-EXT-05"] {
@@ -952,7 +956,7 @@ fn does_not_check_fields_that_a_release_lacks() {
     }
 }
 
-/// What is said of a reply with these values, whose events have these ids.
+/// The findings for a reply with these values and event ids.
 fn reported_for(can_arm: bool, in_use: u8, ids: [u32; 5]) -> (Vec<String>, u64) {
     let mut script = Script::new();
     script.reply(5, 17, 3);
@@ -988,11 +992,11 @@ fn refusals_have_a_reason() {
 }
 
 #[test]
-fn flags_that_no_mode_requires_are_shown_each_with_its_count() {
+fn counts_flags_that_no_mode_requires() {
     let flags = |fields: &Value| {
         let mut script = Script::new();
         for round in 1..=5 {
-            script.say("FailsafeFlags", round * 20, fields);
+            script.add("FailsafeFlags", round * 20, fields);
         }
         script
     };
@@ -1008,11 +1012,11 @@ fn flags_that_no_mode_requires_are_shown_each_with_its_count() {
         let result = script.run_check(&bytes);
         let found: Vec<(String, u64)> =
             result.findings.groups().map(|group| (group.subject.clone(), group.count)).collect();
-        let of = |flag: &str| {
+        let example = |flag: &str| {
             let name = if bytes.starts_with(b"{") { "FailsafeFlags" } else { "failsafe_flags" };
             (format!("{name}.{flag}"), 5)
         };
-        let expected = ["attitude_invalid", "flight_time_limit_exceeded", "wind_limit_exceeded"].map(of);
+        let expected = ["attitude_invalid", "flight_time_limit_exceeded", "wind_limit_exceeded"].map(example);
         assert_eq!(found, expected);
         assert_eq!(result.findings.verdict(shown), Verdict::Shown);
         let group = result.findings.groups_of(shown).next().expect("a group");

@@ -1,4 +1,4 @@
-//! Recorded conversations of Flockwave: what is certain is found, and nothing else.
+//! Tests of recorded Flockwave sessions: only certain violations are reported.
 
 use crate::tests::support;
 
@@ -20,7 +20,7 @@ fn checked(bytes: &[u8]) -> CaptureResult {
     check_capture(bytes, None, &DEFINITIONS).expect("bytes can be read")
 }
 
-/// How often each rule is broken.
+/// The number of violations per rule.
 fn violated(result: &CaptureResult) -> BTreeMap<&'static str, u64> {
     let mut counts = BTreeMap::new();
     for group in result.findings.groups() {
@@ -58,8 +58,8 @@ fn land(gliders: &[&str]) -> Value {
     json!({ "type": "UAV-LAND", "ids": gliders })
 }
 
-/// The same lines on a connection of another name.
-fn on(connection: &str, session: &Session) -> Vec<Value> {
+/// The lines of a session, moved to another connection.
+fn on_connection(connection: &str, session: &Session) -> Vec<Value> {
     let mut lines = session.lines.clone();
     for line in &mut lines {
         line["conn"] = connection.into();
@@ -74,7 +74,7 @@ fn with_lines(lines: Vec<Value>) -> Session {
 }
 
 #[test]
-fn answers_may_come_in_any_order() {
+fn accepts_answers_in_any_order() {
     let mut session = Session::opened();
     let first = session.sends(ping());
     let second = session.sends(json!({ "type": "UAV-LIST" }));
@@ -87,7 +87,7 @@ fn answers_may_come_in_any_order() {
 }
 
 #[test]
-fn an_id_may_be_used_again_once_it_is_answered() {
+fn accepts_reuse_of_an_answered_id() {
     let mut session = Session::opened();
     for _ in 0..3 {
         let id = session.sends(ping());
@@ -101,7 +101,7 @@ fn an_id_may_be_used_again_once_it_is_answered() {
     assert_eq!(violated_by(&session), [("FW-ENV-08", 1)]);
 }
 
-/// Nobody can tell which of two requests an answer is about, so its contents aren't judged by either.
+/// If two requests have the same id, the answer belongs to neither, so its contents aren't checked.
 #[test]
 fn reports_only_the_reuse_of_a_request_id() {
     for is_swapped in [false, true] {
@@ -125,8 +125,8 @@ fn reports_only_the_reuse_of_a_request_id() {
 
 #[test]
 fn distinguishes_connections() {
-    let (hill, dale) = (on("hill", &Session::new()), on("dale", &Session::new()));
-    // Line by line, and one after the other: the ids of both are the same.
+    let (hill, dale) = (on_connection("hill", &Session::new()), on_connection("dale", &Session::new()));
+    // Interleaved and consecutive sessions with the same ids.
     let mixed = hill.iter().cloned().zip(dale.iter().cloned()).flat_map(|(one, other)| [one, other]);
     let mixed = with_lines(mixed.collect());
     assert_eq!(violated_by(&mixed), []);
@@ -137,16 +137,16 @@ fn distinguishes_connections() {
     let id = session.sends(ping());
     let mut other = Session::opened();
     other.answers(&id, done());
-    let lines = [on("hill", &session), on("dale", &other)].concat();
+    let lines = [on_connection("hill", &session), on_connection("dale", &other)].concat();
     assert_eq!(violated_by(&with_lines(lines)), [("FW-ENV-06", 1)], "the answer comes on another connection");
 }
 
 #[test]
-fn a_connection_that_is_opened_again_begins_anew() {
+fn a_reopened_connection_starts_a_new_session() {
     let session = Session::new();
     let twice = with_lines([session.lines.clone(), session.lines.clone()].concat());
     assert_eq!(violated_by(&twice), []);
-    // Even if its end isn't told; what was asked before belongs to the one before.
+    // This applies even if the recording doesn't contain the end of the connection.
     let mut session = Session::opened();
     let id = session.sends(ping());
     session.event("connect");
@@ -155,7 +155,7 @@ fn a_connection_that_is_opened_again_begins_anew() {
 }
 
 #[test]
-fn a_recording_may_begin_and_end_anywhere() {
+fn accepts_recordings_of_parts_of_a_session() {
     let session = Session::new();
     for at in 0..=session.lines.len() {
         let (before, after) = session.lines.split_at(at);
@@ -166,7 +166,7 @@ fn a_recording_may_begin_and_end_anywhere() {
 }
 
 #[test]
-fn reports_only_what_is_lost() {
+fn reports_only_lost_answers() {
     let session = Session::new();
     let lines: Vec<String> = session.lines.iter().map(ToString::to_string).collect();
     let junk = [
@@ -185,7 +185,7 @@ fn reports_only_what_is_lost() {
 }
 
 #[test]
-fn a_request_counts_as_unanswered_only_where_the_server_spoke_long_after() {
+fn reports_an_unanswered_request_if_the_server_sends_messages_much_later() {
     let mut session = Session::opened();
     session.sends(ping());
     session.wait(20.0);
@@ -200,17 +200,17 @@ fn a_request_counts_as_unanswered_only_where_the_server_spoke_long_after() {
     session.wait(60.0);
     session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
     session.answers(&answered_late, done());
-    assert_eq!(violated_by(&session), [("FW-ENV-07", 1)], "also where the end isn't told");
+    assert_eq!(violated_by(&session), [("FW-ENV-07", 1)], "without the end of the connection as well");
     let location = checked(&session.to_bytes()).findings.groups().next().expect("a finding").examples[0].0;
-    assert_eq!(location.to_string(), "line 2", "it stands where the request does");
+    assert_eq!(location.to_string(), "line 2", "the location of the request");
 
     session.lines[3]["t"] = 0.into();
-    assert_eq!(violated_by(&session), [], "where time goes back nobody knows how long it was");
+    assert_eq!(violated_by(&session), [], "the duration is unknown if time goes back");
 }
 
-/// What is no request of Flockwave needn't be answered, and times may be in other units than they should.
+/// Messages that aren't Flockwave requests need no answer, and times may have unexpected units.
 #[test]
-fn what_is_not_certain_to_be_a_request_that_waits_is_left_alone() {
+fn ignores_messages_that_may_not_need_an_answer() {
     let changes: [fn(&mut Value); 4] = [
         |line| line["msg"]["$fw.version"] = json!(null),
         |line| line["msg"]["body"] = json!({}),
@@ -229,24 +229,24 @@ fn what_is_not_certain_to_be_a_request_that_waits_is_left_alone() {
     }
 }
 
-/// Datagrams get lost, come twice and change places.
+/// Datagrams may be lost, duplicated or reordered.
 #[test]
 fn does_not_check_order_over_udp() {
     let session = Session::new();
-    let mut lines = on("udp#1", &session);
+    let mut lines = on_connection("udp#1", &session);
     assert_eq!(violated_by(&with_lines(lines.clone())), []);
     lines[1..].reverse();
     assert_eq!(violated_by(&with_lines(lines.clone())), []);
     lines.extend(lines.clone());
     assert_eq!(violated_by(&with_lines(lines)), []);
-    let thinned = on("udp#1", &session).into_iter().enumerate().filter(|(at, _)| at % 3 > 0);
+    let thinned = on_connection("udp#1", &session).into_iter().enumerate().filter(|(at, _)| at % 3 > 0);
     assert_eq!(violated_by(&with_lines(thinned.map(|(_, line)| line).collect())), []);
     let changed = session.errors(&[0]).expect("a report");
-    assert_eq!(violated_by(&with_lines(on("UDP", &changed))), [("FW-ERR-02", 1)]);
+    assert_eq!(violated_by(&with_lines(on_connection("UDP", &changed))), [("FW-ERR-02", 1)]);
 }
 
 #[test]
-fn receipts_end_once_by_a_result_or_by_a_timeout() {
+fn receipts_end_once_with_a_result_or_a_timeout() {
     let mut session = Session::opened();
     let receipts = json!({ "receipt": { "kite": "r-1", "swift": "r-2", "owl": "r-3" } });
     session.exchange(land(&["kite", "swift", "owl"]), receipts);
@@ -254,7 +254,7 @@ fn receipts_end_once_by_a_result_or_by_a_timeout() {
     session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["r-1", "r-3"] }));
     assert_eq!(violated_by(&session), []);
 
-    // What has ended may be used anew.
+    // A receipt may be reused after its end.
     let mut again = session.clone();
     again.exchange(land(&["kite"]), json!({ "receipt": { "kite": "r-1" } }));
     again.notify(json!({ "type": "ASYNC-RESP", "id": "r-1", "error": "A thermal carries it" }));
@@ -267,7 +267,7 @@ fn receipts_end_once_by_a_result_or_by_a_timeout() {
 }
 
 #[test]
-fn suspended_operations_wait_for_the_client() {
+fn suspended_operations_continue_only_after_a_request() {
     let suspended = || {
         let mut session = Session::opened();
         session.exchange(land(&["kite"]), json!({ "receipt": { "kite": "r-1" } }));
@@ -276,7 +276,7 @@ fn suspended_operations_wait_for_the_client() {
     };
     let ended = json!({ "type": "ASYNC-RESP", "id": "r-1", "result": true });
     for request in ["ASYNC-RESUME", "ASYNC-CANCEL"] {
-        // The end may come before the answer to the request that allows it.
+        // The end may precede the answer to the request that resumes the operation.
         let mut session = suspended();
         let id = session.sends(json!({ "type": request, "ids": ["r-1"] }));
         session.notify(ended.clone());
@@ -293,7 +293,7 @@ fn suspended_operations_wait_for_the_client() {
 }
 
 #[test]
-fn results_are_those_of_the_command_that_the_receipt_belongs_to() {
+fn checks_results_against_the_command_of_the_receipt() {
     let mut session = Session::opened();
     let value = json!({ "type": "PRM-GET", "ids": ["kite"], "name": "FLAPS" });
     session.exchange(value, json!({ "receipt": { "kite": "r-1" } }));
@@ -306,7 +306,7 @@ fn results_are_those_of_the_command_that_the_receipt_belongs_to() {
 }
 
 #[test]
-fn a_refusal_is_no_answer_that_could_be_incomplete() {
+fn a_rejection_is_not_an_incomplete_answer() {
     let mut session = Session::opened();
     session.exchange_with(land(&["kite"]), json!({ "type": "ACK-NAK", "reason": "Log in first" }));
     let id = session.sends(land(&["kite"]));
@@ -314,9 +314,9 @@ fn a_refusal_is_no_answer_that_could_be_incomplete() {
     assert_eq!(violated_by(&session), []);
 }
 
-/// Types that nobody knows are counted; nothing says what their messages have to be.
+/// Unknown types are only counted, since their messages have no definition.
 #[test]
-fn unknown_types_are_unsupported_and_no_failure() {
+fn counts_unknown_types_as_unsupported() {
     let mut session = Session::opened();
     session.exchange(json!({ "type": "SOAR-LIST" }), json!({ "ids": 7, "receipt": 9 }));
     session.notify(json!({ "type": "SOAR-INF", "status": 7 }));
@@ -331,7 +331,7 @@ fn unknown_types_are_unsupported_and_no_failure() {
     assert!(source.types.is_empty());
 }
 
-/// Bare messages don't say over which connection they went.
+/// Messages without an envelope of the recording have no connection.
 #[test]
 fn checks_bare_messages_alone_and_with_their_requests() {
     let session = Session::new();
@@ -344,18 +344,18 @@ fn checks_bare_messages_alone_and_with_their_requests() {
     assert_eq!((covered(&result, "FW-ENV-06"), covered(&result, "FW-ENV-04")), (0, 0));
     assert!(covered(&result, "FW-UST-ID") > 0 && covered(&result, "FW-ASY-02") > 0);
     let recorded = checked(&session.to_bytes());
-    // The request of the server and the answer to it can't be told from those of a client.
+    // Without a direction, requests of the server look like requests of a client.
     assert_eq!(result.records, recorded.records);
     let changed =
         session.errors(&[0]).expect("a report").reply("UAV-TAKEOFF", |body| body["error"] = json!({}));
     let changed = changed.expect("an answer");
     assert_eq!(violated(&checked(&bare(&changed))), BTreeMap::from([("FW-ASY-02", 1), ("FW-ERR-02", 1)]));
-    // Two recordings in one file: ids of the one and the other may be the same.
+    // Two recordings in one file may contain the same ids.
     assert_eq!(violated(&checked(&[bare(&Session::new()), bare(&Session::new())].concat())), BTreeMap::new());
 }
 
 #[test]
-fn a_recording_is_known_by_its_first_object() {
+fn detects_a_recording_by_its_first_object() {
     let session = Session::new();
     let text = String::from_utf8(session.to_bytes()).expect("text");
     assert!(matches!(checked(format!("half a li\n{text}").as_bytes()).summary, Summary::Flockwave(_)));
@@ -371,9 +371,9 @@ fn a_recording_is_known_by_its_first_object() {
     }
 }
 
-/// What one program takes for no JSON may be some to another.
+/// Text that one program rejects may be valid JSON for another.
 #[test]
-fn raw_text_is_a_message_where_it_can_be_read() {
+fn parses_raw_text_as_a_message_if_possible() {
     let mut session = Session::opened();
     let id = session.sends(ping());
     let raw = format!(
@@ -387,18 +387,18 @@ fn raw_text_is_a_message_where_it_can_be_read() {
     assert_eq!(
         violated_by(&session),
         [("FW-ACK-03", 1), ("FW-ENV-23", 1)],
-        "what a client sends isn't judged"
+        "messages of clients aren't checked"
     );
 }
 
 #[test]
-fn integers_may_be_written_with_a_fraction_of_zero() {
+fn accepts_integers_with_a_zero_fraction() {
     let session = Session::new().state(|kite| kite["heading"] = json!(2710.0)).expect("a report");
     assert_eq!(violated_by(&session), []);
 }
 
 #[test]
-fn hostile_recordings_are_survived() {
+fn reads_hostile_recordings() {
     let session = Session::new();
     let bytes = session.to_bytes();
     for end in (0..bytes.len()).step_by(211) {
@@ -438,15 +438,12 @@ fn hostile_recordings_are_survived() {
     let result = checked(&session.to_bytes());
     assert!(result.findings.groups().count() > 5);
     let reported = result.findings.groups().flat_map(|group| &group.examples);
-    assert!(
-        reported.map(|(_, detail)| detail.to_string().len()).max() < Some(2_000),
-        "what is told is short"
-    );
+    assert!(reported.map(|(_, detail)| detail.to_string().len()).max() < Some(2_000), "messages are short");
 }
 
-/// Of what was forgotten for lack of room nothing is said.
+/// Requests that were dropped to save memory have no findings.
 #[test]
-fn requests_without_end_take_bounded_room() {
+fn stores_a_bounded_number_of_requests() {
     let mut text = String::from("{\"conn\":\"hill\",\"dir\":\"event\",\"event\":\"connect\"}\n");
     let line = |direction: &str, message: Value| {
         format!("{}\n", json!({ "conn": "hill", "dir": direction, "msg": message }))
@@ -459,14 +456,14 @@ fn requests_without_end_take_bounded_room() {
         text.push_str(&line("out", request(number)));
     }
     let long = [("FW-ENV-05", 2), ("FW-ENV-06", 1)];
-    // The first has been forgotten, the last has not.
+    // The first request has been dropped, the last has not.
     text.push_str(&line("in", answer(1)));
     let result = checked(text.as_bytes());
     assert_eq!(violated(&result).into_iter().collect::<Vec<_>>(), long);
     text.push_str(&line("in", answer(39_999)));
     let result = checked(text.as_bytes());
     assert_eq!(covered(&result, "FW-ENV-16"), 1);
-    // Their number is bounded, too.
+    // The number of requests is limited as well.
     let many: String = (0..11_000)
         .map(|number| format!("{}\n", json!({ "conn": number, "dir": "event", "event": "connect" })))
         .collect();
@@ -476,7 +473,7 @@ fn requests_without_end_take_bounded_room() {
 }
 
 #[test]
-fn reports_say_what_a_recording_is() {
+fn reports_describe_the_recording() {
     let definitions = Definitions::built_in();
     let mut session = Session::new();
     session = session.then(|session| session.exchange(json!({ "type": "SOAR-LIST" }), json!({ "ids": [] })));
@@ -489,17 +486,17 @@ fn reports_say_what_a_recording_is() {
     }
     let value = serde_json::to_value(&subject).expect("JSON");
     assert_eq!((&value["kind"], &value["connections"]), (&json!("flockwave"), &json!(8)));
-    // UAV-SOAR comes from the client alone, who isn't judged.
+    // UAV-SOAR is sent only by the client, which isn't checked.
     let unsupported = json!([{ "name": "SOAR-LIST", "from_client": 1, "from_server": 1 }]);
     assert_eq!(value["unsupported"], unsupported);
     assert!(value["types"].as_array().is_some_and(|types| types.len() > 30));
 }
 
-/// Traffic of a real server. Each of these rules is broken for a reason that was looked at: the server writes null
-/// where something else is asked for (also descriptions of connections, and once a position of the weather), leaves
-/// out the holder of a licence, has a magnetic field with fractions, and checks before flight under another name; it
-/// writes numbers for purposes of connections, 0 among the error codes, seconds for milliseconds, tells nothing of an
-/// operation that was cancelled, and sends the error codes that the client has told its gliders to have.
+/// The traffic of a real server, with findings that were verified by hand. The server writes null for other values (in
+/// descriptions of connections and in a position of the weather), omits the holder of a license, has a magnetic field
+/// with fractions, and uses another name for preflight checks. It also writes numbers for purposes of connections, 0 in
+/// lists of error codes, and seconds instead of milliseconds, doesn't report the end of a cancelled operation, and
+/// sends the error codes that the client set for its gliders.
 #[test]
 fn reports_the_deviations_of_real_servers() {
     let Some(corpus) = shared("corpus/flockwave") else { return };

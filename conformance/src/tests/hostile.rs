@@ -1,4 +1,4 @@
-//! A run whose input does what it can to break reports.
+//! Test runs with hostile input, which tries to break reports.
 
 use crate::check::check_capture;
 use crate::definitions::Definitions;
@@ -11,11 +11,11 @@ use crate::testee::compare::Difference;
 use crate::testee::outcome::{Outcome, ProtocolRemarks, Verdict};
 use serde_json::{Value, json};
 
-/// What ends, opens or escapes something in one of the kinds of reports, or fools the eye.
+/// A string that ends, starts or escapes something in each report format, or that displays misleadingly.
 pub(crate) const HOSTILE: &str = "</style><script>alert(1)</script>|`*[x](javascript:y)]]>&amp;\"'\r\n::error::\u{1b}[31m\u{7}\u{202e}\u{ffff}é🛩";
 
-/// Every source that breaks a rule, by name, and JSON with hostile names.
-pub(crate) fn sources(definitions: &Definitions) -> Vec<(String, Vec<u8>)> {
+/// Captures that violate each rule, by name, and JSON with hostile names.
+pub(crate) fn captures(definitions: &Definitions) -> Vec<(String, Vec<u8>)> {
     let flight = Flight::new(definitions);
     let mut sources = Vec::new();
     for mutant in mutants() {
@@ -27,7 +27,7 @@ pub(crate) fn sources(definitions: &Definitions) -> Vec<(String, Vec<u8>)> {
     sources
 }
 
-/// Messages with fields, types and texts that nobody would choose.
+/// Messages with hostile fields, types and texts.
 fn lines() -> Vec<u8> {
     let long = "x".repeat(10_000);
     let glider = |name: &str, value: Value| {
@@ -48,11 +48,11 @@ fn lines() -> Vec<u8> {
     lines.join("\n").into_bytes()
 }
 
-/// A report of `check` in which there is everything.
+/// A report of `check` with all kinds of content.
 pub(crate) fn checked(definitions: &Definitions) -> Report {
     let subject = |(path, bytes): (String, Vec<u8>)| {
         let result = check_capture(&bytes[..], None, definitions).expect("bytes can be read");
-        // The time that it took is no part of what is compared.
+        // The duration isn't compared.
         let checked = CheckedCapture {
             path,
             result,
@@ -62,7 +62,7 @@ pub(crate) fn checked(definitions: &Definitions) -> Report {
         let arguments = vec!["--definitions".to_owned(), HOSTILE.to_owned()];
         Subject::from_capture(checked, definitions, &Settings { arguments, ..Settings::default() })
     };
-    let mut subjects: Vec<Subject> = sources(definitions).into_iter().map(subject).collect();
+    let mut subjects: Vec<Subject> = captures(definitions).into_iter().map(subject).collect();
     let last = subjects.last_mut().expect("subjects");
     let known = Known {
         kind: "known".to_owned(),

@@ -1,4 +1,4 @@
-//! JSON judged: each rule finds what breaks it, and reading goes on whatever comes.
+//! Tests of JSON captures: each rule finds its violations, and reading continues after errors.
 
 mod forms;
 mod hostile;
@@ -61,7 +61,7 @@ fn published(topic: &str, message: &Value) -> String {
     json!({"op": "publish", "topic": topic, "msg": message}).to_string()
 }
 
-/// The name of a package that is read from a folder isn't ours to say.
+/// The type name, whose package depends on the temporary folder.
 fn type_name() -> String {
     let (_folder, definitions) = definitions();
     format!("{}/Glider", definitions.schema.packages[0].name)
@@ -74,9 +74,9 @@ fn check_bytes(bytes: &[u8]) -> CaptureResult {
 
 fn check_bare(text: &str) -> CaptureResult {
     let (_folder, definitions) = definitions();
-    let of = definitions.message_of_topic("glider");
-    assert!(of.is_some());
-    check_capture(text.as_bytes(), of, &definitions).expect("bytes can be read")
+    let message = definitions.message_of_topic("glider");
+    assert!(message.is_some());
+    check_capture(text.as_bytes(), message, &definitions).expect("bytes can be read")
 }
 
 fn source(result: &CaptureResult) -> &JsonSummary {
@@ -96,7 +96,7 @@ fn corruption(result: &CaptureResult) -> Vec<String> {
     result.corruption.iter().map(|(location, what)| format!("{location}: {what}")).collect()
 }
 
-/// Lines that conform, with another at the end.
+/// Conforming lines, followed by another line.
 fn lines_with(last: &str) -> String {
     let lines = (1..60).map(|number| typed(&glider(number * PERIOD)));
     lines.chain([last.to_owned()]).map(|line| line + "\n").collect()
@@ -119,12 +119,12 @@ fn conforming_json_has_no_violations_and_covers_its_rules() {
     let data = ["PX-BOOL-01", "PX-CDR-01", "PX-CDR-02", "PX-DATA-01", "PX-DATA-02", "PX-DATA-03"];
     let talk = ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-04", "PX-EXT-05"];
     let formats = ["PX-FMT-01", "PX-FMT-02", "PX-FMT-03"];
-    // No external component talks, and a type has no version behind its name.
+    // No external component communicates, and no type has a version suffix.
     assert_eq!(idle, [&data[..], &talk, &formats, &["PX-FSF-03", "PX-HASH-01", "PX-VER-01"]].concat());
     assert_eq!(result.findings.covered(rule("PX-JSON-01").expect("a rule")), 60 * 4);
 }
 
-/// The rule, what follows messages that conform, and what is said.
+/// The rule, the text after conforming messages, and the expected message.
 fn mutants() -> Vec<(&'static str, String, &'static str)> {
     let good = glider(60 * PERIOD);
     let value = |pointer: &str, value: Value| {
@@ -213,8 +213,8 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
             replaced("\"ratio\":1e+300", "\"ratio\":1e400"),
             "Glider.ratio: expected a number, or null for NaN, found 1e400, which is too large for float64",
         ),
-        ("PX-LEN-01", value("/num_marks", json!(4)), "Glider.num_marks: 4 entries in use of an array of 3"),
-        ("PX-NAN-01", value("/speed", json!(null)), "Glider.speed: NaN, which has no meaning here"),
+        ("PX-LEN-01", value("/num_marks", json!(4)), "Glider.num_marks: 4 exceeds the array length 3"),
+        ("PX-NAN-01", value("/speed", json!(null)), "Glider.speed: NaN is not allowed here"),
         (
             "PX-QUEUE-01",
             format!("{0}\n{0}\n{0}", typed(&good)),
@@ -287,7 +287,7 @@ fn reports_every_problem_of_a_message() {
     assert_eq!(ids, expected.map(|(id, subject)| (id, subject.to_owned())));
 }
 
-/// What findings are about is found again in the record by their pointers, whatever stands around the message.
+/// The JSON pointers of findings lead to the values in the record, regardless of its envelope.
 #[test]
 fn findings_point_into_the_record() {
     let mut message = glider(PERIOD);
@@ -321,7 +321,7 @@ fn findings_point_into_the_record() {
 }
 
 #[test]
-fn findings_show_what_was_written_and_not_too_much_of_it() {
+fn findings_show_the_original_text_up_to_a_limit() {
     let mut message = glider(PERIOD);
     message.as_object_mut().expect("an object").remove("serial");
     message["raw"] = json!([1, {"a": [true, "\u{1b}"]}]);
@@ -333,22 +333,22 @@ fn findings_show_what_was_written_and_not_too_much_of_it() {
         assert!(!excerpt.is_empty() && excerpt.len() < 300, "{} {excerpt}", group.rule.id);
         assert!(!excerpt.contains('\u{1b}'), "{excerpt}");
     }
-    let of = |subject: &str| {
+    let excerpt = |subject: &str| {
         let group = groups.iter().find(|group| group.subject == subject).expect("a finding");
         group.examples[0].1.excerpt.as_str()
     };
-    let whole = of("Glider.serial");
+    let whole = excerpt("Glider.serial");
     assert!(
         whole.starts_with(r#"{"timestamp": 20000, "speed": 20.0, "flaps": [0.5, null], "mode": 7, "#),
         "{whole}"
     );
     assert!(whole.ends_with("…}"), "{whole}");
-    assert_eq!(of("Glider.raw"), r#""raw": [1, {"a": [true, "\u{1b}"]}]"#);
+    assert_eq!(excerpt("Glider.raw"), r#""raw": [1, {"a": [true, "\u{1b}"]}]"#);
 }
 
-/// Entries beyond their count may hold anything of their type, whether the count stands before them or behind.
+/// Unused array elements may have any value of their type, whether the count precedes or follows the array.
 #[test]
-fn entries_that_are_not_in_use_are_ignored() {
+fn ignores_unused_array_elements() {
     let with = |num_marks: i64, height: Value| {
         let mut message = glider(PERIOD);
         message["num_marks"] = json!(num_marks);
@@ -377,7 +377,7 @@ fn entries_that_are_not_in_use_are_ignored() {
 }
 
 #[test]
-fn templates_come_to_the_same_as_reading_each_message() {
+fn templates_have_the_same_result_as_parsing_each_message() {
     let definitions = Definitions::built_in();
     let flight = Flight::new(&definitions);
     let mut compared = 0;

@@ -1,4 +1,4 @@
-//! The reference server, probed: without a bug nothing is found, and with each bug the rule that it breaks.
+//! Probes of the reference server: without a bug there are no findings, and each bug violates its rule.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use crate::matrix::live::{Row, cases, live};
 use crate::rules::{RULES, flockwave};
 
 #[test]
-fn each_bug_is_found_and_nothing_else() {
+fn each_bug_violates_only_its_rule() {
     let definitions = Definitions::built_in();
     let wanted = std::env::var("UAVSPEC_BUGS").unwrap_or_default();
     let mut cases = cases();
@@ -21,16 +21,16 @@ fn each_bug_is_found_and_nothing_else() {
     let wrong: Vec<String> =
         wrong.map(|row| format!("{}: {}", row.case.name(), row.mismatch_text())).collect();
     assert!(wrong.is_empty(), "{} of {}\n{}", wrong.len(), rows.len(), wrong.join("\n"));
-    // What no bug breaks can't be tried on this server.
+    // Rules without a bug can't be tested with this server.
     let covered: BTreeSet<&str> = rows.iter().flat_map(|row| row.covered.iter().copied()).collect();
     let idle = RULES.iter().filter(|rule| rule.is_on_flockwave() && !covered.contains(rule.id));
     assert_eq!(idle.map(|rule| rule.id).collect::<Vec<_>>(), Vec::<&str>::new());
 }
 
 #[test]
-fn each_rule_on_servers_has_a_bug() {
+fn each_server_rule_has_a_bug() {
     let on_servers: Vec<&str> =
         RULES.iter().filter(|rule| rule.is_on_flockwave()).map(|rule| rule.id).collect();
-    let with_bug = flockwave::RULES.iter().filter(|of| !of.bug.description.is_empty());
-    assert_eq!(with_bug.map(|of| of.rule.id).collect::<Vec<_>>(), on_servers);
+    let with_bug = flockwave::RULES.iter().filter(|rule| !rule.bug.description.is_empty());
+    assert_eq!(with_bug.map(|rule| rule.rule.id).collect::<Vec<_>>(), on_servers);
 }

@@ -1,4 +1,4 @@
-//! MCAP judged: whatever packs it, each rule finds what breaks it, and reading goes on after damage.
+//! Tests of MCAP files: each rule finds its violations in any kind of file, and reading continues after corruption.
 
 mod corruption;
 pub(crate) mod file;
@@ -39,7 +39,7 @@ bool is_landed            # Whether it stands on the ground
 const MARK: &str =
     "# A place\n\nuint64 timestamp  # [us] Time of entry\nint16 height  # [m] [@range -500, 9000] Height\n";
 
-/// Period of the messages, in µs.
+/// The period of the messages, in µs.
 const PERIOD: u64 = 20_000;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(|| {
@@ -49,20 +49,20 @@ static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(|| {
     Definitions::load(folder.path()).expect("definitions")
 });
 
-/// The name that ROS 2 has for a message, and its hash.
+/// The name and hash of a message in ROS 2.
 fn ros(name: &str) -> (String, String) {
     let schema = &DEFINITIONS.schema;
     let message = schema.messages.iter().find(|message| message.name == name).expect("a message");
     (ros_name(schema, message), message.type_hash.clone())
 }
 
-/// The schema of a type with what it nests, as `rosbag2` writes it.
+/// The schema of a type with its nested types, as `rosbag2` writes it.
 fn ros2msg(glider: &str) -> String {
     let package = ros("Mark").0.replace("/msg/Mark", "");
     format!("{glider}\n{}\nMSG: {package}/Mark\n{MARK}", "=".repeat(80))
 }
 
-/// A message of the glider that conforms.
+/// A glider message that conforms.
 #[derive(Clone)]
 struct Glider {
     timestamp: u64,
@@ -89,7 +89,7 @@ impl Glider {
         }
     }
 
-    /// As CDR, little endian.
+    /// The message as little-endian CDR.
     fn cdr(&self) -> Vec<u8> {
         let mut body = self.timestamp.to_le_bytes().to_vec();
         body.extend(self.speed.to_le_bytes());
@@ -106,7 +106,7 @@ impl Glider {
         [&[0, 1, 0, 0][..], &body].concat()
     }
 
-    /// As CDR, big endian.
+    /// The message as big-endian CDR.
     fn big_cdr(&self) -> Vec<u8> {
         let mut body = self.timestamp.to_be_bytes().to_vec();
         body.extend(self.speed.to_be_bytes());
@@ -131,7 +131,7 @@ impl Glider {
     }
 }
 
-/// The channel of the glider, with its schema and its hash.
+/// The channel of the glider with its schema and hash.
 fn declarations() -> Vec<u8> {
     let (name, hash) = ros("Glider");
     let metadata = [("offered_qos_profiles", "- history: 3"), ("topic_type_hash", hash.as_str())];
@@ -142,7 +142,7 @@ fn declarations() -> Vec<u8> {
     .concat()
 }
 
-/// Records of sixty payloads in two chunks, of which the last is given.
+/// Sixty messages in two chunks, the last with this payload.
 fn records_with(last: &[u8]) -> [Vec<u8>; 2] {
     let messages = |numbers: std::ops::Range<u64>| -> Vec<u8> {
         numbers.flat_map(|number| message(3, &Glider::at(number * PERIOD).cdr())).collect()
@@ -169,7 +169,7 @@ fn source(result: &CaptureResult) -> &McapSummary {
     }
 }
 
-/// The rules that are broken, each with its subject and what is said of the first breach.
+/// The violated rules, each with the subject and message of the first finding.
 fn violated(result: &CaptureResult) -> Vec<(&'static str, String)> {
     let message = |group: &Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
     result.findings.groups().map(message).collect()
@@ -179,7 +179,7 @@ fn corrupt_count(result: &CaptureResult) -> Vec<String> {
     result.corruption.iter().map(|(location, what)| format!("{location}: {what}")).collect()
 }
 
-/// Nothing is broken or damaged, and all of sixty messages are judged.
+/// Asserts that a file has no findings or corruption, and that all of its sixty messages are checked.
 fn assert_conforms(result: &CaptureResult, what: &dyn std::fmt::Debug) {
     assert_eq!((violated(result), corrupt_count(result)), (vec![], vec![]), "{what:?}");
     assert_eq!((result.records, result.checked, result.duration), (60, 60, 59 * PERIOD), "{what:?}");
@@ -189,7 +189,7 @@ fn assert_conforms(result: &CaptureResult, what: &dyn std::fmt::Debug) {
 }
 
 #[test]
-fn whatever_packs_it_what_conforms_breaks_nothing() {
+fn conforming_files_have_no_findings_in_any_form() {
     for form in FORMS {
         for last in [good().cdr(), good().big_cdr()] {
             let result = checked(&file(&chunked(form, &records_with(&last))));
@@ -208,16 +208,16 @@ fn whatever_packs_it_what_conforms_breaks_nothing() {
         .filter(|rule| result.findings.verdict(rule) == Verdict::NotCovered)
         .map(|rule| rule.id)
         .collect();
-    // No external component talks, the topic has no version behind its name, and nothing is a log or JSON.
+    // No external component communicates, the topic has no version suffix, and the file is neither a log nor JSON.
     let data = ["PX-ARR-01", "PX-DATA-01", "PX-DATA-02", "PX-DATA-03"];
     let talk = ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-04", "PX-EXT-05"];
     let others = ["PX-FMT-02", "PX-FSF-03", "PX-JSON-01", "PX-JSON-02", "PX-VER-01"];
     assert_eq!(idle, [&data[..], &talk, &others].concat());
 }
 
-/// What the crate `mcap` writes, with its indices, checksums and its summary.
+/// A file written by the crate `mcap`, with indices, checksums and a summary.
 #[test]
-fn files_of_another_writer_conform() {
+fn checks_files_of_another_writer() {
     let (name, _) = ros("Glider");
     for (use_chunks, disable_seeking) in [(true, false), (true, true), (false, false)] {
         let options = mcap::WriteOptions::new()
@@ -269,7 +269,7 @@ fn files_of_another_writer_conform() {
     }
 }
 
-/// A file with a channel of JSON and such messages.
+/// A file with a JSON channel and these messages.
 fn json_file(topic: &str, messages: &[Value]) -> Vec<u8> {
     let (name, _) = ros("Glider");
     let mut records = [schema(1, &name, "jsonschema", b"{}"), channel(3, 1, topic, "json", &[])].concat();
@@ -283,7 +283,7 @@ fn json_with(change: impl Fn(&mut Value)) -> Vec<u8> {
     json_file("/glider", &messages)
 }
 
-/// A file that breaks the rule, and what is said of it.
+/// Files that violate one rule each, with the expected message.
 fn mutants() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let with_payload = |payload: &[u8]| file(&chunked(Form::Plain, &records_with(payload)));
     let value = |change: fn(&mut Glider)| {
@@ -336,16 +336,8 @@ fn mutants() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("PX-HASH-01", file(&other_hash), "glider: expected RIHS01_"),
         ("PX-JSON-01", json_with(|json| json["depth"] = json!(1)), "glider.depth: Glider has no such field"),
         ("PX-JSON-02", json_with(|json| json["mode"] = json!("far")), "glider.mode: expected an integer"),
-        (
-            "PX-LEN-01",
-            value(|glider| glider.num_marks = 4),
-            "glider.num_marks: 4 entries in use of an array of 3",
-        ),
-        (
-            "PX-NAN-01",
-            value(|glider| glider.speed = f32::NAN),
-            "glider.speed: NaN, which has no meaning here",
-        ),
+        ("PX-LEN-01", value(|glider| glider.num_marks = 4), "glider.num_marks: 4 exceeds the array length 3"),
+        ("PX-NAN-01", value(|glider| glider.speed = f32::NAN), "glider.speed: NaN is not allowed here"),
         (
             "PX-QUEUE-01",
             file(&[declarations(), burst].concat()),
@@ -379,20 +371,20 @@ fn a_violation_has_a_message_and_a_location() {
 }
 
 #[test]
-fn json_that_conforms_breaks_nothing() {
+fn conforming_json_has_no_findings() {
     let result = checked(&json_with(|_| ()));
     assert_eq!((violated(&result), corrupt_count(&result)), (vec![], vec![]));
     assert_eq!((result.records, result.checked, result.duration), (60, 60, 59 * PERIOD));
     assert_eq!(source(&result).channels[0].status, CheckStatus::Checked(Basis::NoSchema));
 }
 
-/// rosbag2 can pack each message by itself, of which the file says nothing.
+/// rosbag2 can compress each message separately, without a note in the file.
 #[test]
-fn messages_that_are_packed_by_themselves_are_unpacked() {
+fn unpacks_separately_compressed_messages() {
     let pack = |payload: &[u8]| compress_to_vec(payload, CompressionLevel::Fastest);
     let odd = Glider { is_landed: 3, ..good() };
     let packed = pack(&good().cdr());
-    // Blocks of 128 KiB, each of which is one byte repeated (RFC 8878).
+    // Blocks of 128 KiB, each of which repeats one byte (RFC 8878).
     let block = ((128_u32 << 10) << 3 | 1 << 1).to_le_bytes();
     let bomb =
         [&[0x28, 0xb5, 0x2f, 0xfd, 0, 0x38][..], &[block[0], block[1], block[2], 7].repeat(600)].concat();
@@ -411,7 +403,7 @@ fn messages_that_are_packed_by_themselves_are_unpacked() {
     assert!(message[1].ends_with("the compressed message has more than 67108864 bytes"), "{message:?}");
 }
 
-/// Foxglove writes bytes as base64, and what isn't JSON at all is damage.
+/// Foxglove writes bytes as base64. Invalid JSON counts as corruption.
 #[test]
 fn reads_json_dialects_and_reports_corrupt_json() {
     let (name, _) = ros("Glider");

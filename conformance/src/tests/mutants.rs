@@ -1,4 +1,4 @@
-//! Each rule finds its mutants, and no rule finds anything in what conforms.
+//! Tests that each rule finds its mutants, and that conforming captures have no findings.
 
 use crate::tests::support;
 
@@ -14,7 +14,7 @@ use tempfile::TempDir;
 
 use support::shared;
 
-/// Nothing breaks a rule in the flights of these definitions; the rules that something exercised.
+/// Asserts that conforming captures of these definitions have no findings. Returns the covered rules.
 fn check_conforming(definitions: &Definitions) -> BTreeSet<&'static str> {
     let mut covered = BTreeSet::new();
     for (name, result) in conforming(definitions) {
@@ -30,7 +30,7 @@ fn check_conforming(definitions: &Definitions) -> BTreeSet<&'static str> {
     covered
 }
 
-/// All mutants that can be made of these definitions break what they should; the rules that have one.
+/// Asserts that all mutants for these definitions violate their rules. Returns the rules with mutants.
 fn check_mutants(definitions: &Definitions) -> BTreeSet<&'static str> {
     let rows = matrix(definitions);
     let wrong: Vec<String> = rows
@@ -43,18 +43,18 @@ fn check_mutants(definitions: &Definitions) -> BTreeSet<&'static str> {
 }
 
 #[test]
-fn the_definitions_of_this_program_show_every_rule() {
+fn built_in_definitions_have_mutants_of_every_rule() {
     let definitions = Definitions::built_in();
     let all: BTreeSet<&str> = RULES.iter().map(|rule| rule.id).collect();
     let mut covered = check_conforming(&definitions);
-    // Only a topic that has a version behind its name can have a wrong one.
+    // Only a topic with a version suffix can have the wrong version.
     covered.insert("PX-VER-01");
     assert_eq!(covered, all);
     assert_eq!(check_mutants(&definitions), all);
     assert!(matrix(&definitions).iter().all(|row| row.violated.is_some()));
 }
 
-/// Of a session, too.
+/// This includes findings in sessions.
 #[test]
 fn findings_have_a_definition_and_the_expected_value() {
     let definitions = Definitions::built_in();
@@ -87,9 +87,9 @@ fn findings_have_a_definition_and_the_expected_value() {
     }
 }
 
-/// Rules are about any definitions, not about those of this program.
+/// Rules don't depend on the built-in definitions.
 #[test]
-fn so_do_definitions_that_have_nothing_to_do_with_them() {
+fn unrelated_definitions_have_mutants() {
     let folder = TempDir::new().expect("a folder");
     let glider = "\
 uint64 timestamp          # [us] Time since system start
@@ -115,7 +115,7 @@ bool is_landed            # Whether it stands on the ground
 
 #[test]
 #[ignore = "takes long"]
-fn so_do_those_of_px4() {
+fn px4_definitions_have_mutants() {
     let Some(corpus) = shared("corpus/px4") else { return };
     let definitions = Definitions::load(&corpus.join("main")).expect("definitions");
     check_conforming(&definitions);

@@ -30,7 +30,7 @@ fn both() -> &'static [Report; 2] {
 fn the_report_has_the_outcome() {
     let [checked, tested] = both();
     assert_eq!(checked.outcome.kind, OutcomeKind::Incomplete, "a file can't be read");
-    assert_eq!(checked.outcome.text, "One file could not be read");
+    assert_eq!(checked.outcome.text, "Incomplete: 1 file can't be read");
     assert!(checked.outcome.remarks[0].starts_with("Does not conform: "), "{:?}", checked.outcome);
     assert_eq!((tested.outcome.kind, tested.outcome.status), (OutcomeKind::Incomplete, 3));
     // Every rule has its worst verdict: that of its mutants.

@@ -1,4 +1,4 @@
-//! Reports on UAVs that are seen at once to be sound come to the same as those that are shown to all rules.
+//! Tests that the fast path for valid status reports has the same results as all rules.
 
 use crate::tests::support;
 
@@ -14,10 +14,10 @@ use serde_json::{Value, json};
 
 use support::{extent, shared};
 
-/// Those of this program, which many recordings are judged by.
+/// The built-in definitions.
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
-/// All that came of a recording, as text; and how many reports were seen at once.
+/// The result for a recording, as text, and the number of reports on the fast path.
 fn checked(mut run_check: FlockwaveChecker<'_>, recording: &[u8]) -> (String, u64) {
     let mut number = 0;
     for line in recording.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()) {
@@ -28,11 +28,11 @@ fn checked(mut run_check: FlockwaveChecker<'_>, recording: &[u8]) -> (String, u6
     (format!("{:#?}", run_check.finish(recording.len() as u64)), at_once)
 }
 
-/// Judges a recording in both ways, which come to the same, and says how many reports were seen at once.
+/// Asserts that both paths have the same result, and returns the number of reports on the fast path.
 fn compare(recording: &[u8], definitions: &Definitions) -> u64 {
     let (quick, at_once) = checked(FlockwaveChecker::new(definitions), recording);
     let (thorough, none) = checked(FlockwaveChecker::new(definitions).thorough(), recording);
-    // The first line that differs says more than both texts.
+    // The first different line is easier to read than both texts.
     let difference = quick.lines().zip(thorough.lines()).find(|(one, other)| one != other);
     assert_eq!(difference, None, "{}", String::from_utf8_lossy(recording));
     assert_eq!((quick.len(), none), (thorough.len(), 0));
@@ -40,7 +40,7 @@ fn compare(recording: &[u8], definitions: &Definitions) -> u64 {
 }
 
 #[test]
-fn what_breaks_rules_is_found_in_both_ways() {
+fn both_paths_find_violations() {
     let definitions = Definitions::built_in();
     assert!(compare(&Session::new().to_bytes(), &definitions) > 0);
     let flight = Flight::new(&definitions);
@@ -51,7 +51,7 @@ fn what_breaks_rules_is_found_in_both_ways() {
 }
 
 #[test]
-fn recordings_of_a_real_server_come_to_the_same() {
+fn both_paths_agree_on_recordings_of_a_real_server() {
     let Some(corpus) = shared("corpus/flockwave") else { return };
     let definitions = Definitions::built_in();
     for name in ["clean.jsonl", "main.jsonl"] {
@@ -68,7 +68,7 @@ fn checks_states_by_the_given_definitions() {
     assert!(compare(&Session::new().to_bytes(), &definitions) > 0);
 }
 
-/// A value that a field of a state may have, or one that it mustn't.
+/// A valid or invalid value of a status field.
 fn value(field: &'static str) -> BoxedStrategy<Value> {
     let sound = match field {
         "timestamp" => (1_790_000_000_000_i64..1_790_000_009_000).prop_map(Value::from).boxed(),
@@ -116,11 +116,11 @@ const FIELDS: [&str; 11] = [
     "flaps",
 ];
 
-/// A UAV and its state, the id of which is mostly that of the UAV.
+/// A UAV and its status, whose id usually matches.
 fn state() -> impl Strategy<Value = (String, Value)> {
     let uav = prop_oneof![20 => prop::sample::select(vec!["kite", "owl", "swift", "möwe"]).prop_map(str::to_owned),
                           1 => "[a-z/\\\\\"]{0,3}", 1 => "[x]{63,70}"];
-    // Fields that are left out, of which `flaps` is no field at all.
+    // Some fields are omitted. `flaps` is not a defined field.
     let fields = FIELDS.map(|field| {
         let weight = match field {
             "timestamp" => 60,
@@ -144,10 +144,10 @@ fn state() -> impl Strategy<Value = (String, Value)> {
     })
 }
 
-/// The body of what is sent, whether the server sends it, and what it answers.
+/// The body of a message, whether the server sends it, and the id of the request that it answers.
 type Content = (Value, bool, Option<&'static str>);
 
-/// Mostly a report.
+/// The content of a message, usually a status report.
 fn content() -> impl Strategy<Value = Content> {
     let report = prop::collection::vec(state(), 0..4).prop_map(|states| {
         let status: serde_json::Map<String, Value> = states.into_iter().collect();
@@ -183,7 +183,7 @@ fn content() -> impl Strategy<Value = Content> {
     ]
 }
 
-/// How a line is written: the order of its members, with spaces or without, on which connection, after how much time.
+/// The style of a line: order of members, white space, connection, and time.
 #[derive(Clone, Debug)]
 struct Style {
     is_type_first: bool,
@@ -191,7 +191,7 @@ struct Style {
     is_wide: bool,
     connection: &'static str,
     after: f64,
-    /// Its id; none where it gets the next one.
+    /// The id; `None` for the next number.
     id: Option<String>,
     version: &'static str,
     event: Option<&'static str>,
@@ -216,8 +216,8 @@ fn style() -> impl Strategy<Value = Style> {
     )
 }
 
-/// What a recording begins with: the server tells its time, so that it is known when a state is ahead of it, and begins an
-/// operation, which is cancelled.
+/// The start of a recording. The server sends its time, so that later status timestamps can be compared, and starts an
+/// operation that is cancelled.
 fn beginning() -> Vec<u8> {
     let requested = [
         (json!({ "type": "SYS-TIME" }), json!({ "type": "SYS-TIME", "timestamp": 1_790_000_000_000_u64 })),
@@ -244,7 +244,7 @@ fn beginning() -> Vec<u8> {
     text.into_bytes()
 }
 
-/// A recording, line by line.
+/// A recording with these lines.
 fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
     let mut recording = beginning();
     let mut time = 1_790_000_000.0;
@@ -257,9 +257,9 @@ fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
         }
         if !style.is_type_first
             && let Some(body) = body.as_object_mut()
-            && let Some(of) = body.shift_remove("type")
+            && let Some(kind) = body.shift_remove("type")
         {
-            body.insert("type".to_owned(), of);
+            body.insert("type".to_owned(), kind);
         }
         let id =
             style.id.unwrap_or_else(|| format!("{}-{number}", if is_from_server { "say" } else { "ask" }));
@@ -294,12 +294,12 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(extent(256, 64)))]
 
     #[test]
-    fn random_recordings_come_to_the_same(lines in prop::collection::vec((content(), style()), 1..40)) {
+    fn both_paths_agree_on_random_recordings(lines in prop::collection::vec((content(), style()), 1..40)) {
         compare(&recording(lines), &DEFINITIONS);
     }
 }
 
-/// Keys that a tree of `serde_json` can't repeat.
+/// `serde_json` can't represent duplicate keys.
 #[test]
 fn finds_duplicate_members() {
     let definitions = Definitions::built_in();
@@ -322,9 +322,9 @@ fn finds_duplicate_members() {
     assert_eq!(compare(format!("{} 7", report("")).as_bytes(), &definitions), 0);
 }
 
-/// Beyond what is kept of kinds, states are still judged.
+/// Beyond the limit of stored kinds, statuses are still checked.
 #[test]
-fn any_number_of_kinds_comes_to_the_same() {
+fn both_paths_agree_on_any_number_of_kinds() {
     let definitions = Definitions::built_in();
     let mut text = String::new();
     for code in 1..=600 {

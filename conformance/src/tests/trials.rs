@@ -1,4 +1,4 @@
-//! Recordings of trials, and of what goes on over the course of a connection: what a sound server may do breaks no rule.
+//! Tests of rules on trials and connections: valid behavior of servers has no findings.
 
 use crate::check::{CaptureResult, check_capture};
 use crate::definitions::Definitions;
@@ -11,7 +11,7 @@ fn checked(session: &Session) -> CaptureResult {
     check_capture(&session.to_bytes()[..], None, &Definitions::built_in()).expect("bytes can be read")
 }
 
-/// How often each rule is broken.
+/// The number of violations per rule.
 fn violated_by(session: &Session) -> Vec<(&'static str, u64)> {
     let result = checked(session);
     assert_eq!(result.corruption, vec![]);
@@ -26,14 +26,14 @@ fn covered(session: &Session, id: &str) -> u64 {
     checked(session).findings.covered(rule(id).expect("a rule"))
 }
 
-/// A connection over TCP, over which this is said.
+/// A session with one connection, filled by a function.
 fn over(connection: &'static str, say: impl FnOnce(&mut Session)) -> Session {
     let mut session = Session::opened();
     session.over(connection, say);
     session
 }
 
-fn of(id: &str) -> &'static Rule {
+fn rule_of(id: &str) -> &'static Rule {
     rule(id).expect("a rule")
 }
 
@@ -61,34 +61,38 @@ fn cancelled(session: &mut Session, id: &str, receipt: &str) {
     session.answers(id, json!({ "body": { "type": "ASYNC-CANCEL", "success": [receipt] } }));
 }
 
-/// A recording may be cut off before the answer.
+/// A recording may end before the answer.
 #[test]
-fn trials_without_an_answer_count_once_their_connection_has_ended() {
+fn reports_unanswered_trials_after_the_connection_has_ended() {
     for rule in ["FW-TCP-02", "FW-ENV-07", "FW-ENV-21", "FW-ENV-24", "FW-UAV-INF-06"] {
-        let mut session = over("tcp#2", |session| _ = session.tries(of(rule), "", ping()));
+        let mut session = over("tcp#2", |session| _ = session.tries(rule_of(rule), "", ping()));
         assert_eq!(violated_by(&session), [(rule, 1)]);
         session.lines.pop();
-        assert_eq!(violated_by(&session), [], "{rule}: the end of the connection isn't shown");
+        assert_eq!(
+            violated_by(&session),
+            [],
+            "{rule}: the recording doesn't contain the end of the connection"
+        );
     }
-    let session = over("tcp#2", |session| session.refused(of("FW-SIO-02"), "", "No such transport"));
+    let session = over("tcp#2", |session| session.refused(rule_of("FW-SIO-02"), "", "No such transport"));
     assert_eq!(violated_by(&session), [("FW-SIO-02", 1)]);
     let session = over("tcp#2", |session| {
-        session.refused(of("FW-SIO-02"), "", "No such rule");
+        session.refused(rule_of("FW-SIO-02"), "", "No such rule");
         session.lines.last_mut().expect("a line")["trial"] = "FW-NONE-01".into();
     });
     assert_eq!(violated_by(&session), []);
 }
 
-/// Datagrams get lost.
+/// Datagrams may get lost.
 #[test]
-fn over_udp_one_answer_will_do() {
+fn one_answer_is_sufficient_over_udp() {
     let rules = ["FW-UDP-02", "FW-UDP-03"];
     for rule in rules {
         for answered in [None, Some(0), Some(1), Some(2)] {
             let session = over("udp#1", |session| {
                 session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": [] }));
                 for attempt in 0..3 {
-                    let id = session.tries(of(rule), "three times", ping());
+                    let id = session.tries(rule_of(rule), "three times", ping());
                     if answered == Some(attempt) {
                         session.answers(&id, json!({ "body": { "type": "ACK-ACK" } }));
                     }
@@ -98,36 +102,36 @@ fn over_udp_one_answer_will_do() {
             assert_eq!(violated_by(&session), expected, "{rule}, {answered:?}");
         }
     }
-    // Where no answer finds its way, nobody knows what ends the service.
+    // Without any answer, it is unknown whether the service has ended.
     let silence =
-        over("udp#1", |session| rules.iter().for_each(|rule| _ = session.tries(of(rule), "", ping())));
+        over("udp#1", |session| rules.iter().for_each(|rule| _ = session.tries(rule_of(rule), "", ping())));
     assert_eq!(violated_by(&silence), [("FW-UDP-02", 1)]);
-    // What else is tried over UDP may be lost as well.
+    // Other trials over UDP may get lost as well.
     for rule in ["FW-ENV-07", "FW-ENV-21", "FW-SYS-PING-01"] {
-        assert_eq!(violated_by(&over("udp#1", |session| _ = session.tries(of(rule), "", ping()))), []);
+        assert_eq!(violated_by(&over("udp#1", |session| _ = session.tries(rule_of(rule), "", ping()))), []);
     }
 }
 
 #[test]
-fn an_error_in_the_place_of_a_body_is_no_service_either() {
+fn an_error_without_a_body_does_not_count_as_an_answer() {
     let session = over("tcp#2", |session| {
-        let id = session.tries(of("FW-TCP-03"), "after a line that is not JSON", ping());
+        let id = session.tries(rule_of("FW-TCP-03"), "after a line that is not JSON", ping());
         session.answers(&id, json!({ "error": { "message": "No JSON" } }));
     });
     assert_eq!(violated_by(&session), [("FW-TCP-03", 1)]);
 }
 
 #[test]
-fn before_a_login_a_ping_may_be_refused_that_tries_nothing() {
+fn a_ping_may_be_rejected_before_the_login() {
     let refused = || json!({ "type": "ACK-NAK", "reason": "Log in first" });
     let session = over("tcp#2", |session| session.exchange_with(ping(), refused()));
     assert_eq!((violated_by(&session), covered(&session, "FW-SYS-PING-01")), (vec![], 1));
 }
 
-/// Before a login a server may refuse all alike, whatever it knows.
+/// Before the login, a server may reject all requests in the same way.
 #[test]
-fn checks_families_by_other_refusals() {
-    let asks = |login: Option<bool>, reasons: [&str; 3]| {
+fn detects_supported_families_by_their_rejections() {
+    let session_with = |login: Option<bool>, reasons: [&str; 3]| {
         over("tcp#2", |session| {
             if let Some(is_needed) = login {
                 session
@@ -136,32 +140,32 @@ fn checks_families_by_other_refusals() {
             let kinds = [("FW-ENV-07", "UAV-SOAR"), ("FW-ENV-24", "DEV-LIST"), ("FW-ENV-24", "DEV-SUB")];
             for ((rule, kind), reason) in kinds.into_iter().zip(reasons) {
                 let refused = json!({ "type": "ACK-NAK", "reason": reason });
-                session.tries_and_receives(of(rule), "", json!({ "type": kind }), refused);
+                session.tries_and_receives(rule_of(rule), "", json!({ "type": kind }), refused);
             }
         })
     };
     let alike = ["No UAV-SOAR here", "No DEV-LIST here", "No DEV-SUB here"];
     let other = ["No UAV-SOAR here", "No DEV-LIST here", "DEV-SUB has no paths"];
-    assert_eq!(violated_by(&asks(None, alike)), [("FW-ENV-24", 1)]);
-    assert_eq!(violated_by(&asks(Some(false), alike)), [("FW-ENV-24", 1)]);
-    assert_eq!(violated_by(&asks(Some(true), alike)), []);
-    assert_eq!(violated_by(&asks(None, other)), []);
+    assert_eq!(violated_by(&session_with(None, alike)), [("FW-ENV-24", 1)]);
+    assert_eq!(violated_by(&session_with(Some(false), alike)), [("FW-ENV-24", 1)]);
+    assert_eq!(violated_by(&session_with(Some(true), alike)), []);
+    assert_eq!(violated_by(&session_with(None, other)), []);
 }
 
 #[test]
-fn answers_may_be_pipelined() {
-    let in_order = over("tcp#2", |session| session.pipelines(of("FW-ENV-25"), &[0, 1, 2]));
+fn accepts_pipelined_answers() {
+    let in_order = over("tcp#2", |session| session.pipelines(rule_of("FW-ENV-25"), &[0, 1, 2]));
     assert_eq!((violated_by(&in_order), covered(&in_order, "FW-ENV-25")), (vec![], 3));
-    let reversed = over("tcp#2", |session| session.pipelines(of("FW-ENV-25"), &[2, 1, 0]));
+    let reversed = over("tcp#2", |session| session.pipelines(rule_of("FW-ENV-25"), &[2, 1, 0]));
     assert_eq!(violated_by(&reversed), [("FW-ENV-25", 1)], "once a connection");
-    let untried = over("tcp#2", |session| session.pipelines(of("FW-TCP-02"), &[2, 1, 0]));
+    let untried = over("tcp#2", |session| session.pipelines(rule_of("FW-TCP-02"), &[2, 1, 0]));
     assert_eq!(violated_by(&untried), []);
 }
 
 #[test]
-fn objects_may_come_and_go() {
+fn accepts_changing_objects() {
     let mast = ["kite", "mast"];
-    // A mast that comes before the last list, and one that goes before it.
+    // Objects that appear or disappear before the last list.
     for (before, after) in [(&["kite"][..], &mast[..]), (&mast[..], &["kite"][..])] {
         let session = over("tcp#2", |session| {
             objects(session, &[], before);
@@ -170,7 +174,7 @@ fn objects_may_come_and_go() {
         });
         assert_eq!(violated_by(&session), []);
     }
-    // One that comes and goes, as the server tells.
+    // An object that appears and disappears with notifications.
     let session = over("tcp#2", |session| {
         objects(session, &[], &["kite"]);
         objects(session, &["beacon"], &["mast"]);
@@ -181,7 +185,7 @@ fn objects_may_come_and_go() {
         objects(session, &["uav"], &["mast"]);
     });
     assert_eq!(violated_by(&session), []);
-    // Filters of several types have objects in common.
+    // Lists with several filters may share objects.
     let session = over("tcp#2", |session| {
         objects(session, &["uav", "beacon"], &mast);
         objects(session, &["uav"], &["kite"]);
@@ -191,7 +195,7 @@ fn objects_may_come_and_go() {
 }
 
 #[test]
-fn uavs_may_come_and_go() {
+fn accepts_changing_uavs() {
     for (before, between, after) in [
         (&["kite"][..], &["kite", "owl"][..], &["kite", "owl"][..]),
         (&["kite", "owl"], &["kite"], &["kite"]),
@@ -221,7 +225,7 @@ fn uavs_may_come_and_go() {
 }
 
 #[test]
-fn what_was_cancelled_may_take_a_while_to_end() {
+fn cancelled_operations_may_end_later() {
     let ended = |error: bool| {
         let what = if error { "error" } else { "result" };
         json!({ "type": "ASYNC-RESP", "id": "r-1", what: "Flaps out" })
@@ -239,12 +243,12 @@ fn what_was_cancelled_may_take_a_while_to_end() {
         session.notify(report());
     });
     assert_eq!((violated_by(&slow), covered(&slow, "FW-ASY-17")), (vec![], 1));
-    // Without its end, and where time goes back.
+    // Without the end of the operation, and with a time that goes back.
     slow.lines.retain(|line| line["msg"]["body"]["type"] != "ASYNC-RESP");
     assert_eq!(violated_by(&slow), [("FW-ASY-17", 1)]);
     slow.lines[2]["t"] = json!(1.85e9);
     assert_eq!(violated_by(&slow), []);
-    // The end comes before the answer, and the receipt is used again.
+    // The operation ends before the answer, and another operation reuses the receipt.
     let session = over("tcp#2", |session| {
         session.command("r-1");
         let id = cancel(session, "r-1");
@@ -256,7 +260,7 @@ fn what_was_cancelled_may_take_a_while_to_end() {
         session.notify(ended(false));
     });
     assert_eq!(violated_by(&session), []);
-    // The server falls silent.
+    // The server sends nothing more.
     let session = over("tcp#2", |session| {
         session.command("r-1");
         let id = cancel(session, "r-1");
@@ -266,20 +270,20 @@ fn what_was_cancelled_may_take_a_while_to_end() {
 }
 
 #[test]
-fn an_operation_that_is_suspended_meanwhile_may_be_resumed() {
+fn accepts_resuming_an_operation_that_was_suspended_meanwhile() {
     let session = over("tcp#2", |session| {
         session.command("r-1");
         let resume = json!({ "type": "ASYNC-RESUME", "ids": ["r-1"] });
-        let id = session.tries(of("FW-ASY-19"), "a running operation", resume);
+        let id = session.tries(rule_of("FW-ASY-19"), "a running operation", resume);
         session.notify(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {}, "suspended": true }));
         session.answers(&id, json!({ "body": { "type": "ASYNC-RESUME", "success": ["r-1"] } }));
     });
     assert_eq!(violated_by(&session), []);
 }
 
-/// An adjustment that is none comes between two times, and the clock does something that isn't due to it.
+/// The clock jumps or stands still around an adjustment of zero.
 #[test]
-fn clocks_that_go_wrong_are_not_due_to_an_adjustment_of_nothing() {
+fn distinguishes_clock_errors_from_adjustments_of_zero() {
     let times = |adjustments: [Option<i64>; 3], seconds: [u64; 3], pause: f64| {
         over("tcp#2", |session| {
             for (adjustment, seconds) in adjustments.into_iter().zip(seconds) {
@@ -296,16 +300,16 @@ fn clocks_that_go_wrong_are_not_due_to_an_adjustment_of_nothing() {
     assert_eq!(violated_by(&times(none, [0, 0, 0], 0.1)), []);
     assert_eq!(violated_by(&times(none, [0, 3600, 3600], 0.1)), [("FW-SYS-TIME-03", 1)]);
     assert_eq!(violated_by(&times(none, [0, 0, 3600], 0.1)), [("FW-SYS-TIME-03", 1)]);
-    // It stands still.
+    // The clock stands still.
     assert_eq!(violated_by(&times(none, [0, 0, 0], 5.0)), [("FW-SYS-TIME-02", 2)]);
     assert_eq!(violated_by(&times([None, None, None], [0, 3600, 3600], 0.1)), [("FW-SYS-TIME-02", 1)]);
-    // It is set as well.
+    // The clock is adjusted as well.
     assert_eq!(violated_by(&times([None, Some(0), Some(3_600_000)], [0, 0, 3600], 0.1)), []);
 }
 
-/// A message in several lines is one deviation; what is none is another.
+/// A message split into several lines is one deviation; invalid text is another.
 #[test]
-fn recognises_the_lines_of_a_split_message() {
+fn recognizes_the_lines_of_a_split_message() {
     let message = json!({
         "$fw.version": "1.0", "id": "a", "body": { "type": "OBJ-DEL", "ids": ["vane", "}{"], "n": [1, 2] },
     });
@@ -317,9 +321,9 @@ fn recognises_the_lines_of_a_split_message() {
     };
     assert_eq!(says("tcp#2", &pretty), [("FW-TCP-01", 1)]);
     assert_eq!(says("TCP", &format!("{pretty}\n{pretty}")), [("FW-TCP-01", 2)]);
-    assert_eq!(says("hill", &pretty), [("FW-ENV-01", count)], "not over TCP");
+    assert_eq!(says("hill", &pretty), [("FW-ENV-01", count)], "a transport other than TCP");
     let half: String = pretty.lines().take(4).map(|line| format!("{line}\n")).collect();
-    assert_eq!(says("tcp#2", &half), [], "the client didn't wait for the rest");
+    assert_eq!(says("tcp#2", &half), [], "the session ends before the rest");
     assert_eq!(says("tcp#2", &format!("{half}\n{message}")), [("FW-ENV-01", 5)]);
     assert_eq!(says("tcp#2", "}\nwho is there?\n[\n1\n]"), [("FW-ENV-01", 5)]);
     assert_eq!(says("tcp#2", "{\n\"wind\" 7\n}"), [("FW-ENV-01", 3)]);
@@ -331,7 +335,7 @@ fn recognises_the_lines_of_a_split_message() {
 }
 
 #[test]
-fn ports_are_those_of_the_transport_in_use() {
+fn checks_ports_of_the_transport_in_use() {
     let listed = |connection: &'static str, ports: Value| {
         over(connection, |session| {
             session.exchange(json!({ "type": "SYS-PORTS" }), json!({ "ports": ports }));

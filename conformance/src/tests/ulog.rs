@@ -1,5 +1,5 @@
-//! The reader of `ULog`: against what another tool reads, on each kind of damage, and on whatever bytes there
-//! may be.
+//! Tests of the ULog reader: with real logs and the results of another tool, with corrupt logs, and with arbitrary
+//! bytes.
 
 mod corruption;
 mod log;

@@ -1,14 +1,14 @@
-//! Texts of the input as they are shown: whatever they hold, they can neither hide nor feign anything.
+//! Escapes texts from the input for display, so they can't hide or imitate output.
 
-/// The longest text of the input that people are shown, in characters.
+/// The maximum length of a displayed text, in characters.
 pub(crate) const MAX_SHOWN: usize = 1_000;
 
-/// A text on one line. What can't be seen, would end the line, turn the direction of writing, or speak to a
-/// terminal is written as an escape, such as `\u{202e}`; long texts are cut.
+/// Escapes a text for display on one line, and truncates it. Invisible characters, line breaks, direction changes and
+/// terminal sequences become escapes such as `\u{202e}`.
 pub(crate) fn shown(text: &str) -> String {
     let mut shown = String::with_capacity(text.len().min(MAX_SHOWN));
     let end = text.char_indices().nth(MAX_SHOWN).map_or(text.len(), |(end, _)| end);
-    // Quotation marks and backslashes are escaped by the library too, for literals: here they stay.
+    // `escape_debug` also escapes quotation marks and backslashes, which must stay unchanged here.
     for part in text[..end].split_inclusive(['"', '\'', '\\']) {
         let (body, mark) = match part.strip_suffix(['"', '\'', '\\']) {
             Some(body) => (body, &part[body.len()..]),
@@ -23,10 +23,10 @@ pub(crate) fn shown(text: &str) -> String {
     shown
 }
 
-/// Words as a shell takes them.
+/// Quotes words for a shell.
 pub(crate) fn command_line<'w>(words: impl IntoIterator<Item = &'w str>) -> String {
     let quoted = words.into_iter().map(|word| {
-        // No argument can hold the one character that no shell can quote.
+        // Only NUL can't be quoted. Arguments can't contain it.
         shlex::try_quote(word).map_or_else(|_| shown(word), std::borrow::Cow::into_owned)
     });
     quoted.collect::<Vec<_>>().join(" ")
@@ -37,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_could_hide_or_feign_is_escaped() {
+    fn escapes_control_characters_and_truncates() {
         assert_eq!(
             shown("a\u{1b}[31m\n\"b\" \\ 'c' \u{202e}d é 🛩"),
             "a\\u{1b}[31m\\n\"b\" \\ 'c' \\u{202e}d é 🛩"
@@ -48,9 +48,9 @@ mod tests {
     }
 
     #[test]
-    fn commands_can_be_given_to_a_shell() {
+    fn quotes_command_lines_for_a_shell() {
         assert_eq!(command_line(["uavspec", "check", "a b.ulg", "-"]), "uavspec check 'a b.ulg' -");
-        // What a shell makes of it is what was meant.
+        // A shell splits the line into the same words.
         for word in ["it's", "a\"b", "$HOME", "`id`", "a;b", "*", "", "~", "a\\b", "#1", "'", "a\nb", "é"] {
             let words = ["uavspec", word];
             assert_eq!(shlex::split(&command_line(words)).as_deref(), Some(&words.map(str::to_owned)[..]));

@@ -1,4 +1,4 @@
-//! What error codes mean.
+//! The meanings of error codes.
 
 use std::collections::BTreeMap;
 
@@ -6,21 +6,21 @@ use uavspec_runtime::Severity;
 
 use crate::definitions::Definitions;
 
-/// A code that the definitions have.
+/// An error code of the definitions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Code {
-    /// What displays show that are short of room.
+    /// The abbreviation for small displays.
     pub abbreviation: Option<String>,
-    /// What it means.
+    /// The meaning.
     pub meaning: String,
 }
 
-/// The error codes of some definitions.
+/// The error codes of the definitions.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Codes(BTreeMap<u32, Code>);
 
 impl Codes {
-    /// The codes of all tables.
+    /// Collects the codes of all tables.
     pub(crate) fn new(definitions: &Definitions) -> Self {
         let tables = definitions.schema.packages.iter().flat_map(|package| &package.error_tables);
         let codes = tables.flat_map(|table| &table.codes).map(|code| {
@@ -30,18 +30,18 @@ impl Codes {
         Self(codes.collect())
     }
 
-    /// What is known of a code.
+    /// Looks up a code.
     pub(crate) fn get(&self, code: u32) -> Option<&Code> {
         self.0.get(&code)
     }
 
-    /// The shortest that says which code it is: its abbreviation, or its number.
+    /// The abbreviation of a code, or its number.
     pub(crate) fn short(&self, code: u32) -> String {
         let abbreviation = self.get(code).and_then(|known| known.abbreviation.clone());
         abbreviation.unwrap_or_else(|| code.to_string())
     }
 
-    /// Number and abbreviation.
+    /// The number of a code, and its abbreviation if it has one.
     pub(crate) fn named(&self, code: u32) -> String {
         match self.get(code).and_then(|known| known.abbreviation.as_deref()) {
             Some(abbreviation) => format!("{code} {abbreviation}"),
@@ -49,13 +49,13 @@ impl Codes {
         }
     }
 
-    /// What it means, also where nobody knows.
+    /// The meaning of a code, or a note that it is unknown.
     pub(crate) fn meaning(&self, code: u32) -> &str {
-        self.get(code).map_or("the definitions don't have it", |known| &known.meaning)
+        self.get(code).map_or("unknown code", |known| &known.meaning)
     }
 }
 
-/// A severity in a word of at most seven letters.
+/// The name of a severity, at most seven letters long.
 pub(super) fn severity_name(severity: Severity) -> &'static str {
     match severity {
         Severity::Informational => "info",
@@ -63,7 +63,7 @@ pub(super) fn severity_name(severity: Severity) -> &'static str {
     }
 }
 
-/// A severity in a letter.
+/// A letter for a severity.
 pub(super) fn severity_letter(severity: Severity) -> &'static str {
     match severity {
         Severity::Fatal => "F",
@@ -78,12 +78,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_definitions_say_what_codes_mean() {
+    fn codes_have_the_meanings_of_the_definitions() {
         let codes = Codes::new(&Definitions::built_in());
         assert_eq!(codes.named(66), "66 LOWBAT");
         assert_eq!(codes.short(1), "GROUND");
         assert!(codes.meaning(199).len() > 10);
         assert_eq!((codes.named(12).as_str(), codes.short(40_000).as_str()), ("12", "40000"));
-        assert!(codes.meaning(12).contains("don't have it"));
+        assert_eq!(codes.meaning(12), "unknown code");
     }
 }

@@ -1,11 +1,11 @@
-//! What is known of a fleet and of the server that tells of it. Nothing is asked here, and nothing waited for: the
-//! same events at the same times make the same fleet.
+//! The known state of a fleet and its server. This module does no input or output: the same events at the same times
+//! result in the same fleet.
 
 use std::time::{Duration, Instant};
 
 use uavspec_runtime::Severity;
 
-use super::message::{Message, News};
+use super::message::{Content, Message};
 use super::rate::Rate;
 use super::roster::Roster;
 use super::session::Event;
@@ -14,21 +14,21 @@ use super::state::State;
 /// A UAV.
 #[derive(Debug, Default)]
 pub(crate) struct Uav {
-    /// What it told last.
+    /// The last reported state.
     pub state: Option<State>,
-    /// Why the server doesn't tell its state.
+    /// The server's reason for not reporting its state.
     pub refusal: Option<String>,
-    /// When a state came first that has the time stamp of the one that is known.
-    fresh: Option<Instant>,
+    /// The time at which the timestamp of the state last changed.
+    changed: Option<Instant>,
 }
 
 impl Uav {
-    /// The severity of its gravest error code.
+    /// The highest severity of its error codes.
     pub(crate) fn worst(&self) -> Option<Severity> {
         self.codes().first().map(|code| Severity::of(*code))
     }
 
-    /// Its error codes, the gravest first.
+    /// Its error codes, most severe first.
     pub(crate) fn codes(&self) -> &[u32] {
         let errors = self.state.as_ref().and_then(|state| state.errors.known());
         errors.map_or(&[], |errors| &errors.codes)
@@ -39,8 +39,8 @@ impl Uav {
             Ok(state) => {
                 let timestamp = |state: &State| state.timestamp.known().copied();
                 let known = self.state.as_ref().and_then(timestamp);
-                if self.fresh.is_none() || known.is_none() || known != timestamp(&state) {
-                    self.fresh = Some(now);
+                if self.changed.is_none() || known.is_none() || known != timestamp(&state) {
+                    self.changed = Some(now);
                 }
                 self.refusal = None;
                 self.state = Some(state);
@@ -50,18 +50,18 @@ impl Uav {
     }
 }
 
-/// How it stands with the connection.
+/// The state of the connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Link {
-    /// Nothing has been heard of the server yet.
+    /// No message has been received yet.
     Connecting,
-    /// The server answers.
+    /// The server responds.
     Connected,
-    /// The server is gone.
+    /// The connection was lost.
     Lost {
-        /// Why.
+        /// The reason.
         reason: String,
-        /// When it is tried again. After that it is being tried.
+        /// The time of the next attempt to connect.
         again: Instant,
     },
 }
@@ -69,17 +69,17 @@ pub(crate) enum Link {
 /// A fleet.
 #[derive(Debug)]
 pub(crate) struct Fleet {
-    /// How it stands with the connection.
+    /// The state of the connection.
     pub link: Link,
-    /// What the server is, with its version.
+    /// The server software and its version.
     pub server: Option<String>,
-    /// What the server refused last, or what else is to be known of it.
+    /// The last refusal of the server, or another remark.
     pub remark: Option<String>,
-    /// How many messages couldn't be read.
+    /// The number of unreadable messages.
     pub unreadable: u64,
-    /// Whether there are UAVs for which there was no room.
+    /// True if there are more UAVs than the limit.
     pub is_overfull: bool,
-    /// Whether the server has said which UAVs there are.
+    /// True if the server has sent a list of its UAVs.
     has_list: bool,
     clock: Option<(Instant, i64)>,
     rate: Rate,
@@ -103,7 +103,7 @@ impl Default for Fleet {
 }
 
 impl Fleet {
-    /// Takes what happened.
+    /// Applies an event.
     pub(crate) fn take(&mut self, event: Event, now: Instant) {
         match event {
             Event::Lost { reason, pause } => self.link = Link::Lost { reason, again: now + pause },
@@ -117,28 +117,28 @@ impl Fleet {
             self.remark = None;
         }
         self.rate.count(now);
-        match message.news {
-            News::Server(server) => self.server = Some(server),
-            News::Time(time) => self.clock = Some((now, time)),
-            News::List(list) => {
+        match message.content {
+            Content::Server(server) => self.server = Some(server),
+            Content::Time(time) => self.clock = Some((now, time)),
+            Content::List(list) => {
                 self.has_list = true;
-                // Whatever it refused, it isn't all.
+                // The server accepts requests: an earlier refusal is obsolete.
                 self.remark = None;
                 self.is_overfull = !self.uavs.update(&list, now);
             }
-            News::States(states) => {
+            Content::States(states) => {
                 let is_answer = message.refs.is_some();
                 for (id, state) in states {
                     self.update_uav(&id, state, is_answer, now);
                 }
             }
-            News::Gone(ids) => ids.iter().for_each(|id| self.uavs.remove(id)),
-            News::Closing(reason) => {
-                self.remark = Some(format!("the server closes the connection: {reason}"));
+            Content::Gone(ids) => ids.iter().for_each(|id| self.uavs.remove(id)),
+            Content::Closing(reason) => {
+                self.remark = Some(format!("the server is closing the connection: {reason}"));
             }
-            News::Refused(reason) => self.remark = Some(format!("the server refuses: {reason}")),
-            News::Unreadable => self.unreadable = self.unreadable.saturating_add(1),
-            News::Other => {}
+            Content::Refused(reason) => self.remark = Some(format!("the server refuses: {reason}")),
+            Content::Unreadable => self.unreadable = self.unreadable.saturating_add(1),
+            Content::Other => {}
         }
     }
 
@@ -155,17 +155,17 @@ impl Fleet {
         }
     }
 
-    /// How many UAVs there are.
+    /// The number of UAVs.
     pub(crate) fn len(&self) -> usize {
         self.uavs.len()
     }
 
-    /// Whether there are none.
+    /// True if there are no UAVs.
     pub(crate) fn is_empty(&self) -> bool {
         self.uavs.len() == 0
     }
 
-    /// The UAVs, each with its id.
+    /// The UAVs with their ids.
     pub(crate) fn uavs(&self) -> impl Iterator<Item = (&str, &Uav)> {
         self.uavs.iter().map(|(id, member)| (id, &member.value))
     }
@@ -175,31 +175,31 @@ impl Fleet {
         self.uavs.get(id).map(|member| &member.value)
     }
 
-    /// Whether the server has said which UAVs there are, and told of each how it is, or why it doesn't.
+    /// True if the server has sent a list of its UAVs, and a state or refusal for each.
     pub(crate) fn is_complete(&self) -> bool {
         let is_known = |uav: &Uav| uav.state.is_some() || uav.refusal.is_some();
         self.has_list && self.uavs().all(|(_, uav)| is_known(uav))
     }
 
-    /// How long ago a UAV was heard of: by its time stamp, where the server tells its own time, or by how long the
-    /// server has had nothing new to tell.
+    /// The age of the state of a UAV: from its timestamp if the server's clock is known, or else the time since the
+    /// timestamp last changed.
     pub(crate) fn age(&self, uav: &Uav, now: Instant) -> Option<Duration> {
-        let since = now.saturating_duration_since(uav.fresh?);
+        let since = now.saturating_duration_since(uav.changed?);
         let timestamp = uav.state.as_ref().and_then(|state| state.timestamp.known());
         let by_clock = self.clock.zip(timestamp).and_then(|((at, time), timestamp)| {
             let passed = i64::try_from(now.saturating_duration_since(at).as_millis()).unwrap_or(i64::MAX);
-            // A time stamp that lies after the time of the server says nothing but that it is new.
+            // A timestamp later than the server's clock gives no age.
             u64::try_from(time.saturating_add(passed).saturating_sub(*timestamp)).ok()
         });
         Some(by_clock.map_or(since, Duration::from_millis))
     }
 
-    /// How many messages come a second.
+    /// The number of messages per second.
     pub(crate) fn rate(&self, now: Instant) -> f64 {
         self.rate.per_second(now)
     }
 
-    /// How many UAVs there are whose gravest error code has this severity.
+    /// The number of UAVs whose most severe error code has this severity.
     pub(crate) fn count(&self, severity: Severity) -> usize {
         self.uavs().filter(|(_, uav)| uav.worst() == Some(severity)).count()
     }
@@ -216,7 +216,7 @@ mod tests {
         Event::Received(Message::read(text.as_bytes()))
     }
 
-    fn last_reported(fleet: &mut Fleet, text: &str, now: Instant) {
+    fn receive(fleet: &mut Fleet, text: &str, now: Instant) {
         fleet.take(received(text), now);
     }
 
@@ -225,28 +225,24 @@ mod tests {
     }
 
     #[test]
-    fn a_fleet_comes_together_and_goes_apart() {
+    fn uavs_join_and_leave_the_fleet() {
         let now = Instant::now();
         let mut fleet = Fleet::default();
         assert!(!fleet.is_complete());
-        last_reported(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1", "glider-2"]}"#, now);
+        receive(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1", "glider-2"]}"#, now);
         assert_eq!((ids(&fleet), fleet.is_complete()), (vec!["glider-1", "glider-2"], false));
         let states = r#"{"type": "UAV-INF", "status": {"glider-1": {"errors": [1, 199]}, "kite": {}},
                          "error": {"glider-2": "no signal", "nobody": "unknown"}}"#;
-        last_reported(&mut fleet, states, now);
+        receive(&mut fleet, states, now);
         assert_eq!((ids(&fleet), fleet.is_complete()), (vec!["glider-1", "glider-2", "kite"], true));
         assert_eq!(fleet.get("glider-2").and_then(|uav| uav.refusal.as_deref()), Some("no signal"));
         assert_eq!((fleet.count(Severity::Fatal), fleet.count(Severity::Informational)), (1, 0));
-        last_reported(&mut fleet, r#"{"type": "OBJ-DEL", "ids": ["kite", "nobody"]}"#, now);
+        receive(&mut fleet, r#"{"type": "OBJ-DEL", "ids": ["kite", "nobody"]}"#, now);
         assert_eq!(ids(&fleet), ["glider-1", "glider-2"]);
-        last_reported(
-            &mut fleet,
-            r#"{"type": "UAV-LIST", "ids": ["glider-2"]}"#,
-            now + Duration::from_secs(20),
-        );
+        receive(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-2"]}"#, now + Duration::from_secs(20));
         assert_eq!(ids(&fleet), ["glider-2"]);
         fleet.take(Event::Lost { reason: "it ended".to_owned(), pause: Duration::from_secs(1) }, now);
-        assert_eq!((fleet.len(), fleet.is_empty()), (1, false), "what was known stays known");
+        assert_eq!((fleet.len(), fleet.is_empty()), (1, false), "known UAVs remain");
         assert!(matches!(fleet.link, Link::Lost { .. }));
     }
 
@@ -261,38 +257,30 @@ mod tests {
             format!(r#"{{"type": "UAV-INF", "status": {{"glider-1": {{"timestamp": {timestamp}}}}}}}"#)
         };
         let mut fleet = Fleet::default();
-        last_reported(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1"]}"#, at(0));
+        receive(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1"]}"#, at(0));
         assert_eq!(age(&fleet, 1), None);
         for seconds in [0, 5] {
-            last_reported(&mut fleet, &state("60000"), at(seconds));
+            receive(&mut fleet, &state("60000"), at(seconds));
             assert_eq!(age(&fleet, seconds + 2), Some(seconds + 2));
         }
-        last_reported(&mut fleet, r#"{"type": "SYS-TIME", "timestamp": 70000}"#, at(6));
-        assert_eq!(age(&fleet, 7), Some(11), "it was old already when it came");
-        last_reported(&mut fleet, &state("71500"), at(8));
-        assert_eq!(age(&fleet, 9), Some(1), "its time stamp is newer than the time that is known");
-        last_reported(&mut fleet, &state("\"soon\""), at(10));
-        last_reported(&mut fleet, &state("\"soon\""), at(20));
-        assert_eq!(age(&fleet, 21), Some(1), "without time stamps, whatever comes is new");
+        receive(&mut fleet, r#"{"type": "SYS-TIME", "timestamp": 70000}"#, at(6));
+        assert_eq!(age(&fleet, 7), Some(11), "the state was 10 s old when it was received");
+        receive(&mut fleet, &state("71500"), at(8));
+        assert_eq!(age(&fleet, 9), Some(1), "the timestamp is later than the server's clock");
+        receive(&mut fleet, &state("\"soon\""), at(10));
+        receive(&mut fleet, &state("\"soon\""), at(20));
+        assert_eq!(age(&fleet, 21), Some(1), "without a timestamp, every state is new");
     }
 
     #[test]
-    fn a_server_without_measure_is_borne() {
+    fn the_number_of_uavs_is_limited() {
         let now = Instant::now();
         let mut fleet = Fleet::default();
         for number in 0..UAV_LIMIT + 500 {
-            last_reported(
-                &mut fleet,
-                &format!(r#"{{"type": "UAV-INF", "status": {{"{number}": {{}}}}}}"#),
-                now,
-            );
+            receive(&mut fleet, &format!(r#"{{"type": "UAV-INF", "status": {{"{number}": {{}}}}}}"#), now);
         }
         assert_eq!((fleet.len(), fleet.is_overfull), (UAV_LIMIT, true));
-        last_reported(
-            &mut fleet,
-            r#"{"type": "UAV-LIST", "ids": ["glider-1"]}"#,
-            now + Duration::from_secs(20),
-        );
+        receive(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1"]}"#, now + Duration::from_secs(20));
         assert_eq!((ids(&fleet), fleet.is_overfull), (vec!["glider-1"], false));
     }
 
@@ -329,7 +317,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn whatever_comes_is_taken(
+        fn accepts_arbitrary_messages(
             messages in proptest::collection::vec((json(), "UAV-INF|UAV-LIST|OBJ-DEL|SYS-TIME"), 1..8),
         ) {
             let start = Instant::now();
@@ -339,7 +327,7 @@ mod tests {
                     message.insert("type".to_owned(), kind.into());
                 }
                 let now = start + Duration::from_secs(number as u64);
-                last_reported(&mut fleet, &message.to_string(), now);
+                receive(&mut fleet, &message.to_string(), now);
                 let uavs: Vec<_> = fleet.uavs().collect();
                 for (_, uav) in uavs {
                     let _ = fleet.age(uav, now);

@@ -1,51 +1,51 @@
-//! Values as people read them: a dash for what is missing, `?` for what is of a wrong type.
+//! Values as text: a dash for missing values, `?` for values of a wrong type.
 
 use std::time::Duration;
 
 use super::state::{Battery, Field, Position};
 
-/// What stands for a value that is missing.
+/// The text for a missing value.
 pub(super) const MISSING_VALUE: &str = "-";
 
-/// What stands for a value of a wrong type.
+/// The text for a value of a wrong type.
 pub(super) const INVALID_VALUE: &str = "?";
 
-/// A field, its value in words.
-pub(super) fn field<T>(field: &Field<T>, words: impl FnOnce(&T) -> String) -> String {
+/// Formats a field.
+pub(super) fn field<T>(field: &Field<T>, format: impl FnOnce(&T) -> String) -> String {
     match field {
         Field::Absent => MISSING_VALUE.to_owned(),
-        Field::Odd => INVALID_VALUE.to_owned(),
-        Field::Known(value) => words(value),
+        Field::Invalid => INVALID_VALUE.to_owned(),
+        Field::Known(value) => format(value),
     }
 }
 
-/// A number, in words.
-pub(super) fn number(number: &Field<i64>, words: impl FnOnce(i64) -> String) -> String {
-    field(number, |number| words(*number))
+/// Formats a numeric field.
+pub(super) fn number(number: &Field<i64>, format: impl FnOnce(i64) -> String) -> String {
+    field(number, |number| format(*number))
 }
 
-/// A number in a field that may be missing as a whole.
+/// Formats a numeric part of a field that may be missing.
 pub(super) fn part<T>(
     whole: Option<&Field<T>>,
     part: impl FnOnce(&T) -> &Field<i64>,
-    words: impl FnOnce(i64) -> String,
+    format: impl FnOnce(i64) -> String,
 ) -> String {
     match whole {
         None => MISSING_VALUE.to_owned(),
-        Some(whole) => field(whole, |whole| number(part(whole), words)),
+        Some(whole) => field(whole, |whole| number(part(whole), format)),
     }
 }
 
-/// A number of `10^-digits` of a unit, in units with some decimals.
+/// Formats `number` × 10^-`digits` with some decimals.
 pub(super) fn fixed(number: i64, digits: u32, decimals: u32) -> String {
-    let dropped = 10_u128.pow(digits.saturating_sub(decimals));
-    let rounded = (u128::from(number.unsigned_abs()) + dropped / 2) / dropped;
+    let divisor = 10_u128.pow(digits.saturating_sub(decimals));
+    let rounded = (u128::from(number.unsigned_abs()) + divisor / 2) / divisor;
     let sign = if number < 0 && rounded != 0 { "-" } else { "" };
-    let one = 10_u128.pow(decimals);
+    let unit = 10_u128.pow(decimals);
     if decimals == 0 {
         return format!("{sign}{rounded}");
     }
-    format!("{sign}{}.{:0width$}", rounded / one, rounded % one, width = decimals as usize)
+    format!("{sign}{}.{:0width$}", rounded / unit, rounded % unit, width = decimals as usize)
 }
 
 /// Latitude and longitude in degrees.
@@ -57,12 +57,12 @@ pub(super) fn coordinates(position: Option<&Field<Position>>, decimals: u32) -> 
     ]
 }
 
-/// Metres of millimetres.
+/// Formats millimetres as metres.
 pub(super) fn metres(millimetres: i64) -> String {
     fixed(millimetres, 3, 1)
 }
 
-/// Volts of tenths.
+/// Formats tenths of volts as volts.
 pub(super) fn volts(tenths: i64) -> String {
     fixed(tenths, 1, 1)
 }
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_rounded_to_what_is_shown() {
+    fn rounds_numbers() {
         for (number, digits, decimals, text) in [
             (504_980_000, 7, 5, "50.49800"),
             (-1_799_999_999, 7, 5, "-180.00000"),
@@ -120,13 +120,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_and_what_is_odd_is_shown() {
+    fn marks_missing_and_invalid_values() {
         let battery =
             |percent, is_charging| Field::Known(Battery { percent, is_charging, voltage: Field::Absent });
         for (battery, text) in [
             (None, "-"),
-            (Some(Field::Odd), "?"),
-            (Some(battery(Field::Odd, Field::Odd)), "?"),
+            (Some(Field::Invalid), "?"),
+            (Some(battery(Field::Invalid, Field::Invalid)), "?"),
             (Some(battery(Field::Absent, Field::Known(true))), "-+"),
             (Some(battery(Field::Known(7), Field::Known(false))), "7%"),
         ] {

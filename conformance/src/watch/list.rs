@@ -1,4 +1,4 @@
-//! The fleet as a table for scripts: a line a UAV, columns apart by two spaces or more, no colours.
+//! The fleet as a table for scripts: one line per UAV, columns separated by at least two spaces, no colours.
 
 use std::fmt::Write as _;
 use std::time::Instant;
@@ -14,7 +14,7 @@ use super::words::shown_id;
 const TITLES: [&str; 11] =
     ["ID", "SEVERITY", "MODE", "VOLT", "CHARGE", "LATITUDE", "LONGITUDE", "AMSL", "AHL", "AGL", "AGE"];
 
-/// The table.
+/// Renders the table.
 pub(crate) fn table(fleet: &Fleet, codes: &Codes, now: Instant) -> String {
     let mut uavs: Vec<(&str, &Uav)> = fleet.uavs().collect();
     uavs.sort_by(|one, other| Order::Id.compare(*one, *other));
@@ -36,7 +36,7 @@ pub(crate) fn table(fleet: &Fleet, codes: &Codes, now: Instant) -> String {
 fn line(cells: &[&str; 11], widths: &[usize; 11], last: &str) -> String {
     let mut line = String::new();
     for (cell, width) in cells.iter().zip(widths) {
-        // What isn't seen takes no room, so the library's own padding would be wrong.
+        // `format!` pads by characters, not by display width.
         let space = width.saturating_sub(Span::raw(*cell).width()) + 2;
         let _ = write!(line, "{cell}{:space$}", "");
     }
@@ -73,7 +73,7 @@ fn errors(uav: &Uav, codes: &Codes) -> String {
     let Some(state) = &uav.state else { return MISSING_VALUE.to_owned() };
     field(&state.errors, |errors| {
         let mut names: Vec<String> = errors.codes.iter().map(|code| codes.named(*code)).collect();
-        names.extend((errors.odd > 0).then(|| format!("{} of a wrong type", errors.odd)));
+        names.extend((errors.invalid > 0).then(|| format!("{} of a wrong type", errors.invalid)));
         names.extend((errors.more > 0).then(|| format!("{} more", errors.more)));
         if names.is_empty() { MISSING_VALUE.to_owned() } else { names.join(", ") }
     })
@@ -87,7 +87,7 @@ mod tests {
     use crate::definitions::Definitions;
 
     #[test]
-    fn columns_stand_below_each_other() {
+    fn aligns_the_columns() {
         let now = Instant::now();
         let mut fleet = Fleet::default();
         let text = r#"{"type": "UAV-INF", "status": {

@@ -1,4 +1,4 @@
-//! What a server said, as far as it is about the fleet: never more than a fleet may need, whatever came.
+//! Messages of a server, reduced to the data about the fleet. The size of this data is limited.
 
 use super::roster::{ID_LIMIT, List, UAV_LIMIT};
 use super::state::State;
@@ -8,78 +8,82 @@ use crate::json::Tree;
 /// A message.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Message {
-    /// The request that it answers.
+    /// The id of the request that it responds to.
     pub refs: Option<String>,
-    /// What it says.
-    pub news: News,
+    /// The content.
+    pub content: Content,
 }
 
-/// What a message says.
+/// The content of a message.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum News {
-    /// What the server is (SYS-VER), with its version.
+pub(crate) enum Content {
+    /// The server software and its version (SYS-VER).
     Server(String),
-    /// The time by the clock of the server, in milliseconds since 1970 (SYS-TIME).
+    /// The server's clock, in milliseconds since 1970 (SYS-TIME).
     Time(i64),
     /// All UAVs (UAV-LIST).
     List(List),
-    /// States of UAVs, or why the server doesn't tell them (UAV-INF).
+    /// States of UAVs, or the reasons why there are none (UAV-INF).
     States(Vec<(String, Result<State, String>)>),
-    /// UAVs that are gone (OBJ-DEL).
+    /// Removed UAVs (OBJ-DEL).
     Gone(Vec<String>),
-    /// The server is about to end the connection: why (SYS-CLOSE).
+    /// The reason why the server is about to close the connection (SYS-CLOSE).
     Closing(String),
-    /// The server refuses what it was asked: why (ACK-NAK).
+    /// The reason why the server refused a request (ACK-NAK).
     Refused(String),
-    /// Something else.
+    /// Another message.
     Other,
-    /// Nothing that is a message.
+    /// Data that is not a message.
     Unreadable,
 }
 
 impl Message {
-    /// Reads a message.
+    /// Parses a message.
     pub(crate) fn read(bytes: &[u8]) -> Self {
         let tree = std::str::from_utf8(bytes).ok().and_then(|text| Tree::read(text).ok());
-        let Some(tree @ Tree::Object(_)) = tree else { return Self { refs: None, news: News::Unreadable } };
+        let Some(tree @ Tree::Object(_)) = tree else {
+            return Self { refs: None, content: Content::Unreadable };
+        };
         let refs = tree.get("refs").and_then(Tree::as_str).filter(|refs| refs.len() <= ID_LIMIT);
-        Self { refs: refs.map(str::to_owned), news: news(&tree) }
+        Self { refs: refs.map(str::to_owned), content: content(&tree) }
     }
 }
 
-fn news(message: &Tree<'_>) -> News {
+fn content(message: &Tree<'_>) -> Content {
     if let Some(error) = message.get("error").filter(|_| message.get("refs").is_some()) {
-        return News::Refused(error.get("message").map_or_else(String::new, words));
+        return Content::Refused(error.get("message").map_or_else(String::new, text));
     }
-    // Answers over HTTP may come without their envelope.
+    // Responses over HTTP may have no envelope.
     let body = message.get("body").unwrap_or(message);
     match body.get("type").and_then(Tree::as_str) {
-        Some("SYS-VER") => News::Server(server(body)),
+        Some("SYS-VER") => Content::Server(server(body)),
         Some("SYS-TIME") => time(body),
-        Some("UAV-LIST") => body.get("ids").and_then(list).map_or(News::Other, News::List),
-        Some("UAV-INF") => News::States(states(body)),
-        Some("OBJ-DEL") => body.get("ids").and_then(list).map_or(News::Other, |list| News::Gone(list.ids)),
-        Some("SYS-CLOSE") => News::Closing(body.get("reason").map_or_else(String::new, words)),
-        Some("ACK-NAK") => News::Refused(body.get("reason").map_or_else(String::new, words)),
-        Some(_) => News::Other,
-        None => News::Unreadable,
+        Some("UAV-LIST") => body.get("ids").and_then(list).map_or(Content::Other, Content::List),
+        Some("UAV-INF") => Content::States(states(body)),
+        Some("OBJ-DEL") => {
+            body.get("ids").and_then(list).map_or(Content::Other, |list| Content::Gone(list.ids))
+        }
+        Some("SYS-CLOSE") => Content::Closing(body.get("reason").map_or_else(String::new, text)),
+        Some("ACK-NAK") => Content::Refused(body.get("reason").map_or_else(String::new, text)),
+        Some(_) => Content::Other,
+        None => Content::Unreadable,
     }
 }
 
-/// A text, or what stands in its place.
-fn words(value: &Tree<'_>) -> String {
+/// A string, or a description of another value.
+fn text(value: &Tree<'_>) -> String {
     value.as_str().map_or_else(|| truncated(&value.to_string()), truncated)
 }
 
 fn server(body: &Tree<'_>) -> String {
     let parts = [body.get("software"), body.get("version")];
-    parts.into_iter().map(|part| part.map_or_else(|| "?".to_owned(), words)).collect::<Vec<_>>().join(" ")
+    parts.into_iter().map(|part| part.map_or_else(|| "?".to_owned(), text)).collect::<Vec<_>>().join(" ")
 }
 
-fn time(body: &Tree<'_>) -> News {
+fn time(body: &Tree<'_>) -> Content {
     match body.get("timestamp") {
-        Some(Tree::Int(time)) => i64::try_from(*time).map_or(News::Other, News::Time),
-        _ => News::Other,
+        Some(Tree::Int(time)) => i64::try_from(*time).map_or(Content::Other, Content::Time),
+        _ => Content::Other,
     }
 }
 
@@ -98,7 +102,7 @@ fn states(body: &Tree<'_>) -> Vec<(String, Result<State, String>)> {
     };
     let reported = members("status").iter().map(|(id, state)| (id, State::read(state).unwrap_or_default()));
     let reported = reported.map(|(id, state)| (id, Ok(state)));
-    let refused = members("error").iter().map(|(id, reason)| (id, Err(words(reason))));
+    let refused = members("error").iter().map(|(id, reason)| (id, Err(text(reason))));
     let all = reported.chain(refused).filter(|(id, _)| id.len() <= ID_LIMIT).take(UAV_LIMIT);
     all.map(|(id, state)| (id.clone().into_owned(), state)).collect()
 }
@@ -109,47 +113,48 @@ mod tests {
 
     use super::*;
 
-    fn read(text: &str) -> News {
-        Message::read(text.as_bytes()).news
+    fn read(text: &str) -> Content {
+        Message::read(text.as_bytes()).content
     }
 
     #[test]
-    fn messages_are_read_with_and_without_their_envelope() {
+    fn reads_messages_with_and_without_an_envelope() {
         let body = r#"{"type": "SYS-VER", "software": "sky", "version": "2.1"}"#;
         for text in [body.to_owned(), format!(r#"{{"id": "a", "refs": "b", "body": {body}}}"#)] {
-            assert_eq!(read(&text), News::Server("sky 2.1".to_owned()));
+            assert_eq!(read(&text), Content::Server("sky 2.1".to_owned()));
         }
         let list = read(r#"{"type": "UAV-LIST", "ids": ["glider-1", 7]}"#);
-        assert_eq!(list, News::List(List { ids: vec!["glider-1".to_owned()], is_whole: false }));
+        assert_eq!(list, Content::List(List { ids: vec!["glider-1".to_owned()], is_whole: false }));
         let states =
             read(r#"{"type": "UAV-INF", "status": {"a": {}, "b": 7}, "error": {"c": "no\u001bne"}}"#);
         let (reported, refused) = (Ok(State::default()), Err("no\\u{1b}ne".to_owned()));
         let expected = [("a", reported.clone()), ("b", reported), ("c", refused)];
-        assert_eq!(states, News::States(expected.map(|(id, state)| (id.to_owned(), state)).into()));
-        assert_eq!(read(r#"{"refs": "a", "error": {"message": "no"}}"#), News::Refused("no".to_owned()));
-        assert_eq!(read(r#"{"body": {"type": "SYS-CLOSE"}}"#), News::Closing(String::new()));
-        assert_eq!(read(r#"{"body": {"type": "SYS-TIME", "timestamp": "now"}}"#), News::Other);
+        assert_eq!(states, Content::States(expected.map(|(id, state)| (id.to_owned(), state)).into()));
+        assert_eq!(read(r#"{"refs": "a", "error": {"message": "no"}}"#), Content::Refused("no".to_owned()));
+        assert_eq!(read(r#"{"body": {"type": "SYS-CLOSE"}}"#), Content::Closing(String::new()));
+        assert_eq!(read(r#"{"body": {"type": "SYS-TIME", "timestamp": "now"}}"#), Content::Other);
         for unreadable in ["", "[]", "{}", "{\"body\": 7}", "glider", "{\"type\": 7}"] {
-            assert_eq!(read(unreadable), News::Unreadable, "{unreadable}");
+            assert_eq!(read(unreadable), Content::Unreadable, "{unreadable}");
         }
-        assert_eq!(Message::read(b"\xff").news, News::Unreadable);
+        assert_eq!(Message::read(b"\xff").content, Content::Unreadable);
     }
 
     #[test]
-    fn keeps_a_part_of_an_endless_list() {
+    fn limits_the_length_of_lists() {
         let ids: Vec<String> = (0..=UAV_LIMIT).map(|number| format!("\"{number}\"")).collect();
-        let News::List(list) = read(&format!(r#"{{"type": "UAV-LIST", "ids": [{}]}}"#, ids.join(","))) else {
+        let Content::List(list) = read(&format!(r#"{{"type": "UAV-LIST", "ids": [{}]}}"#, ids.join(",")))
+        else {
             panic!("a list");
         };
         assert_eq!((list.ids.len(), list.is_whole), (UAV_LIMIT, false));
         let states: Vec<String> = ids.iter().map(|id| format!("{id}: {{}}")).collect();
         let states = read(&format!(r#"{{"type": "UAV-INF", "status": {{{}}}}}"#, states.join(",")));
-        assert!(matches!(states, News::States(states) if states.len() == UAV_LIMIT));
+        assert!(matches!(states, Content::States(states) if states.len() == UAV_LIMIT));
     }
 
     proptest! {
         #[test]
-        fn whatever_comes_is_read(bytes in any::<Vec<u8>>(), text in r#"[\[\]{}:,"a0\\ -]{0,40}"#) {
+        fn accepts_arbitrary_input(bytes in any::<Vec<u8>>(), text in r#"[\[\]{}:,"a0\\ -]{0,40}"#) {
             Message::read(&bytes);
             Message::read(text.as_bytes());
         }

@@ -1,23 +1,23 @@
-//! In which order UAVs are shown.
+//! The order of UAVs on the screen.
 
 use std::cmp::{Ordering, Reverse};
 
 use super::fleet::Uav;
 
-/// What comes first.
+/// A sort order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Order {
-    /// By id, with numbers in it in their order: glider-2 before glider-10.
+    /// By id, in natural order: glider-2 before glider-10.
     #[default]
     Id,
-    /// Those first that have the gravest error codes.
+    /// Most severe error codes first.
     Severity,
-    /// Those first that have the least charge.
+    /// Lowest charge first.
     Battery,
 }
 
 impl Order {
-    /// Its name.
+    /// The name.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Id => "id",
@@ -26,7 +26,7 @@ impl Order {
         }
     }
 
-    /// The one after it, in a circle.
+    /// The next order; the first one follows the last.
     #[must_use]
     pub(crate) fn next(self) -> Self {
         match self {
@@ -36,7 +36,7 @@ impl Order {
         }
     }
 
-    /// Compares two UAVs, each with its id.
+    /// Compares two UAVs with their ids.
     pub(super) fn compare(self, one: (&str, &Uav), other: (&str, &Uav)) -> Ordering {
         let by_id = || natural(one.0, other.0);
         match self {
@@ -47,7 +47,7 @@ impl Order {
     }
 }
 
-/// What UAVs are put in order by: those whose charge nobody knows come last.
+/// The sort key for the charge: UAVs with an unknown charge are last.
 fn charge(uav: &Uav) -> (bool, i64) {
     let percent = uav
         .state
@@ -57,7 +57,7 @@ fn charge(uav: &Uav) -> (bool, i64) {
     percent.map_or((true, 0), |percent| (false, *percent))
 }
 
-/// Compares two texts, numbers in them by their size.
+/// Compares two texts; numbers within them are compared by value.
 fn natural(one: &str, other: &str) -> Ordering {
     let (mut left, mut right) = (one.as_bytes(), other.as_bytes());
     while let (Some(first), Some(second)) = (left.first(), right.first()) {
@@ -74,11 +74,11 @@ fn natural(one: &str, other: &str) -> Ordering {
             return order;
         }
     }
-    // Ids that differ in leading zeros only have an order, too.
+    // Ids that differ only in leading zeros also have a defined order.
     left.len().cmp(&right.len()).then_with(|| one.cmp(other))
 }
 
-/// Takes the number off that a text begins with, without leading zeros.
+/// Removes the number at the start of a text, and returns it without leading zeros.
 fn digits<'t>(text: &mut &'t [u8]) -> &'t [u8] {
     let length = text.iter().take_while(|byte| byte.is_ascii_digit()).count();
     let (number, rest) = text.split_at(length);
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_compared_by_their_size() {
+    fn compares_numbers_by_value() {
         let mut ids = ["glider-10", "glider-2", "glider-02", "glider", "a", "glider-2b", "7", "07", "80", ""];
         ids.sort_by(|one, other| natural(one, other));
         assert_eq!(
@@ -105,7 +105,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_is_an_order(ids in proptest::collection::vec("[a0-2é]{0,4}", 3)) {
+        fn is_a_total_order(ids in proptest::collection::vec("[a0-2é]{0,4}", 3)) {
             let [one, two, three] = &ids[..] else { return Ok(()) };
             prop_assert_eq!(natural(one, two), natural(two, one).reverse());
             prop_assert_eq!(natural(one, two).is_eq(), one == two);

@@ -1,66 +1,67 @@
-//! What a server is to be asked, and when. Nothing is sent here: the same answers at the same times lead to the same
-//! questions, and to no more than one at a time that is about states.
+//! The choice of the next request to the server. This module sends nothing: the same messages at the same times lead to
+//! the same requests. At most one request for states is pending at a time.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use super::message::{Message, News};
+use super::message::{Content, Message};
 use super::roster::Roster;
 
-/// How often it is asked which UAVs there are. Servers tell when one leaves, but not when one comes.
+/// The interval of requests for the list of UAVs. Servers report UAVs that leave, but not UAVs that join.
 const LIST_PERIOD: Duration = Duration::from_secs(5);
 
-/// How often it is asked for the time of the server.
+/// The interval of requests for the server's clock.
 const TIME_PERIOD: Duration = Duration::from_secs(60);
 
-/// How long a UAV may be silent until it is asked for. Servers tell of their fleet once a second or more often,
-/// where they tell of it by themselves.
+/// The time without a report after which the state of a UAV is requested. Servers that report states by themselves do
+/// so at least once per second.
 const SILENCE: Duration = Duration::from_secs(2);
 
-/// How long an answer is waited for before something else is asked.
+/// The maximum time to wait for a response.
 const ANSWER_LIMIT: Duration = Duration::from_secs(3);
 
-/// How often it is looked who has been silent for too long.
-const CHECK_INTERVAL: Duration = Duration::from_millis(50);
+/// The interval of searches for UAVs without recent reports.
+const SEARCH_INTERVAL: Duration = Duration::from_millis(50);
 
-/// For how many UAVs it is asked at once, and how many bytes their ids may have: the answer has to fit into a
-/// datagram.
+/// The maximum number of UAVs per request: the response must fit into a datagram.
 const CHUNK: usize = 50;
+
+/// The maximum total length of the ids in a request, in bytes.
 const CHUNK_BYTES: usize = 4 << 10;
 
-/// What is kept of the open request for states.
-struct Open {
+/// The pending request for states.
+struct Pending {
     id: String,
     until: Instant,
 }
 
-/// Asks a server for its fleet.
+/// Chooses requests for the state of a fleet.
 pub(super) struct Poller {
     is_one_shot: bool,
-    /// The UAVs, and when each was asked for or told of last.
+    /// The UAVs, with the time of the last request or report for each.
     roster: Roster<Option<Instant>>,
     waiting: VecDeque<Value>,
-    open: Option<Open>,
+    pending: Option<Pending>,
     next_list: Instant,
     next_time: Instant,
-    next_look: Instant,
-    /// How many requests were made.
+    next_search: Instant,
+    /// The number of requests so far.
     count: u64,
 }
 
 impl Poller {
-    /// One for a connection that has just been opened; over one where nothing comes but answers, `is_one_shot`.
+    /// Creates a poller for a new connection. `is_one_shot` is true if the server sends only responses.
     pub(super) fn new(is_one_shot: bool, now: Instant) -> Self {
         Self {
             is_one_shot,
             roster: Roster::default(),
             waiting: VecDeque::from([json!({ "type": "SYS-VER" })]),
-            open: None,
+            pending: None,
             next_list: now,
             next_time: now,
-            next_look: now,
+            next_search: now,
             count: 0,
         }
     }
@@ -78,36 +79,36 @@ impl Poller {
             self.next_list = now + LIST_PERIOD;
             return Some(self.request(&json!({ "type": "UAV-LIST" })));
         }
-        self.open = self.open.take().filter(|open| open.until > now);
-        if self.open.is_some() || self.next_look > now {
+        self.pending = self.pending.take().filter(|pending| pending.until > now);
+        if self.pending.is_some() || self.next_search > now {
             return None;
         }
-        self.next_look = now + CHECK_INTERVAL;
-        let ids = self.silent(now);
+        self.next_search = now + SEARCH_INTERVAL;
+        let ids = self.overdue(now);
         if ids.is_empty() {
             return None;
         }
         let request = self.request(&json!({ "type": "UAV-INF", "ids": ids }));
-        self.open = Some(Open { id: self.id(), until: now + ANSWER_LIMIT });
+        self.pending = Some(Pending { id: self.id(), until: now + ANSWER_LIMIT });
         Some(request)
     }
 
-    /// Takes what came.
+    /// Processes a message.
     pub(super) fn take(&mut self, message: &Message, now: Instant) {
-        let is_answer = self.open.as_ref().is_some_and(|open| match &message.refs {
-            Some(refs) => *refs == open.id,
-            // Without its envelope an answer doesn't say what it answers.
-            None => self.is_one_shot && matches!(message.news, News::States(_) | News::Refused(_)),
+        let is_response = self.pending.as_ref().is_some_and(|pending| match &message.refs {
+            Some(refs) => *refs == pending.id,
+            // A response without an envelope doesn't name its request.
+            None => self.is_one_shot && matches!(message.content, Content::States(_) | Content::Refused(_)),
         });
-        if is_answer {
-            self.open = None;
-            self.next_look = now;
+        if is_response {
+            self.pending = None;
+            self.next_search = now;
         }
-        match &message.news {
-            News::List(list) => {
+        match &message.content {
+            Content::List(list) => {
                 self.roster.update(list, now);
             }
-            News::States(states) => {
+            Content::States(states) => {
                 for (id, state) in states {
                     let known = if state.is_ok() { self.roster.admit(id) } else { None };
                     if let Some(member) = known {
@@ -118,13 +119,13 @@ impl Poller {
                     }
                 }
             }
-            News::Gone(ids) => ids.iter().for_each(|id| self.roster.remove(id)),
+            Content::Gone(ids) => ids.iter().for_each(|id| self.roster.remove(id)),
             _ => {}
         }
     }
 
-    /// The UAVs that are to be asked for next: those first that were never asked for.
-    fn silent(&mut self, now: Instant) -> Vec<String> {
+    /// The UAVs to request next. UAVs that were never requested are first.
+    fn overdue(&mut self, now: Instant) -> Vec<String> {
         let is_due = |last: Option<Instant>| last.is_none_or(|last| now.duration_since(last) >= SILENCE);
         let mut due: Vec<(Option<Instant>, &str)> = self
             .roster
@@ -162,15 +163,15 @@ impl Poller {
 mod tests {
     use super::*;
 
-    /// All that is asked now: types, and of how many UAVs.
+    /// The types of all requests that are due, and the number of UAVs in each.
     fn requested(poller: &mut Poller, now: Instant) -> Vec<(String, usize)> {
         let requests = std::iter::from_fn(|| poller.next(now));
         let body = |text: String| serde_json::from_str::<Value>(&text).expect("JSON")["body"].take();
-        let in_short = |body: Value| {
+        let summary = |body: Value| {
             let count = body["ids"].as_array().map_or(0, Vec::len);
             (body["type"].as_str().expect("a type").to_owned(), count)
         };
-        requests.map(body).map(in_short).collect()
+        requests.map(body).map(summary).collect()
     }
 
     fn receive(poller: &mut Poller, text: &str, now: Instant) {
@@ -197,32 +198,32 @@ mod tests {
     }
 
     #[test]
-    fn requests_a_large_fleet_in_consecutive_parts() {
+    fn requests_a_large_fleet_in_parts() {
         let now = Instant::now();
         let mut poller = Poller::new(false, now);
         assert_eq!(requested(&mut poller, now), named(&[("SYS-VER", 0), ("SYS-TIME", 0), ("UAV-LIST", 0)]));
         receive(&mut poller, &list(120), now);
-        let now = now + CHECK_INTERVAL;
+        let now = now + SEARCH_INTERVAL;
         assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 50)]));
-        // A notification is no answer.
+        // A notification is not a response.
         receive(&mut poller, &states(None, 0..1), now);
-        assert_eq!(requested(&mut poller, now + CHECK_INTERVAL), []);
+        assert_eq!(requested(&mut poller, now + SEARCH_INTERVAL), []);
         receive(&mut poller, &states(Some("watch-4"), 0..50), now);
         assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 50)]));
-        // The answer gets lost, or comes without its envelope, so that it could be anything.
+        // The response is lost, or has no envelope and can't be identified.
         receive(&mut poller, &states(None, 0..1), now);
-        assert_eq!(requested(&mut poller, now + CHECK_INTERVAL), []);
+        assert_eq!(requested(&mut poller, now + SEARCH_INTERVAL), []);
         let now = now + ANSWER_LIMIT;
         assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 50)]));
     }
 
     #[test]
-    fn over_http_an_answer_needs_no_envelope() {
+    fn accepts_responses_without_an_envelope_over_http() {
         let now = Instant::now();
         let mut poller = Poller::new(true, now);
         requested(&mut poller, now);
         receive(&mut poller, &list(60), now);
-        let now = now + CHECK_INTERVAL;
+        let now = now + SEARCH_INTERVAL;
         assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 50)]));
         receive(&mut poller, &states(None, 0..50), now);
         assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 10)]));

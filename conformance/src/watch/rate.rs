@@ -1,23 +1,23 @@
-//! How many messages come a second.
+//! The rate of messages.
 
 use std::time::Instant;
 
-/// Over how many seconds it is reckoned.
+/// The number of seconds that the rate is averaged over.
 const WINDOW: u64 = 5;
 
-/// How many seconds are counted: also the one that isn't over.
+/// The number of counters: one for each second of the window, and one for the current second.
 const NUM_SECONDS: usize = 6;
 
-/// Counts what happens, second by second.
+/// Counts messages per second.
 #[derive(Debug, Default)]
 pub(super) struct Rate {
     start: Option<Instant>,
-    /// For each of the last seconds which it is, and what happened in it, the latest first.
+    /// The last seconds and the number of messages in each, latest first.
     seconds: [(u64, u32); NUM_SECONDS],
 }
 
 impl Rate {
-    /// Counts something that happens now.
+    /// Counts a message.
     pub(super) fn count(&mut self, now: Instant) {
         let start = *self.start.get_or_insert(now);
         let second = now.saturating_duration_since(start).as_secs();
@@ -29,7 +29,7 @@ impl Rate {
         counted.1 = counted.1.saturating_add(1);
     }
 
-    /// How many come a second, by those seconds that are over.
+    /// The average number per second over the completed seconds of the window.
     pub(super) fn per_second(&self, now: Instant) -> f64 {
         let Some(start) = self.start else { return 0.0 };
         let second = now.saturating_duration_since(start).as_secs();
@@ -48,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_reckoned_over_the_seconds_that_are_over() {
+    fn averages_over_completed_seconds() {
         let start = Instant::now();
         let at = |seconds: f64| start + Duration::from_secs_f64(seconds);
         let mut rate = Rate::default();

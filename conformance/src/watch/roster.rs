@@ -1,16 +1,16 @@
-//! What is kept of each UAV, by its id: of no more UAVs than anyone can watch.
+//! A limited map from the ids of UAVs to their data.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
-/// How many UAVs are kept. The largest fleets that have flown are about half of that.
+/// The maximum number of UAVs. The largest fleets that have flown are about half of that.
 pub(crate) const UAV_LIMIT: usize = 10_000;
 
-/// The longest id that is kept, in bytes. The schema of the protocol allows 64 characters.
+/// The maximum length of an id, in bytes. The schema of the protocol allows 64 characters.
 pub(crate) const ID_LIMIT: usize = 256;
 
-/// For how long a UAV stays of which the server told by itself, although a list doesn't have it: the list may be older,
-/// and some servers tell of UAVs that they don't list.
+/// The time for which a reported UAV remains although a list doesn't contain it: the list may be older than the report,
+/// and some servers report UAVs that they don't list.
 const GRACE_PERIOD: Duration = Duration::from_secs(10);
 
 /// A list of ids.
@@ -18,16 +18,16 @@ const GRACE_PERIOD: Duration = Duration::from_secs(10);
 pub(crate) struct List {
     /// The ids.
     pub ids: Vec<String>,
-    /// Whether these are all of it, and none had to be left out.
+    /// True if the list contains all ids of the message.
     pub is_whole: bool,
 }
 
-/// A UAV, and what is kept of it.
+/// The data of a UAV.
 #[derive(Debug)]
 pub(super) struct Member<T> {
-    /// When the server told of it last without having been asked.
+    /// The time of the last report without a request.
     pub(super) last_reported: Option<Instant>,
-    /// What is kept.
+    /// The data.
     pub(super) value: T,
 }
 
@@ -60,7 +60,7 @@ impl<T: Default> Roster<T> {
         self.members.get_mut(id)
     }
 
-    /// The UAV with an id, which is a new one where it isn't known; none where there is no room for it.
+    /// Returns the UAV with an id, and adds it if necessary; `None` if a limit is exceeded.
     pub(super) fn admit(&mut self, id: &str) -> Option<&mut Member<T>> {
         if !self.members.contains_key(id) {
             if id.len() > ID_LIMIT || self.members.len() >= UAV_LIMIT {
@@ -71,7 +71,7 @@ impl<T: Default> Roster<T> {
         self.members.get_mut(id)
     }
 
-    /// Takes the server's list of all its UAVs: those that it lacks leave; whether there was room for all of it.
+    /// Adds the UAVs of a list of all UAVs, and removes others. Returns true if all of them could be added.
     pub(super) fn update(&mut self, list: &List, now: Instant) -> bool {
         if list.is_whole {
             let listed: BTreeSet<&str> = list.ids.iter().map(String::as_str).collect();
@@ -114,13 +114,13 @@ mod tests {
         assert!(roster.update(&list(&["glider-4"]), now + GRACE_PERIOD / 2));
         assert_eq!(ids(&roster), ["glider-2", "glider-3", "glider-4"]);
         assert!(!roster.update(&List { is_whole: false, ..list(&["glider-5"]) }, now + GRACE_PERIOD));
-        assert_eq!(ids(&roster).len(), 4, "a list that was cut says nothing of the others");
+        assert_eq!(ids(&roster).len(), 4, "an incomplete list removes no UAVs");
         assert!(roster.update(&list(&["glider-4"]), now + GRACE_PERIOD));
         assert_eq!(ids(&roster), ["glider-4"]);
     }
 
     #[test]
-    fn there_is_an_end_to_ids() {
+    fn limits_the_number_and_length_of_ids() {
         let mut roster = Roster::<u8>::default();
         assert!(roster.admit(&"g".repeat(ID_LIMIT + 1)).is_none());
         for number in 0..UAV_LIMIT {

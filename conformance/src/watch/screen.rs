@@ -1,4 +1,4 @@
-//! What a person has made of the screen: which UAV is looked at, what is shown, in which order. Keys change it.
+//! The state of the screen, which keys change: the page, the selected UAV, the order and the filter.
 
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
@@ -6,65 +6,65 @@ use super::fleet::{Fleet, Uav};
 use super::order::Order;
 use super::words::shown_id;
 
-/// The longest filter.
+/// The maximum length of the filter, in bytes.
 const FILTER_LIMIT: usize = 64;
 
-/// What fills the screen.
+/// A page of the screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Page {
     /// All UAVs.
     #[default]
     Fleet,
-    /// All UAVs, while it is typed which.
+    /// All UAVs, while the user types a filter.
     Filter,
-    /// All of one UAV.
+    /// The details of one UAV.
     Details,
     /// The keys.
     Help,
 }
 
-/// Whether to go on after a key.
+/// The effect of a key on the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// Go on.
+    /// Continue.
     Stay,
-    /// It is over.
+    /// Quit.
     Quit,
 }
 
-/// What a person has made of the screen.
+/// The state of the screen.
 #[derive(Debug, Default)]
 pub(crate) struct Screen {
-    /// What fills it.
+    /// The current page.
     pub page: Page,
-    /// What comes first.
+    /// The order of the UAVs.
     pub order: Order,
-    /// What the ids that are shown have in them.
+    /// The text that visible ids contain.
     pub filter: String,
-    /// The UAV that is looked at.
+    /// The id of the selected UAV.
     pub selected: Option<String>,
-    /// The first row that is shown.
+    /// The first visible row of the list.
     pub first_row: usize,
-    /// The first line of any other page that is shown.
+    /// The first visible line of another page.
     pub first_line: usize,
-    /// How many rows there was room for when it was drawn last.
+    /// The number of visible rows in the last frame.
     pub height: usize,
-    /// Where the UAV that is looked at stood when it was drawn last, for when it leaves.
+    /// The row of the selected UAV in the last frame. It selects a neighbour if the UAV leaves.
     row: usize,
 }
 
 impl Screen {
-    /// The UAVs that are shown, in their order.
+    /// The visible UAVs in order.
     pub(crate) fn rows<'f>(&self, fleet: &'f Fleet) -> Vec<(&'f str, &'f Uav)> {
         let filter = self.filter.to_lowercase();
-        let fits = |id: &str| filter.is_empty() || shown_id(id).to_lowercase().contains(&filter);
-        let mut rows: Vec<(&str, &Uav)> = fleet.uavs().filter(|(id, _)| fits(id)).collect();
+        let matches = |id: &str| filter.is_empty() || shown_id(id).to_lowercase().contains(&filter);
+        let mut rows: Vec<(&str, &Uav)> = fleet.uavs().filter(|(id, _)| matches(id)).collect();
         rows.sort_by(|one, other| self.order.compare(*one, *other));
         rows
     }
 
-    /// Sees to it that one of the rows is looked at, and that it is among as many as there is room for; which.
-    pub(crate) fn settle(&mut self, rows: &[(&str, &Uav)], height: usize) -> Option<usize> {
+    /// Ensures that a row is selected and visible on a screen with `height` rows. Returns the selected row.
+    pub(crate) fn select_row(&mut self, rows: &[(&str, &Uav)], height: usize) -> Option<usize> {
         self.height = height;
         let last = rows.len().checked_sub(1)?;
         let selected = self.selected.as_deref();
@@ -73,12 +73,12 @@ impl Screen {
         self.selected = Some(rows[self.row].0.to_owned());
         let lowest = (self.row + 1).saturating_sub(height).min(self.row);
         self.first_row = self.first_row.clamp(lowest, self.row);
-        // Room at the end is filled.
+        // There are no empty rows at the end if there are enough UAVs.
         self.first_row = self.first_row.min(rows.len().saturating_sub(height));
         Some(self.row)
     }
 
-    /// Takes a key.
+    /// Handles a key.
     pub(crate) fn press(&mut self, key: KeyEvent, fleet: &Fleet) -> Step {
         if key.kind == KeyEventKind::Release {
             return Step::Stay;
@@ -102,20 +102,20 @@ impl Screen {
     fn press_on_fleet(&mut self, key: KeyCode, fleet: &Fleet) -> Step {
         match key {
             KeyCode::Char('q') => return Step::Quit,
-            // What narrows the view is given up first.
+            // The first Esc clears the filter.
             KeyCode::Esc if self.filter.is_empty() => return Step::Quit,
             KeyCode::Esc => self.filter.clear(),
             KeyCode::Char('?') => self.open(Page::Help),
             KeyCode::Char('/') => self.page = Page::Filter,
             KeyCode::Char('s') => {
                 self.order = self.order.next();
-                // The first in the new order is what is wanted to be seen.
+                // The first UAV in the new order is selected.
                 self.first_row = 0;
                 self.row = 0;
                 self.selected = None;
             }
             KeyCode::Enter if self.selected.is_some() => self.open(Page::Details),
-            other => self.walk(other, fleet),
+            other => self.move_selection(other, fleet),
         }
         Step::Stay
     }
@@ -134,7 +134,7 @@ impl Screen {
                 self.filter.push(character);
             }
             KeyCode::Char(_) => {}
-            other => self.walk(other, fleet),
+            other => self.move_selection(other, fleet),
         }
     }
 
@@ -150,13 +150,13 @@ impl Screen {
         Step::Stay
     }
 
-    /// Shows a page from its beginning.
+    /// Shows the start of a page.
     fn open(&mut self, page: Page) {
         self.page = page;
         self.first_line = 0;
     }
 
-    /// Moves a page up or down; whether the key is one for that.
+    /// Scrolls a page. Returns true if the key is a scroll key.
     fn scroll(&mut self, key: KeyCode) -> bool {
         let page = self.height.max(1);
         self.first_line = match key {
@@ -165,16 +165,16 @@ impl Screen {
             KeyCode::PageUp => self.first_line.saturating_sub(page),
             KeyCode::PageDown => self.first_line + page,
             KeyCode::Home | KeyCode::Char('g') => 0,
-            // It is drawn as far as there are lines.
+            // Drawing limits this to the last line.
             KeyCode::End | KeyCode::Char('G') => usize::MAX / 2,
             _ => return false,
         };
         true
     }
 
-    fn walk(&mut self, key: KeyCode, fleet: &Fleet) {
+    fn move_selection(&mut self, key: KeyCode, fleet: &Fleet) {
         let rows = self.rows(fleet);
-        let Some(row) = self.settle(&rows, self.height) else { return };
+        let Some(row) = self.select_row(&rows, self.height) else { return };
         let page = self.height.max(1);
         let row = match key {
             KeyCode::Up | KeyCode::Char('k') => row.saturating_sub(1),
@@ -220,11 +220,11 @@ mod tests {
         let mut step = Step::Stay;
         for key in keys {
             let rows = screen.rows(fleet);
-            screen.settle(&rows, 4);
+            screen.select_row(&rows, 4);
             step = screen.press((*key).into(), fleet);
         }
         let rows = screen.rows(fleet);
-        screen.settle(&rows, 4);
+        screen.select_row(&rows, 4);
         step
     }
 
@@ -233,10 +233,10 @@ mod tests {
     }
 
     #[test]
-    fn keys_move_and_what_is_looked_at_is_seen() {
+    fn keys_move_the_selection_and_scroll() {
         let fleet = fleet(12);
         let mut screen = Screen::default();
-        let looked_at = |screen: &Screen| (screen.selected.clone().expect("a UAV"), screen.first_row);
+        let selected = |screen: &Screen| (screen.selected.clone().expect("a UAV"), screen.first_row);
         for (keys, id, first) in [
             (&[][..], "glider-1", 0),
             (&[KeyCode::Down, typed('j'), KeyCode::Down], "glider-4", 0),
@@ -248,17 +248,17 @@ mod tests {
             (&[KeyCode::Home, KeyCode::Up], "glider-1", 0),
         ] {
             assert_eq!(press(&mut screen, &fleet, keys), Step::Stay);
-            assert_eq!(looked_at(&screen), (id.to_owned(), first), "{keys:?}");
+            assert_eq!(selected(&screen), (id.to_owned(), first), "{keys:?}");
         }
     }
 
     #[test]
-    fn the_order_changes_and_ids_are_filtered() {
+    fn keys_change_the_order_and_the_filter() {
         let fleet = fleet(12);
         let mut screen = Screen::default();
         let first = |screen: &Screen| screen.rows(&fleet).first().map(|(id, _)| (*id).to_owned());
         press(&mut screen, &fleet, &[typed('s')]);
-        // 60 × 4 = 240 is the first that is fatal.
+        // 60 × 4 = 240 is the first fatal code.
         assert_eq!((first(&screen).as_deref(), screen.order), (Some("glider-4"), Order::Severity));
         press(&mut screen, &fleet, &[typed('s')]);
         assert_eq!((first(&screen).as_deref(), screen.order), (Some("glider-1"), Order::Battery));
@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn pages_are_opened_and_left() {
+    fn keys_open_and_close_pages() {
         let fleet = fleet(2);
         let mut screen = Screen::default();
         for (key, page) in [
@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn when_the_uav_leaves_that_is_looked_at_its_neighbour_takes_its_place() {
+    fn selects_a_neighbour_if_the_selected_uav_leaves() {
         let mut fleet = fleet(3);
         let mut screen = Screen::default();
         press(&mut screen, &fleet, &[KeyCode::Down]);
@@ -305,7 +305,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_looked_at_is_among_the_rows_that_are_seen(
+        fn the_selected_row_is_visible(
             keys in proptest::collection::vec("[jkgGs/?]|[0-9]", 0..30),
             count in 0..20_u32,
             height in 0..10_usize,
@@ -315,7 +315,7 @@ mod tests {
             for key in keys.iter().filter_map(|key| key.chars().next()) {
                 screen.press(KeyCode::Char(key).into(), &fleet);
                 let rows = screen.rows(&fleet);
-                if let Some(row) = screen.settle(&rows, height) {
+                if let Some(row) = screen.select_row(&rows, height) {
                     prop_assert!(row < rows.len() && screen.first_row <= row);
                     prop_assert!(row < screen.first_row + height.max(1));
                 }

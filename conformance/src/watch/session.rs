@@ -1,69 +1,70 @@
-//! Hears a server in a thread, asks it what there is to ask, and connects again when it is gone.
+//! A thread that receives from a server, sends requests, and reconnects if the connection is lost.
 
 use std::io;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::message::{Message, News};
+use super::message::{Content, Message};
 use super::poller::Poller;
 use crate::flockwave::transport::client::{Client, Received, connect};
 use crate::flockwave::transport::endpoint::Endpoint;
 
-/// How long a connection may take to open.
+/// The maximum time to connect.
 const CONNECT_LIMIT: Duration = Duration::from_secs(10);
 
-/// How long a server may say nothing at all, though it is asked every few seconds, until it counts as gone.
+/// The time without a message after which the connection counts as lost. Requests are sent every few seconds.
 const SILENCE_LIMIT: Duration = Duration::from_secs(15);
 
-/// How often it is looked whether there is something to ask, and whether anybody still wants to know.
+/// The interval of checks for due requests and for the end of the session.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
-/// How long it is waited before a server that is gone is tried again: each time twice as long, up to the last.
+/// The pause before the first attempt to reconnect. It doubles with each attempt.
 const FIRST_PAUSE: Duration = Duration::from_secs(1);
+
+/// The maximum pause between attempts to reconnect.
 const LAST_PAUSE: Duration = Duration::from_secs(30);
 
-/// What happens.
+/// An event of the connection.
 #[derive(Debug)]
 pub(crate) enum Event {
-    /// The server said something.
+    /// A message was received.
     Received(Message),
-    /// The server is gone, or was never there.
+    /// The connection was lost or refused.
     Lost {
-        /// Why.
+        /// The reason.
         reason: String,
-        /// How long it is waited before it is tried again.
+        /// The pause before the next attempt.
         pause: Duration,
     },
 }
 
-/// A thread that watches a server. Nothing more is asked when this is dropped.
+/// A thread that watches a server. It ends when this is dropped.
 pub(crate) struct Session {
-    _wanted: Sender<()>,
+    _end: Sender<()>,
 }
 
 impl Session {
-    /// Watches a server. `on_event` takes what happens, and says whether anybody wants to know more; while it waits,
-    /// nothing more is heard.
+    /// Watches a server. The thread ends if `on_event` returns false. While it blocks, no messages are received.
     pub(crate) fn start(endpoint: Endpoint, on_event: impl FnMut(Event) -> bool + Send + 'static) -> Self {
-        let (wanted, end) = channel::<()>();
-        let is_over = move |pause| end.recv_timeout(pause) == Err(RecvTimeoutError::Disconnected);
+        let (end, ended) = channel::<()>();
+        let is_over = move |pause| ended.recv_timeout(pause) == Err(RecvTimeoutError::Disconnected);
         thread::spawn(move || {
             let mut watch = Watch { endpoint, on_event: Box::new(on_event), is_over: Box::new(is_over) };
-            // It ends when nobody wants to know more.
+            // The only error is the end of the session.
             let _ = watch.run();
         });
-        Self { _wanted: wanted }
+        Self { _end: end }
     }
 }
 
-/// Nobody wants to know more.
+/// The session has ended.
 struct Closed;
 
 struct Watch {
     endpoint: Endpoint,
     on_event: Box<dyn FnMut(Event) -> bool + Send>,
-    /// Waits for some time; whether it is all over.
+    /// Waits for some time, and returns true if the session has ended.
     is_over: Box<dyn Fn(Duration) -> bool + Send>,
 }
 
@@ -73,7 +74,7 @@ impl Watch {
         loop {
             let mut has_received = false;
             let reason = match connect(&self.endpoint, Instant::now() + CONNECT_LIMIT) {
-                Ok(mut client) => self.talk(&mut *client, &mut has_received)?,
+                Ok(mut client) => self.run_connection(&mut *client, &mut has_received)?,
                 Err(error) => error.to_string(),
             };
             if has_received {
@@ -87,32 +88,32 @@ impl Watch {
         }
     }
 
-    /// Talks with the server until the connection ends; why it ended.
-    fn talk(&mut self, client: &mut dyn Client, has_received: &mut bool) -> Result<String, Closed> {
+    /// Exchanges messages until the connection ends, and returns the reason.
+    fn run_connection(&mut self, client: &mut dyn Client, has_received: &mut bool) -> Result<String, Closed> {
         let mut poller = Poller::new(matches!(self.endpoint, Endpoint::Http { .. }), Instant::now());
         let mut last = Instant::now();
-        let mut farewell = None;
+        let mut close_reason = None;
         loop {
             if (self.is_over)(Duration::ZERO) {
                 return Err(Closed);
             }
             let message = match exchange(client, &mut poller) {
                 Ok(Received::Message(bytes)) => Message::read(&bytes),
-                Ok(Received::TooLong) => Message { refs: None, news: News::Unreadable },
+                Ok(Received::TooLong) => Message { refs: None, content: Content::Unreadable },
                 Ok(Received::Silence) if last.elapsed() < SILENCE_LIMIT => continue,
                 Ok(Received::Silence) => {
-                    return Ok(format!("it has said nothing for {} s", SILENCE_LIMIT.as_secs()));
+                    return Ok(format!("no message for {} s", SILENCE_LIMIT.as_secs()));
                 }
                 Ok(Received::End) => {
-                    return Ok(farewell.unwrap_or_else(|| "it ended the connection".to_owned()));
+                    return Ok(close_reason.unwrap_or_else(|| "the server closed the connection".to_owned()));
                 }
-                Err(error) => return Ok(farewell.unwrap_or_else(|| error.to_string())),
+                Err(error) => return Ok(close_reason.unwrap_or_else(|| error.to_string())),
             };
             last = Instant::now();
             *has_received = true;
             poller.take(&message, last);
-            if let News::Closing(reason) = &message.news {
-                farewell = Some(format!("it said farewell: {reason}"));
+            if let Content::Closing(reason) = &message.content {
+                close_reason = Some(format!("the server closed the connection: {reason}"));
             }
             self.emit(Event::Received(message))?;
         }
@@ -123,7 +124,7 @@ impl Watch {
     }
 }
 
-/// Asks what is due, and hears what comes.
+/// Sends the due requests, and waits for a message.
 fn exchange(client: &mut dyn Client, poller: &mut Poller) -> io::Result<Received> {
     while let Some(request) = poller.next(Instant::now()) {
         client.send(request.as_bytes())?;

@@ -1,37 +1,40 @@
-//! The state of a UAV as it told it (`UAVStatusInfo`), read without trust: a value of the wrong type is odd, and no
-//! error.
+//! The reported state of a UAV (`UAVStatusInfo`). A value of the wrong type is invalid, but not an error.
 
 use super::words::truncated;
 use crate::json::Tree;
 
-/// How many error codes of a UAV are kept, how many values of other lists, and how many fields that nobody knows.
+/// The maximum number of error codes.
 const CODE_LIMIT: usize = 64;
+
+/// The maximum number of values of other lists.
 const VALUE_LIMIT: usize = 16;
+
+/// The maximum number of unknown fields.
 const OTHER_LIMIT: usize = 8;
 
-/// A value that may be missing, or of a type that it can't be.
+/// A value that may be missing or of a wrong type.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Field<T> {
-    /// It isn't there, or says that it isn't known.
+    /// The value is missing, or marked as unknown.
     #[default]
     Absent,
-    /// It is of a wrong type.
-    Odd,
-    /// It is there.
+    /// The value has a wrong type.
+    Invalid,
+    /// The value is valid.
     Known(T),
 }
 
 impl<T> Field<T> {
-    /// The value, where there is a proper one.
+    /// The value, if it is valid.
     pub(crate) fn known(&self) -> Option<&T> {
         if let Self::Known(value) = self { Some(value) } else { None }
     }
 
     fn new(value: Option<T>) -> Self {
-        value.map_or(Self::Odd, Self::Known)
+        value.map_or(Self::Invalid, Self::Known)
     }
 
-    /// Takes a value for unknown.
+    /// Makes a value absent if it means "unknown".
     fn unless(self, is_unknown: impl Fn(&T) -> bool) -> Self {
         match self {
             Self::Known(value) if is_unknown(&value) => Self::Absent,
@@ -40,99 +43,99 @@ impl<T> Field<T> {
     }
 }
 
-/// Where a UAV is.
+/// The position of a UAV.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Position {
-    /// In 1e-7 degrees.
+    /// The latitude, in 1e-7 degrees.
     pub latitude: Field<i64>,
-    /// In 1e-7 degrees.
+    /// The longitude, in 1e-7 degrees.
     pub longitude: Field<i64>,
-    /// Above mean sea level, in millimetres.
+    /// The altitude above mean sea level, in millimetres.
     pub above_sea: Field<i64>,
-    /// Above the home position, in millimetres.
+    /// The altitude above the home position, in millimetres.
     pub above_home: Field<i64>,
-    /// Above the ground, in millimetres.
+    /// The altitude above the ground, in millimetres.
     pub above_ground: Field<i64>,
 }
 
-/// What satellites tell a UAV.
+/// The satellite navigation of a UAV.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Gps {
     /// The kind of fix, from 0 to 7.
     pub fix: Field<i64>,
-    /// How many satellites there are.
+    /// The number of satellites.
     pub satellites: Field<i64>,
-    /// How exact the position is along the ground, in millimetres.
+    /// The horizontal accuracy, in millimetres.
     pub horizontal: Field<i64>,
-    /// How exact the altitude is, in millimetres.
+    /// The vertical accuracy, in millimetres.
     pub vertical: Field<i64>,
 }
 
-/// What is left in a battery.
+/// The state of a battery.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Battery {
-    /// In tenths of volts.
+    /// The voltage, in tenths of volts.
     pub voltage: Field<i64>,
-    /// In percent.
+    /// The charge, in percent.
     pub percent: Field<i64>,
-    /// Whether it is charging.
+    /// True if the battery is charging.
     pub is_charging: Field<bool>,
 }
 
 /// The error codes of a UAV.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Errors {
-    /// The codes, the gravest first.
+    /// The codes, most severe first.
     pub codes: Vec<u32>,
-    /// How many entries are no codes.
-    pub odd: usize,
-    /// How many more there are than are kept.
+    /// The number of entries that are not codes.
+    pub invalid: usize,
+    /// The number of entries beyond the limit.
     pub more: usize,
 }
 
-/// What a UAV told of itself.
+/// The reported state of a UAV.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct State {
-    /// What it calls itself.
+    /// The id within the state.
     pub id: Field<String>,
-    /// When it was heard of, in milliseconds since 1970 by the clock of the server.
+    /// The time of the state by the server's clock, in milliseconds since 1970.
     pub timestamp: Field<i64>,
-    /// Its mode.
+    /// The mode.
     pub mode: Field<String>,
-    /// Where it is on the earth.
+    /// The global position.
     pub position: Field<Position>,
-    /// Where it is in a room, in millimetres.
+    /// The position in local coordinates, in millimetres.
     pub position_xyz: Field<[Field<i64>; 3]>,
-    /// What satellites tell it.
+    /// The satellite navigation.
     pub gps: Field<Gps>,
-    /// Where its nose points to, in tenths of degrees.
+    /// The heading, in tenths of degrees.
     pub heading: Field<i64>,
     /// Roll, pitch and yaw, in tenths of degrees.
     pub attitude: Field<[Field<i64>; 3]>,
-    /// North, east and down, in millimetres a second.
+    /// The velocity north, east and down, in millimetres per second.
     pub velocity: Field<[Field<i64>; 3]>,
-    /// The same in a room.
+    /// The velocity in local coordinates, in millimetres per second.
     pub velocity_xyz: Field<[Field<i64>; 3]>,
-    /// What is left in its battery.
+    /// The battery.
     pub battery: Field<Battery>,
-    /// The colour of its light, as RGB565.
+    /// The colour of the light, as RGB565.
     pub light: Field<i64>,
-    /// How well it is heard, for each radio, in percent.
+    /// The signal strength of each radio link, in percent.
     pub rssi: Field<Vec<Field<i64>>>,
-    /// What is wrong with it.
+    /// The error codes.
     pub errors: Field<Errors>,
-    /// What its authors wanted to know, in base64.
+    /// Debug data, in base64.
     pub debug: Field<String>,
-    /// Other fields, by name.
+    /// The names and values of other fields.
     pub others: Vec<(String, String)>,
 }
 
 impl State {
-    /// Reads a state; none where it is no object.
+    /// Reads a state; `None` if the value is not an object.
     pub(crate) fn read(tree: &Tree<'_>) -> Option<Self> {
         let Tree::Object(members) = tree else { return None };
         let mut state = Self::default();
-        // Of a repeated key the first counts, as everywhere in this program.
+        // If a key is repeated, the first value is used, as everywhere in this program.
         for (key, value) in members.iter().rev() {
             state.set(key, value);
         }
@@ -145,12 +148,12 @@ impl State {
             "timestamp" => self.timestamp = integer(value),
             "mode" => self.mode = text(value),
             "position" => self.position = position(value),
-            "positionXYZ" => self.position_xyz = three(value),
+            "positionXYZ" => self.position_xyz = triple(value),
             "gps" => self.gps = gps(value),
             "heading" => self.heading = integer(value),
-            "attitude" => self.attitude = three(value),
-            "velocity" => self.velocity = three(value),
-            "velocityXYZ" => self.velocity_xyz = three(value),
+            "attitude" => self.attitude = triple(value),
+            "velocity" => self.velocity = triple(value),
+            "velocityXYZ" => self.velocity_xyz = triple(value),
             "battery" => self.battery = battery(value),
             "light" => self.light = integer(value),
             "rssi" => self.rssi = Field::new(list(value).map(|values| integers(values))),
@@ -169,7 +172,7 @@ fn text(value: &Tree<'_>) -> Field<String> {
 }
 
 fn integer(value: &Tree<'_>) -> Field<i64> {
-    let Tree::Int(value) = value else { return Field::Odd };
+    let Tree::Int(value) = value else { return Field::Invalid };
     Field::new(i64::try_from(*value).ok())
 }
 
@@ -177,7 +180,7 @@ fn list<'v, 't>(value: &'v Tree<'t>) -> Option<&'v [Tree<'t>]> {
     if let Tree::List(values) = value { Some(values) } else { None }
 }
 
-/// An entry of a list; `null` stands for what isn't known.
+/// Reads an entry of a list. `null` means that it is unknown.
 fn entry(values: &[Tree<'_>], index: usize) -> Field<i64> {
     values.get(index).filter(|value| **value != Tree::Null).map_or(Field::Absent, integer)
 }
@@ -186,7 +189,7 @@ fn integers(values: &[Tree<'_>]) -> Vec<Field<i64>> {
     values.iter().take(VALUE_LIMIT).map(integer).collect()
 }
 
-fn three(value: &Tree<'_>) -> Field<[Field<i64>; 3]> {
+fn triple(value: &Tree<'_>) -> Field<[Field<i64>; 3]> {
     Field::new(list(value).map(|values| [0, 1, 2].map(|index| entry(values, index))))
 }
 
@@ -216,7 +219,7 @@ fn battery(value: &Tree<'_>) -> Field<Battery> {
         is_charging: match values.get(2) {
             None | Some(Tree::Null) => Field::Absent,
             Some(Tree::Bool(is_charging)) => Field::Known(*is_charging),
-            Some(_) => Field::Odd,
+            Some(_) => Field::Invalid,
         },
     }))
 }
@@ -225,12 +228,12 @@ fn errors(values: &[Tree<'_>]) -> Errors {
     let code = |value: &Tree<'_>| integer(value).known().and_then(|code| u32::try_from(*code).ok());
     let truncated = &values[..values.len().min(CODE_LIMIT)];
     let mut codes: Vec<u32> = truncated.iter().filter_map(code).collect();
-    let odd = truncated.len() - codes.len();
+    let invalid = truncated.len() - codes.len();
     codes.sort_by_key(|code| (std::cmp::Reverse(uavspec_runtime::Severity::of(*code)), *code));
     codes.dedup();
-    // 0 says that there is no error.
+    // 0 means no error.
     codes.retain(|code| *code != 0);
-    Errors { codes, odd, more: values.len() - truncated.len() }
+    Errors { codes, invalid, more: values.len() - truncated.len() }
 }
 
 #[cfg(test)]
@@ -247,17 +250,17 @@ mod tests {
             r#"{"mode": 7, "position": [504980000, "east", null, -1500], "battery": [0, -1, true],
                 "gps": {}, "heading": 3.5, "heading": 450, "wind": [1, 2], "rssi": [80, null]}"#,
         );
-        assert_eq!(state.mode, Field::Odd);
+        assert_eq!(state.mode, Field::Invalid);
         let position = state.position.known().expect("a list");
-        assert_eq!((&position.latitude, &position.longitude), (&Field::Known(504_980_000), &Field::Odd));
+        assert_eq!((&position.latitude, &position.longitude), (&Field::Known(504_980_000), &Field::Invalid));
         let altitudes = [&position.above_sea, &position.above_home, &position.above_ground];
         assert_eq!(altitudes, [&Field::Absent, &Field::Known(-1500), &Field::Absent]);
         let battery =
             Battery { voltage: Field::Absent, percent: Field::Absent, is_charging: Field::Known(true) };
         assert_eq!(state.battery, Field::Known(battery));
-        assert_eq!((state.gps, state.heading), (Field::Odd, Field::Odd));
+        assert_eq!((state.gps, state.heading), (Field::Invalid, Field::Invalid));
         assert_eq!(state.others, [("wind".to_owned(), "an array of 2".to_owned())]);
-        assert_eq!(state.rssi, Field::Known(vec![Field::Known(80), Field::Odd]));
+        assert_eq!(state.rssi, Field::Known(vec![Field::Known(80), Field::Invalid]));
         assert_eq!(state.timestamp, Field::Absent);
         assert_eq!(State::read(&Tree::Null), None);
     }
@@ -267,7 +270,7 @@ mod tests {
         let state = read(r#"{"errors": [1, 0, 66, 199, 1, -1, 193, 65733, "x", 99999999999]}"#);
         let errors = state.errors.known().expect("a list");
         assert_eq!(errors.codes, [193, 199, 65733, 66, 1]);
-        assert_eq!((errors.odd, errors.more), (3, 0));
+        assert_eq!((errors.invalid, errors.more), (3, 0));
         let many: Vec<String> = (0..100).map(|code| code.to_string()).collect();
         let state = read(&format!(r#"{{"errors": [{}]}}"#, many.join(",")));
         assert_eq!(state.errors.known().map(|errors| errors.more), Some(100 - CODE_LIMIT));

@@ -1,4 +1,4 @@
-//! The screen: what is known, drawn into a frame. Nothing is changed here but where the screen is scrolled to.
+//! Draws the screen. Drawing changes only the scroll positions.
 
 mod details;
 mod foot;
@@ -18,18 +18,18 @@ use super::codes::Codes;
 use super::fleet::{Fleet, Uav};
 use super::screen::{Page, Screen};
 
-/// What is drawn.
+/// The data to draw.
 #[derive(Debug)]
 pub(crate) struct Scene<'s> {
     /// The fleet.
     pub fleet: &'s Fleet,
-    /// What its error codes mean.
+    /// The meanings of error codes.
     pub codes: &'s Codes,
-    /// Where the server is.
+    /// The URL of the server.
     pub url: &'s str,
-    /// Whether there may be colours. Without them, what they say is in words and in bold.
+    /// True if colours are enabled. Words and bold text convey the same information.
     pub is_coloured: bool,
-    /// When it is drawn.
+    /// The time of drawing.
     pub now: Instant,
 }
 
@@ -39,10 +39,10 @@ impl Scene<'_> {
     }
 }
 
-/// From how many columns on there is room for more than the most needed.
+/// The minimum width for the medium layout.
 const MIDDLE_WIDTH: u16 = 80;
 
-/// How high the screen has to be for the error codes of the UAV that is looked at to be told below the others.
+/// The minimum height for the error codes of the selected UAV below the table.
 const NOTED_HEIGHT: u16 = 16;
 
 /// Draws the screen.
@@ -66,7 +66,7 @@ pub(crate) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen
     foot::line(screen, scene.theme(), bottom.width).draw(frame, bottom);
 }
 
-/// Draws as many lines as there is room for, from the one on that the screen is scrolled to.
+/// Draws the visible lines of a page.
 fn draw_lines(frame: &mut Frame<'_>, lines: Vec<Line<'_>>, screen: &mut Screen, area: Rect) {
     screen.height = usize::from(area.height);
     screen.first_line = screen.first_line.min(lines.len().saturating_sub(screen.height));
@@ -79,11 +79,11 @@ fn draw_fleet(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen, are
     let note_height = if height < NOTED_HEIGHT { 0 } else { 4 };
     let [rest, below] = Layout::vertical([Constraint::Min(0), Constraint::Length(note_height)]).areas(area);
     let rows = screen.rows(scene.fleet);
-    // One line is for the titles.
-    let selected = screen.settle(&rows, usize::from(rest.height.saturating_sub(1)));
+    // One line is for the column titles.
+    let selected = screen.select_row(&rows, usize::from(rest.height.saturating_sub(1)));
     if rows.is_empty() {
         let is_filtered = !scene.fleet.is_empty();
-        let text = if is_filtered { "no id has this in it" } else { "no UAV is known yet" };
+        let text = if is_filtered { "no id contains this text" } else { "no UAVs yet" };
         frame.render_widget(Line::styled(text, scene.theme().faint()), rest);
         return;
     }
@@ -93,17 +93,17 @@ fn draw_fleet(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen, are
     }
 }
 
-/// The gravest error codes of a UAV, with what they mean.
+/// Draws the most severe error codes of a UAV, with their meanings.
 fn draw_note(frame: &mut Frame<'_>, scene: &Scene<'_>, id: &str, uav: &Uav, area: Rect) {
     let mut lines = vec![Line::styled(super::words::shown_id(id), scene.theme().title())];
-    lines.extend(uav.refusal.iter().map(|reason| Line::raw(format!("the server doesn't tell: {reason}"))));
+    lines.extend(uav.refusal.iter().map(|reason| Line::raw(format!("no state: {reason}"))));
     lines.extend(uav.codes().iter().map(|code| table::describe_code(scene, *code)));
     for (line, row) in lines.into_iter().zip(area.rows()) {
         frame.render_widget(wrap::clipped(line, usize::from(row.width)), row);
     }
 }
 
-/// A line of the screen: something at its left end, and something that is more needed at its right end.
+/// A line with text at both ends. The right end has precedence if there is not enough space.
 struct Ends<'l> {
     left: Line<'l>,
     right: Line<'l>,
@@ -124,7 +124,7 @@ impl<'l> Ends<'l> {
     }
 }
 
-/// Spans, two spaces between them.
+/// Joins spans with two spaces.
 fn spaced<'s>(spans: impl IntoIterator<Item = Span<'s>>) -> Line<'s> {
     let mut all = Vec::new();
     for span in spans {

@@ -1,11 +1,11 @@
-//! Texts of a server: cut before they are kept, made harmless before they are shown.
+//! Truncates and escapes texts of a server.
 
 use crate::text::shown;
 
-/// The longest text that is kept of a message, in characters.
+/// The maximum length of a text, in characters.
 const TEXT_LIMIT: usize = 80;
 
-/// The start of a text: all that is kept of it. It is harmless in a terminal, and on one line.
+/// Truncates a text, and escapes it for the terminal, on one line.
 pub(super) fn truncated(text: &str) -> String {
     match text.char_indices().nth(TEXT_LIMIT) {
         None => shown(text),
@@ -13,7 +13,7 @@ pub(super) fn truncated(text: &str) -> String {
     }
 }
 
-/// An id as it is shown.
+/// An id for display.
 pub(super) fn shown_id(id: &str) -> String {
     truncated(id)
 }
@@ -35,7 +35,7 @@ mod tests {
     }
 
     #[test]
-    fn escapes_of_terminals_are_seen() {
+    fn escapes_terminal_sequences() {
         assert_eq!(truncated("\u{1b}]0;glider\u{7}"), "\\u{1b}]0;glider\\u{7}");
         assert_eq!(truncated(&"é".repeat(TEXT_LIMIT + 1)), "é".repeat(TEXT_LIMIT) + "…");
     }

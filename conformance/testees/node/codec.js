@@ -1,8 +1,8 @@
 "use strict";
-// Two of PX4's messages in uORB memory and in CDR, with the standard library only.
+// Codecs of two PX4 messages in uORB and CDR format; uses no packages.
 //
-// A field is [name, letter, number of elements or null, values it may have or null]; the letters are those of Python's
-// `struct`. Fields of 64 bits are BigInt in JavaScript, all others are numbers.
+// A field is [name, letter, number of elements or null, allowed values or null]. The letters are those of Python's
+// `struct`. 64-bit fields are BigInt in JavaScript; all others are numbers.
 
 const KINDS = {
   Q: { size: 8, most: 2n ** 64n - 1n, read: "getBigUint64", write: "setBigUint64" },
@@ -73,7 +73,7 @@ function decode(message, form, data) {
   return value;
 }
 
-/** An object as a payload; little-endian. */
+/** Encodes an object as a little-endian payload. */
 function encode(message, form, value) {
   const whole = check(message, value);
   const { places, end } = layout(message, form);
@@ -88,9 +88,9 @@ function encode(message, form, value) {
   return data;
 }
 
-/** The items of every field; throws unless the value has the fields of the message, and, if strict, keeps all rules. */
+/** Returns the items of every field. Throws if the fields are wrong, or in strict mode, if any rule is violated. */
 function check(message, value, isStrict = false) {
-  if (value === null || typeof value !== "object" || Array.isArray(value)) throw new Rejected("no object");
+  if (value === null || typeof value !== "object" || Array.isArray(value)) throw new Rejected("not an object");
   const has = (name) => Object.hasOwn(value, name);
   if (Object.keys(value).length !== message.length || !message.every(([name]) => has(name))) {
     throw new Rejected("other fields");
@@ -98,10 +98,10 @@ function check(message, value, isStrict = false) {
   const whole = {};
   for (const [name, letter, count, known] of message) {
     const items = count === null ? [value[name]] : value[name];
-    if (!Array.isArray(items) || items.length !== (count ?? 1)) throw new Rejected(`${name} has another length`);
+    if (!Array.isArray(items) || items.length !== (count ?? 1)) throw new Rejected(`${name} has the wrong length`);
     whole[name] = items.map((item) => {
       const isRight = letter === "?" ? typeof item === "boolean" : isWhole(item) && item >= 0 && item <= KINDS[letter].most;
-      if (!isRight) throw new Rejected(`${name} is of another type`);
+      if (!isRight) throw new Rejected(`${name} has the wrong type`);
       if (isStrict && known !== null && !known.includes(item)) throw new Rejected(`${name} is undocumented`);
       return letter === "Q" ? BigInt(item) : Number(item);
     });
@@ -111,7 +111,7 @@ function check(message, value, isStrict = false) {
 
 const isWhole = (item) => typeof item === "bigint" || Number.isInteger(item);
 
-/** Where fields lie, and where the last one ends. In memory PX4 sorts them by size. */
+/** The offsets of the fields, and the end of the last one. PX4 sorts fields in memory by size. */
 function layout(message, form) {
   const order = [...message];
   if (form !== "cdr") order.sort((left, right) => KINDS[right[1]].size - KINDS[left[1]].size);

@@ -1,6 +1,6 @@
 #!/usr/bin/env node
 "use strict";
-// A testee for `uavspec test`, with the standard library only.
+// A testee for `uavspec test`; uses no packages.
 //
 //     uavspec test -- node conformance/testees/node/testee.js
 
@@ -33,43 +33,43 @@ const HELLO = {
   op: "hello", protocol: 1, name: "node", version: "1", ops: Object.keys(FORMATS), types: [...TYPES.keys()],
 };
 
-function member(question, name) {
-  if (!Object.hasOwn(question, name)) throw new Error(`no ${name}`);
-  return question[name];
+function member(request, name) {
+  if (!Object.hasOwn(request, name)) throw new Error(`${name} is missing`);
+  return request[name];
 }
 
-function answer(question) {
-  const op = member(question, "op");
-  const message = TYPES.get(member(question, "type"));
-  const form = question.format;
+function answer(request) {
+  const op = member(request, "op");
+  const message = TYPES.get(member(request, "type"));
+  const form = request.format;
   if (!message || !Object.hasOwn(FORMATS, op) || !FORMATS[op].includes(form)) return { unsupported: true };
-  if (op === "validate") return check(message, fromWire(member(question, "value")), true) && { ok: null };
+  if (op === "validate") return check(message, fromWire(member(request, "value")), true) && { ok: null };
   if (op === "layout") {
     const { places, end } = layout(message, form);
     return { ok: { size: end + padding(end, alignment(message)), size_no_padding: end, offsets: places } };
   }
-  if (op === "encode") return { ok: encode(message, form, fromWire(member(question, "value"))).toString("base64") };
-  const value = decode(message, form, Buffer.from(member(question, "bytes"), "base64"));
+  if (op === "encode") return { ok: encode(message, form, fromWire(member(request, "value"))).toString("base64") };
+  const value = decode(message, form, Buffer.from(member(request, "bytes"), "base64"));
   return { ok: op === "decode" ? toWire(value) : encode(message, form, value).toString("base64") };
 }
 
-/** What is said to a line; nothing to what is no question, as it has no id that could be answered. */
+/** The response to a line, or undefined for a line that is not a request and therefore has no id. */
 function reply(line) {
-  let question;
-  try { question = JSON.parse(line); } catch { return undefined; }
-  if (question?.op === "hello") return HELLO;
-  if (typeof question?.id !== "number") return undefined;
-  try { return { id: question.id, ...answer(question) }; } catch (error) {
-    return { id: question.id, [error instanceof Rejected ? "rejected" : "error"]: error.message };
+  let request;
+  try { request = JSON.parse(line); } catch { return undefined; }
+  if (request?.op === "hello") return HELLO;
+  if (typeof request?.id !== "number") return undefined;
+  try { return { id: request.id, ...answer(request) }; } catch (error) {
+    return { id: request.id, [error instanceof Rejected ? "rejected" : "error"]: error.message };
   }
 }
 
-// Lines are parted as bytes: what comes at once may be many of them, or a part of one.
+// Input is split into lines as bytes: a chunk may contain several lines, or part of one.
 let parts = [];
 process.stdin.on("data", (chunk) => {
   for (let end = chunk.indexOf(10); end >= 0; end = chunk.indexOf(10)) {
-    const said = reply(Buffer.concat([...parts, chunk.subarray(0, end)]).toString());
-    if (said !== undefined) process.stdout.write(`${JSON.stringify(said)}\n`);
+    const response = reply(Buffer.concat([...parts, chunk.subarray(0, end)]).toString());
+    if (response !== undefined) process.stdout.write(`${JSON.stringify(response)}\n`);
     [parts, chunk] = [[], chunk.subarray(end + 1)];
   }
   parts.push(chunk);

@@ -1,6 +1,6 @@
-"""Two of PX4's messages in uORB memory and in CDR, with the standard library only.
+"""Codecs of two PX4 messages in uORB and CDR format; uses the standard library only.
 
-A field is (name, format of struct, number of elements or None, values it may have or None).
+A field is (name, format of `struct`, number of elements or None, allowed values or None).
 """
 
 import struct
@@ -42,11 +42,11 @@ TYPES = {"px4/Event": EVENT, "px4/FailsafeFlags": FAILSAFE_FLAGS}
 
 
 class Rejected(Exception):
-    """The input is wrong."""
+    """The input is invalid."""
 
 
 def decode(message, form, data):
-    """A payload as a dictionary."""
+    """Decodes a payload to a dictionary."""
     order = "<"
     if form == "cdr":
         order = {b"\x00\x01": "<", b"\x00\x00": ">"}.get(data[:2])
@@ -71,7 +71,7 @@ def decode(message, form, data):
 
 
 def encode(message, form, value):
-    """A dictionary as a payload; little-endian."""
+    """Encodes a dictionary as a little-endian payload."""
     check(message, value)
     places, end = layout(message, form)
     data = bytearray(end if form == "cdr" else end + -end % alignment(message))
@@ -82,24 +82,24 @@ def encode(message, form, value):
 
 
 def check(message, value, is_strict=False):
-    """Raises unless the value has the fields of the message, and, if strict, all of its rules."""
+    """Raises if the fields are wrong, or in strict mode, if any rule is violated."""
     if not isinstance(value, dict) or set(value) != {field[0] for field in message}:
         raise Rejected("other fields")
     for name, letter, count, known in message:
         items = [value[name]] if count is None else value[name]
         if not isinstance(items, list) or len(items) != (count or 1):
-            raise Rejected(f"{name} has another length")
+            raise Rejected(f"{name} has the wrong length")
         for item in items:
-            # To Python a bool is an int.
+            # In Python, a bool is an int.
             is_right = type(item) is bool if letter == "?" else type(item) is int and 0 <= item < LIMITS[letter]
             if not is_right:
-                raise Rejected(f"{name} is of another type")
+                raise Rejected(f"{name} has the wrong type")
             if is_strict and known is not None and item not in known:
                 raise Rejected(f"{name} is undocumented")
 
 
 def layout(message, form):
-    """Where fields lie, and where the last one ends. In memory PX4 sorts them by size."""
+    """The offsets of the fields, and the end of the last one. PX4 sorts fields in memory by size."""
     order = message if form == "cdr" else sorted(message, key=lambda field: -SIZES[field[1]])
     places, end = {}, 0
     for name, letter, count, _ in order:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A testee for `uavspec test`, with the standard library only.
+"""A testee for `uavspec test`; uses the standard library only.
 
     uavspec test -- python3 conformance/testees/python/testee.py
 """
@@ -14,7 +14,7 @@ EXACT = 2**53
 
 
 def to_wire(value):
-    """Integers that other readers of JSON would lose are tagged."""
+    """Tags integers that other JSON parsers would round."""
     if isinstance(value, dict):
         return {name: to_wire(item) for name, item in value.items()}
     if isinstance(value, list):
@@ -56,7 +56,7 @@ def answer(request):
         return {"ok": to_wire(value) if op == "decode" else text(encode(message, form, value))}
     except Rejected as reason:
         return {"rejected": str(reason)}
-    except Exception as error:  # noqa: BLE001 - whatever it is, the next question can be answered
+    except Exception as error:  # noqa: BLE001 - any failure must not end the process
         return {"error": repr(error)}
 
 
@@ -65,12 +65,12 @@ BINARY = ("uorb", "cdr")
 FORMATS = {"decode": BINARY, "encode": BINARY, "roundtrip": BINARY, "validate": (None,), "layout": ("uorb",)}
 HELLO = {"op": "hello", "protocol": 1, "name": "python", "version": "1", "ops": OPS, "types": list(TYPES)}
 
-# As bytes: a line that can't be decoded must not be the end.
+# Lines are read as bytes, so that invalid UTF-8 doesn't end the program.
 for line in sys.stdin.buffer:
     try:
         request = json.loads(line)
         reply = HELLO if request.get("op") == "hello" else {"id": request["id"], **answer(request)}
     except (ValueError, AttributeError, KeyError, RecursionError):
-        continue  # What is no question has no id that could be answered.
-    # Without this the answers stay in a buffer, and the other side waits for them.
+        continue  # A line that is not a request has no id to respond to.
+    # Without flushing, responses would remain in the buffer.
     print(json.dumps(reply), flush=True)

@@ -1,15 +1,15 @@
-//! What several tests need: the corpus, and logs of our own.
+//! Shared helpers of tests: the corpus, and a writer of logs.
 
 pub(crate) mod server;
 
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// A folder beside the corpus, such as `corpus/ulog` or `oracle/ulog`; none where there is no corpus.
+/// A folder of the corpus, such as `corpus/ulog` or `oracle/ulog`; `None` without a corpus.
 ///
 /// # Panics
 ///
-/// Where there is none although `UAVSPEC_REQUIRE_CORPUS` is set.
+/// Panics if the folder is missing although `UAVSPEC_REQUIRE_CORPUS` is set.
 pub(crate) fn shared(path: &str) -> Option<PathBuf> {
     let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
     let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from);
@@ -19,26 +19,26 @@ pub(crate) fn shared(path: &str) -> Option<PathBuf> {
     }
     assert!(
         std::env::var_os("UAVSPEC_REQUIRE_CORPUS").is_none_or(|value| value == "0"),
-        "{} is required but absent",
+        "{} is required but missing",
         found.display()
     );
-    eprintln!("left out: {path} is absent; set UAVSPEC_CORPUS to the corpus to run this test");
+    eprintln!("skipped: {path} is missing; set UAVSPEC_CORPUS to the corpus to run this test");
     None
 }
 
-/// `full` if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run`; otherwise `quick`.
+/// The first value if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run`; otherwise the second.
 pub(crate) fn extent<T>(full: T, quick: T) -> T {
     if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
 }
 
-/// Writes logs.
+/// Writes ULog files.
 #[derive(Clone)]
 pub(crate) struct Writer {
     pub(crate) bytes: Vec<u8>,
 }
 
 impl Writer {
-    /// The header of a log.
+    /// A log with a header only.
     pub(crate) fn new(version: u8) -> Self {
         let mut bytes = b"ULog\x01\x12\x35".to_vec();
         bytes.push(version);
@@ -46,19 +46,19 @@ impl Writer {
         Self { bytes }
     }
 
-    /// A log of version 1 with flag bits.
+    /// A log of version 1 with a flag bits message.
     pub(crate) fn with_flags() -> Self {
         let mut log = Self::new(1);
         log.flag_bits([0; 8], [0; 3], 0);
         log
     }
 
-    /// Where the next message starts.
+    /// The offset of the next message.
     pub(crate) fn offset(&self) -> u64 {
         self.bytes.len() as u64
     }
 
-    /// A message of any kind; where it starts.
+    /// Writes a message of any kind, and returns its offset.
     pub(crate) fn message(&mut self, kind: u8, parts: &[&[u8]]) -> u64 {
         let offset = self.offset();
         let payload = parts.concat();
@@ -77,7 +77,7 @@ impl Writer {
         self.message(b'F', &[text.as_bytes()])
     }
 
-    /// `I` or `P`; for `M` and `Q`, `first` is the byte before the key.
+    /// Writes a message `I` or `P`. For `M` and `Q`, `first` is the byte before the key.
     pub(crate) fn entry(&mut self, kind: u8, first: &[u8], key: &str, value: &[u8]) -> u64 {
         let length = u8::try_from(key.len()).expect("a short key");
         self.message(kind, &[first, &[length], key.as_bytes(), value])
@@ -108,7 +108,7 @@ impl Writer {
     }
 }
 
-/// A log of all that PX4 writes: definitions, then data of three topics with some text between.
+/// A log with all messages that PX4 writes: definitions, then data of three topics with text messages between.
 pub(crate) fn typical(rounds: u64) -> Vec<u8> {
     let mut log = Writer::with_flags();
     log.entry(b'I', &[], "char[3] sys_name", b"PX4");
@@ -139,7 +139,7 @@ pub(crate) fn typical(rounds: u64) -> Vec<u8> {
     log.bytes
 }
 
-/// Numbers that are the same in every run (splitmix64).
+/// Reproducible pseudorandom numbers (splitmix64).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -162,7 +162,7 @@ impl Random {
     }
 }
 
-/// Gives the bytes of a slice in pieces of these sizes, again and again; 0 is an interruption.
+/// A reader that returns the bytes in pieces of these sizes, repeatedly; 0 is an interruption.
 pub(crate) struct Pieces<'b> {
     pub(crate) rest: &'b [u8],
     pub(crate) sizes: Vec<usize>,

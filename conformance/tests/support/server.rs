@@ -17,16 +17,16 @@ pub(crate) fn serve(options: Options, transport: Transport) -> (Server, SocketAd
     (server, address)
 }
 
-/// Lets a server of another kind serve each of its clients by a function.
-pub(crate) fn strange(serve: impl Fn(TcpStream) + Send + 'static) -> SocketAddr {
+/// A server that serves each client with a function.
+pub(crate) fn custom_server(serve: impl Fn(TcpStream) + Send + 'static) -> SocketAddr {
     let listener = TcpListener::bind(location()).expect("a port");
     let address = listener.local_addr().expect("an address");
     thread::spawn(move || listener.incoming().flatten().for_each(serve));
     address
 }
 
-/// Answers each request by its type with a body, as far as there is one.
-pub(crate) fn answering(mut stream: TcpStream, body: impl Fn(&str, &Value) -> Option<Value>) {
+/// Answers each request with the body that a function returns for its type, if any.
+pub(crate) fn answer_requests(mut stream: TcpStream, body: impl Fn(&str, &Value) -> Option<Value>) {
     let reader = BufReader::new(stream.try_clone().expect("a second handle"));
     for line in reader.lines().map_while(Result::ok) {
         let request: Value = serde_json::from_str(&line).expect("a request");

@@ -1,4 +1,4 @@
-//! Testees that listen. A server here starts one for every connection, as inetd does.
+//! Tests of testees that listen on a port. The server here starts a testee for each connection, as inetd does.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead as _, BufReader, Read, Write};
@@ -10,21 +10,23 @@ use std::time::Duration;
 
 use uavspec_conformance::testee::{Options, Verdict, check, run};
 
-use super::lint::{assert_good, caught, manners};
-use super::{Target, ask, culprit, everything, failures, impatient, options, some, suite, testee};
+use super::lint::{assert_good, failed_checks, lint_testee};
+use super::{
+    Target, all_cases, culprit, failures, options, run_cases, short_timeout, some_cases, suite, testee,
+};
 
-/// How a server serves.
+/// Options of a server.
 #[derive(Clone)]
 struct Service {
-    /// Of the testee that is started.
+    /// The arguments of the testee.
     arguments: Vec<String>,
-    /// Passed by every connection before its first question.
+    /// A barrier before the first request of each connection.
     gate: Option<Arc<Barrier>>,
-    /// What was started. All are killed in the end, as those that hang don't end by themselves.
+    /// The started processes, which are killed at the end, because some of them hang.
     children: Arc<Mutex<Vec<Child>>>,
 }
 
-/// A server. Dropping it ends what it started.
+/// A server. Dropping it kills the testees that it started.
 struct Server {
     port: u16,
     service: Service,
@@ -67,18 +69,18 @@ impl Service {
         let mut child = command.spawn().expect("the testee starts");
         let (mut input, output) = (child.stdin.take().expect("a pipe"), child.stdout.take().expect("a pipe"));
         self.children.lock().unwrap_or_else(PoisonError::into_inner).push(child);
-        let questions = stream.try_clone().expect("a handle");
+        let requests = stream.try_clone().expect("a handle");
         let gate = self.gate.clone();
         thread::spawn(move || {
-            let mut questions = BufReader::new(questions);
+            let mut requests = BufReader::new(requests);
             let mut hello = Vec::new();
-            // Whatever fails here is what the other side sees, too.
-            let _ = questions.read_until(b'\n', &mut hello).and_then(|_| input.write_all(&hello));
-            let _ = questions.fill_buf();
+            // The other side observes errors as well.
+            let _ = requests.read_until(b'\n', &mut hello).and_then(|_| input.write_all(&hello));
+            let _ = requests.fill_buf();
             if let Some(gate) = gate {
                 gate.wait();
             }
-            pump(questions, input);
+            pump(requests, input);
         });
         pump(output, stream);
         let _ = stream.shutdown(Shutdown::Both);
@@ -92,8 +94,8 @@ impl Service {
     }
 }
 
-/// Hands on what comes until either side ends. Not by `io::copy`, which lets the system move the bytes: that keeps the
-/// pipe locked while it waits for more of them, so that its reader waits too.
+/// Copies data until either side ends. `io::copy` would let the kernel copy the bytes, which locks the pipe while it
+/// waits for data and blocks the reader.
 fn pump(mut from: impl Read, mut to: impl Write) {
     let mut buffer = [0; 4096];
     while let Ok(count @ 1..) = from.read(&mut buffer) {
@@ -109,69 +111,69 @@ fn attached(address: &str, mut options: Options) -> Options {
 }
 
 #[test]
-fn a_testee_that_listens_passes_everything() {
+fn a_listening_testee_passes_all_cases() {
     let server = Server::listen(&[], None);
-    let outcome = ask(&everything(), &Options { jobs: 2, ..attached(&server.address(), options(&[])) });
+    let outcome = run_cases(&all_cases(), &Options { jobs: 2, ..attached(&server.address(), options(&[])) });
     assert_eq!(failures(&outcome), BTreeSet::new());
-    assert!(outcome.protocol_remarks.are_good(), "{:?}", outcome.protocol_remarks);
+    assert!(outcome.protocol_remarks.is_empty(), "{:?}", outcome.protocol_remarks);
     assert_eq!((outcome.counts().passed, outcome.restarts), (suite().cases.len(), 0));
 }
 
 #[test]
-fn as_many_connections_are_open_as_there_are_jobs() {
-    // None is let through to its first question before all three are there.
+fn opens_one_connection_per_job() {
+    // No connection sends its first request before all three are open.
     let server = Server::listen(&[], Some(Arc::new(Barrier::new(3))));
-    let selected = everything();
+    let selected = all_cases();
     let options = Options { jobs: 3, window: 4, ..attached(&server.address(), options(&[])) };
-    let outcome = ask(&selected[..60], &options);
+    let outcome = run_cases(&selected[..60], &options);
     assert_eq!((outcome.counts().passed, outcome.restarts), (60, 0));
 }
 
 #[test]
-fn names_and_addresses_of_ipv6_are_found() {
+fn connects_to_host_names_and_ipv6_addresses() {
     let server = Server::listen(&[], None);
-    let outcome = ask(&some(), &attached(&format!("localhost:{}", server.port), options(&[])));
+    let outcome = run_cases(&some_cases(), &attached(&format!("localhost:{}", server.port), options(&[])));
     assert_eq!(outcome.counts().passed, 8);
     let Ok(listener) = TcpListener::bind("[::1]:0") else {
-        eprintln!("left out: this machine has no IPv6");
+        eprintln!("skipped: this machine has no IPv6");
         return;
     };
     let server = Server::on(&listener, &[], None);
-    let outcome = ask(&some(), &attached(&format!("[::1]:{}", server.port), options(&[])));
+    let outcome = run_cases(&some_cases(), &attached(&format!("[::1]:{}", server.port), options(&[])));
     assert_eq!(outcome.counts().passed, 8);
 }
 
 #[test]
-fn a_lost_connection_has_a_culprit() {
-    // The server lives on, so that the next connection is a new start.
-    let guilty = some()[4].to_string();
-    let server = Server::listen(&["crash", &guilty], None);
+fn reports_the_case_that_closes_the_connection() {
+    // The server keeps running, so a new connection is a restart.
+    let id = some_cases()[4].to_string();
+    let server = Server::listen(&["crash", &id], None);
     let (verdict, outcome) = culprit("crash", |_| attached(&server.address(), options(&[])));
     let Verdict::Crashed { how, stderr } = verdict else { panic!("{verdict:?}") };
     assert!(how.contains("connection") || how.contains("reading"), "{how}");
-    assert_eq!(stderr, "", "there is none over a connection");
+    assert_eq!(stderr, "", "a connection has no standard error");
     assert!((2..=3).contains(&outcome.restarts), "{}", outcome.restarts);
 }
 
 #[test]
-fn a_hang_over_a_connection_has_a_culprit() {
-    let guilty = some()[4].to_string();
-    let server = Server::listen(&["hang", &guilty], None);
-    let (verdict, _) = culprit("hang", |_| attached(&server.address(), impatient(&[])));
+fn reports_the_case_that_hangs_over_a_connection() {
+    let id = some_cases()[4].to_string();
+    let server = Server::listen(&["hang", &id], None);
+    let (verdict, _) = culprit("hang", |_| attached(&server.address(), short_timeout(&[])));
     assert!(matches!(verdict, Verdict::TimedOut { .. }), "{verdict:?}");
 }
 
 #[test]
-fn a_testee_that_takes_a_moment_to_be_there_again_is_waited_for() {
+fn waits_for_a_restarting_testee() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");
-    let arguments = vec!["crash".to_owned(), some()[4].to_string()];
+    let arguments = vec!["crash".to_owned(), some_cases()[4].to_string()];
     let service = Service { arguments, gate: None, children: Arc::default() };
     let own = service.clone();
     thread::spawn(move || {
         let mut listener = Some(listener);
         loop {
-            // Nobody listens while a testee is served, nor for a while after that.
+            // The port is closed while a testee runs, and for some time afterwards.
             let here = listener.take().unwrap_or_else(|| TcpListener::bind(address).expect("the port again"));
             let (stream, _) = here.accept().expect("a connection");
             drop(here);
@@ -185,10 +187,10 @@ fn a_testee_that_takes_a_moment_to_be_there_again_is_waited_for() {
 }
 
 #[test]
-fn a_testee_that_never_comes_back_ends_the_run() {
+fn gives_up_if_the_testee_does_not_come_back() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address").to_string();
-    let arguments = vec!["crash".to_owned(), some()[4].to_string()];
+    let arguments = vec!["crash".to_owned(), some_cases()[4].to_string()];
     let service = Service { arguments, gate: None, children: Arc::default() };
     thread::spawn(move || {
         let (stream, _) = listener.accept().expect("a connection");
@@ -196,10 +198,10 @@ fn a_testee_that_never_comes_back_ends_the_run() {
         service.serve(&stream);
     });
     let options = Options { start_timeout: Duration::from_secs(10), ..attached(&address, options(&[])) };
-    let outcome = ask(&some(), &options);
-    let why = outcome.gave_up.as_ref().expect("it gave up");
+    let outcome = run_cases(&some_cases(), &options);
+    let why = outcome.gave_up.as_ref().expect("a reason");
     assert!(why.starts_with(&format!("can't connect to {address}: ")), "{why}");
-    assert!(why.contains("; before, "), "{why}");
+    assert!(why.contains("\n  note: before that, "), "{why}");
     assert!(outcome.counts().not_run > 0, "{:?}", outcome.counts());
 }
 
@@ -210,15 +212,17 @@ fn reports_a_refused_connection_immediately() {
     drop(listener);
     let suite = suite();
     let options = attached(&address, options(&[]));
-    let output =
-        run(&suite.cases, &some(), &suite.types, &options, &|_, _| {}).map(|_| ()).expect_err("nobody");
+    let output = run(&suite.cases, &some_cases(), &suite.types, &options, &|_, _| {})
+        .map(|_| ())
+        .expect_err("an error");
     assert!(output.starts_with(&format!("can't connect to {address}: ")), "{output}");
-    assert!(output.contains("\n  help: nobody listens there"), "{output}");
-    // A name that there never is (RFC 2606).
+    assert!(output.contains("\n  help: nothing listens on this port"), "{output}");
+    // A reserved name that never exists (RFC 2606).
     let unknown = attached("gliders.invalid:7700", options.clone());
-    let output =
-        run(&suite.cases, &some(), &suite.types, &unknown, &|_, _| {}).map(|_| ()).expect_err("nobody");
-    assert!(output.contains("\n  help: look for a mistake in the name"), "{output}");
+    let output = run(&suite.cases, &some_cases(), &suite.types, &unknown, &|_, _| {})
+        .map(|_| ())
+        .expect_err("an error");
+    assert!(output.contains("\n  help: check the host name"), "{output}");
     for (arguments, status) in [
         (vec!["test", "--attach", &address], 3),
         (vec!["testee", "lint", "--attach", &address], 3),
@@ -232,15 +236,15 @@ fn reports_a_refused_connection_immediately() {
 }
 
 #[test]
-fn manners_are_tried_over_connections() {
+fn lints_testees_over_connections() {
     let server = Server::listen(&[], None);
-    assert_good(&manners(&attached(&server.address(), options(&[])), &[]));
+    assert_good(&lint_testee(&attached(&server.address(), options(&[])), &[]));
     for (mode, expected) in
         [("stays", "ends-by-itself"), ("crash-not-json", "not-json"), ("chatty", "only-answers")]
     {
         let server = Server::listen(&[mode], None);
         let only = [check(expected).expect("a check"), check("not-json").expect("a check")];
-        let found = manners(&attached(&server.address(), impatient(&[])), &only);
-        assert_eq!(caught(&found), BTreeSet::from([expected]), "{mode}");
+        let found = lint_testee(&attached(&server.address(), short_timeout(&[])), &only);
+        assert_eq!(failed_checks(&found), BTreeSet::from([expected]), "{mode}");
     }
 }

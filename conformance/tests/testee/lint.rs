@@ -1,4 +1,4 @@
-//! Manners: the reference has them, and each check catches a testee that lacks them.
+//! Tests of `testee lint`: the reference testee passes, and each check detects a faulty testee.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -7,12 +7,12 @@ use std::time::Duration;
 
 use serde_json::Value;
 use uavspec_conformance::check::parallel;
-use uavspec_conformance::testee::{CHECKS, Check, Found, Options, check, lint};
+use uavspec_conformance::testee::{CHECKS, Check, LintResult, Options, check, lint};
 
-use super::{impatient, options, suite, testee};
+use super::{options, short_timeout, suite, testee};
 
-/// Ways to misbehave over everything, each with all the checks that catch it.
-const RUDE: &[(&[&str], &[&str])] = &[
+/// Modes that always misbehave in the same way, with all checks that fail.
+const DETERMINISTIC: &[(&[&str], &[&str])] = &[
     (&["exit"], &["introduction"]),
     (&["bad-hello"], &["introduction"]),
     (&["hello-protocol"], &["introduction"]),
@@ -42,9 +42,8 @@ const RUDE: &[(&[&str], &[&str])] = &[
     (&["chatty"], &["only-answers"]),
 ];
 
-/// Ways that break whatever is asked then, or only sometimes, with checks that catch them in any case. The fifth
-/// question of a session has the id 1005.
-const WILD: &[(&[&str], &[&str])] = &[
+/// Modes that fail unpredictably, with the checks that always fail. The fifth request of a session has the id 1005.
+const UNPREDICTABLE: &[(&[&str], &[&str])] = &[
     (&["crash", "1005"], &["answers-have-ids", "one-answer-each"]),
     (&["hang", "1005"], &["one-answer-each"]),
     (&["wrong-id", "1005"], &["answers-have-ids"]),
@@ -56,26 +55,26 @@ const WILD: &[(&[&str], &[&str])] = &[
     (&["stays"], &["ends-by-itself"]),
 ];
 
-pub(super) fn manners(options: &Options, only: &[&Check]) -> Found {
+pub(super) fn lint_testee(options: &Options, only: &[&Check]) -> LintResult {
     let suite = suite();
     lint(&suite.cases, &suite.types, options, only, &|_, _| {}).expect("a testee")
 }
 
-pub(super) fn caught(found: &Found) -> BTreeSet<&'static str> {
+pub(super) fn failed_checks(found: &LintResult) -> BTreeSet<&'static str> {
     let failed = found.outcomes.iter().filter(|(_, outcome)| outcome.name() == "fail");
     failed.map(|(check, _)| check.id).collect()
 }
 
 #[track_caller]
-pub(super) fn assert_good(found: &Found) {
+pub(super) fn assert_good(found: &LintResult) {
     let bad: Vec<_> = found.outcomes.iter().filter(|(_, outcome)| outcome.name() == "fail").collect();
     let bad: Vec<_> = bad.iter().map(|(check, outcome)| (check.id, outcome)).collect();
-    assert!(found.are_good() && bad.is_empty(), "{bad:?}");
+    assert!(found.is_ok() && bad.is_empty(), "{bad:?}");
 }
 
 #[test]
-fn the_reference_has_manners() {
-    let found = manners(&options(&[]), &[]);
+fn the_reference_testee_passes_lint() {
+    let found = lint_testee(&options(&[]), &[]);
     assert_eq!(found.outcomes.len(), CHECKS.len());
     for (check, outcome) in &found.outcomes {
         assert_eq!(outcome.name(), "pass", "{}: {outcome:?}", check.id);
@@ -83,49 +82,46 @@ fn the_reference_has_manners() {
 }
 
 #[test]
-fn split_writes_floods_and_any_order_are_no_bad_manners() {
+fn accepts_split_writes_long_standard_error_and_any_order() {
     for mode in [&["split"][..], &["flood"], &["later", "1003"]] {
         let only = ["answers-have-ids", "one-answer-each", "only-answers"];
         let only: Vec<&Check> = only.iter().map(|id| check(id).expect("a check")).collect();
-        assert_good(&manners(&options(mode), &only));
+        assert_good(&lint_testee(&options(mode), &only));
     }
 }
 
 #[test]
-fn bad_manners_are_caught_by_the_checks_for_them_and_no_others() {
-    let try_one = |(mode, _): &(&[&str], _)| manners(&impatient(mode), &[]);
-    parallel::each(RUDE, None, try_one, |(mode, expected), found| {
-        assert_eq!(caught(&found), expected.iter().copied().collect(), "{mode:?}");
+fn each_mode_fails_exactly_its_checks() {
+    let try_one = |(mode, _): &(&[&str], _)| lint_testee(&short_timeout(mode), &[]);
+    parallel::each(DETERMINISTIC, None, try_one, |(mode, expected), found| {
+        assert_eq!(failed_checks(&found), expected.iter().copied().collect(), "{mode:?}");
     });
 }
 
 #[test]
-fn wild_testees_are_caught() {
+fn detects_unpredictable_testees() {
     let try_one = |(mode, expected): &(&[&str], &[&str])| {
         let only: Vec<&Check> = expected.iter().map(|id| check(id).expect("a check")).collect();
-        manners(&impatient(mode), &only)
+        lint_testee(&short_timeout(mode), &only)
     };
-    parallel::each(WILD, None, try_one, |(mode, expected), found| {
-        assert_eq!(caught(&found), expected.iter().copied().collect(), "{mode:?}");
+    parallel::each(UNPREDICTABLE, None, try_one, |(mode, expected), found| {
+        assert_eq!(failed_checks(&found), expected.iter().copied().collect(), "{mode:?}");
     });
 }
 
 #[test]
 fn reports_a_silent_testee() {
     let found =
-        manners(&Options { start_timeout: Duration::from_millis(200), ..options(&["no-hello"]) }, &[]);
-    assert_eq!(caught(&found), BTreeSet::from(["introduction"]));
+        lint_testee(&Options { start_timeout: Duration::from_millis(200), ..options(&["no-hello"]) }, &[]);
+    assert_eq!(failed_checks(&found), BTreeSet::from(["introduction"]));
     let others = &found.outcomes[1..];
-    assert!(
-        others.iter().all(|(_, outcome)| outcome.name() == "not applicable"),
-        "nothing else can be tried"
-    );
+    assert!(others.iter().all(|(_, outcome)| outcome.name() == "not applicable"), "no other check applies");
 }
 
 #[test]
-fn every_check_catches_somebody() {
+fn every_check_fails_for_some_testee() {
     let all: BTreeSet<&str> =
-        RUDE.iter().chain(WILD).flat_map(|(_, caught)| caught.iter().copied()).collect();
+        DETERMINISTIC.iter().chain(UNPREDICTABLE).flat_map(|(_, caught)| caught.iter().copied()).collect();
     assert_eq!(all, CHECKS.iter().map(|check| check.id).collect());
 }
 
@@ -137,15 +133,19 @@ fn uavspec(arguments: &[&str]) -> (Option<i32>, String, String) {
 }
 
 #[test]
-fn the_exit_status_is_the_outcome_of_lint() {
+fn the_exit_status_reflects_the_lint_result() {
     let testee = testee().to_str().expect("UTF-8");
     let (status, printed, output) = uavspec(&["--only", "unknown-op,unknown-type", "--", testee]);
     assert_eq!(output, "", "progress is shown on terminals only");
-    assert!(status == Some(0) && printed.ends_with("keeps to the protocol\n"), "{printed}");
+    assert!(status == Some(0) && printed.ends_with("follows the protocol\n"), "{printed}");
     assert!(printed.contains("3 passed, 0 failed, 0 not applicable"), "{printed}");
     let (status, printed, _) = uavspec(&["--only", "unknown-op", "--", testee, "accept-unknown-op"]);
-    assert!(status == Some(1) && printed.ends_with("breaks the protocol\n"), "{printed}");
-    assert!(printed.contains("\"levitate\" is answered with \"ok\"\n      help: answer"), "{printed}");
+    assert!(status == Some(1) && printed.ends_with("violates the protocol\n"), "{printed}");
+    assert!(
+        printed
+            .contains("\"levitate\" is \"ok\", expected \"unsupported\" or \"error\"\n      help: respond"),
+        "{printed}"
+    );
     let (status, printed, _) = uavspec(&["--format", "json", "--", testee, "exit"]);
     let report: Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!((status, &report["version"], &report["testee"]), (Some(1), &1.into(), &Value::Null));
@@ -156,26 +156,26 @@ fn the_exit_status_is_the_outcome_of_lint() {
     let (status, _, output) = uavspec(&["--", "/nowhere/at/all"]);
     assert!(status == Some(3) && output.contains("can't start /nowhere/at/all"), "{output}");
     let (status, _, output) = uavspec(&["--only", "politeness", "--", testee]);
-    assert!(status == Some(2) && output.contains("there are introduction, "), "{output}");
+    assert!(status == Some(2) && output.contains("use one of introduction, "), "{output}");
     for usage in [&[][..], &["--attach", "localhost", "--"], &["--attach", "localhost:7700", "--", testee]] {
         assert_eq!(uavspec(usage).0, Some(2), "{usage:?}");
     }
 }
 
 #[test]
-fn what_a_testee_does_not_know_is_not_applicable() {
+fn checks_of_unsupported_features_are_not_applicable() {
     let folder = tempfile::tempdir().expect("a folder");
     let wind = "uint64 timestamp  # [us] Time\nuint16 speed  # [cm/s] Speed\n";
     std::fs::write(folder.path().join("Wind.msg"), wind).expect("a file");
     let folder = folder.path().to_str().expect("UTF-8");
     let testee = testee().to_str().expect("UTF-8");
-    // The reference for this repository knows no such message: it is asked all the same.
+    // The reference testee for this repository doesn't support the message, but still gets requests.
     let (status, printed, output) = uavspec(&["--definitions", folder, "--", testee]);
     assert!(
         status == Some(0) && printed.contains("\n\n16 passed, 0 failed, 5 not applicable"),
         "{printed}{output}"
     );
-    // It knows it now, but there are no floats in it.
+    // Now it supports the message, which has no floats.
     let (status, printed, output) =
         uavspec(&["--definitions", folder, "--", testee, "--definitions", folder]);
     assert!(
@@ -184,56 +184,56 @@ fn what_a_testee_does_not_know_is_not_applicable() {
     );
 }
 
-/// Testees in other languages.
-fn of_language(command: &[&str], script: &str) {
+/// Lints a testee in another language.
+fn check_testee(command: &[&str], script: &str) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("testees").join(script);
     let command = command.iter().map(Into::into).chain([script.into()]).collect();
-    let found = manners(&Options { target: super::Target::Command(command), ..options(&[]) }, &[]);
+    let found = lint_testee(&Options { target: super::Target::Command(command), ..options(&[]) }, &[]);
     assert_good(&found);
     let other: Vec<&str> =
         found.outcomes.iter().filter(|(_, it)| it.name() != "pass").map(|(it, _)| it.id).collect();
-    assert_eq!(other, ["tagged-floats"], "none of their types has any");
+    assert_eq!(other, ["tagged-floats"], "their types have no floats");
 }
 
 #[test]
 #[ignore = "needs python3"]
-fn the_testee_in_python_has_manners() {
-    of_language(&["python3", "-B"], "python/testee.py");
+fn the_python_testee_passes_lint() {
+    check_testee(&["python3", "-B"], "python/testee.py");
 }
 
 #[test]
 #[ignore = "needs node"]
-fn the_testee_in_javascript_has_manners() {
-    of_language(&["node"], "node/testee.js");
+fn the_javascript_testee_passes_lint() {
+    check_testee(&["node"], "node/testee.js");
 }
 
-/// What the testee says to lines, a reply for each.
-fn replies(questions: &[Value]) -> Vec<Value> {
+/// The responses of the testee to requests.
+fn replies(requests: &[Value]) -> Vec<Value> {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("questions");
-    std::fs::write(&path, questions.iter().map(|it| format!("{it}\n")).collect::<String>()).expect("a file");
+    let path = folder.path().join("requests");
+    std::fs::write(&path, requests.iter().map(|it| format!("{it}\n")).collect::<String>()).expect("a file");
     let input = std::fs::File::open(&path).expect("a file");
-    let run = Command::new(testee()).stdin(input).output().expect("it runs");
+    let run = Command::new(testee()).stdin(input).output().expect("the testee runs");
     let replies = String::from_utf8(run.stdout).expect("UTF-8");
     replies.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
 }
 
 #[test]
-fn the_conversation_in_the_documentation_takes_place() {
+fn the_examples_in_the_readme_are_correct() {
     let page = include_str!("../../testees/README.md");
     let lines = |mark: &str| -> Vec<Value> {
         let lines = page.lines().filter_map(|line| line.strip_prefix(mark));
         lines.map(|line| serde_json::from_str(line).expect(line)).collect()
     };
-    let (questions, documented) = (lines("→ "), lines("← "));
-    let actual = replies(&questions);
+    let (requests, documented) = (lines("→ "), lines("← "));
+    let actual = replies(&requests);
     assert_eq!((documented.len(), actual.len()), (6, 6));
     for (documented, actual) in documented.iter().zip(&actual) {
         let names = |reply: &Value| -> BTreeSet<String> {
             reply.as_object().expect("an object").keys().cloned().collect()
         };
         assert_eq!((names(documented), &documented["id"]), (names(actual), &actual["id"]));
-        // The words of a reason are anybody's own.
+        // The text of a reason is arbitrary.
         assert_eq!(documented.get("ok"), actual.get("ok"));
     }
 }

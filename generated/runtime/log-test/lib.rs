@@ -1,1 +1,1 @@
-//! Holds the test in `tests/log.rs` and nothing else.
+//! An empty library. The test is in `tests/log.rs`.

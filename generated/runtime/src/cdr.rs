@@ -1,13 +1,12 @@
-//! CDR, the form in which DDS and ROS 2 carry messages: XCDR version 1, in both byte orders.
+//! CDR, the encoding of messages in DDS and ROS 2: XCDR version 1, in both byte orders.
 //!
-//! A payload starts with four bytes that name the encoding; alignment counts from the byte after
-//! them, and each number is aligned to its size. Arrays of fixed length stand for themselves,
-//! sequences and strings after a `uint32` length, which for a string counts its NUL. A message
-//! without fields takes one byte.
+//! A payload starts with a four-byte header that names the encoding. Alignment counts from the byte after the
+//! header, and each number is aligned to its size. Sequences and strings start with their length as a `uint32`; the
+//! length of a string includes its NUL. Arrays of fixed length have no length prefix. A message without fields takes
+//! one byte.
 //!
-//! Wide strings are UTF-16 without a NUL, their length in code units. Each unit is a `uint32`: so
-//! `rosidl_typesupport_fastrtps`, from which ROS 2 has its form, writes it for the sake of other
-//! implementations of DDS.
+//! Wide strings are UTF-16 without a NUL, and their length counts code units. Each code unit is encoded as a
+//! `uint32`, because ROS 2's `rosidl_typesupport_fastrtps` does so for compatibility with other DDS implementations.
 //!
 //! ```
 //! use uavspec_runtime::cdr::{ByteOrder, HEADER};
@@ -21,20 +20,20 @@ use core::mem;
 
 use crate::descriptor::{Element, MessageDescriptor, Shape};
 use crate::error::{DecodeError, EncodeError, Fault};
-use crate::fixed::{self, Form};
+use crate::fixed::{self, Encoding};
 use crate::record::{FieldSink, FieldSource, Primitive, Record, Sink, Source, Value};
 use crate::{Message, Path};
 
-/// Bytes before the first member.
+/// Size of the header, in bytes.
 pub const HEADER: usize = 4;
 
-/// Bytes that a code unit of a wide string takes.
+/// Size of a code unit of a wide string, in bytes.
 pub const WIDE_UNIT: usize = 4;
 
-/// The order of the bytes of a number.
+/// Byte order of the numbers in a payload.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ByteOrder {
-    /// Least significant byte first: what nearly everything sends.
+    /// Least significant byte first. Nearly all programs send this order.
     #[default]
     LittleEndian,
     /// Most significant byte first.
@@ -42,7 +41,7 @@ pub enum ByteOrder {
 }
 
 impl ByteOrder {
-    /// The four bytes that a payload in this order starts with.
+    /// The header of a payload in this byte order.
     pub const fn header(self) -> [u8; HEADER] {
         match self {
             Self::LittleEndian => [0, 1, 0, 0],
@@ -50,7 +49,7 @@ impl ByteOrder {
         }
     }
 
-    /// The order of a payload, told by how it starts.
+    /// The byte order that the header of a payload names.
     pub fn of(payload: &[u8]) -> Result<Self, Fault> {
         match *payload {
             [0, 1, _, _, ..] => Ok(Self::LittleEndian),
@@ -61,12 +60,13 @@ impl ByteOrder {
     }
 }
 
-/// Whether as many bytes may follow a message that ends at `end`: transports fill up to multiples of 4.
-pub const fn is_filling(end: usize, left: usize) -> bool {
+/// True if `left` bytes after a message that ends at `end` can be padding: transports pad payloads to a multiple of 4.
+pub const fn is_padding(end: usize, left: usize) -> bool {
     end + left <= end.next_multiple_of(4)
 }
 
-/// The characters in the bytes of a wide string, and a fault in the place of the first that is none.
+/// The characters of a wide string, with an error for each surrogate without a partner. A code unit of more than 16
+/// bits ends the string with an error.
 pub fn wide_characters(bytes: &[u8], order: ByteOrder) -> impl Iterator<Item = Result<char, Fault>> {
     let unit = move |bytes: &[u8]| {
         u16::try_from(match order {
@@ -75,13 +75,12 @@ pub fn wide_characters(bytes: &[u8], order: ByteOrder) -> impl Iterator<Item = R
         })
     };
     let units = bytes.chunks_exact(WIDE_UNIT).map(unit);
-    // UTF-16 has no place for a number of more than 16 bits, so the text ends before it.
     let end = units.clone().any(|unit| unit.is_err()).then_some(Err(Fault::NotUnicode));
     let characters = char::decode_utf16(units.map_while(Result::ok));
     characters.map(|character| character.map_err(|_| Fault::NotUnicode)).chain(end)
 }
 
-/// Reads a message; in strict mode each `bool` must be 0 or 1.
+/// Decodes a message. In strict mode each `bool` must be 0 or 1.
 #[inline]
 pub(crate) fn decode<T: Message, const STRICT: bool>(payload: &[u8]) -> Result<T, DecodeError> {
     match ByteOrder::of(payload) {
@@ -110,10 +109,10 @@ fn decode_body<T: Message, const BIG: bool, const STRICT: bool>(payload: &[u8]) 
     finish(T::DESCRIPTOR, message, end + HEADER, body.len().saturating_sub(end), failure)
 }
 
-/// The form of messages of fixed size.
+/// The encoding of messages of fixed size, which needs no length prefixes.
 struct Packed<const BIG: bool>;
 
-impl<const BIG: bool> Form for Packed<BIG> {
+impl<const BIG: bool> Encoding for Packed<BIG> {
     const HAS_OFFSETS: bool = false;
 
     #[inline]
@@ -132,7 +131,7 @@ impl<const BIG: bool> Form for Packed<BIG> {
     }
 }
 
-/// Says where the payload of a message of fixed size ends too soon.
+/// The error for a payload that is too short for its message of fixed size.
 #[cold]
 fn truncated(message: &'static MessageDescriptor, size: usize) -> DecodeError {
     let mut path = Path::default();
@@ -144,7 +143,7 @@ fn truncated(message: &'static MessageDescriptor, size: usize) -> DecodeError {
     DecodeError { fault, offset: offset + HEADER, path }
 }
 
-/// The value that the bytes end in or before, and where it starts; goes on from `at`.
+/// Finds the first value that doesn't fit in `end` bytes, and its offset. Advances `at` past the values that fit.
 fn find_end(
     message: &'static MessageDescriptor,
     at: &mut usize,
@@ -152,7 +151,7 @@ fn find_end(
     path: &mut Path,
 ) -> Option<(Fault, usize)> {
     if message.fields.is_empty() {
-        // A byte stands for a message without fields.
+        // A message without fields takes one byte.
         *at += 1;
         return (*at > end).then_some((Fault::Truncated { needed: 1, left: 0 }, end));
     }
@@ -197,7 +196,7 @@ fn finish<T>(
 ) -> Result<T, DecodeError> {
     match failure {
         Some(error) => Err(error),
-        None if left == 0 || is_filling(end, left) => Ok(message),
+        None if left == 0 || is_padding(end, left) => Ok(message),
         None => Err(DecodeError { fault: Fault::Trailing(left), offset: end, path: Path::to(descriptor) }),
     }
 }
@@ -205,10 +204,10 @@ fn finish<T>(
 struct Reader<'b, const BIG: bool, const STRICT: bool> {
     /// The message whose fields are read.
     message: &'static MessageDescriptor,
-    /// What follows the header.
+    /// The bytes after the header.
     body: &'b [u8],
     at: usize,
-    /// Apart, so that the compiler can keep the rest in registers.
+    /// A reference, so the compiler can keep the other fields in registers.
     failure: &'b mut Option<DecodeError>,
 }
 
@@ -224,7 +223,7 @@ impl<'b, const BIG: bool, const STRICT: bool> Reader<'b, BIG, STRICT> {
     #[inline]
     fn take(&mut self, size: usize, alignment: usize) -> &'b [u8] {
         let start = self.at.next_multiple_of(alignment);
-        // The end may overflow only where there are not as many bytes.
+        // The end overflows only if the payload is too short anyway.
         if let Some(bytes) = start.checked_add(size).and_then(|end| self.body.get(start..end)) {
             self.at = start + size;
             return bytes;
@@ -237,7 +236,7 @@ impl<'b, const BIG: bool, const STRICT: bool> Reader<'b, BIG, STRICT> {
     #[inline]
     fn fail(&mut self, fault: Fault, offset: usize) {
         fail(self.failure, fault, offset);
-        // Nothing is read from here on.
+        // All later reads find no bytes.
         self.at = self.body.len();
     }
 }
@@ -258,7 +257,7 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
     #[inline]
     fn scalar<P: Primitive>(&mut self) -> P {
         let bytes = self.take(P::SIZE, P::SIZE);
-        if STRICT && let Some(byte) = P::odd_bool(bytes) {
+        if STRICT && let Some(byte) = P::invalid_bool(bytes) {
             self.fail(Fault::Bool(byte), self.at - 1);
         }
         Packed::<BIG>::read(bytes)
@@ -274,15 +273,15 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
         let bytes = self.take(values.len().saturating_mul(P::SIZE), P::SIZE);
         if !had_failed && self.has_failed() {
             let left = self.body.len().saturating_sub(start.next_multiple_of(P::SIZE));
-            self.blame(left / P::SIZE);
+            self.locate_fault(left / P::SIZE);
         }
         if STRICT {
             for (index, byte) in bytes.chunks_exact(P::SIZE).enumerate() {
                 if !self.has_failed()
-                    && let Some(byte) = P::odd_bool(byte)
+                    && let Some(byte) = P::invalid_bool(byte)
                 {
                     self.fail(Fault::Bool(byte), start + index);
-                    self.blame(index);
+                    self.locate_fault(index);
                 }
             }
         }
@@ -347,7 +346,7 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
     }
 
     #[inline]
-    fn blame(&mut self, element: usize) {
+    fn locate_fault(&mut self, element: usize) {
         if let Some(error) = self.failure {
             error.path.within(element);
         }
@@ -356,7 +355,7 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
 
 #[cfg(feature = "alloc")]
 impl<const BIG: bool, const STRICT: bool> Reader<'_, BIG, STRICT> {
-    /// A string of as many bytes, its NUL among them. Some writers send an empty string without one.
+    /// Reads a string of `length` bytes, including its NUL. Some writers omit the NUL of an empty string.
     fn narrow_string(&mut self, length: usize) -> Result<alloc::string::String, Fault> {
         let bytes = self.take(length, 1);
         let text = match bytes.split_last() {
@@ -368,13 +367,13 @@ impl<const BIG: bool, const STRICT: bool> Reader<'_, BIG, STRICT> {
     }
 }
 
-/// Whether `text` has more than `bound` characters.
+/// True if `text` has more than `bound` characters.
 fn exceeds(text: &str, bound: u32) -> bool {
     let bound = bound as usize;
     text.len() > bound && text.chars().count() > bound
 }
 
-/// Writes a message with its header to the start of `buffer` and returns how many bytes it takes.
+/// Writes a message with its header to the start of `buffer` and returns its size in bytes.
 pub(crate) fn encode<T: Message>(
     message: &T,
     order: ByteOrder,
@@ -387,7 +386,7 @@ pub(crate) fn encode<T: Message>(
     *header = order.header();
     if let Some(size) = T::CDR_SIZE {
         let Some(body) = buffer.get_mut(HEADER..size) else { return Err(too_small(size)) };
-        // What lies between values is zero.
+        // Padding between values is zero.
         body.fill(0);
         match order {
             ByteOrder::LittleEndian => fixed::write::<T, Packed<false>>(message, body),
@@ -415,10 +414,10 @@ fn write_body<T: Record, const BIG: bool>(message: &T, body: &mut [u8]) -> (usiz
     (writer.at, failure)
 }
 
-/// How many bytes a message takes, header and all.
+/// Size of an encoded message with its header, in bytes.
 #[cfg(feature = "alloc")]
 pub(crate) fn size<T: Message>(message: &T) -> usize {
-    // What doesn't fit is counted and not written.
+    // The writer counts bytes that don't fit, but doesn't write them.
     T::CDR_SIZE.unwrap_or_else(|| write_body::<T, false>(message, &mut []).0 + HEADER)
 }
 
@@ -427,14 +426,14 @@ struct Writer<'b, const BIG: bool> {
     message: &'static MessageDescriptor,
     body: &'b mut [u8],
     at: usize,
-    /// Apart, so that the compiler can keep the rest in registers.
+    /// A reference, so the compiler can keep the other fields in registers.
     failure: &'b mut Option<EncodeError>,
-    /// The element that is being written.
+    /// Index of the array element that is being written.
     element: Option<usize>,
 }
 
 impl<const BIG: bool> Writer<'_, BIG> {
-    /// Room for the next `size` bytes, aligned; none where the buffer ends.
+    /// Room for the next `size` bytes, aligned. Empty if the buffer is too small.
     #[inline]
     fn take(&mut self, size: usize, alignment: usize) -> &mut [u8] {
         let start = self.at.next_multiple_of(alignment);

@@ -1,28 +1,27 @@
-//! What the values of a field may be beyond what its type says, and which rule a value breaks.
+//! Constraints on field values, and the rules that values can violate.
 
 use core::cmp::Ordering;
 use core::fmt;
 
 use crate::{Open, Scalar};
 
-/// A number of a definition or of a field. Integers of 64 bits, signed and unsigned, are exact; NaN is
-/// equal to NaN.
+/// A number from a definition or a field. Signed and unsigned 64-bit integers are exact. NaN equals NaN.
 #[derive(Clone, Copy, Debug)]
 pub enum Number {
-    /// Of an integer type, or a `bool` as 0 or 1.
+    /// An integer, or a `bool` as 0 or 1.
     Int(i128),
-    /// Of a float.
+    /// A float.
     Float(f64),
 }
 
 impl Number {
-    /// Whether it is NaN.
+    /// True if the number is NaN.
     pub const fn is_nan(self) -> bool {
         matches!(self, Self::Float(value) if value.is_nan())
     }
 
-    /// The number as a float; an integer beyond 2^53 as the nearest one.
-    #[allow(clippy::cast_precision_loss)] // said so
+    /// The number as a float. An integer beyond 2^53 becomes the nearest float.
+    #[allow(clippy::cast_precision_loss)] // documented
     pub const fn as_f64(self) -> f64 {
         match self {
             Self::Int(value) => value as f64,
@@ -56,31 +55,31 @@ impl fmt::Display for Number {
     }
 }
 
-/// What a number may be. The definition says it; the published schema asserts the same of JSON, but
-/// for documented values and the places of NaN, which a schema leaves open.
+/// The values that a definition allows for a number. The published JSON Schema has the same constraints, but it doesn't
+/// restrict documented values and NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constraint<'k> {
-    /// Least value (`@range`).
+    /// Minimum (`@range`).
     pub low: Option<Number>,
-    /// Greatest value (`@range`).
+    /// Maximum (`@range`).
     pub high: Option<Number>,
-    /// Values that mean that there is no data (`@invalid`), or that a set point doesn't apply
-    /// (`@uncontrolled`): allowed wherever they lie.
+    /// Values that mean "no data" (`@invalid`) or "set point not controlled" (`@uncontrolled`). They are valid even
+    /// out of range.
     pub special: &'k [Number],
-    /// Length of the array whose entries in use the value counts (`@count`).
+    /// Length of the array whose used entries the value counts (`@count`).
     pub count: Option<u32>,
-    /// The documented values (`@enum`), or masks where `is_flags`.
+    /// The documented values (`@enum`), or the masks of the documented flags (`@flags`).
     pub known: Option<&'k [i128]>,
-    /// The names of the documented values, in the same order, where they are at hand.
+    /// The names of the documented values, in the same order. Empty if they are not available.
     pub names: &'k [&'k str],
-    /// Whether values are made of the `known` ones bit by bit (`@flags`).
+    /// True if a value is a combination of the `known` masks (`@flags`).
     pub is_flags: bool,
-    /// Whether NaN has no meaning. Of a float that the definition doesn't restrict at all, nobody knows.
+    /// True if NaN is not allowed. NaN is allowed in a float that the definition doesn't restrict at all.
     pub forbids_nan: bool,
 }
 
 impl Constraint<'_> {
-    /// Any value that the type holds.
+    /// Allows every value of the type.
     pub const NONE: Self = Self {
         low: None,
         high: None,
@@ -92,9 +91,9 @@ impl Constraint<'_> {
         forbids_nan: false,
     };
 
-    /// The rule that `value` breaks, if it does: the first of count, range and documented values. What lies
-    /// out of range isn't asked for its name too.
-    pub fn broken_by(&self, value: Number) -> Option<Rule> {
+    /// The rule that `value` violates, if any. Only the first violation counts, in the order NaN, count, range,
+    /// documented values.
+    pub fn violated_by(&self, value: Number) -> Option<Rule> {
         if self.special.contains(&value) {
             return None;
         }
@@ -113,7 +112,7 @@ impl Constraint<'_> {
     fn is_documented(&self, value: Number) -> bool {
         let (Some(known), Number::Int(value)) = (self.known, value) else { return true };
         if self.is_flags {
-            // Of a negative number all bits above its type's are set too, as they are of a mask's.
+            // In negative numbers and negative masks alike, all bits above those of the type are set.
             value & !known.iter().fold(0, |all, mask| all | mask) == 0
         } else {
             known.contains(&value)
@@ -121,45 +120,45 @@ impl Constraint<'_> {
     }
 }
 
-/// The words of generated code.
+/// The methods that generated code calls.
 impl Constraint<'static> {
-    /// No less than `low`.
+    /// Sets the minimum.
     #[must_use]
     pub const fn from(self, low: Number) -> Self {
         Self { low: Some(low), ..self }
     }
 
-    /// No more than `high`.
+    /// Sets the maximum.
     #[must_use]
     pub const fn to(self, high: Number) -> Self {
         Self { high: Some(high), ..self }
     }
 
-    /// These values too, wherever they lie.
+    /// Allows these values even if they are out of range.
     #[must_use]
     pub const fn or(self, special: &'static [Number]) -> Self {
         Self { special, ..self }
     }
 
-    /// A count of entries in use of an array of `length`.
+    /// Declares a count of the used entries of an array of `length`.
     #[must_use]
     pub const fn counting(self, length: u32) -> Self {
         Self { count: Some(length), ..self }
     }
 
-    /// The documented values of an enum.
+    /// Allows only the documented values of an enum.
     #[must_use]
     pub const fn values<T: Open>(self) -> Self {
         Self { known: Some(T::KNOWN), names: T::NAMES, ..self }
     }
 
-    /// Any of the documented flags.
+    /// Allows only combinations of the documented flags.
     #[must_use]
     pub const fn flags<T: Open>(self) -> Self {
         Self { known: Some(T::KNOWN), names: T::NAMES, is_flags: true, ..self }
     }
 
-    /// NaN has no meaning.
+    /// Forbids NaN.
     #[must_use]
     pub const fn not_nan(self) -> Self {
         Self { forbids_nan: true, ..self }
@@ -167,8 +166,8 @@ impl Constraint<'static> {
 }
 
 impl Constraint<'_> {
-    /// The constraint that a JSON Schema asserts of the data in a field of a type; none for `bool`. Special and
-    /// documented values are alternatives to it, and NaN is null.
+    /// The bounds that a JSON Schema asserts for ordinary values of a field of this type, or `None` for `bool`.
+    /// The schema lists special and documented values as alternatives, and NaN as null.
     #[doc(hidden)]
     pub fn asserted(&self, scalar: Scalar) -> Option<Constraint<'static>> {
         let (least, most) = json_bounds(scalar)?;
@@ -196,7 +195,7 @@ impl Constraint<'_> {
         rules.into_iter().filter(|(_, is_stated)| *is_stated).map(|(rule, _)| rule)
     }
 
-    /// The keywords of JSON Schemas that assert it.
+    /// The JSON Schema keywords that assert the bounds.
     #[doc(hidden)]
     pub fn keywords(&self) -> impl Iterator<Item = (&'static str, Number)> + use<> {
         let keywords = [("minimum", self.low), ("maximum", self.high)];
@@ -204,42 +203,42 @@ impl Constraint<'_> {
     }
 }
 
-/// The least and the greatest number of a type in JSON; none for `bool`.
+/// Minimum and maximum of a type in JSON, or `None` for `bool`.
 const fn json_bounds(scalar: Scalar) -> Option<(Number, Number)> {
-    /// In the shortest form that reads back as it. Most programs write that form, and it is slightly above the exact
-    /// value.
+    /// The shortest decimal that reads back as `f32::MAX`. Most programs write this form, which is slightly above the
+    /// exact value.
     const MAX_FLOAT32: f64 = 3.402_823_5e38;
     match (scalar, scalar.integer_bounds()) {
         (_, Some((least, most))) => Some((Number::Int(least), Number::Int(most))),
         (Scalar::Float32, None) => Some((Number::Float(-MAX_FLOAT32), Number::Float(MAX_FLOAT32))),
-        // Some readers of JSON take 1e999 and pass it on as infinity.
+        // Some JSON parsers read 1e999 as infinity.
         (Scalar::Float64, None) => Some((Number::Float(f64::MIN), Number::Float(f64::MAX))),
         _ => None,
     }
 }
 
-/// A rule that a value can break. [`id`](Self::id) is its permanent name.
+/// A rule that a value can violate. Its [`id`](Self::id) is permanent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Rule {
     /// A count is at most the length of the array that it counts.
     Count,
-    /// A sequence or string keeps to its bound.
+    /// A sequence or string doesn't exceed its bound.
     Bound,
-    /// Text of fixed size is UTF-8 up to its first NUL.
+    /// Text of fixed size is valid UTF-8 up to its first NUL.
     Text,
-    /// A field with an `@enum` holds a documented value.
+    /// A field with `@enum` or `@flags` contains documented values only.
     Enum,
-    /// A value lies in its `@range`, unless it is the `@invalid` one.
+    /// A value is within its `@range`, unless it is a special value such as `@invalid`.
     Range,
-    /// NaN doesn't stand in a field that the definition restricts without a word of NaN.
+    /// A restricted field is NaN only if its definition says what NaN means.
     Nan,
 }
 
 impl Rule {
-    /// All of them.
+    /// All rules.
     pub const ALL: [Self; 6] = [Self::Count, Self::Bound, Self::Text, Self::Enum, Self::Range, Self::Nan];
 
-    /// Its permanent id, as the conformance suite reports it.
+    /// The permanent id, which the conformance suite reports as well.
     pub const fn id(self) -> &'static str {
         match self {
             Self::Count => "PX-LEN-01",
@@ -251,8 +250,8 @@ impl Rule {
         }
     }
 
-    /// Writes what `found`, which breaks it, should have been, by the constraint of a number or the bound
-    /// of a sequence or string; and the id.
+    /// Writes why `found` violates the rule, followed by the rule id. The explanation uses the constraint of a number,
+    /// or the bound of a sequence or string.
     pub fn explain(
         self,
         found: Number,
@@ -264,12 +263,12 @@ impl Rule {
         match self {
             Self::Count => {
                 let length = count.unwrap_or_default();
-                write!(formatter, "{found} entries in use of an array of {length}")
+                write!(formatter, "{found} exceeds the array length {length}")
             }
             Self::Bound => {
-                write!(formatter, "{found} elements or characters where {} fit", bound.unwrap_or_default())
+                write!(formatter, "length {found} exceeds the bound {}", bound.unwrap_or_default())
             }
-            Self::Text => write!(formatter, "no UTF-8 from byte {found} on"),
+            Self::Text => write!(formatter, "invalid UTF-8 at byte {found}"),
             Self::Enum if is_flags => write!(formatter, "{found} has bits that are not documented"),
             Self::Enum => write!(formatter, "{found} is not a documented value"),
             Self::Range => match (low, high) {
@@ -279,13 +278,13 @@ impl Rule {
                     write!(formatter, "{found} is out of range, at most {}", high.unwrap_or(found))
                 }
             },
-            Self::Nan => formatter.write_str("NaN, which has no meaning here"),
+            Self::Nan => formatter.write_str("NaN is not allowed here"),
         }?;
         write!(formatter, " ({})", self.id())
     }
 }
 
-/// The id.
+/// Displays the rule id.
 impl fmt::Display for Rule {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.pad(self.id())

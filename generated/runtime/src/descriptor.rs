@@ -1,5 +1,5 @@
-//! What is known of a message while compiling, as data: the types of its fields, where they lie, and
-//! what their values may be. Generated code builds it with the `const` functions of [`field`].
+//! Descriptors: compile-time data about messages. They contain the types, offsets and constraints of fields.
+//! Generated code builds them with the `const` functions of [`field`].
 //!
 //! ```
 //! use uavspec_runtime::descriptor::{Element, FieldDescriptor, Shape, field};
@@ -13,22 +13,22 @@
 use crate::layout::Size;
 use crate::{Constraint, Scalar};
 
-/// A message.
+/// The descriptor of a message.
 #[derive(Debug, PartialEq)]
 pub struct MessageDescriptor {
-    /// Its name.
+    /// The name of the message.
     pub name: &'static str,
-    /// Its fields, in declared order.
+    /// The fields, in declared order.
     pub fields: &'static [FieldDescriptor],
-    /// Its size in memory, where it is fixed.
+    /// Size in memory, if it is fixed.
     pub size: Option<Size>,
 }
 
 impl MessageDescriptor {
-    /// No message: what stands where none is known yet.
+    /// A placeholder until the message is known.
     pub(crate) const NONE: Self = Self { name: "", fields: &[], size: None };
 
-    /// Its size in memory without the padding at its end; 0 where that varies.
+    /// Size in memory without the trailing padding, or 0 if the size varies.
     pub const fn no_padding(&self) -> usize {
         match self.size {
             Some(size) => size.no_padding,
@@ -36,7 +36,7 @@ impl MessageDescriptor {
         }
     }
 
-    /// Its size in memory with the padding at its end; 0 where that varies.
+    /// Size in memory with the trailing padding, or 0 if the size varies.
     pub const fn padded_size(&self) -> usize {
         match self.size {
             Some(size) => size.padded,
@@ -45,40 +45,40 @@ impl MessageDescriptor {
     }
 }
 
-/// A field of a message.
+/// The descriptor of a field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldDescriptor {
-    /// Its name.
+    /// The name of the field.
     pub name: &'static str,
     /// Type of the field, or of its elements.
     pub element: Element,
-    /// How many elements it has.
+    /// Number of elements.
     pub shape: Shape,
-    /// Its first byte in memory; 0 where the size of the message varies.
+    /// Byte offset in memory, or 0 if the size of the message varies.
     pub offset: usize,
-    /// What its value may be, or that of each element, where the type says too little.
+    /// The constraint on the value, or on each element.
     pub constraint: Option<&'static Constraint<'static>>,
 }
 
-/// Type of a field, or of the elements of an array.
+/// The type of a field, or of the elements of an array.
 #[derive(Clone, Copy, Debug)]
 pub enum Element {
     /// A number, a `bool`, a `byte` or a `char`.
     Scalar(Scalar),
-    /// PX4's `char[N]` as a whole: as many bytes of text as the shape says.
+    /// PX4's `char[N]`: text, whose size in bytes is the array length in the shape.
     Text,
     /// A string.
     String {
-        /// Whether it is a `wstring`.
+        /// True for a `wstring`.
         is_wide: bool,
-        /// Greatest number of characters.
+        /// Maximum number of characters.
         bound: Option<u32>,
     },
     /// A message.
     Message(&'static MessageDescriptor),
 }
 
-/// Messages are equal that have the same name: a comparison of all that they nest says no more.
+/// Messages are equal if their names are equal. Nested messages are not compared.
 impl PartialEq for Element {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -94,21 +94,21 @@ impl PartialEq for Element {
     }
 }
 
-/// How many elements a field has.
+/// The number of elements of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Shape {
     /// One value.
     Single,
-    /// Always so many.
+    /// An array of fixed length.
     Array(u32),
-    /// At most so many.
+    /// A sequence with a maximum length.
     Bounded(u32),
-    /// Any number.
+    /// A sequence of any length.
     Sequence,
 }
 
 impl Shape {
-    /// The greatest number of elements, where there is one.
+    /// The maximum number of elements, if it is limited.
     pub const fn bound(self) -> Option<u32> {
         match self {
             Self::Single => Some(1),
@@ -119,28 +119,28 @@ impl Shape {
 }
 
 impl FieldDescriptor {
-    /// An array of `length` elements.
+    /// Makes the field an array of `length` elements.
     #[must_use]
     pub const fn array(mut self, length: u32) -> Self {
         self.shape = Shape::Array(length);
         self
     }
 
-    /// A sequence of at most `bound` elements.
+    /// Makes the field a sequence of at most `bound` elements.
     #[must_use]
     pub const fn bounded(mut self, bound: u32) -> Self {
         self.shape = Shape::Bounded(bound);
         self
     }
 
-    /// A sequence.
+    /// Makes the field a sequence.
     #[must_use]
     pub const fn sequence(mut self) -> Self {
         self.shape = Shape::Sequence;
         self
     }
 
-    /// A string of at most `bound` characters.
+    /// Limits a string to `bound` characters.
     #[must_use]
     pub const fn at_most(mut self, bound: u32) -> Self {
         if let Element::String { is_wide, .. } = self.element {
@@ -149,7 +149,7 @@ impl FieldDescriptor {
         self
     }
 
-    /// A value, or elements, that keep to `constraint`.
+    /// Constrains the value, or each element.
     #[must_use]
     pub const fn within(mut self, constraint: &'static Constraint<'static>) -> Self {
         self.constraint = Some(constraint);
@@ -157,11 +157,11 @@ impl FieldDescriptor {
     }
 }
 
-/// Makers of fields, called like the types of a `.msg` file.
+/// Constructors of field descriptors, named after the types of a `.msg` file.
 pub mod field {
     use super::{Element, FieldDescriptor, Shape};
     use crate::record::Record;
-    // Not public: generated code imports all of this module next to its types.
+    // Private: generated code imports the whole module next to its own types.
     use crate::{Constraint, Number, Scalar};
 
     const fn new(name: &'static str, element: Element, offset: usize) -> FieldDescriptor {
@@ -182,37 +182,37 @@ pub mod field {
         int64 Int64 uint64 UInt64 float32 Float32 float64 Float64
     );
 
-    /// PX4's text of fixed size, `char[N]`.
+    /// A field of type `char[N]`: PX4's text of fixed size.
     pub const fn text(name: &'static str, offset: usize) -> FieldDescriptor {
         new(name, Element::Text, offset)
     }
 
-    /// A string.
+    /// A field of type `string`.
     pub const fn string(name: &'static str, offset: usize) -> FieldDescriptor {
         new(name, Element::String { is_wide: false, bound: None }, offset)
     }
 
-    /// A string of 16-bit characters.
+    /// A field of type `wstring`: a string of UTF-16 code units.
     pub const fn wstring(name: &'static str, offset: usize) -> FieldDescriptor {
         new(name, Element::String { is_wide: true, bound: None }, offset)
     }
 
-    /// A message.
+    /// A field that contains a message.
     pub const fn message<T: Record>(name: &'static str, offset: usize) -> FieldDescriptor {
         new(name, Element::Message(T::DESCRIPTOR), offset)
     }
 
-    /// Any number, to be narrowed.
+    /// A constraint that allows any number. Its methods restrict it.
     pub const fn number() -> Constraint<'static> {
         Constraint::NONE
     }
 
-    /// An integer.
+    /// An integer for a constraint.
     pub const fn int(value: i128) -> Number {
         Number::Int(value)
     }
 
-    /// A float.
+    /// A float for a constraint.
     pub const fn float(value: f64) -> Number {
         Number::Float(value)
     }

@@ -1,51 +1,51 @@
-//! Why bytes are no message, or a message has no bytes.
+//! Errors of decoding and encoding.
 
 use core::fmt;
 
 use crate::Path;
 
-/// What is wrong with the bytes of a message, or with a value that is to become bytes.
+/// The cause of a decoding or encoding error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Fault {
     /// A uORB payload has neither the full size nor the size without the padding at the end.
     Size {
-        /// Bytes with the padding.
+        /// Size with the padding.
         padded: usize,
-        /// Bytes without it.
+        /// Size without the padding.
         no_padding: usize,
-        /// Bytes that there are.
+        /// Size of the payload.
         found: usize,
     },
     /// The bytes end inside a value.
     Truncated {
-        /// Bytes that the value takes, or the least that it can take.
+        /// Size of the value in bytes, or its minimum if the size varies.
         needed: usize,
-        /// Bytes that are left.
+        /// Number of bytes left.
         left: usize,
     },
-    /// The first two bytes of a CDR payload name no encoding that is known here.
+    /// The first two bytes of a CDR payload name an unsupported encoding.
     Encapsulation([u8; 2]),
     /// A sequence or string is longer than its bound.
     TooLong {
-        /// Greatest number of elements or characters.
+        /// Maximum number of elements or characters.
         bound: u32,
-        /// How many there are.
+        /// Number of elements or characters found.
         found: usize,
     },
-    /// A string isn't UTF-8, or a wide one isn't UTF-16.
+    /// A string is not valid UTF-8, or a wide string is not valid UTF-16.
     NotUnicode,
-    /// A string doesn't end with its NUL, or holds one before.
+    /// A string doesn't end with a NUL, or contains another one.
     Nul,
-    /// A `bool` is neither 0 nor 1; refused in strict mode alone.
+    /// A `bool` is neither 0 nor 1. Only strict mode reports this.
     Bool(u8),
-    /// A payload goes on after the message and its alignment.
+    /// More bytes follow the message and its padding.
     Trailing(usize),
-    /// The buffer to write to is too small.
+    /// The output buffer is too small.
     Buffer {
-        /// Bytes that the message takes.
+        /// Size of the message in bytes.
         needed: usize,
-        /// Bytes that there is room for.
+        /// Size of the buffer in bytes.
         room: usize,
     },
 }
@@ -63,7 +63,8 @@ impl fmt::Display for Fault {
                 )
             }
             Self::Truncated { needed, left } => {
-                write!(formatter, "expected {needed} more bytes, found {left}")
+                let bytes = if needed == 1 { "byte" } else { "bytes" };
+                write!(formatter, "expected {needed} more {bytes}, found {left}")
             }
             Self::Encapsulation([first, second]) => write!(
                 formatter,
@@ -71,25 +72,27 @@ impl fmt::Display for Fault {
                  {second:02x}"
             ),
             Self::TooLong { bound, found } => write!(formatter, "expected at most {bound}, found {found}"),
-            Self::NotUnicode => formatter.write_str("expected a string in Unicode, found other bytes"),
-            Self::Nul => formatter.write_str("expected one NUL in a string, at its end"),
-            Self::Bool(byte) => write!(formatter, "expected a bool of 0 or 1, found {byte}"),
-            Self::Trailing(count) => write!(formatter, "expected no more bytes, found {count}"),
+            Self::NotUnicode => formatter.write_str("expected a Unicode string, found invalid bytes"),
+            Self::Nul => formatter.write_str("expected a string with one NUL, at its end"),
+            Self::Bool(byte) => write!(formatter, "expected 0 or 1, found {byte}"),
+            Self::Trailing(count) => {
+                write!(formatter, "expected the end of the payload, found {count} more bytes")
+            }
             Self::Buffer { needed, room } => {
-                write!(formatter, "expected room for {needed} bytes, found {room}")
+                write!(formatter, "expected a buffer of at least {needed} bytes, found {room}")
             }
         }
     }
 }
 
-/// Why bytes are no message.
+/// An error while decoding a message.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DecodeError {
-    /// What is wrong.
+    /// The cause.
     pub fault: Fault,
-    /// Where in the bytes, from their start.
+    /// Byte offset from the start of the payload.
     pub offset: usize,
-    /// Where in the message.
+    /// The field or element.
     pub path: Path,
 }
 
@@ -99,12 +102,12 @@ impl fmt::Display for DecodeError {
     }
 }
 
-/// Why a message can't be written.
+/// An error while encoding a message.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EncodeError {
-    /// What is wrong.
+    /// The cause.
     pub fault: Fault,
-    /// Where in the message.
+    /// The field or element.
     pub path: Path,
 }
 

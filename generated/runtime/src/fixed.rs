@@ -1,8 +1,8 @@
-//! Reading and writing messages of fixed size, in any form.
+//! Codec for messages of fixed size, generic over the encoding.
 //!
-//! How many bytes there are is checked once, before: then no field can lack any, and as everything is
-//! inlined, the compiler knows each offset. What remains are loads and stores, many values at a time.
-#![allow(clippy::inline_always)] // a call in between, and the compiler knows no offset any more
+//! The caller checks the number of bytes once, so no field can be truncated. Everything is inlined, so the compiler
+//! knows each offset and can load or store several values in one instruction.
+#![allow(clippy::inline_always)] // otherwise the compiler doesn't know the offsets
 
 use core::marker::PhantomData;
 use core::mem;
@@ -12,35 +12,36 @@ use crate::descriptor::{MessageDescriptor, Shape};
 use crate::error::{DecodeError, Fault};
 use crate::record::{FieldSink, FieldSource, Primitive, Record, Sink, Source, Value};
 
-/// A form that bytes have.
-pub(crate) trait Form {
-    /// Whether fields lie at the offsets of the memory layout; otherwise they follow one another.
+/// An encoding of messages of fixed size.
+pub(crate) trait Encoding {
+    /// True if fields are at the offsets of the memory layout. Otherwise each field follows the previous one.
     const HAS_OFFSETS: bool;
 
-    /// Where a value of `size` bytes lies that comes after `at`.
+    /// The offset of a value of `size` bytes, if the previous value ends at `at`.
     fn start(at: usize, size: usize) -> usize;
 
-    /// The number that bytes hold.
+    /// Reads a number.
     fn read<P: Primitive>(bytes: &[u8]) -> P;
 
     /// Writes a number.
     fn write<P: Primitive>(number: P, bytes: &mut [u8]);
 }
 
-/// Reads a message from bytes that suffice; in strict mode a `bool` other than 0 and 1 is a fault.
+/// Reads a message. `bytes` must be long enough. In strict mode a `bool` other than 0 and 1 is a fault.
 #[inline(always)]
-pub(crate) fn read<T: Record, F: Form, const STRICT: bool>(
+pub(crate) fn read<T: Record, F: Encoding, const STRICT: bool>(
     bytes: &[u8],
     failure: &mut Option<DecodeError>,
 ) -> T {
-    let mut reader = Reader::<F, STRICT> { message: T::DESCRIPTOR, bytes, at: 0, failure, form: PhantomData };
+    let mut reader =
+        Reader::<F, STRICT> { message: T::DESCRIPTOR, bytes, at: 0, failure, encoding: PhantomData };
     if F::HAS_OFFSETS { T::read_fields(&mut reader) } else { reader.message() }
 }
 
-/// Writes a message to bytes that suffice and are zeros.
+/// Writes a message. `bytes` must be long enough and all zeros.
 #[inline(always)]
-pub(crate) fn write<T: Record, F: Form>(message: &T, bytes: &mut [u8]) {
-    let mut writer = Writer::<F> { message: T::DESCRIPTOR, bytes, at: 0, form: PhantomData };
+pub(crate) fn write<T: Record, F: Encoding>(message: &T, bytes: &mut [u8]) {
+    let mut writer = Writer::<F> { message: T::DESCRIPTOR, bytes, at: 0, encoding: PhantomData };
     if F::HAS_OFFSETS { message.write_fields(&mut writer) } else { writer.message(message) }
 }
 
@@ -49,12 +50,12 @@ struct Reader<'b, F, const STRICT: bool> {
     message: &'static MessageDescriptor,
     bytes: &'b [u8],
     at: usize,
-    /// Apart, so that the compiler can keep the rest in registers.
+    /// A reference, so the compiler can keep the other fields in registers.
     failure: &'b mut Option<DecodeError>,
-    form: PhantomData<F>,
+    encoding: PhantomData<F>,
 }
 
-impl<'b, F: Form, const STRICT: bool> Reader<'b, F, STRICT> {
+impl<'b, F: Encoding, const STRICT: bool> Reader<'b, F, STRICT> {
     /// The next `count` values of `size` bytes each.
     #[inline(always)]
     fn take(&mut self, size: usize, count: usize) -> &'b [u8] {
@@ -65,7 +66,7 @@ impl<'b, F: Form, const STRICT: bool> Reader<'b, F, STRICT> {
 }
 
 #[cold]
-fn refuse_bool(failure: &mut Option<DecodeError>, byte: u8, offset: usize, element: Option<usize>) {
+fn record_bool_fault(failure: &mut Option<DecodeError>, byte: u8, offset: usize, element: Option<usize>) {
     if failure.is_none() {
         let mut path = Path::default();
         if let Some(element) = element {
@@ -75,7 +76,7 @@ fn refuse_bool(failure: &mut Option<DecodeError>, byte: u8, offset: usize, eleme
     }
 }
 
-impl<F: Form, const STRICT: bool> FieldSource for Reader<'_, F, STRICT> {
+impl<F: Encoding, const STRICT: bool> FieldSource for Reader<'_, F, STRICT> {
     #[inline(always)]
     fn field<T: Value>(&mut self, index: usize) -> T {
         let field = &self.message.fields[index];
@@ -94,12 +95,12 @@ impl<F: Form, const STRICT: bool> FieldSource for Reader<'_, F, STRICT> {
     }
 }
 
-impl<F: Form, const STRICT: bool> Source for Reader<'_, F, STRICT> {
+impl<F: Encoding, const STRICT: bool> Source for Reader<'_, F, STRICT> {
     #[inline(always)]
     fn scalar<P: Primitive>(&mut self) -> P {
         let bytes = self.take(P::SIZE, 1);
-        if STRICT && let Some(byte) = P::odd_bool(bytes) {
-            refuse_bool(self.failure, byte, self.at - 1, None);
+        if STRICT && let Some(byte) = P::invalid_bool(bytes) {
+            record_bool_fault(self.failure, byte, self.at - 1, None);
         }
         F::read(bytes)
     }
@@ -109,8 +110,8 @@ impl<F: Form, const STRICT: bool> Source for Reader<'_, F, STRICT> {
         let start = F::start(self.at, P::SIZE);
         let bytes = self.take(P::SIZE, values.len());
         for (index, (value, bytes)) in values.iter_mut().zip(bytes.chunks_exact(P::SIZE)).enumerate() {
-            if STRICT && let Some(byte) = P::odd_bool(bytes) {
-                refuse_bool(self.failure, byte, start + index, Some(index));
+            if STRICT && let Some(byte) = P::invalid_bool(bytes) {
+                record_bool_fault(self.failure, byte, start + index, Some(index));
             }
             *value = F::read(bytes);
         }
@@ -122,7 +123,7 @@ impl<F: Form, const STRICT: bool> Source for Reader<'_, F, STRICT> {
 
     #[cfg(feature = "alloc")]
     fn string(&mut self, _: bool, _: Option<u32>) -> alloc::string::String {
-        alloc::string::String::new() // nor strings
+        alloc::string::String::new() // messages of fixed size have no strings
     }
 
     #[inline(always)]
@@ -144,7 +145,7 @@ impl<F: Form, const STRICT: bool> Source for Reader<'_, F, STRICT> {
             bytes,
             at: 0,
             failure: self.failure,
-            form: PhantomData,
+            encoding: PhantomData,
         };
         let message = M::read_fields(&mut nested);
         if STRICT
@@ -162,7 +163,7 @@ impl<F: Form, const STRICT: bool> Source for Reader<'_, F, STRICT> {
     }
 
     #[inline(always)]
-    fn blame(&mut self, element: usize) {
+    fn locate_fault(&mut self, element: usize) {
         if STRICT && let Some(error) = self.failure {
             error.path.within(element);
         }
@@ -174,10 +175,10 @@ struct Writer<'b, F> {
     message: &'static MessageDescriptor,
     bytes: &'b mut [u8],
     at: usize,
-    form: PhantomData<F>,
+    encoding: PhantomData<F>,
 }
 
-impl<F: Form> Writer<'_, F> {
+impl<F: Encoding> Writer<'_, F> {
     /// Room for the next `count` values of `size` bytes each.
     #[inline(always)]
     fn take(&mut self, size: usize, count: usize) -> &mut [u8] {
@@ -187,7 +188,7 @@ impl<F: Form> Writer<'_, F> {
     }
 }
 
-impl<F: Form> FieldSink for Writer<'_, F> {
+impl<F: Encoding> FieldSink for Writer<'_, F> {
     #[inline(always)]
     fn field<T: Value>(&mut self, index: usize, value: &T) {
         let field = &self.message.fields[index];
@@ -198,7 +199,7 @@ impl<F: Form> FieldSink for Writer<'_, F> {
     }
 }
 
-impl<F: Form> Sink for Writer<'_, F> {
+impl<F: Encoding> Sink for Writer<'_, F> {
     #[inline(always)]
     fn scalar<P: Primitive>(&mut self, value: P) {
         F::write(value, self.take(P::SIZE, 1));
@@ -229,7 +230,7 @@ impl<F: Form> Sink for Writer<'_, F> {
                 message: M::DESCRIPTOR,
                 bytes,
                 at: 0,
-                form: PhantomData,
+                encoding: PhantomData,
             });
         } else {
             if M::DESCRIPTOR.fields.is_empty() {

@@ -1,18 +1,18 @@
-//! Flags of a message: its `bool` fields, for people to read.
+//! Flags of a message: its `bool` fields with readable labels.
 
-/// A field that says yes or no, in words.
+/// A flag of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Flag {
-    /// Name of the field.
+    /// The name of the field.
     pub field: &'static str,
-    /// The group that the definition puts it in; empty where that has none.
+    /// The group of the field in the definition, or an empty string.
     pub group: &'static str,
-    /// What the definition says of it.
+    /// The description in the definition.
     pub label: &'static str,
 }
 
 impl Flag {
-    /// The flags whose entry in `are_set` is true. A text is a field, its group and its label.
+    /// The flags whose entry in `are_set` is true. Each entry of `texts` is a field name, a group and a label.
     #[doc(hidden)]
     pub fn set<const N: usize>(
         are_set: [bool; N],
@@ -23,8 +23,8 @@ impl Flag {
     }
 }
 
-/// Gives a message `set_flags()`. A line holds the field, its name, its group and its label; a field that is not a
-/// `bool` is followed by the comparison that makes it one.
+/// Implements `set_flags()` for a message. Each line consists of a field, its name, its group and its label. If the
+/// field is not a `bool`, a comparison that yields one follows the field.
 #[macro_export]
 macro_rules! flags {
     ($type:ident; $($field:ident $(. $inner:tt)? $(!= $unset:literal)? $name:literal $group:literal $label:literal;)*) => {
@@ -40,12 +40,12 @@ macro_rules! flags {
     };
 }
 
-/// Gives a message whose flags each report a failure when they are set `contains_failure()`.
+/// Implements `contains_failure()` for a message. Each flag of the message must report a failure.
 #[macro_export]
 macro_rules! failure_flags {
     ($type:ident;) => {
         impl $type {
-            /// Whether any flag is set: each of them reports a failure.
+            /// True if any flag is set. Each flag of this message reports a failure.
             pub fn contains_failure(&self) -> bool {
                 self.set_flags().next().is_some()
             }

@@ -1,14 +1,14 @@
-//! JSON of messages, through serde: the one form that the published schemas describe.
+//! JSON form of messages, through serde. The published schemas describe this form.
 //!
-//! A message is an object with each of its fields, in declared order; NaN is `null`, and infinity,
-//! which JSON has no word for, is an error that names the field. PX4's `char[N]` is a string. Reading
-//! takes the fields in any order and refuses missing, repeated and unknown ones. Integers are written
-//! without a fraction, and read so: `1.0` is refused, which JSON Schema takes for the integer 1. Sequences
-//! and strings beyond their bounds are read, for [`validate`](crate::Message::validate) to find.
+//! A message is an object with all fields in declared order. NaN is `null`. Infinity has no JSON form, so it is an
+//! error that names the field. PX4's `char[N]` is a string.
 //!
-//! Fields go out as they do for every format, each as a [`Field`]; reading takes them in any order, by
-//! [`Fields`]. That is far less code than serde's own derive makes, so it compiles faster; and as the
-//! next key is mostly the next field, reading compares one name a field.
+//! Reading accepts the fields in any order, and rejects missing, repeated and unknown fields. Integers have no
+//! fraction: reading rejects `1.0`, although JSON Schema accepts it as the integer 1. Reading accepts sequences and
+//! strings that exceed their bounds; [`validate`](crate::Message::validate) reports them.
+//!
+//! This code compiles faster than serde's derive, because it generates less code for each message. Keys usually arrive
+//! in declared order, so reading normally compares one name per field.
 //!
 //! ```
 //! # use uavspec_runtime::{Definition, Message, record};
@@ -44,17 +44,17 @@ use crate::Text;
 use crate::descriptor::MessageDescriptor;
 use crate::record::{FieldSink, Record, Value};
 
-/// A message whose fields can be read one by one, in any order.
+/// A message that can read single fields by index.
 #[doc(hidden)]
 pub trait Fields: Record + Default {
-    /// Names of its fields, in declared order.
+    /// The names of the fields, in declared order.
     const NAMES: &'static [&'static str];
-    /// A bit for each field: which of them have been read.
+    /// A bit set with one bit per field, for the fields that have been read.
     type Seen: AsMut<[u64]>;
-    /// No field has been read.
+    /// The empty bit set.
     const UNSEEN: Self::Seen;
 
-    /// Reads the field `index`.
+    /// Reads the field with this index.
     fn read_field<'de, S: Source<'de>>(&mut self, index: usize, source: &mut S) -> Result<(), S::Error>;
 }
 
@@ -70,27 +70,27 @@ pub const fn names<const N: usize>(message: &MessageDescriptor) -> [&'static str
     names
 }
 
-/// A value of a field.
+/// A field value with a JSON form.
 #[doc(hidden)]
 pub trait Field: Sized {
-    /// Writes it; `field` is the name to mention in an error.
+    /// Writes the value. Errors mention the name `field`.
     fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error>;
 
-    /// Reads it.
+    /// Reads a value.
     fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error>;
 }
 
-/// Where values come from: the members of an object, or the elements of a sequence.
+/// A source of values: the members of an object, or the elements of a sequence.
 #[doc(hidden)]
 pub trait Source<'de> {
-    /// Why there is no value.
+    /// The error of the deserializer.
     type Error: serde::de::Error;
 
     /// Reads the next value into `field`.
     fn read<T: Field>(&mut self, field: &mut T) -> Result<(), Self::Error>;
 }
 
-/// Keeps the first error and then takes no more.
+/// Writes fields until the first error, which it stores.
 struct Writer<S: SerializeStruct> {
     message: &'static MessageDescriptor,
     out: S,
@@ -124,14 +124,14 @@ pub fn serialize<T: Fields, S: Serializer>(record: &T, serializer: S) -> Result<
 /// Reads a message.
 #[doc(hidden)]
 pub fn deserialize<'de, T: Fields, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
-    let visitor = RecordVisitor { is_text: deserializer.is_human_readable(), of: PhantomData };
+    let visitor = RecordVisitor { is_human_readable: deserializer.is_human_readable(), marker: PhantomData };
     deserializer.deserialize_struct(T::DESCRIPTOR.name, T::NAMES, visitor)
 }
 
-/// Says that reading came to a field that isn't there, which generated code can't cause.
+/// The error for a field index that is out of range. Generated code can't cause it.
 #[doc(hidden)]
 pub fn no_field<E: serde::de::Error>(index: usize) -> E {
-    E::custom(format_args!("there is no field {index}"))
+    E::custom(format_args!("field index {index} is out of range"))
 }
 
 struct Named<'v, T> {
@@ -146,9 +146,9 @@ impl<T: Field> Serialize for Named<'_, T> {
 }
 
 struct RecordVisitor<T> {
-    /// Whether the format is one of text, in which a message is an object and never a list.
-    is_text: bool,
-    of: PhantomData<T>,
+    /// True for a text format. In text a message is always an object, never a list.
+    is_human_readable: bool,
+    marker: PhantomData<T>,
 }
 
 impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
@@ -161,7 +161,7 @@ impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
         let mut record = T::default();
         let mut source = Members(map);
-        // As long as fields come in declared order, as they nearly always do, none can be repeated.
+        // Fast path: while the fields arrive in declared order, no field can be repeated.
         let mut read = 0;
         let next = loop {
             let next = source.0.next_key_seed(KeySeed::<T>(read, PhantomData))?;
@@ -178,7 +178,7 @@ impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<T, A::Error> {
-        if self.is_text {
+        if self.is_human_readable {
             return Err(A::Error::invalid_type(Unexpected::Seq, &self));
         }
         let mut record = T::default();
@@ -190,7 +190,7 @@ impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
     }
 }
 
-/// Goes on after the first `read` fields with the field `next`.
+/// Reads the remaining fields, after the first `read` fields, starting with the field `next`.
 #[cold]
 fn read_in_any_order<'de, T: Fields, A: MapAccess<'de>>(
     mut record: T,
@@ -212,11 +212,11 @@ fn read_in_any_order<'de, T: Fields, A: MapAccess<'de>>(
     }
 }
 
-/// Which fields of a message have been read.
+/// The set of fields that have been read.
 struct Seen<T: Fields>(T::Seen);
 
 impl<T: Fields> Seen<T> {
-    /// The first `count` fields.
+    /// The set of the first `count` fields.
     fn first(count: usize) -> Self {
         let mut seen = Self(T::UNSEEN);
         for index in 0..count {
@@ -225,7 +225,7 @@ impl<T: Fields> Seen<T> {
         seen
     }
 
-    /// Adds a field; whether it wasn't there.
+    /// Adds a field. Returns true if the field was not in the set.
     fn insert(&mut self, index: usize) -> bool {
         let Some(word) = self.0.as_mut().get_mut(index / 64) else { return false };
         let bit = 1 << (index % 64);
@@ -254,7 +254,8 @@ impl<'de, A: SeqAccess<'de>> Source<'de> for Elements<A> {
 
     fn read<T: Field>(&mut self, field: &mut T) -> Result<(), A::Error> {
         let value = self.0.next_element_seed(FieldSeed(PhantomData))?;
-        *field = value.ok_or_else(|| A::Error::custom("the sequence ends too soon"))?;
+        *field =
+            value.ok_or_else(|| A::Error::custom("expected another field, found the end of the sequence"))?;
         Ok(())
     }
 }
@@ -269,7 +270,7 @@ impl<'de, T: Field> DeserializeSeed<'de> for FieldSeed<T> {
     }
 }
 
-/// Reads a key as the index of the field that it names, of which the given one is looked at first.
+/// Reads a key as the index of the named field. Compares the key with the field at the given index first.
 struct KeySeed<T>(usize, PhantomData<T>);
 
 impl<'de, T: Fields> DeserializeSeed<'de> for KeySeed<T> {
@@ -285,10 +286,10 @@ impl<T: Fields> Visitor<'_> for KeySeed<T> {
     type Value = usize;
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("the name of a field")
+        formatter.write_str("a field name")
     }
 
-    // Apart, so that what calls it is small enough to become part of the loop over the fields.
+    // Not inlined, so the caller is small enough to be inlined into the loop over the fields.
     #[inline(never)]
     fn visit_str<E: serde::de::Error>(self, key: &str) -> Result<usize, E> {
         match T::NAMES.get(self.0) {
@@ -299,7 +300,7 @@ impl<T: Fields> Visitor<'_> for KeySeed<T> {
 
     fn visit_u64<E: serde::de::Error>(self, index: u64) -> Result<usize, E> {
         let found = usize::try_from(index).ok().filter(|index| *index < T::NAMES.len());
-        found.ok_or_else(|| E::custom(format_args!("there is no field {index}")))
+        found.ok_or_else(|| E::custom(format_args!("field index {index} is out of range")))
     }
 }
 
@@ -309,7 +310,7 @@ fn find<E: serde::de::Error>(names: &'static [&'static str], key: &str) -> Resul
     found.ok_or_else(|| E::unknown_field(key, names))
 }
 
-/// Values that serde itself writes and reads as they should be.
+/// Implements `Field` with serde's own implementation.
 macro_rules! plain_fields {
     ($($type:ty),*) => {
         $(impl Field for $type {
@@ -339,7 +340,7 @@ impl<T: Fields> Field for T {
     }
 }
 
-/// Floats: in text NaN is `null`, and infinity can't be said; binary formats hold both.
+/// Implements `Field` for floats. In text formats NaN is `null` and infinity is an error. Binary formats support both.
 macro_rules! float_fields {
     ($($type:ty),*) => {
         $(impl Field for $type {
@@ -349,7 +350,7 @@ macro_rules! float_fields {
                 } else if self.is_nan() {
                     serializer.serialize_none()
                 } else {
-                    Err(S::Error::custom(format_args!("{field} is {self}, which JSON has no number for")))
+                    Err(S::Error::custom(format_args!("{field} is {self}, which JSON can't represent")))
                 }
             }
 
@@ -360,7 +361,7 @@ macro_rules! float_fields {
                 let value = Option::<Self>::deserialize(deserializer)?;
                 let value = value.unwrap_or(Self::NAN);
                 if value.is_infinite() {
-                    return Err(D::Error::custom(concat!("a number too large for ", stringify!($type))));
+                    return Err(D::Error::custom(concat!("the number is too large for ", stringify!($type))));
                 }
                 Ok(value)
             }
@@ -400,7 +401,9 @@ impl<'de, T: Value, const N: usize> Visitor<'de> for ArrayVisitor<T, N> {
             *element = value.ok_or_else(|| A::Error::invalid_length(index, &self))?;
         }
         if seq.next_element::<IgnoredAny>()?.is_some() {
-            return Err(A::Error::custom(format_args!("more than {N} elements, expected an array of {N}")));
+            return Err(A::Error::custom(format_args!(
+                "found more than {N} elements, expected an array of {N}"
+            )));
         }
         Ok(array)
     }
@@ -435,7 +438,7 @@ impl<'de, T: Field> Visitor<'de> for SequenceVisitor<T> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<T>, A::Error> {
-        // The length that a format announces is not trusted: room comes with the elements.
+        // Doesn't trust the announced length: the vector grows with its elements.
         let mut sequence = Vec::new();
         while let Some(value) = seq.next_element_seed(FieldSeed(PhantomData))? {
             sequence.push(value);
@@ -461,7 +464,7 @@ impl<const N: usize> Visitor<'_> for TextVisitor<Text<N>> {
     type Value = Text<N>;
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "a text of at most {N} bytes")
+        write!(formatter, "a string of at most {N} bytes")
     }
 
     fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Text<N>, E> {
@@ -469,7 +472,7 @@ impl<const N: usize> Visitor<'_> for TextVisitor<Text<N>> {
     }
 }
 
-/// Gives a message its serde traits, from its fields and their indices.
+/// Implements the serde traits for a message, from its fields and their indices.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __json_record {
@@ -509,7 +512,7 @@ macro_rules! __json_record {
     };
 }
 
-/// Gives a number in a newtype its serde traits.
+/// Implements the serde traits for a newtype over a number.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __json_number {
@@ -533,7 +536,7 @@ macro_rules! __json_number {
     };
 }
 
-/// Makes a number in a newtype a field.
+/// Implements `Field` for a newtype over a number.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __json_field {

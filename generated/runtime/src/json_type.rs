@@ -1,12 +1,12 @@
-//! What generated types of JSON messages are made of: objects, tuples, sets and alternatives, as specification
+//! Building blocks for generated types of JSON messages: objects, tuples, sets and alternatives, as specification
 //! pages define them.
 //!
-//! A type says what it is once, in a call of one of the macros, and gets from it how it is read and written.
-//! Reading takes the fields of an object in any order and refuses missing and repeated ones; further fields are
-//! passed over unless the page closes the object. A field that may be left out is not the same as one that may be
-//! `null`: `null` is refused where the page doesn't name it. Integers are read where they stand without a fraction: `1.0`
-//! is refused, which JSON Schema takes for the integer 1. Ranges, lengths and patterns are not looked at, so that
-//! what is wrong with a message can be told by who reads it.
+//! Each generated type calls one of the macros, which implement `Serialize` and `Deserialize`.
+//!
+//! Reading accepts the fields of an object in any order, and rejects missing and repeated fields. It ignores unknown
+//! fields unless the page forbids them. An optional field may be absent, but `null` is an error unless the page allows
+//! it. Integers have no fraction: reading rejects `1.0`, although JSON Schema accepts it as the integer 1. Reading
+//! doesn't check ranges, lengths and patterns, so a program can read an invalid message and report the violation.
 //!
 //! ```
 //! use uavspec_runtime::json_object;
@@ -40,10 +40,10 @@ use serde::{Deserialize, Deserializer, Serializer};
 /// Any JSON value.
 pub use serde_json::Value as Json;
 
-/// The field that holds the type of a message.
+/// The field that contains the message type.
 const TYPE: &str = "type";
 
-/// Reads the value of the field `name`, which may stand in an object once.
+/// Reads the value of the field `name`. A repeated field is an error.
 pub fn read<'de, T: Deserialize<'de>, A: MapAccess<'de>>(
     field: &mut Option<T>,
     name: &'static str,
@@ -52,17 +52,18 @@ pub fn read<'de, T: Deserialize<'de>, A: MapAccess<'de>>(
     if field.is_some() {
         return Err(A::Error::duplicate_field(name));
     }
-    *field = Some(map.next_value().map_err(|error| inside(name, &error))?);
+    *field = Some(map.next_value().map_err(|error| in_field(name, &error))?);
     Ok(())
 }
 
-/// What is wrong with a value, and in which field it stands.
-fn inside<E: serde::de::Error>(name: &str, error: &E) -> E {
+/// Adds the field name to the error of a value.
+fn in_field<E: serde::de::Error>(name: &str, error: &E) -> E {
     E::custom(format!("{name}: {error}"))
 }
 
-/// Passes over the value of a field that the page doesn't name, or refuses it where there are no others.
-pub fn read_further<'de, A: MapAccess<'de>>(
+/// Skips the value of a field that the page doesn't define. Returns an error if the object allows only the `known`
+/// fields.
+pub fn read_unknown<'de, A: MapAccess<'de>>(
     name: &str,
     known: Option<&'static [&'static str]>,
     map: &mut A,
@@ -73,7 +74,7 @@ pub fn read_further<'de, A: MapAccess<'de>>(
     }
 }
 
-/// The name of a field as it is read.
+/// A field name, borrowed from the input if possible.
 #[derive(Debug)]
 pub struct Key<'de>(pub Cow<'de, str>);
 
@@ -85,7 +86,7 @@ impl<'de> Deserialize<'de> for Key<'de> {
             type Value = Key<'de>;
 
             fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("the name of a field")
+                formatter.write_str("a field name")
             }
 
             fn visit_borrowed_str<E>(self, name: &'de str) -> Result<Key<'de>, E> {
@@ -105,41 +106,42 @@ impl<'de> Deserialize<'de> for Key<'de> {
     }
 }
 
-// The macros name what they declare with two underscores: a page may have a type of any other name.
+// Names that the macros declare start with two underscores, because a page can define a type of any other name.
 
-/// Takes a message apart: its type, and its other fields.
-pub fn message_parts<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(String, Json), D::Error> {
+/// Splits a message into its type and its other fields.
+pub fn split_message<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(String, Json), D::Error> {
     let mut value = Json::deserialize(deserializer)?;
     let Some(fields) = value.as_object_mut() else {
-        return Err(D::Error::custom("a message is an object"));
+        return Err(D::Error::custom("expected a message object"));
     };
     match fields.shift_remove(TYPE) {
         Some(Json::String(name)) => Ok((name, value)),
-        Some(_) => Err(D::Error::custom("the type of a message is a string")),
+        Some(_) => Err(D::Error::custom("expected a string as the message type")),
         None => Err(D::Error::missing_field(TYPE)),
     }
 }
 
-/// The message that [`message_parts`] took apart.
-pub fn message_whole(name: String, mut value: Json) -> Json {
+/// Joins the parts that [`split_message`] returned.
+pub fn join_message(name: String, mut value: Json) -> Json {
     if let Some(fields) = value.as_object_mut() {
         fields.shift_insert(0, String::from(TYPE), Json::String(name));
     }
     value
 }
 
-/// Reads a body from what [`message_parts`] gave.
+/// Reads a message body from the parts that [`split_message`] returned.
 pub fn read_body<T: DeserializeOwned, E: serde::de::Error>(name: &str, value: Json) -> Result<T, E> {
     T::deserialize(value).map_err(|error| E::custom(format!("{name}: {error}")))
 }
 
-/// An object that can write its fields beside others: a message has its type before those of its body.
+/// An object that can write its fields into a map with other fields. A message has its type before the fields of its
+/// body.
 pub trait Object {
     /// Writes the fields.
     fn write_fields<M: SerializeMap>(&self, map: &mut M) -> Result<(), M::Error>;
 }
 
-/// Writes a body as a message.
+/// Writes a message from its type and its body.
 pub fn write_message<T: Object, S: Serializer>(
     name: &str,
     body: &T,
@@ -151,8 +153,10 @@ pub fn write_message<T: Object, S: Serializer>(
     map.end()
 }
 
-/// Makes a struct a JSON object: `json_object! { Mark open; name "name" required; height "height" optional; }`.
-/// The fields that are `optional` are of the type `Option`, and are left out where they are `None`.
+/// Implements reading and writing of a struct as a JSON object:
+/// `json_object! { Mark open; name "name" required; height "height" optional; }`.
+///
+/// An `optional` field has the type `Option`, and `None` is not written.
 #[macro_export]
 macro_rules! json_object {
     ($type:ident $openness:ident; $($field:ident $name:literal $presence:ident;)*) => {
@@ -204,7 +208,7 @@ macro_rules! json_object {
                                 other => {
                                     let known: ::core::option::Option<&'static [&'static str]> =
                                         $crate::__json_known!($openness $($name)*);
-                                    $crate::json_type::read_further(other, known, &mut map)?;
+                                    $crate::json_type::read_unknown(other, known, &mut map)?;
                                 }
                             }
                         }
@@ -234,7 +238,7 @@ macro_rules! __json_write {
     };
 }
 
-/// What was read of a field of an object.
+/// Takes the value that was read for a field of an object.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __json_take {
@@ -251,7 +255,7 @@ macro_rules! __json_take {
     };
 }
 
-/// The names of the fields of an object that has no others.
+/// The field names of a closed object, or `None` for an open one.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __json_known {
@@ -263,9 +267,11 @@ macro_rules! __json_known {
     };
 }
 
-/// Makes a struct a JSON array with a meaning for each position: `json_tuple! { Mark; lat required; height nullable; }`.
-/// All but what is `required` are of the type `Option`. What is `nullable` is `null` where it is `None`, what is
-/// `optional` can be left out at the end, and what is `omissible` can be both.
+/// Implements reading and writing of a struct as a JSON array with a meaning for each position:
+/// `json_tuple! { Mark; lat required; height nullable; }`.
+///
+/// All elements but the `required` ones have the type `Option`. A `nullable` element is `null` for `None`. An
+/// `optional` element can be absent at the end of the array. An `omissible` element can be `null` or absent.
 #[macro_export]
 macro_rules! json_tuple {
     ($type:ident; $($field:ident $presence:ident;)*) => {
@@ -274,7 +280,7 @@ macro_rules! json_tuple {
                 &self,
                 serializer: S,
             ) -> ::core::result::Result<S::Ok, S::Error> {
-                // What can be left out is written up to the last that is there.
+                // Writes all elements up to the last present element.
                 let is_needed = [$($crate::__json_is_needed!($presence self.$field)),*];
                 let length = is_needed.iter().rposition(|is_needed| *is_needed).map_or(0, |last| last + 1);
                 let mut list =
@@ -329,7 +335,7 @@ macro_rules! json_tuple {
     };
 }
 
-/// Whether an element of a tuple has to be written.
+/// True if an element of a tuple must be written.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __json_is_needed {
@@ -353,7 +359,7 @@ macro_rules! __json_element {
             return ::core::result::Result::Err($crate::serde::ser::Error::custom(concat!(
                 "`",
                 stringify!($field),
-                "` is left out, but elements after it are not"
+                "` is None, but an element after it is not"
             )));
         }
         $crate::serde::ser::SerializeSeq::serialize_element(&mut $list, &$self.$field)?;
@@ -386,13 +392,15 @@ macro_rules! __json_next {
     };
 }
 
-/// Makes an enum a set of strings: `json_strings! { Phase open; Towed "towed"; }`. An open one has the variant
-/// `Unnamed` for all other strings.
+/// Implements reading and writing of an enum as one of a set of strings:
+/// `json_strings! { Phase open; Towed "towed"; }`.
+///
+/// An open enum has the variant `Unnamed` for all other strings.
 #[macro_export]
 macro_rules! json_strings {
     ($type:ident open; $($variant:ident $value:literal;)*) => {
         impl $type {
-            /// The value as it stands in JSON.
+            /// The value in JSON.
             pub fn as_str(&self) -> &str {
                 match self {
                     $(Self::$variant => $value,)*
@@ -400,7 +408,7 @@ macro_rules! json_strings {
                 }
             }
 
-            /// Whether the definition names it.
+            /// True if the definition names the value.
             pub fn is_known(&self) -> bool {
                 !matches!(self, Self::Unnamed(_))
             }
@@ -422,7 +430,7 @@ macro_rules! json_strings {
             /// All values.
             pub const ALL: &'static [Self] = &[$(Self::$variant),*];
 
-            /// The value as it stands in JSON.
+            /// The value in JSON.
             pub const fn as_str(&self) -> &'static str {
                 match self {
                     $(Self::$variant => $value,)*
@@ -434,7 +442,7 @@ macro_rules! json_strings {
     };
 }
 
-/// What all sets of strings have.
+/// The part of [`json_strings!`](crate::json_strings!) that open and closed enums share.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __json_strings {
@@ -473,13 +481,14 @@ macro_rules! __json_strings {
     };
 }
 
-/// Makes an enum a set of integers: `json_integers! { Fix closed; Value0 0; }`. An open one has the variant `Unnamed`
-/// for all other integers.
+/// Implements reading and writing of an enum as one of a set of integers: `json_integers! { Fix closed; Value0 0; }`.
+///
+/// An open enum has the variant `Unnamed` for all other integers.
 #[macro_export]
 macro_rules! json_integers {
     ($type:ident open; $($variant:ident $value:literal;)*) => {
         impl $type {
-            /// The value as it stands in JSON.
+            /// The value in JSON.
             pub const fn value(self) -> i64 {
                 match self {
                     $(Self::$variant => $value,)*
@@ -487,7 +496,7 @@ macro_rules! json_integers {
                 }
             }
 
-            /// Whether the definition names it.
+            /// True if the definition names the value.
             pub const fn is_known(self) -> bool {
                 !matches!(self, Self::Unnamed(_))
             }
@@ -509,7 +518,7 @@ macro_rules! json_integers {
             /// All values.
             pub const ALL: &'static [Self] = &[$(Self::$variant),*];
 
-            /// The value as it stands in JSON.
+            /// The value in JSON.
             pub const fn value(self) -> i64 {
                 match self {
                     $(Self::$variant => $value,)*
@@ -521,7 +530,7 @@ macro_rules! json_integers {
     };
 }
 
-/// What all sets of integers have.
+/// The part of [`json_integers!`](crate::json_integers!) that open and closed enums share.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __json_integers {
@@ -552,8 +561,9 @@ macro_rules! __json_integers {
     };
 }
 
-/// Makes a newtype the JSON of what it holds: `json_named! { Instant value; }`. One over a string, which is `text`, is
-/// made of any text, and gives it back.
+/// Implements reading and writing of a newtype as its inner value: `json_named! { Instant value; }`.
+///
+/// For a newtype over a string, use `text` instead of `value`. It adds conversions from and to strings.
 #[macro_export]
 macro_rules! json_named {
     ($type:ident value;) => {
@@ -576,8 +586,10 @@ macro_rules! json_named {
     };
 }
 
-/// Makes an enum an alternative of types: `json_either! { Place; Mark; String; }`, each variant of which holds one.
-/// The first that reads a value has it.
+/// Implements reading and writing of an enum whose variants each contain a value of another type:
+/// `json_either! { Place; Mark; String; }`.
+///
+/// Reading tries the variants in order and uses the first variant that accepts the value.
 #[macro_export]
 macro_rules! json_either {
     ($type:ident; $($variant:ident;)*) => {
@@ -603,18 +615,19 @@ macro_rules! json_either {
                     }
                 )*
                 ::core::result::Result::Err($crate::serde::de::Error::custom(concat!(
-                    "none of the types that ",
-                    stringify!($type),
-                    " may be"
+                    "the value matches no alternative of ",
+                    stringify!($type)
                 )))
             }
         }
     };
 }
 
-/// Makes an enum the messages of a direction, told apart by their `type`:
-/// `json_messages! { Request; GliderInf glider_inf "GLIDER-INF"; }`. Each variant holds a body, which is the type of the
-/// same name in the module that is given; the variant `Other` holds the JSON of a message of any other type.
+/// Implements reading and writing of an enum with one variant per message type of a direction:
+/// `json_messages! { Request; GliderInf glider_inf "GLIDER-INF"; }`.
+///
+/// The field `type` of a message selects the variant. Each variant contains a message body, which is the type with the
+/// enum's name in the given module. The variant `Other` contains the JSON of a message of any other type.
 #[macro_export]
 macro_rules! json_messages {
     ($type:ident; $($variant:ident $module:ident $name:literal;)*) => {
@@ -627,7 +640,7 @@ macro_rules! json_messages {
         )*
 
         impl $type {
-            /// The type of the message; empty where a message of another type was made without any.
+            /// The message type. Empty if the variant `Other` has no type.
             pub fn message_type(&self) -> &str {
                 match self {
                     $(Self::$variant(_) => $name,)*
@@ -652,10 +665,10 @@ macro_rules! json_messages {
             fn deserialize<D: $crate::serde::Deserializer<'de>>(
                 deserializer: D,
             ) -> ::core::result::Result<Self, D::Error> {
-                let (name, body) = $crate::json_type::message_parts(deserializer)?;
+                let (name, body) = $crate::json_type::split_message(deserializer)?;
                 match name.as_str() {
                     $($name => $crate::json_type::read_body($name, body).map(Self::$variant),)*
-                    _ => ::core::result::Result::Ok(Self::Other($crate::json_type::message_whole(name, body))),
+                    _ => ::core::result::Result::Ok(Self::Other($crate::json_type::join_message(name, body))),
                 }
             }
         }

@@ -1,9 +1,8 @@
 //! The memory layout of uORB messages, which is also the payload of `ULog` data messages.
 //!
-//! PX4's generator orders the members of a message by the size of their element type, largest first
-//! and otherwise as declared; nested messages come last, each aligned to 8 bytes; the whole is
-//! padded to a multiple of 8. The generator computes layouts with [`place`], and generated code has
-//! the compiler compute those of nested messages again and compare.
+//! PX4's generator sorts the members of a message by the size of their element type, largest first. Members of equal
+//! element size keep the declared order. Nested messages come last, each aligned to 8 bytes. The message is padded to a
+//! multiple of 8. uavspec-codegen computes layouts with [`place`], and generated code checks them at compile time.
 //!
 //! ```
 //! use uavspec_runtime::layout::{Member, Size, place};
@@ -20,19 +19,19 @@ use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 /// Alignment of nested messages and of the end of each message, in bytes.
 pub const ALIGNMENT: usize = 8;
 
-/// What the layout needs to know of a field.
+/// The layout properties of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Member {
-    /// Size of one element in bytes; of a nested message, its padded size.
+    /// Size of one element in bytes. For a nested message, its padded size.
     pub element_size: usize,
     /// Number of elements: 1, or the length of the array.
     pub count: usize,
-    /// Whether the element is a message.
+    /// True if the element is a message.
     pub is_nested: bool,
 }
 
 impl Member {
-    /// Size of the whole member in bytes, or `usize::MAX` where that doesn't fit.
+    /// Size of all elements in bytes. Saturates at `usize::MAX`.
     pub const fn size(self) -> usize {
         self.element_size.saturating_mul(self.count)
     }
@@ -41,9 +40,9 @@ impl Member {
 /// The size of a message, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
-    /// With the padding at its end: what a subscriber's buffer holds.
+    /// Size with the padding at its end: the size of a subscriber's buffer.
     pub padded: usize,
-    /// Without the padding at its end: what PX4 registers, and the least that a log may hold.
+    /// Size without the padding at its end: the size that PX4 registers, and the minimum in a log.
     pub no_padding: usize,
 }
 
@@ -51,7 +50,7 @@ pub struct Size {
 ///
 /// # Panics
 ///
-/// Where `offsets` is shorter than `members`.
+/// Panics if `offsets` is shorter than `members`.
 pub const fn place(members: &[Member], offsets: &mut [usize]) -> Size {
     const SCALAR_SIZES: [usize; 4] = [8, 4, 2, 1];
     let mut end = 0_usize;
@@ -88,13 +87,13 @@ const fn align(offset: usize) -> usize {
     }
 }
 
-/// Whether the fields of a message lie where they should and give its size.
+/// True if the offsets of the fields and the size of a message follow the layout rules.
 ///
-/// Another way than [`place`] goes, so that each checks the other: first the room that each size of
-/// element takes, then the offset of each field, in declared order.
+/// The algorithm differs from that of [`place`], so that each checks the other. It first adds up the space for each
+/// element size, then checks the offset of each field in declared order.
 pub const fn is_consistent(message: &MessageDescriptor) -> bool {
     let Some(size) = message.size else { return false };
-    // Where the next field with elements of 8, 4, 2 and 1 bytes lies, and the next nested message.
+    // Offsets of the next field with elements of 8, 4, 2 and 1 bytes, and of the next nested message.
     let mut next = [0; 5];
     let mut index = 0;
     while index < message.fields.len() {
@@ -124,7 +123,7 @@ pub const fn is_consistent(message: &MessageDescriptor) -> bool {
     size.no_padding == end && size.padded == align(end)
 }
 
-/// The index of the class of a field's element size, and the size of the whole field.
+/// The class of a field's element size as an index, and the size of the whole field.
 const fn class_and_size(field: &FieldDescriptor) -> (usize, usize) {
     let (class, element_size) = match field.element {
         Element::Scalar(scalar) => (3 - scalar.size().ilog2() as usize, scalar.size()),
@@ -139,8 +138,9 @@ const fn class_and_size(field: &FieldDescriptor) -> (usize, usize) {
     (class, element_size * count)
 }
 
-/// Has the compiler check the layouts of messages, so that a nested one of another size can't go
-/// unnoticed. One assertion for a whole module costs the compiler far less than one for each message.
+/// Checks the layouts of messages at compile time. This detects a nested message whose size has changed.
+///
+/// One assertion for a whole module compiles much faster than one for each message.
 #[macro_export]
 macro_rules! assert_layouts {
     ($($type:ident;)*) => {
@@ -148,7 +148,7 @@ macro_rules! assert_layouts {
             let consistent = [$($crate::layout::is_consistent(<$type as $crate::record::Record>::DESCRIPTOR)),*];
             let mut index = 0;
             while index < consistent.len() {
-                assert!(consistent[index], "the layout of a message doesn't follow from its fields");
+                assert!(consistent[index], "the layout of a message doesn't match its fields");
                 index += 1;
             }
         };
@@ -175,24 +175,24 @@ mod tests {
     }
 
     #[test]
-    fn orders_by_element_size_and_keeps_the_declared_order_within_a_size() {
+    fn sorts_by_element_size_and_keeps_the_declared_order_within_a_size() {
         let found = placed([scalar(1, 1), scalar(8, 1), scalar(4, 3), scalar(1, 2), scalar(8, 1)]);
         assert_eq!(found, ([28, 0, 16, 29, 8], Size { padded: 32, no_padding: 31 }));
     }
 
     #[test]
-    fn nested_messages_come_last_aligned_to_eight() {
+    fn places_nested_messages_last_and_aligns_them_to_8_bytes() {
         let found = placed([nested(40, 5), scalar(8, 1), scalar(1, 3)]);
         assert_eq!(found, ([16, 0, 8], Size { padded: 216, no_padding: 216 }));
     }
 
     #[test]
-    fn sizes_saturate() {
+    fn saturates_sizes() {
         assert_eq!(placed([scalar(8, usize::MAX), scalar(1, 1)]).1.padded, usize::MAX);
     }
 
     #[test]
-    fn what_is_placed_is_consistent_and_nothing_else_is() {
+    fn accepts_the_layout_of_place_and_rejects_others() {
         const NESTED: MessageDescriptor =
             MessageDescriptor { size: Some(Size { padded: 40, no_padding: 40 }), ..MessageDescriptor::NONE };
         fn is_consistent(offsets: [usize; 3], padded: usize, no_padding: usize) -> bool {
@@ -209,6 +209,6 @@ mod tests {
         assert!(is_consistent([16, 0, 8], 216, 216));
         assert!(!is_consistent([11, 0, 8], 216, 216), "nested messages are aligned");
         assert!(!is_consistent([16, 3, 0], 216, 216), "scalars go from large to small");
-        assert!(!is_consistent([16, 0, 8], 256, 256), "the size is another");
+        assert!(!is_consistent([16, 0, 8], 256, 256), "the size is wrong");
     }
 }

@@ -1,31 +1,37 @@
-//! Messages in logs of [`defmt`], for devices that can't afford to make text: they send values and the
-//! number of a text that stays on the host, which puts both together.
+//! Messages in [`defmt`] logs, for devices that can't afford to format text. The device sends values and the index of a
+//! format string. The host has the format strings and formats the log.
 //!
 //! ```text
 //! defmt::info!("{}", event);    Event { timestamp: 0, id: 7, event_sequence: 0, … }
 //! ```
 //!
-//! # What is sent
+//! # Size of the log
 //!
-//! The names of a message and of its fields are one text, made by the generator. Numbers of known type go
-//! out as they are. So a message takes six bytes more than the values in it: the number of the text, and a
-//! start and an end. An array of anything but bytes takes two more; an enum, shown by its name, six bytes,
-//! flags, shown in hexadecimal, eight and those of their number; text of fixed size ten and its characters.
+//! The generator puts the names of a message and of its fields into one format string, so the device never sends
+//! names. Numbers of known type are sent in binary. The overhead is:
+//!
+//! | value | bytes |
+//! |---|---|
+//! | message | 6 plus its values: the index of the format string, a start and an end |
+//! | array of anything but bytes | 2 plus its elements |
+//! | enum, shown by its name | 6 in total |
+//! | flags, shown in hexadecimal | 8 plus their number |
+//! | text of fixed size | 10 plus its characters |
+//!
 //! `BatteryStatus`, 167 bytes in memory, takes 198.
-//! No name of a field is ever sent: a single implementation in this crate that went over the description
-//! of a message would have to send each of them, several times the size of the values.
 //!
-//! # What it costs to compile
+//! # Compile time
 //!
-//! Each text needs one call of a macro of defmt. `#[derive(defmt::Format)]` saves four bytes a message, for
-//! it may use what defmt keeps for itself. But it adds 0.9 s to the check of PX4's 261 messages, where this adds
-//! 0.4 to 0.6 s, and it needs a feature and defmt itself in the manifest of the crate that holds the messages.
+//! Each format string needs one call of a defmt macro. `#[derive(defmt::Format)]` saves four bytes per message, because
+//! it can use private functions of defmt. But it adds 0.9 s to `cargo check` of PX4's 261 messages, and this
+//! implementation adds 0.4 to 0.6 s. The derive also needs a feature and a dependency on defmt in the crate that
+//! contains the messages.
 
 use defmt::{Format, Formatter, write};
 
 use crate::{Severity, Text};
 
-/// The text, or its bytes where it is no UTF-8.
+/// Formats the text, or its bytes if it is not valid UTF-8.
 impl<const N: usize> Format for Text<N> {
     fn format(&self, formatter: Formatter<'_>) {
         if let Ok(text) = self.as_str() {
@@ -38,7 +44,7 @@ impl<const N: usize> Format for Text<N> {
 
 impl Format for Severity {
     fn format(&self, formatter: Formatter<'_>) {
-        #[allow(clippy::match_same_arms)] // their texts differ
+        #[allow(clippy::match_same_arms)] // the format strings differ
         match self {
             Self::Informational => write!(formatter, "informational"),
             Self::Warning => write!(formatter, "warning"),
@@ -48,13 +54,13 @@ impl Format for Severity {
     }
 }
 
-/// Gives a message its `defmt::Format`.
+/// Implements `defmt::Format` for a message.
 #[macro_export]
 macro_rules! format_record {
     ($type:ident $text:literal; $($field:ident)*;) => {
         impl $crate::defmt::Format for $type {
             fn format(&self, formatter: $crate::defmt::Formatter<'_>) {
-                // What the macro makes looks for a crate of this name.
+                // The expanded code of the macro refers to a crate of this name.
                 use $crate::defmt;
                 defmt::write!(formatter, $text $(, self.$field)*);
             }
@@ -62,7 +68,7 @@ macro_rules! format_record {
     };
 }
 
-/// Gives an enum its `defmt::Format`.
+/// Implements `defmt::Format` for an enum.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __format_enum {
@@ -70,7 +76,7 @@ macro_rules! __format_enum {
         impl $crate::defmt::Format for $type {
             fn format(&self, formatter: $crate::defmt::Formatter<'_>) {
                 use $crate::defmt;
-                #[allow(unreachable_patterns, clippy::match_same_arms)] // of several names of a value, the first
+                #[allow(unreachable_patterns, clippy::match_same_arms)] // the first of several names of a value wins
                 match self.0 {
                     $($known => defmt::write!(formatter, $name),)*
                     number => defmt::write!(formatter, "{}", number),
@@ -80,7 +86,7 @@ macro_rules! __format_enum {
     };
 }
 
-/// Gives flags their `defmt::Format`.
+/// Implements `defmt::Format` for flags.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __format_flags {
@@ -94,7 +100,7 @@ macro_rules! __format_flags {
     };
 }
 
-/// Gives an error code its `defmt::Format`.
+/// Implements `defmt::Format` for an error code.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __format_error_code {
@@ -103,7 +109,7 @@ macro_rules! __format_error_code {
             fn format(&self, formatter: $crate::defmt::Formatter<'_>) {
                 use $crate::defmt;
                 defmt::write!(formatter, "{=u32}", self.0);
-                #[allow(clippy::match_same_arms)] // their texts differ
+                #[allow(clippy::match_same_arms)] // the format strings differ
                 match self.0 {
                     $($known => {
                         defmt::write!(formatter, " ");

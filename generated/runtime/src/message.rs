@@ -6,9 +6,9 @@ use crate::record::Record;
 use crate::uorb;
 use crate::validate::{self, Violation};
 
-/// The facts that a definition states about a message as a whole.
+/// The constants of a message.
 ///
-/// One constant for all of them is faster to compile than one constant for each.
+/// One constant with all values compiles faster than one constant for each value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Definition {
     /// See [`Message::PACKAGE`].
@@ -30,7 +30,7 @@ pub struct Definition {
 }
 
 impl Definition {
-    /// The definition of a message without topics, version, hashes and a fixed size in CDR.
+    /// The constants of a message without topics, version, hashes and fixed CDR size.
     pub const fn new(package: &'static str, name: &'static str) -> Self {
         Self {
             package,
@@ -45,7 +45,7 @@ impl Definition {
     }
 }
 
-/// A message of a definition: its constants, its CDR form and its checks.
+/// A message: its constants, its CDR codec and its validation.
 ///
 /// ```
 /// use uavspec_runtime::cdr::ByteOrder;
@@ -71,33 +71,33 @@ impl Definition {
 /// # Ok::<(), uavspec_runtime::EncodeError>(())
 /// ```
 pub trait Message: Record + Clone + Default + PartialEq {
-    /// The facts that the constants below are taken from.
+    /// All constants below in one value.
     const DEFINITION: Definition;
-    /// Name of the package.
+    /// The name of the package.
     const PACKAGE: &'static str = Self::DEFINITION.package;
-    /// Name within the package.
+    /// The name within the package.
     const NAME: &'static str = Self::DEFINITION.name;
-    /// The uORB topics that carry it; the first is not always the default one.
+    /// The uORB topics with this message type. The first one is not always the default topic.
     const TOPICS: &'static [&'static str] = Self::DEFINITION.topics;
-    /// Version of the fields: `MESSAGE_VERSION`.
+    /// The version of the message: `MESSAGE_VERSION`.
     const VERSION: Option<u32> = Self::DEFINITION.version;
-    /// Number of messages that a topic holds before the oldest is lost: `ORB_QUEUE_LENGTH`.
+    /// The number of messages that a topic queues before it drops the oldest: `ORB_QUEUE_LENGTH`.
     const QUEUE_LENGTH: u32 = Self::DEFINITION.queue_length;
     /// PX4's hash of the fields.
     const HASH: u32 = Self::DEFINITION.hash;
-    /// ROS type hash: `RIHS01_` and 64 hexadecimal digits.
+    /// The ROS type hash: `RIHS01_` and 64 hexadecimal digits.
     const TYPE_HASH: &'static str = Self::DEFINITION.type_hash;
-    /// Size in CDR with the encapsulation header, in bytes, if all values have one size.
+    /// Size in CDR with the header, in bytes, if it is fixed.
     const CDR_SIZE: Option<usize> = Self::DEFINITION.cdr_size;
 
-    /// Reads a CDR payload in either byte order. A `bool` is true unless its byte is 0.
+    /// Decodes a CDR payload in either byte order. A `bool` is true unless its byte is 0.
     ///
-    /// Up to three bytes may follow, which fill the payload up to a multiple of four.
+    /// Up to three bytes of padding to a multiple of four may follow the message.
     fn from_cdr(payload: &[u8]) -> Result<Self, DecodeError> {
         cdr::decode::<Self, false>(payload)
     }
 
-    /// As [`from_cdr`](Self::from_cdr), but refuses a `bool` that is neither 0 nor 1.
+    /// Like [`from_cdr`](Self::from_cdr), but a `bool` that is neither 0 nor 1 is an error.
     fn from_cdr_strict(payload: &[u8]) -> Result<Self, DecodeError> {
         cdr::decode::<Self, true>(payload)
     }
@@ -107,7 +107,7 @@ pub trait Message: Record + Clone + Default + PartialEq {
         cdr::encode(self, order, buffer)
     }
 
-    /// The CDR payload.
+    /// Encodes the message as a CDR payload.
     #[cfg(feature = "alloc")]
     fn to_cdr(&self, order: ByteOrder) -> Result<alloc::vec::Vec<u8>, EncodeError> {
         let mut payload = alloc::vec![0; cdr::size(self)];
@@ -116,9 +116,9 @@ pub trait Message: Record + Clone + Default + PartialEq {
         Ok(payload)
     }
 
-    /// Everything in it that breaks a rule of its definition, one rule a value.
+    /// All violations of the definition, at most one per value.
     ///
-    /// A default message may break some, where 0 is no value that a field may have.
+    /// A default message can have violations, because 0 is not valid in every field.
     #[cfg(feature = "alloc")]
     fn validate(&self) -> alloc::vec::Vec<Violation> {
         let mut violations = alloc::vec::Vec::new();
@@ -126,47 +126,47 @@ pub trait Message: Record + Clone + Default + PartialEq {
         violations
     }
 
-    /// Calls `report` with everything in it that breaks a rule of its definition.
+    /// Calls `report` with each violation of the definition.
     fn validate_with(&self, report: &mut dyn FnMut(Violation)) {
         validate::each(self, report);
     }
 }
 
-/// A message of fixed size, which therefore has a memory form in uORB.
+/// A message of fixed size, which has a memory layout in uORB.
 pub trait UorbMessage: Message {
     /// Size with the padding at its end, in bytes.
     const SIZE: usize = Self::DESCRIPTOR.padded_size();
-    /// Size without the padding at its end: what PX4 registers, and the least that a log holds.
+    /// Size without the padding at its end: the size that PX4 registers, and the minimum in a log.
     const SIZE_NO_PADDING: usize = Self::DESCRIPTOR.no_padding();
     /// An array of `SIZE` bytes.
     type Bytes: uorb::Bytes;
     /// A payload of zeros.
     const ZEROS: Self::Bytes = <Self::Bytes as uorb::Bytes>::ZEROS;
-    /// A view of the bytes of a payload, which reads a field when its method is called.
+    /// A view of a payload. Each method of the view reads one field.
     type View<'b>: uorb::View<'b>;
 
-    /// Reads all fields that a view shows.
+    /// Reads all fields of a view.
     fn from_view(view: Self::View<'_>) -> Self;
 
-    /// Reads a payload, with or without the padding at its end. A `bool` is true unless its byte is 0.
+    /// Decodes a payload, with or without the padding at its end. A `bool` is true unless its byte is 0.
     #[inline]
     fn from_uorb(payload: &[u8]) -> Result<Self, DecodeError> {
         uorb::decode::<Self, false>(payload)
     }
 
-    /// As [`from_uorb`](Self::from_uorb), but refuses a `bool` that is neither 0 nor 1.
+    /// Like [`from_uorb`](Self::from_uorb), but a `bool` that is neither 0 nor 1 is an error.
     #[inline]
     fn from_uorb_strict(payload: &[u8]) -> Result<Self, DecodeError> {
         uorb::decode::<Self, true>(payload)
     }
 
-    /// Looks at a payload, with or without the padding at its end, without reading all of it.
+    /// Creates a view of a payload, with or without the padding at its end. Reads only the requested fields.
     #[inline]
     fn view(payload: &[u8]) -> Result<Self::View<'_>, DecodeError> {
         Ok(uorb::View::at(uorb::payload::<Self>(payload)?, 0))
     }
 
-    /// The payload, with the padding at its end.
+    /// Encodes the message, with the padding at its end.
     #[inline]
     fn to_uorb(&self) -> Self::Bytes {
         let mut payload = Self::ZEROS;

@@ -1,28 +1,28 @@
-//! Enums and flags: open newtypes over the number that a field holds.
+//! Enums and flags: open newtypes over the number in a field.
 
 use core::fmt;
 
 use crate::Scalar;
 use crate::record::Primitive;
 
-/// An enum, flags or an error code. Open: a value that the definition doesn't name is kept as it is.
+/// An enum, a set of flags or an error code. It is open: it can also represent values that the definition doesn't name.
 pub trait Open: Sized {
-    /// Name of the type.
+    /// The name of the type.
     const NAME: &'static str;
-    /// Type of its number.
+    /// The type of the number.
     const SCALAR: Scalar;
     /// The numbers of the documented values, or the masks of the flags.
     const KNOWN: &'static [i128];
-    /// Their names, without prefix; an error code without an abbreviation has an empty one.
+    /// The names of the documented values, without prefix. Empty for an error code without an abbreviation.
     const NAMES: &'static [&'static str];
-    /// Whether values are made of the documented ones bit by bit.
+    /// True if values are combinations of the documented masks.
     const IS_FLAGS: bool;
 
-    /// The value with these bits, of which the lowest count.
+    /// Creates a value from the low bits of `bits`.
     fn from_bits(bits: u64) -> Self;
 }
 
-/// Writes an open enum: the name of its value, or its type and number where that is unknown.
+/// Writes an open enum: the name of its value, or its type and number if the value has no name.
 pub fn fmt_enum(
     formatter: &mut fmt::Formatter<'_>,
     type_name: &str,
@@ -35,7 +35,7 @@ pub fn fmt_enum(
     }
 }
 
-/// Writes flags: the names of those that are set between `|`, and what is left as a number.
+/// Writes flags: the names of the set flags, separated by `|`, and the other bits as a number.
 pub fn fmt_flags<T: Open, P: Primitive>(
     formatter: &mut fmt::Formatter<'_>,
     value: P,
@@ -54,33 +54,34 @@ pub fn fmt_flags<T: Open, P: Primitive>(
     formatter.write_str(")")
 }
 
-/// The names of the flags that are set in `value`, each by its first name.
+/// The names of the flags that are set in `value`. A flag with several names yields the first.
 pub fn flag_names<T: Open>(value: impl Primitive) -> impl Iterator<Item = &'static str> {
     let bits = value.bits();
     let flags = T::KNOWN.iter().zip(T::NAMES).enumerate();
     flags.filter_map(move |(index, (mask, name))| {
-        // The masks fit the number; of a negative one the bits above are cut off as they are of the value.
-        let own = mask & i128::from(u64::MAX >> (64 - 8 * T::SCALAR.size()));
-        let is_set = own != 0 && i128::from(bits) & own == own;
+        // Drops the bits of a negative mask above the size of the number.
+        let mask_bits = mask & i128::from(u64::MAX >> (64 - 8 * T::SCALAR.size()));
+        let is_set = mask_bits != 0 && i128::from(bits) & mask_bits == mask_bits;
         (is_set && !T::KNOWN[..index].contains(mask)).then_some(*name)
     })
 }
 
-/// Gives a newtype over a number what an enum or flags can do, from the documented values and names.
+/// Implements the methods and traits of an enum or of flags for a newtype over a number, from the documented values and
+/// names.
 #[macro_export]
 macro_rules! open {
     ($type:ident: $number:ident; $($known:literal $name:literal;)*) => {
         impl $type {
-            /// The name that the definition gives to the value, without its prefix.
+            /// The name of the value in the definition, without its prefix.
             pub const fn name(self) -> ::core::option::Option<&'static str> {
-                #[allow(unreachable_patterns)] // of several names of a value, the first
+                #[allow(unreachable_patterns)] // the first of several names of a value wins
                 match self.0 {
                     $($known => ::core::option::Option::Some($name),)*
                     _ => ::core::option::Option::None,
                 }
             }
 
-            /// Whether the definition names the value.
+            /// True if the definition names the value.
             pub const fn is_known(self) -> bool {
                 self.name().is_some()
             }
@@ -97,12 +98,12 @@ macro_rules! open {
     };
     ($type:ident: $number:ident flags; $($known:literal $name:literal;)*) => {
         impl $type {
-            /// Whether all flags of `other` are set.
+            /// True if all flags of `other` are set.
             pub const fn contains(self, other: Self) -> bool {
                 self.0 & other.0 == other.0
             }
 
-            /// Whether no flag is set.
+            /// True if no flag is set.
             pub const fn is_empty(self) -> bool {
                 self.0 == 0
             }
@@ -112,12 +113,12 @@ macro_rules! open {
                 $crate::__private::flag_names::<Self>(self.0)
             }
 
-            /// Whether the definition names all flags that are set.
+            /// True if the definition names all flags that are set.
             pub const fn is_known(self) -> bool {
                 self.unknown() == 0
             }
 
-            #[allow(clippy::identity_op)] // where 0 is among the documented values
+            #[allow(clippy::identity_op)] // if 0 is among the documented values
             const fn unknown(self) -> $number {
                 self.0 & !(0 $(| $known)*)
             }
@@ -193,7 +194,7 @@ macro_rules! __open {
     };
 }
 
-/// Gives the newtype over an error code what the features ask for.
+/// Implements the traits of an error code for a newtype, according to the enabled features.
 #[macro_export]
 macro_rules! error_code {
     ($type:ident; $($known:literal $name:literal;)*) => {
@@ -202,7 +203,7 @@ macro_rules! error_code {
     };
 }
 
-/// What enums, flags and error codes share.
+/// The part that enums, flags and error codes share.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __documented {

@@ -1,21 +1,21 @@
-//! Where in a message something is: `events[2].id`.
+//! Paths to values in a message, such as `events[2].id`.
 
 use core::fmt;
 
 use crate::descriptor::{Element, MessageDescriptor};
 
-/// How deep a path goes; what lies deeper is left out of it.
+/// The maximum number of steps in a path. Deeper steps are omitted.
 const DEPTH: usize = 8;
 
-/// The way from a message to a value in it. Shown as `events[2].id`; the name of the message where it
-/// is the message itself.
+/// The path from a message to a value in it. Displayed as `events[2].id`, or as the name of the message if the path has
+/// no steps.
 #[derive(Clone, Copy)]
 pub struct Path {
     message: &'static MessageDescriptor,
-    /// From the outermost field inwards.
+    /// The steps, starting with the outermost field.
     steps: [Step; DEPTH],
     len: u8,
-    /// The element of the field that comes before all steps so far.
+    /// The array element that the next call of [`enclose`](Self::enclose) adds to the enclosing field.
     element: u32,
 }
 
@@ -25,17 +25,17 @@ struct Step {
     element: u32,
 }
 
-/// Stands for no element.
+/// Marks a step without an element.
 const NONE: u32 = u32::MAX;
 
-/// The way to a message that isn't known yet.
+/// A path without steps, for a message that is not known yet.
 impl Default for Path {
     fn default() -> Self {
         Self::to(&MessageDescriptor::NONE)
     }
 }
 
-/// Equal are ways through messages of one name by the same fields and elements.
+/// Paths are equal if the message names and the steps are equal.
 impl PartialEq for Path {
     fn eq(&self, other: &Self) -> bool {
         self.message.name == other.message.name
@@ -46,17 +46,17 @@ impl PartialEq for Path {
 }
 
 impl Path {
-    /// The steps so far; behind them may be those of a way that was left.
+    /// The steps of the path. The array may contain stale steps after them.
     fn steps(&self) -> &[Step] {
         &self.steps[..usize::from(self.len).min(DEPTH)]
     }
 
-    /// The way to the message itself.
+    /// The path to the message itself.
     pub(crate) const fn to(message: &'static MessageDescriptor) -> Self {
         Self { message, steps: [Step { field: 0, element: NONE }; DEPTH], len: 0, element: NONE }
     }
 
-    /// Goes on to a field.
+    /// Appends a field.
     pub(crate) fn enter(&mut self, field: usize) {
         if let Some(step) = self.steps.get_mut(usize::from(self.len)) {
             *step = Step { field: u16::try_from(field).unwrap_or(u16::MAX), element: NONE };
@@ -64,24 +64,24 @@ impl Path {
         self.len = self.len.saturating_add(1);
     }
 
-    /// Goes on to an element of the field, or back to the field.
+    /// Selects an element of the last field, or the field itself.
     pub(crate) fn select(&mut self, element: Option<usize>) {
         if let Some(step) = self.len.checked_sub(1).and_then(|last| self.steps.get_mut(usize::from(last))) {
             step.element = element.map_or(NONE, number);
         }
     }
 
-    /// Goes back to the message that the field is of.
+    /// Removes the last field.
     pub(crate) fn leave(&mut self) {
         self.len = self.len.saturating_sub(1);
     }
 
-    /// Makes the way so far one from an element of a field, which [`enclose`](Self::enclose) then names.
+    /// Prepends an array element. [`enclose`](Self::enclose) adds its field.
     pub(crate) fn within(&mut self, element: usize) {
         self.element = number(element);
     }
 
-    /// Makes the way so far one from a field of the message `outer`.
+    /// Prepends a field of the message `outer`.
     pub(crate) fn enclose(&mut self, outer: &'static MessageDescriptor, field: usize) {
         self.steps.copy_within(..DEPTH - 1, 1);
         self.steps[0] = Step { field: u16::try_from(field).unwrap_or(u16::MAX), element: self.element };

@@ -1,9 +1,9 @@
-//! Messages as lists of fields, which is how codecs and checks see them.
+//! Messages as lists of fields: the interface between messages and codecs or checks.
 //!
-//! Generated code says once, for each message, how its fields go out ([`Record::write_fields`]) and
-//! come in ([`Record::read_fields`]). Each format is a sink and a source that takes or gives one field after the
-//! other. They keep the first fault and go on with zeros, so that generated code needs no `?` for
-//! each field: that costs the compiler more than all else, and the processor a branch.
+//! Each generated message implements [`Record::write_fields`] and [`Record::read_fields`] once. Each format implements
+//! a sink, which receives the fields, and a source, which returns them. Sinks and sources store the first fault, and a
+//! source returns zeros after it. So generated code needs no `?` for each field, which would cost compile time and a
+//! branch.
 //!
 //! ```
 //! use uavspec_runtime::Scalar;
@@ -18,35 +18,35 @@ use crate::{Number, Scalar};
 
 /// A message as a list of fields.
 pub trait Record: Default + crate::JsonField + crate::SchemaRecord {
-    /// What is known of its fields.
+    /// The descriptor of the message.
     const DESCRIPTOR: &'static MessageDescriptor;
 
-    /// Gives each field to `sink`, in declared order.
+    /// Writes each field to `sink`, in declared order.
     fn write_fields<S: FieldSink>(&self, sink: &mut S);
 
-    /// Takes each field from `source`, in declared order.
+    /// Reads each field from `source`, in declared order.
     fn read_fields<S: FieldSource>(source: &mut S) -> Self;
 }
 
-/// Takes the fields of one message. The sink knows the message, so the compiler checks one argument less for each
-/// field of each generated type.
+/// A sink for the fields of one message. The sink stores the message descriptor, so generated code passes one argument
+/// less for each field and compiles faster.
 pub trait FieldSink {
-    /// Takes the field `index` of the message.
+    /// Writes the field with this index.
     fn field<T: Value>(&mut self, index: usize, value: &T);
 }
 
-/// Gives the fields of one message, which the source knows.
+/// A source of the fields of one message.
 pub trait FieldSource {
-    /// Gives the field `index` of the message.
+    /// Reads the field with this index.
     fn field<T: Value>(&mut self, index: usize) -> T;
 }
 
-/// Takes values in one format.
+/// A sink for values in one format.
 pub trait Sink: FieldSink {
-    /// Takes a number.
+    /// Writes a number.
     fn scalar<P: Primitive>(&mut self, value: P);
 
-    /// Takes an array of numbers.
+    /// Writes an array of numbers.
     fn scalars<P: Primitive>(&mut self, values: &[P]) {
         for (index, value) in values.iter().enumerate() {
             self.select(Some(index));
@@ -55,63 +55,63 @@ pub trait Sink: FieldSink {
         self.select(None);
     }
 
-    /// Takes text of fixed size.
+    /// Writes text of fixed size.
     fn text(&mut self, bytes: &[u8]);
 
-    /// Takes the length of a sequence.
+    /// Writes the length of a sequence.
     fn length(&mut self, length: usize, shape: Shape);
 
-    /// Takes a string, of at most `bound` characters.
+    /// Writes a string of at most `bound` characters.
     fn string(&mut self, text: &str, is_wide: bool, bound: Option<u32>);
 
-    /// Takes a message.
+    /// Writes a message.
     fn message<M: Record>(&mut self, message: &M);
 
-    /// Learns which element of an array comes next; none after the last.
+    /// Sets the index of the next array element, or `None` after the last element.
     fn select(&mut self, element: Option<usize>);
 }
 
-/// Gives values in one format.
+/// A source of values in one format.
 pub trait Source: FieldSource {
-    /// Gives a number.
+    /// Reads a number.
     fn scalar<P: Primitive>(&mut self) -> P;
 
-    /// Gives an array of numbers.
+    /// Reads an array of numbers.
     fn scalars<P: Primitive>(&mut self, values: &mut [P]);
 
-    /// Gives the length of a sequence whose elements take at least `element_size` bytes each: no more
-    /// than the bytes that are left can hold.
+    /// Reads the length of a sequence whose elements take at least `element_size` bytes each. The remaining bytes can
+    /// contain at least that many elements.
     fn length(&mut self, shape: Shape, element_size: usize) -> usize;
 
-    /// Gives a string, of at most `bound` characters.
+    /// Reads a string of at most `bound` characters.
     #[cfg(feature = "alloc")]
     fn string(&mut self, is_wide: bool, bound: Option<u32>) -> alloc::string::String;
 
-    /// Gives a message.
+    /// Reads a message.
     fn message<M: Record>(&mut self) -> M;
 
-    /// Whether there was a fault: all values from then on are zero.
+    /// True if there was a fault. All values after the fault are zero.
     fn has_failed(&self) -> bool;
 
-    /// Learns in which element of an array the first fault is.
-    fn blame(&mut self, element: usize);
+    /// Records which array element contains the first fault.
+    fn locate_fault(&mut self, element: usize);
 }
 
-/// A value of a field.
+/// A field value.
 pub trait Value: Sized + crate::JsonField {
-    /// Least number of bytes that it takes in CDR, without alignment.
+    /// Minimum size in CDR without alignment, in bytes.
     const LEAST_SIZE: usize;
 
-    /// What stands in a field until it is read: `Default`, which arrays of any length don't have.
+    /// The value before reading. Replaces `Default`, which arrays of arbitrary length don't implement.
     fn initial() -> Self;
 
-    /// Gives itself to `sink`.
+    /// Writes the value to `sink`.
     fn write<S: Sink>(&self, sink: &mut S, field: &'static FieldDescriptor);
 
-    /// Comes from `source`.
+    /// Reads a value from `source`.
     fn read<S: Source>(source: &mut S, field: &'static FieldDescriptor) -> Self;
 
-    /// Gives all values of an array.
+    /// Writes all values of an array.
     #[inline]
     fn write_all<S: Sink>(values: &[Self], sink: &mut S, field: &'static FieldDescriptor) {
         for (index, value) in values.iter().enumerate() {
@@ -121,10 +121,10 @@ pub trait Value: Sized + crate::JsonField {
         sink.select(None);
     }
 
-    /// Takes all values of an array of fixed length.
+    /// Reads all values of an array of fixed length.
     #[inline]
     fn read_array<S: Source, const N: usize>(source: &mut S, field: &'static FieldDescriptor) -> [Self; N] {
-        // The compiler makes far better code of this than of an array whose maker reads.
+        // This compiles to much better code than `from_fn` with a function that reads.
         let mut values = core::array::from_fn(|_| Self::initial());
         for (index, value) in values.iter_mut().enumerate() {
             *value = element(source, index, field);
@@ -132,7 +132,7 @@ pub trait Value: Sized + crate::JsonField {
         values
     }
 
-    /// Takes all values of a sequence.
+    /// Reads all values of a sequence.
     #[cfg(feature = "alloc")]
     fn read_sequence<S: Source>(
         source: &mut S,
@@ -142,7 +142,7 @@ pub trait Value: Sized + crate::JsonField {
         let mut values = alloc::vec::Vec::new();
         for index in 0..length {
             let value = element(source, index, field);
-            // A value that isn't there takes no room.
+            // Doesn't allocate memory for values after a fault.
             if source.has_failed() {
                 break;
             }
@@ -157,35 +157,35 @@ fn element<T: Value, S: Source>(source: &mut S, index: usize, field: &'static Fi
     let had_failed = source.has_failed();
     let value = T::read(source, field);
     if !had_failed && source.has_failed() {
-        source.blame(index);
+        source.locate_fault(index);
     }
     value
 }
 
 /// A number of fixed size.
 pub trait Primitive: Copy + Default + 'static {
-    /// Its type; `byte` and `char` are `uint8`.
+    /// The scalar type. `byte` and `char` count as `uint8`.
     const SCALAR: Scalar;
 
-    /// Size in bytes, which is its alignment too.
+    /// Size in bytes. The alignment is equal.
     const SIZE: usize;
 
-    /// The number that little-endian bytes hold; zero where there are too few.
+    /// Reads a little-endian number, or zero if there are too few bytes.
     fn read_le(bytes: &[u8]) -> Self;
 
-    /// The number that big-endian bytes hold; zero where there are too few.
+    /// Reads a big-endian number, or zero if there are too few bytes.
     fn read_be(bytes: &[u8]) -> Self;
 
-    /// Writes it little-endian to `bytes`, which have its size.
+    /// Writes the number to `bytes` in little-endian order.
     fn write_le(self, bytes: &mut [u8]);
 
-    /// Writes it big-endian to `bytes`, which have its size.
+    /// Writes the number to `bytes` in big-endian order.
     fn write_be(self, bytes: &mut [u8]);
 
-    /// The number, for checks.
+    /// The number in the form that checks use.
     fn number(self) -> Number;
 
-    /// Its bits, without any of its sign above them.
+    /// The bits of the number, without sign extension.
     #[inline]
     fn bits(self) -> u64 {
         let mut bytes = [0; 8];
@@ -193,9 +193,9 @@ pub trait Primitive: Copy + Default + 'static {
         u64::from_le_bytes(bytes)
     }
 
-    /// The byte of a `bool` if it is neither 0 nor 1, given the bytes that it comes from.
+    /// The byte of a `bool` that is neither 0 nor 1. `None` for valid bytes and for other types.
     #[inline]
-    fn odd_bool(_: &[u8]) -> Option<u8> {
+    fn invalid_bool(_: &[u8]) -> Option<u8> {
         None
     }
 }
@@ -243,7 +243,7 @@ primitives!(
     i64 Int Int64, f32 Float Float32, f64 Float Float64,
 );
 
-/// Any byte but 0 is true: real logs hold 153, 94 and 194.
+/// Any byte but 0 is true: real logs contain 153, 94 and 194.
 impl Primitive for bool {
     const SCALAR: Scalar = Scalar::Bool;
     const SIZE: usize = 1;
@@ -274,13 +274,16 @@ impl Primitive for bool {
     }
 
     #[inline]
-    fn odd_bool(bytes: &[u8]) -> Option<u8> {
+    fn invalid_bool(bytes: &[u8]) -> Option<u8> {
         bytes.first().copied().filter(|byte| *byte > 1)
     }
 }
 
-/// Implements the codecs of a message from its name, the number of its fields, and the fields: index, name and descriptor. A message of fixed size
-/// has the name of its view and its two sizes too, and each field the type of its [`View`](crate::uorb::View).
+/// Implements the codecs of a message. The arguments are its name, the number of its fields, and for each field the
+/// index, name and descriptor.
+///
+/// A message of fixed size additionally has the name of its view, its padded size and its size without padding. Each of
+/// its fields also has a [`View`](crate::uorb::View) type.
 #[macro_export]
 macro_rules! record {
     ($type:ident[$count:literal], $view:ident, $size:literal, $no_padding:literal;
@@ -298,13 +301,13 @@ macro_rules! record {
             }
         }
 
-        #[doc = concat!("A view of a payload that holds a [`", stringify!($type), "`]: a method reads the field of its name.")]
+        #[doc = concat!("A view of a payload that contains a [`", stringify!($type), "`]. Each method reads the field with its name.")]
         #[derive(Clone, Copy)]
         pub struct $view<'b>($crate::uorb::Fields<'b, $type, $no_padding>);
 
         impl<'b> $view<'b> {
             $(
-                /// Reads the field of this name.
+                /// Reads the field with this name.
                 #[inline]
                 pub fn $field(self) -> $field_view {
                     self.0.get($index)
@@ -332,7 +335,7 @@ macro_rules! record {
     };
 }
 
-/// The part of [`record!`](crate::record!) that messages of any size have.
+/// The part of [`record!`](crate::record!) for messages of fixed and variable size.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __record {
@@ -341,7 +344,7 @@ macro_rules! __record {
             const DESCRIPTOR: &'static $crate::descriptor::MessageDescriptor = {
                 #[allow(unused_imports)]
                 use $crate::descriptor::field::*;
-                // A constant of its own: the compiler takes four times as long for a borrowed array.
+                // A separate constant compiles four times as fast as a borrowed array.
                 const FIELDS: [$crate::descriptor::FieldDescriptor; $count] = [$($descriptor),*];
                 &$crate::descriptor::MessageDescriptor { name: stringify!($type), fields: &FIELDS, size: $size }
             };

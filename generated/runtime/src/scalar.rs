@@ -3,36 +3,36 @@
 /// A scalar type of a `.msg` field or constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Scalar {
-    /// One byte, 0 or 1.
+    /// One byte: 0 or 1.
     Bool,
-    /// One byte without arithmetic meaning (ROS 2 only).
+    /// One byte of raw data (ROS 2 only).
     Byte,
-    /// One byte of text in PX4; in ROS 2 another name of `uint8`.
+    /// One byte of text in PX4. In ROS 2, an alias of `uint8`.
     Char,
-    /// Signed, 8 bits.
+    /// Signed 8-bit integer.
     Int8,
-    /// Unsigned, 8 bits.
+    /// Unsigned 8-bit integer.
     UInt8,
-    /// Signed, 16 bits.
+    /// Signed 16-bit integer.
     Int16,
-    /// Unsigned, 16 bits.
+    /// Unsigned 16-bit integer.
     UInt16,
-    /// Signed, 32 bits.
+    /// Signed 32-bit integer.
     Int32,
-    /// Unsigned, 32 bits.
+    /// Unsigned 32-bit integer.
     UInt32,
-    /// Signed, 64 bits.
+    /// Signed 64-bit integer.
     Int64,
-    /// Unsigned, 64 bits.
+    /// Unsigned 64-bit integer.
     UInt64,
-    /// IEEE 754, 32 bits.
+    /// IEEE 754 float with 32 bits.
     Float32,
-    /// IEEE 754, 64 bits.
+    /// IEEE 754 float with 64 bits.
     Float64,
 }
 
 impl Scalar {
-    /// All of them, in the order of their declaration.
+    /// All scalar types, in declared order.
     pub const ALL: [Self; 13] = [
         Self::Bool,
         Self::Byte,
@@ -49,7 +49,7 @@ impl Scalar {
         Self::Float64,
     ];
 
-    /// The name that a `.msg` file uses.
+    /// The name in a `.msg` file.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Bool => "bool",
@@ -68,12 +68,12 @@ impl Scalar {
         }
     }
 
-    /// The scalar that a `.msg` file calls `name`.
+    /// The scalar type with this name in a `.msg` file.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|scalar| scalar.name() == name)
     }
 
-    /// Size in bytes, which is also its alignment in uORB and CDR.
+    /// Size in bytes. The alignment in uORB and CDR is equal.
     pub const fn size(self) -> usize {
         match self {
             Self::Bool | Self::Byte | Self::Char | Self::Int8 | Self::UInt8 => 1,
@@ -83,7 +83,7 @@ impl Scalar {
         }
     }
 
-    /// Least and greatest value of an integer type; none for `bool` and the floats.
+    /// Minimum and maximum of an integer type, or `None` for `bool` and floats.
     pub const fn integer_bounds(self) -> Option<(i128, i128)> {
         match self {
             Self::Bool | Self::Float32 | Self::Float64 => None,
@@ -98,7 +98,7 @@ impl Scalar {
         }
     }
 
-    /// Whether it is `float32` or `float64`.
+    /// True for `float32` and `float64`.
     pub const fn is_float(self) -> bool {
         matches!(self, Self::Float32 | Self::Float64)
     }

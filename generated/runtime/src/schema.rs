@@ -1,12 +1,11 @@
 //! JSON Schemas of messages, for the crate [`schemars`].
 //!
-//! Each says of an instance what the published schema of the message says, no more and no less: objects
-//! are closed and have all fields, integers have the bounds of their types, floats may be null, ranges
-//! hold but for the special values, counts keep to the length of what they count. Nested messages are
-//! references. Descriptions and units are left to the published ones.
+//! Each schema accepts the same instances as the published schema of the message. Objects have exactly the fields of
+//! the message, integers have the bounds of their types, and floats may be null. Ranges apply except for special
+//! values. Counts don't exceed the length of their array. Nested messages are references. Only the published schemas
+//! contain descriptions and units.
 //!
-//! They are made from the description of a message when they are asked for, so that a message costs no
-//! code of its own here.
+//! Each schema is built from the message descriptor at run time, so messages need no additional code.
 //!
 //! ```
 //! # use uavspec_runtime::{Definition, Message, record};
@@ -65,7 +64,7 @@ pub fn message<T: Record>(generator: &mut SchemaGenerator) -> Schema {
     })
 }
 
-/// The schema of an enum, flags or error codes: any number of its type, of which some have names.
+/// The schema of an enum, flags or error codes: any number of the type. Documented values have names.
 #[doc(hidden)]
 pub fn open<T: Open>() -> Schema {
     let known =
@@ -97,31 +96,31 @@ fn property(field: &FieldDescriptor, reference: Option<Schema>) -> Schema {
 }
 
 fn number(scalar: Scalar, constraint: &Constraint<'_>) -> Schema {
-    let Some(whole) = Constraint::NONE.asserted(scalar) else { return json_schema!({ "type": "boolean" }) };
-    let used = constraint.asserted(scalar).unwrap_or(whole);
+    let Some(full) = Constraint::NONE.asserted(scalar) else { return json_schema!({ "type": "boolean" }) };
+    let used = constraint.asserted(scalar).unwrap_or(full);
     let any = if scalar.is_float() {
         json_schema!({ "type": ["number", "null"] })
     } else {
         json_schema!({ "type": "integer" })
     };
     let mut schema = any.clone();
-    let outside = constraint.special.iter().copied().filter(|value| whole.broken_by(*value).is_none());
-    let outside: Vec<Number> = outside.filter(|value| used.broken_by(*value).is_some()).collect();
+    let outside = constraint.special.iter().copied().filter(|value| full.violated_by(*value).is_none());
+    let outside: Vec<Number> = outside.filter(|value| used.violated_by(*value).is_some()).collect();
     let has_names = constraint.known.is_some() && !constraint.is_flags;
     if outside.is_empty() {
         insert_all(&mut schema, &used);
     } else {
         let mut within = any.clone();
         insert_all(&mut within, &used);
-        // Generators make alternatives of a type only where no value fits two of them, as `oneOf` says.
-        let keyword = if are_apart(&used, &outside, scalar) { "oneOf" } else { "anyOf" };
+        // Code generators turn alternatives into a union only for `oneOf`, which requires that they don't overlap.
+        let keyword = if are_disjoint(&used, &outside, scalar) { "oneOf" } else { "anyOf" };
         let exact = outside.into_iter().map(|value| exactly(value, scalar));
         let alternatives: Vec<Schema> = core::iter::once(within).chain(exact).collect();
         if has_names {
-            // A schema has one `anyOf`, which the names take: the alternatives stand one level below.
-            let mut below = Schema::default();
-            below.insert(keyword.to_string(), alternatives.into());
-            schema.insert("allOf".to_string(), Vec::from([below]).into());
+            // A schema has a single `anyOf`, which contains the names. So the alternatives are nested one level deeper.
+            let mut nested = Schema::default();
+            nested.insert(keyword.to_string(), alternatives.into());
+            schema.insert("allOf".to_string(), Vec::from([nested]).into());
         } else {
             schema.insert(keyword.to_string(), alternatives.into());
         }
@@ -132,20 +131,20 @@ fn number(scalar: Scalar, constraint: &Constraint<'_>) -> Schema {
     schema
 }
 
-/// Whether every reader can tell the special values from what is used, and from each other: to those who read all
-/// numbers as 64-bit floats, large integers are their neighbours.
-fn are_apart(used: &Constraint<'static>, outside: &[Number], scalar: Scalar) -> bool {
+/// True if the special values differ from the ordinary values and from each other, even for parsers that read all
+/// numbers as 64-bit floats. Such parsers round large integers.
+fn are_disjoint(used: &Constraint<'static>, outside: &[Number], scalar: Scalar) -> bool {
     let exact = outside.iter().map(|value| bounds_of(*value, scalar));
     let all: Vec<Constraint<'_>> = core::iter::once(*used).chain(exact).collect();
     let ends = |bounds: &Constraint<'_>| (bounds.low.map(Number::as_f64), bounds.high.map(Number::as_f64));
-    let is_apart = |(index, bounds): (usize, &Constraint<'_>)| {
+    let is_disjoint = |(index, bounds): (usize, &Constraint<'_>)| {
         let (low, high) = ends(bounds);
         all[index + 1..].iter().map(ends).all(|(other_low, other_high)| high < other_low || other_high < low)
     };
-    all.iter().enumerate().all(is_apart)
+    all.iter().enumerate().all(is_disjoint)
 }
 
-/// The documented values, and any other.
+/// The documented values, followed by a schema for any other value.
 fn documented(constraint: &Constraint<'_>, any: Schema) -> Vec<Schema> {
     let known = constraint.known.unwrap_or_default().iter().enumerate();
     let values = known.map(|(index, value)| {
@@ -159,14 +158,14 @@ fn documented(constraint: &Constraint<'_>, any: Schema) -> Vec<Schema> {
     values.chain([any]).collect()
 }
 
-/// Lets through exactly `value`, in each form in which JSON may hold it: a `float32` is written widened to 64 bits or in
-/// its shortest form.
-#[allow(clippy::cast_possible_truncation)] // rounding is what this is about
+/// The constraint that allows exactly `value`, in each form that it has in JSON: programs write a `float32` widened to
+/// 64 bits or as its shortest decimal.
+#[allow(clippy::cast_possible_truncation)] // rounding is intended
 fn bounds_of(value: Number, scalar: Scalar) -> Constraint<'static> {
     let exact = value.as_f64();
     let widened = f64::from(exact as f32);
     let shortest = (exact as f32).to_string().parse().unwrap_or(widened);
-    #[allow(clippy::float_cmp)] // whether they are one number
+    #[allow(clippy::float_cmp)] // exact comparison is intended
     let (low, high) = if scalar == Scalar::Float32 && (exact != widened || widened != shortest) {
         let (low, high) = (exact.min(widened).min(shortest), exact.max(widened).max(shortest));
         (Number::Float(low), Number::Float(high))
@@ -180,7 +179,7 @@ fn insert_all(schema: &mut Schema, constraint: &Constraint<'_>) {
     constraint.keywords().for_each(|(keyword, value)| insert(schema, keyword, value));
 }
 
-/// Lets through one value.
+/// The schema that allows exactly one value.
 fn exactly(value: Number, scalar: Scalar) -> Schema {
     let bounds = bounds_of(value, scalar);
     if bounds.low == bounds.high {
@@ -188,13 +187,13 @@ fn exactly(value: Number, scalar: Scalar) -> Schema {
         insert(&mut schema, "const", value);
         return schema;
     }
-    // Only floats have several forms.
+    // Only a float has several forms.
     let mut schema = json_schema!({ "type": "number" });
     insert_all(&mut schema, &bounds);
     schema
 }
 
-/// Whole numbers are written without a fraction: not every validator takes `1` for the constant `1.0`.
+/// Inserts a number. Whole numbers have no fraction, because some validators don't accept `1` for the constant `1.0`.
 fn insert(schema: &mut Schema, keyword: &str, value: Number) {
     let value = match value {
         #[allow(clippy::cast_possible_truncation)] // it is less than 2^53
@@ -202,24 +201,24 @@ fn insert(schema: &mut Schema, keyword: &str, value: Number) {
         Number::Float(value) => value.into(),
         Number::Int(value) => match u64::try_from(value) {
             Ok(value) => value.into(),
-            // The bounds of all types fit one of both.
+            // The bounds of all types fit `u64` or `i64`.
             Err(_) => i64::try_from(value).unwrap_or(i64::MIN).into(),
         },
     };
     schema.insert(keyword.to_string(), value);
 }
 
-/// Finds the types of nested messages, which the description doesn't hold, by reading a message from
-/// nothing: what is asked for in place of a field has the type of the field.
+/// Finds the schemas of nested messages. The descriptor doesn't contain their Rust types, so this source reads a dummy
+/// message and records the type of each field that is a message.
 struct References<'g> {
     generator: &'g mut SchemaGenerator,
     /// The message whose fields are read.
     message: &'static MessageDescriptor,
-    /// For each field of the message.
+    /// The schema of the nested message, for each field.
     found: Vec<Option<Schema>>,
     /// The field that is being read.
     field: usize,
-    /// How many messages lie around what is being read.
+    /// The nesting depth of the message that is being read.
     depth: usize,
 }
 
@@ -247,7 +246,7 @@ impl Source for References<'_> {
     fn scalars<P: Primitive>(&mut self, _: &mut [P]) {}
 
     fn length(&mut self, _: Shape, _: usize) -> usize {
-        // One element, to see its type.
+        // One element is enough to find the type.
         usize::from(self.depth == 0)
     }
 
@@ -273,10 +272,10 @@ impl Source for References<'_> {
         false
     }
 
-    fn blame(&mut self, _: usize) {}
+    fn locate_fault(&mut self, _: usize) {}
 }
 
-/// Gives a message its schema.
+/// Implements `JsonSchema` for a message.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __schema_record {
@@ -289,7 +288,7 @@ macro_rules! __schema_record {
     };
 }
 
-/// Gives an enum, flags or an error code its schema.
+/// Implements `JsonSchema` for an enum, flags or an error code.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __schema_number {
@@ -298,7 +297,7 @@ macro_rules! __schema_number {
     };
 }
 
-/// Implements `JsonSchema` by a function.
+/// Implements `JsonSchema` with a function.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __schema {

@@ -1,29 +1,29 @@
-//! Severities and classes of error codes, as the Flockwave specification divides them.
+//! Severities and classes of error codes, as defined by the Flockwave specification.
 
 use core::fmt;
 use core::ops::RangeInclusive;
 
-/// How grave an error code is. The specification keeps it in two bits of the code itself.
+/// The severity of an error code. Two bits of the code contain it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
 pub enum Severity {
-    /// Worth knowing, no danger.
+    /// Information only, no danger.
     Informational = 0,
-    /// No danger now, but one to come if nothing is done.
+    /// No danger yet, but action is needed to prevent one.
     Warning = 1,
-    /// Normal operation can't go on.
+    /// Normal operation can't continue.
     Error = 2,
-    /// The vehicle lands at once or shuts down.
+    /// The vehicle lands immediately or shuts down.
     Fatal = 3,
 }
 
 impl Severity {
-    /// All severities, from harmless to grave.
+    /// All severities, least severe first.
     pub const ALL: [Self; 4] = [Self::Informational, Self::Warning, Self::Error, Self::Fatal];
 
     /// The severity of any code, known or not: `(code & 0xFF) >> 6`.
     ///
-    /// For codes under 256 the specification guarantees it; for all others it recommends it.
+    /// The specification guarantees this rule for codes under 256 and recommends it for other codes.
     pub const fn of(code: u32) -> Self {
         match (code & 0xFF) >> 6 {
             0 => Self::Informational,
@@ -33,7 +33,7 @@ impl Severity {
         }
     }
 
-    /// Its name in lower case.
+    /// The name in lower case.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Informational => "informational",
@@ -50,14 +50,14 @@ impl fmt::Display for Severity {
     }
 }
 
-/// What a list of error codes says of a UAV. For slices of codes of any type.
+/// Methods of a list of error codes that a UAV reports.
 pub trait ErrorList {
-    /// Whether the UAV is ready for takeoff: the list holds code 1 (on the ground) and no other.
+    /// True if the UAV is ready for takeoff: the list contains code 1 (on the ground) and no other code.
     ///
-    /// An empty list says that nothing is wrong, but not that the UAV stands on the ground.
+    /// An empty list means that there is no error, but not that the UAV is on the ground.
     fn is_ready_for_takeoff(&self) -> bool;
 
-    /// The severity of the gravest code; none of an empty list.
+    /// The severity of the most severe code, or `None` for an empty list.
     fn severity(&self) -> Option<Severity>;
 }
 
@@ -72,10 +72,10 @@ impl<C: Copy + Into<u32>> ErrorList for [C] {
     }
 }
 
-/// A range of error codes that the specification sets apart.
+/// A class of error codes: a range that the specification reserves for one purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ErrorClass {
-    /// Code 0: nothing is wrong. An empty list of codes says the same.
+    /// Code 0: no error. An empty list of codes has the same meaning.
     NoError,
     /// Codes 1 to 63.
     Informational,
@@ -83,11 +83,11 @@ pub enum ErrorClass {
     Warning,
     /// Codes 128 to 191.
     Error,
-    /// Codes 192 to 255; some headings call them critical.
+    /// Codes 192 to 255. Some headings in the specification call them critical.
     Fatal,
-    /// Codes 256 to 32767, in blocks of 256, one for each type of vehicle.
+    /// Codes 256 to 32767, in blocks of 256, one block for each vehicle type.
     UavSpecific,
-    /// Codes from 32768: free for any use.
+    /// Codes from 32768: available for any use.
     UserDefined,
 }
 
@@ -103,7 +103,7 @@ impl ErrorClass {
         Self::UserDefined,
     ];
 
-    /// The class that `code` belongs to.
+    /// The class of `code`.
     pub const fn of(code: u32) -> Self {
         match code {
             0 => Self::NoError,
@@ -116,7 +116,7 @@ impl ErrorClass {
         }
     }
 
-    /// First and last code of the class.
+    /// The codes of the class.
     pub const fn codes(self) -> RangeInclusive<u32> {
         match self {
             Self::NoError => 0..=0,
@@ -129,7 +129,7 @@ impl ErrorClass {
         }
     }
 
-    /// Its name in lower case.
+    /// The name in lower case.
     pub const fn name(self) -> &'static str {
         match self {
             Self::NoError => "no error",
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_code_is_in_the_range_of_its_class_and_no_range_leaves_a_gap() {
+    fn class_ranges_contain_their_codes_and_leave_no_gap() {
         let mut next = 0;
         for class in ErrorClass::ALL {
             let codes = class.codes();
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn severity_is_in_two_bits() {
+    fn severity_comes_from_two_bits_of_the_code() {
         for code in 0..70_000_u32 {
             assert_eq!(Severity::of(code) as u32, (code & 0xFF) >> 6);
         }

@@ -1,14 +1,13 @@
-//! Values for property tests: strategies of [`proptest`].
+//! Strategies for property tests with [`proptest`].
 //!
-//! Every message, enum, set of flags and error code implements
-//! [`Arbitrary`](proptest::arbitrary::Arbitrary), so that `any::<BatteryStatus>()` works, also as a part of
-//! other strategies. What it gives is [`valid`]: [`Message::validate`] finds nothing in it and JSON can carry
-//! it. The values that programs stumble over are frequent: the ends of ranges and of types, the values that
-//! mean "no data", NaN where it has a meaning, `-0.0`, subnormal floats, sequences, strings and text that are
-//! empty or full, characters of several bytes.
+//! Every message, enum, set of flags and error code implements [`Arbitrary`](proptest::arbitrary::Arbitrary), so
+//! `any::<BatteryStatus>()` works, alone or within other strategies. It generates [`valid`] values: they have no
+//! violations, and JSON can represent them. Edge cases are frequent: limits of ranges and types, values that mean
+//! "no data", allowed NaN, `-0.0`, subnormal floats, empty and full sequences, strings and text, and multi-byte
+//! characters.
 //!
-//! [`broken`] gives the opposite: a value that breaks one rule in one place, and says which and where.
-//! [`undocumented`] gives values of an enum, bits of flags or error codes that no definition names.
+//! [`invalid`] generates messages that violate one rule in one field, together with the rule and the path of the field.
+//! [`undocumented`] generates enum values, flags and error codes that the definition doesn't name.
 //!
 //! ```
 //! # use uavspec_runtime::{Definition, Message, record};
@@ -24,22 +23,24 @@
 //! #     0 speed = float32("speed", 0).within(&number().from(int(0)).not_nan());
 //! # }
 //! use uavspec_runtime::proptest::prelude::*;
-//! use uavspec_runtime::strategy::{broken, valid};
+//! use uavspec_runtime::strategy::{invalid, valid};
 //!
 //! proptest!(|(wind in valid::<Wind>())| prop_assert!(wind.validate().is_empty()));
 //!
-//! let broken = broken::<Wind>().expect("the speed has a range");
-//! proptest!(|(broken in broken)| {
-//!     let found = broken.value.validate();
-//!     prop_assert_eq!((found[0].rule, found[0].path.to_string()), (broken.rule, broken.path));
+//! let strategy = invalid::<Wind>().expect("the speed has a range");
+//! proptest!(|(invalid in strategy)| {
+//!     let violations = invalid.value.validate();
+//!     let found = (violations[0].rule, violations[0].path.to_string());
+//!     prop_assert_eq!(found, (invalid.rule, invalid.path));
 //! });
 //! ```
 //!
-//! Values are drawn from the description of a message, number by number, and read from the list of numbers
-//! as from any payload. So a message costs no code of its own here, and a case with three hundred numbers
-//! takes some ten microseconds. A failing case is simplified number by number: towards zero, or
-//! what is next to it in the range; towards the first documented values; element by element of sequences and
-//! characters of text.
+//! The strategies draw a list of numbers according to the message descriptor, and decode the message from this list as
+//! from a payload. So messages need no additional code, and a case with three hundred numbers takes about ten
+//! microseconds.
+//!
+//! Simplification of a failing case changes one number at a time. It moves numbers towards zero or the nearest number
+//! in the range, and documented values towards the smallest. It removes elements of sequences and characters of text.
 
 mod draw;
 mod fault;
@@ -63,54 +64,54 @@ use self::replay::Replay;
 use self::tree::Node;
 use crate::{Constraint, Message, Open, Path, Rule};
 
-/// Messages without a broken rule, which JSON can carry.
+/// Messages without violations, which JSON can represent.
 pub const fn valid<T: Message>() -> Valid<T> {
     Valid(PhantomData)
 }
 
-/// Messages that break one rule in one place; none where the definition leaves nothing to break.
+/// Messages that violate one rule in one field. `None` if no value of the message can violate a rule.
 ///
-/// What has a bound above 4096 is never made too long.
-pub fn broken<T: Message>() -> Option<Breaking<T>> {
+/// Never exceeds a sequence or string bound above 4096.
+pub fn invalid<T: Message>() -> Option<Invalid<T>> {
     let faults = fault::count(T::DESCRIPTOR);
-    (faults > 0).then_some(Breaking { faults, of: PhantomData })
+    (faults > 0).then_some(Invalid { faults, marker: PhantomData })
 }
 
-/// The documented values of an enum or of error codes, or any set of the documented flags.
+/// The documented values of an enum or of error codes, or any combination of the documented flags.
 pub const fn documented<T: Open>() -> Documented<T> {
     Documented(PhantomData)
 }
 
-/// Values that no definition names, or flags with at least one such bit; none where all are named.
+/// Values that the definition doesn't name, or flags with at least one such bit. `None` if all values have names.
 pub fn undocumented<T: Open>() -> Option<Undocumented<T>> {
     let has_any = !fault::values(T::SCALAR, constraint::<T>(), Rule::Enum).is_empty();
     has_any.then_some(Undocumented(PhantomData))
 }
 
-/// See [`valid`].
+/// The strategy of [`valid`].
 pub struct Valid<T>(PhantomData<T>);
 
-/// See [`broken`].
-pub struct Breaking<T> {
-    /// In how many ways a value can be broken.
+/// The strategy of [`invalid`].
+pub struct Invalid<T> {
+    /// Number of possible faults.
     faults: usize,
-    of: PhantomData<T>,
+    marker: PhantomData<T>,
 }
 
-/// See [`documented`].
+/// The strategy of [`documented`].
 pub struct Documented<T>(PhantomData<T>);
 
-/// See [`undocumented`].
+/// The strategy of [`undocumented`].
 pub struct Undocumented<T>(PhantomData<T>);
 
-/// A message that breaks one rule.
+/// A message that violates one rule.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Broken<T> {
+pub struct InvalidMessage<T> {
     /// The message.
     pub value: T,
-    /// The rule.
+    /// The violated rule.
     pub rule: Rule,
-    /// Where, as [`Violation`](crate::Violation) shows its path: `events[2].id`.
+    /// The path of the invalid field, in the format of [`Violation`](crate::Violation): `events[2].id`.
     pub path: String,
 }
 
@@ -120,19 +121,19 @@ impl<T: Message + Debug> Strategy for Valid<T> {
 
     fn new_tree(&self, runner: &mut TestRunner) -> NewTree<Self> {
         let root = Draw::new(Random::new(runner)?).message(T::DESCRIPTOR, None)?;
-        Ok(ValidTree { root, of: PhantomData })
+        Ok(ValidTree { root, marker: PhantomData })
     }
 }
 
-impl<T: Message + Debug> Strategy for Breaking<T> {
-    type Tree = BrokenTree<T>;
-    type Value = Broken<T>;
+impl<T: Message + Debug> Strategy for Invalid<T> {
+    type Tree = InvalidTree<T>;
+    type Value = InvalidMessage<T>;
 
     fn new_tree(&self, runner: &mut TestRunner) -> NewTree<Self> {
         let mut random = Random::new(runner)?;
         let fault = random.below(self.faults);
         let root = Draw::new(random).message(T::DESCRIPTOR, Some(fault))?;
-        Ok(BrokenTree { root, of: PhantomData })
+        Ok(InvalidTree { root, marker: PhantomData })
     }
 }
 
@@ -142,8 +143,8 @@ impl<T: Open + Debug> Strategy for Documented<T> {
 
     fn new_tree(&self, runner: &mut TestRunner) -> NewTree<Self> {
         let leaf = Leaf::valid(T::SCALAR, constraint::<T>(), &mut Random::new(runner)?);
-        let leaf = leaf.ok_or("it has no documented value")?;
-        Ok(OpenTree { leaf, of: PhantomData })
+        let leaf = leaf.ok_or("the type has no documented value")?;
+        Ok(OpenTree { leaf, marker: PhantomData })
     }
 }
 
@@ -152,13 +153,13 @@ impl<T: Open + Debug> Strategy for Undocumented<T> {
     type Value = T;
 
     fn new_tree(&self, runner: &mut TestRunner) -> NewTree<Self> {
-        let leaf = Leaf::broken(T::SCALAR, constraint::<T>(), Rule::Enum, &mut Random::new(runner)?);
-        let leaf = leaf.ok_or("all its values are documented")?;
-        Ok(OpenTree { leaf, of: PhantomData })
+        let leaf = Leaf::invalid(T::SCALAR, constraint::<T>(), Rule::Enum, &mut Random::new(runner)?);
+        let leaf = leaf.ok_or("all values of the type are documented")?;
+        Ok(OpenTree { leaf, marker: PhantomData })
     }
 }
 
-/// What the documentation of an enum, flags or error codes allows.
+/// The constraint that allows the documented values of an enum, flags or error codes.
 fn constraint<T: Open>() -> &'static Constraint<'static> {
     struct Of<T>(PhantomData<T>);
 
@@ -170,22 +171,22 @@ fn constraint<T: Open>() -> &'static Constraint<'static> {
     Of::<T>::CONSTRAINT
 }
 
-/// A message of [`Valid`], being simplified.
+/// A message of [`Valid`] during simplification.
 pub struct ValidTree<T> {
     root: Node,
-    of: PhantomData<T>,
+    marker: PhantomData<T>,
 }
 
-/// A message of [`Breaking`], being simplified.
-pub struct BrokenTree<T> {
+/// A message of [`Invalid`] during simplification.
+pub struct InvalidTree<T> {
     root: Node,
-    of: PhantomData<T>,
+    marker: PhantomData<T>,
 }
 
-/// A value of [`Documented`] or [`Undocumented`], being simplified.
+/// A value of [`Documented`] or [`Undocumented`] during simplification.
 pub struct OpenTree<T> {
     leaf: Leaf,
-    of: PhantomData<T>,
+    marker: PhantomData<T>,
 }
 
 impl<T: Message + Debug> ValueTree for ValidTree<T> {
@@ -204,13 +205,13 @@ impl<T: Message + Debug> ValueTree for ValidTree<T> {
     }
 }
 
-impl<T: Message + Debug> ValueTree for BrokenTree<T> {
-    type Value = Broken<T>;
+impl<T: Message + Debug> ValueTree for InvalidTree<T> {
+    type Value = InvalidMessage<T>;
 
-    fn current(&self) -> Broken<T> {
+    fn current(&self) -> InvalidMessage<T> {
         let mut path = Path::to(T::DESCRIPTOR);
         let rule = fault::locate(T::DESCRIPTOR, &self.root, &mut path);
-        Broken { value: Replay::of(&self.root).message(), rule, path: path.to_string() }
+        InvalidMessage { value: Replay::of(&self.root).message(), rule, path: path.to_string() }
     }
 
     fn simplify(&mut self) -> bool {
@@ -238,7 +239,7 @@ impl<T: Open + Debug> ValueTree for OpenTree<T> {
     }
 }
 
-/// What a derive would ask of `T` is not needed.
+/// Implements traits without the bounds on `T` that a derive would add.
 macro_rules! plain {
     ($($type:ident $name:literal;)*) => {$(
         impl<T> Clone for $type<T> {
@@ -257,9 +258,9 @@ macro_rules! plain {
     )*};
 }
 
-plain!(Valid "valid"; Breaking "broken"; Documented "documented"; Undocumented "undocumented";);
+plain!(Valid "valid"; Invalid "invalid"; Documented "documented"; Undocumented "undocumented";);
 
-/// Gives a message its `Arbitrary`.
+/// Implements `Arbitrary` for a message.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __arbitrary_record {
@@ -275,7 +276,7 @@ macro_rules! __arbitrary_record {
     };
 }
 
-/// Gives an enum, flags or an error code its `Arbitrary`.
+/// Implements `Arbitrary` for an enum, flags or an error code.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __arbitrary_number {

@@ -3,9 +3,9 @@
 use core::fmt;
 use core::str::FromStr;
 
-/// Text in `N` bytes, ended by a NUL unless it fills them all: a PX4 field of type `char[N]`.
+/// Text of at most `N` bytes: a PX4 field of type `char[N]`. A NUL ends the text if it is shorter.
 ///
-/// Firmware may send bytes that are no UTF-8: they are kept, and [`as_str`](Self::as_str) says so.
+/// Firmware may send invalid UTF-8. The bytes are preserved, and [`as_str`](Self::as_str) returns an error.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Text<const N: usize>(pub [u8; N]);
 
@@ -15,7 +15,7 @@ impl<const N: usize> Text<N> {
         self.0.split(|byte| *byte == 0).next().unwrap_or(&[])
     }
 
-    /// The text before the first NUL; an error where it is no UTF-8.
+    /// The text before the first NUL, or an error if it is not valid UTF-8.
     pub fn as_str(&self) -> Result<&str, core::str::Utf8Error> {
         core::str::from_utf8(self.bytes())
     }
@@ -27,32 +27,34 @@ impl<const N: usize> Default for Text<N> {
     }
 }
 
-/// The text in quotes, with bytes that are no UTF-8 as escapes.
+/// Formats the text in quotes. Bytes other than printable ASCII are escaped.
 impl<const N: usize> fmt::Debug for Text<N> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "\"{}\"", self.bytes().escape_ascii())
     }
 }
 
-/// Why a text doesn't become a [`Text`].
+/// An error while converting a string to a [`Text`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TextError {
-    /// It has more bytes than there is room for.
+    /// The string doesn't fit.
     TooLong {
-        /// Bytes of the text.
+        /// Size of the string in bytes.
         len: usize,
-        /// Bytes of the field.
+        /// Size of the field in bytes.
         room: usize,
     },
-    /// It holds a NUL, which would end it.
+    /// The string contains a NUL, which would end the text.
     Nul,
 }
 
 impl fmt::Display for TextError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::TooLong { len, room } => write!(formatter, "a text of {len} bytes where {room} fit"),
-            Self::Nul => formatter.write_str("a NUL in a text, which ends it"),
+            Self::TooLong { len, room } => {
+                write!(formatter, "expected at most {room} bytes of text, found {len}")
+            }
+            Self::Nul => formatter.write_str("expected text without NUL"),
         }
     }
 }
@@ -81,7 +83,7 @@ mod tests {
     use alloc::format;
 
     #[test]
-    fn text_ends_at_the_first_nul_or_fills_all() {
+    fn text_ends_at_the_first_nul_or_at_the_end_of_the_field() {
         assert_eq!(Text(*b"ab\0c").as_str(), Ok("ab"));
         assert_eq!(Text(*b"abcd").as_str(), Ok("abcd"));
         assert_eq!("ab".parse(), Ok(Text(*b"ab\0")));
@@ -90,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_that_are_no_utf8_are_kept_and_shown() {
+    fn invalid_utf8_is_preserved_and_displayed() {
         let text = Text([b'a', 0xff, 0]);
         assert!(text.as_str().is_err());
         assert_eq!(format!("{text:?}"), r#""a\xff""#);

@@ -1,7 +1,7 @@
-//! The memory form of messages of fixed size: what uORB carries, and `ULog` records.
+//! The memory layout of messages of fixed size, as uORB transports them and `ULog` files contain them.
 //!
-//! Little-endian, at the offsets of [`layout`](crate::layout). A payload has the full size or lacks
-//! the padding at its end. Padding is written as zeros and read as anything.
+//! Numbers are little-endian, at the offsets of [`layout`](crate::layout). A payload may omit the padding at its end.
+//! Encoding writes padding as zeros, and decoding ignores it.
 //!
 //! ```
 //! use uavspec_runtime::uorb::Elements;
@@ -34,12 +34,12 @@ use core::marker::PhantomData;
 
 use crate::descriptor::MessageDescriptor;
 use crate::error::{DecodeError, Fault};
-use crate::fixed::{self, Form};
+use crate::fixed::{self, Encoding};
 use crate::layout::Size;
 use crate::record::{Primitive, Record};
 use crate::{Path, Text, UorbMessage};
 
-/// The bytes that hold all fields of a message: the payload without the padding at its end.
+/// The bytes of all fields of a message: the payload without the padding at its end.
 #[inline]
 pub(crate) fn payload<T: UorbMessage>(bytes: &[u8]) -> Result<&[u8], DecodeError> {
     let has_size = bytes.len() == T::SIZE || bytes.len() == T::SIZE_NO_PADDING;
@@ -59,7 +59,7 @@ fn wrong_size(message: &'static MessageDescriptor, size: Size, found: usize) -> 
     DecodeError { fault: Fault::Size { padded, no_padding, found }, offset, path: Path::to(message) }
 }
 
-/// Reads a message; in strict mode each `bool` must be 0 or 1.
+/// Decodes a message. In strict mode each `bool` must be 0 or 1.
 #[inline]
 pub(crate) fn decode<T: UorbMessage, const STRICT: bool>(bytes: &[u8]) -> Result<T, DecodeError> {
     let bytes = payload::<T>(bytes)?;
@@ -71,17 +71,17 @@ pub(crate) fn decode<T: UorbMessage, const STRICT: bool>(bytes: &[u8]) -> Result
     }
 }
 
-/// Writes a message to `bytes`, which are zeros, as many as its size.
+/// Encodes a message. `bytes` must have the size of the message and be all zeros.
 #[inline]
 pub(crate) fn encode<T: UorbMessage>(message: &T, bytes: &mut [u8]) {
     let bytes = bytes.get_mut(..T::SIZE_NO_PADDING).unwrap_or_default();
     fixed::write::<T, Memory>(message, bytes);
 }
 
-/// The form in memory.
+/// The memory layout.
 struct Memory;
 
-impl Form for Memory {
+impl Encoding for Memory {
     const HAS_OFFSETS: bool = true;
 
     #[inline]
@@ -100,9 +100,9 @@ impl Form for Memory {
     }
 }
 
-/// An array of bytes that holds a payload.
+/// A byte array for a payload.
 pub trait Bytes: AsRef<[u8]> + AsMut<[u8]> + Copy {
-    /// Zeros.
+    /// An array of zeros.
     const ZEROS: Self;
 }
 
@@ -110,7 +110,7 @@ impl<const N: usize> Bytes for [u8; N] {
     const ZEROS: Self = [0; N];
 }
 
-/// The fields of a message of type `M` in `N` bytes of a payload: the content of its view type.
+/// The `N` bytes of a payload that contain the fields of a message `M`: the content of the view type.
 #[doc(hidden)]
 pub struct Fields<'b, M, const N: usize> {
     bytes: &'b [u8; N],
@@ -126,14 +126,14 @@ impl<M, const N: usize> Clone for Fields<'_, M, N> {
 impl<M, const N: usize> Copy for Fields<'_, M, N> {}
 
 impl<'b, M: Record, const N: usize> Fields<'b, M, N> {
-    /// The message at `offset`; zeros if there are too few bytes, which generated code can't cause.
+    /// The message at `offset`. Zeros if there are too few bytes, which generated code can't cause.
     #[inline]
     pub fn at(bytes: &'b [u8], offset: usize) -> Self {
         let bytes = bytes.get(offset..).and_then(<[u8]>::first_chunk).unwrap_or(&[0; N]);
         Self { bytes, message: PhantomData }
     }
 
-    /// The view of the field `index`.
+    /// The view of the field with this index.
     #[inline]
     pub fn get<V: View<'b>>(self, index: usize) -> V {
         V::at(self.bytes, M::DESCRIPTOR.fields[index].offset)
@@ -146,20 +146,22 @@ impl<'b, M: Record, const N: usize> Fields<'b, M, N> {
     }
 }
 
-/// The message itself.
+/// Formats the message.
 impl<M: Record + fmt::Debug, const N: usize> fmt::Debug for Fields<'_, M, N> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.read().fmt(formatter)
     }
 }
 
-/// A value in the bytes of a payload, read when it is needed: a number, an enum or a text itself, [`Elements`] for an
-/// array, and its view type for a message.
+/// A value that is read from a payload on access.
+///
+/// Numbers, enums and text implement it themselves. [`Elements`] is the view of an array, and each message has a view
+/// type.
 pub trait View<'b>: Copy {
-    /// Bytes from one element of an array to the next.
+    /// Distance between the elements of an array, in bytes.
     const STRIDE: usize;
 
-    /// The value at `offset`; zeros if there are too few bytes.
+    /// The value at `offset`. Zeros if there are too few bytes.
     fn at(bytes: &'b [u8], offset: usize) -> Self;
 }
 
@@ -196,9 +198,9 @@ impl<'b, V: View<'b>, const N: usize> View<'b> for Elements<'b, V, N> {
     }
 }
 
-/// An array of `N` elements in the bytes of a message. `V` is the view of an element.
+/// A view of an array of `N` elements. `V` is the view of an element.
 pub struct Elements<'b, V, const N: usize> {
-    /// From the first element to the end of the message.
+    /// The bytes from the first element to the end of the message.
     bytes: &'b [u8],
     element: PhantomData<V>,
 }
@@ -222,7 +224,7 @@ impl<'b, V: View<'b>, const N: usize> Elements<'b, V, N> {
         N == 0
     }
 
-    /// The element `index`, if it is under `N`.
+    /// The element with this index, or `None` if `index` is not less than `N`.
     #[inline]
     pub fn get(self, index: usize) -> Option<V> {
         (index < N).then(|| V::at(self.bytes, index * V::STRIDE))
@@ -236,7 +238,7 @@ impl<'b, V: View<'b>, const N: usize> Elements<'b, V, N> {
 }
 
 impl<'b, const N: usize> Elements<'b, u8, N> {
-    /// The bytes themselves.
+    /// The elements as a byte slice.
     pub fn as_bytes(self) -> &'b [u8] {
         self.bytes.get(..N).unwrap_or_default()
     }

@@ -1,4 +1,4 @@
-//! Whether the values of a message are what its definition allows.
+//! Validation of the values of a message against its definition.
 
 use core::{fmt, mem};
 
@@ -6,16 +6,16 @@ use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 use crate::record::{FieldSink, Primitive, Record, Sink, Value};
 use crate::{Constraint, Message, Number, Path, Rule};
 
-/// A value that breaks a rule. Shown as `events[2].id: …`.
+/// A value that violates a rule. Displayed as `events[2].id: …`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Violation {
-    /// The rule that is broken.
+    /// The violated rule.
     pub rule: Rule,
-    /// Where in the message.
+    /// The field or element.
     pub path: Path,
-    /// The value: of a sequence or string its length, of text how many of its bytes are UTF-8.
+    /// The value. For a sequence or string, its length. For text, the number of valid UTF-8 bytes.
     pub found: Number,
-    /// What the numbers of the field may be, where its type doesn't say all.
+    /// The constraint on the numbers of the field.
     pub constraint: Option<&'static Constraint<'static>>,
     /// The bound of a sequence or string.
     pub bound: Option<u32>,
@@ -31,7 +31,7 @@ impl fmt::Display for Violation {
 #[cfg(feature = "std")]
 impl std::error::Error for Violation {}
 
-/// Calls `report` with everything in `message` that breaks a rule.
+/// Calls `report` with each violation in `message`.
 pub(crate) fn each<T: Message>(message: &T, report: &mut dyn FnMut(Violation)) {
     let path = Path::to(T::DESCRIPTOR);
     message.write_fields(&mut Validator { message: T::DESCRIPTOR, path, field: None, report });
@@ -41,7 +41,7 @@ struct Validator<'r> {
     /// The message whose fields are checked.
     message: &'static MessageDescriptor,
     path: Path,
-    /// The field that is being looked at.
+    /// The field that is being checked.
     field: Option<&'static FieldDescriptor>,
     report: &'r mut dyn FnMut(Violation),
 }
@@ -79,7 +79,7 @@ impl Sink for Validator<'_> {
     fn scalar<P: Primitive>(&mut self, value: P) {
         let constraint = self.field.and_then(|field| field.constraint).unwrap_or(&Constraint::NONE);
         let found = value.number();
-        if let Some(rule) = constraint.broken_by(found) {
+        if let Some(rule) = constraint.violated_by(found) {
             self.violation(rule, found, None);
         }
     }
@@ -113,7 +113,7 @@ impl Sink for Validator<'_> {
 }
 
 impl FieldDescriptor {
-    /// Whether its type holds anything that a rule forbids.
+    /// True if the type of the field allows values that violate a rule.
     #[inline]
     const fn is_restricted(&self) -> bool {
         match self.element {

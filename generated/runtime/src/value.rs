@@ -1,4 +1,4 @@
-//! Values of fields: numbers, enums, text, arrays, sequences, messages.
+//! Field values: numbers, text, strings, arrays, sequences and messages.
 
 use crate::Text;
 #[cfg(feature = "alloc")]
@@ -55,7 +55,7 @@ macro_rules! numbers {
 numbers!(bool, u8, i8, u16, i16, u32, i32, u64, i64, f32, f64);
 
 impl<T: Record> Value for T {
-    // What more it takes shows when it is read, and only what could be read takes room.
+    // A lower bound is enough, because `read_sequence` allocates memory only for messages that it could read.
     const LEAST_SIZE: usize = 1;
 
     #[inline]

@@ -1,13 +1,13 @@
-//! What generated code calls for features that are off: nothing.
+//! Empty stand-ins for the traits and macros of disabled features.
 
-/// A value as JSON; nothing is asked of it without the feature `serde`.
+/// A field value with a JSON form. Without the feature `serde`, every type implements it.
 #[cfg(not(feature = "serde"))]
 pub trait JsonField {}
 
 #[cfg(not(feature = "serde"))]
 impl<T> JsonField for T {}
 
-/// A message with a JSON Schema; nothing is asked of it without the feature `schemars`.
+/// A message with a JSON Schema. Without the feature `schemars`, every type implements it.
 #[cfg(not(feature = "schemars"))]
 pub trait SchemaRecord {}
 
@@ -64,7 +64,7 @@ macro_rules! __schema_number {
 }
 
 #[cfg(not(feature = "defmt"))]
-/// Gives a message its `defmt::Format`; nothing without the feature `defmt`.
+/// Implements `defmt::Format` for a message if the feature `defmt` is enabled.
 #[macro_export]
 macro_rules! format_record {
     ($($tokens:tt)*) => {};
@@ -91,7 +91,7 @@ macro_rules! __format_error_code {
     ($($tokens:tt)*) => {};
 }
 
-/// Takes generated code out, which with the feature `json` it leaves in.
+/// Expands to the given code if the feature `json` is enabled, and to nothing otherwise.
 #[cfg(not(feature = "json"))]
 #[macro_export]
 macro_rules! with_json {

@@ -1,4 +1,4 @@
-//! Messages of fixed size, in memory and in CDR, written here as the generator writes them.
+//! Codecs of messages of fixed size. The messages are written like generated code.
 
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
 use uavspec_runtime::{DecodeError, Definition, Fault, Message, UorbMessage};
@@ -60,38 +60,37 @@ uavspec_runtime::record! {
 
 const ORDERS: [ByteOrder; 2] = [ByteOrder::LittleEndian, ByteOrder::BigEndian];
 
-/// The error of a payload of zeros that ends after each number of bytes, from the header on.
-fn cuts<T: Message + std::fmt::Debug>() -> Vec<String> {
+/// The decoding errors for a payload of zeros, truncated at each length from the header on.
+fn truncation_errors<T: Message + std::fmt::Debug>() -> Vec<String> {
     let size = T::CDR_SIZE.expect("a fixed size");
-    let cut = |order: ByteOrder, end: usize| {
+    let error = |order: ByteOrder, end: usize| {
         let payload = T::default().to_cdr(order).expect("a payload");
         assert_eq!(payload.len(), size);
         T::from_cdr(&payload[..end]).expect_err("too short").to_string()
     };
-    let told = ORDERS.map(|order| (HEADER..size).map(|end| cut(order, end)).collect::<Vec<_>>());
-    assert_eq!(told[0], told[1]);
-    let [told, _] = told;
-    told
+    let [little, big] = ORDERS.map(|order| (HEADER..size).map(|end| error(order, end)).collect::<Vec<_>>());
+    assert_eq!(little, big);
+    little
 }
 
 #[test]
-fn messages_without_fields_count_where_a_payload_ends_too_soon() {
-    assert_eq!(cuts::<Empty>(), ["Empty at byte 4: expected 1 more bytes, found 0"]);
+fn locates_truncation_in_messages_without_fields() {
+    assert_eq!(truncation_errors::<Empty>(), ["Empty at byte 4: expected 1 more byte, found 0"]);
     assert_eq!(
-        cuts::<Hollow>(),
-        ["e at byte 4: expected 1 more bytes, found 0", "x at byte 5: expected 1 more bytes, found 0"]
+        truncation_errors::<Hollow>(),
+        ["e at byte 4: expected 1 more byte, found 0", "x at byte 5: expected 1 more byte, found 0"]
     );
     assert_eq!(
-        cuts::<Hollows>(),
+        truncation_errors::<Hollows>(),
         [
-            "few[0] at byte 4: expected 1 more bytes, found 0",
-            "few[1] at byte 5: expected 1 more bytes, found 0",
-            "few[2] at byte 6: expected 1 more bytes, found 0",
+            "few[0] at byte 4: expected 1 more byte, found 0",
+            "few[1] at byte 5: expected 1 more byte, found 0",
+            "few[2] at byte 6: expected 1 more byte, found 0",
             "x at byte 7: expected 2 more bytes, found 0",
             "x at byte 8: expected 2 more bytes, found 0",
             "x at byte 8: expected 2 more bytes, found 1",
-            "last.e at byte 10: expected 1 more bytes, found 0",
-            "last.x at byte 11: expected 1 more bytes, found 0",
+            "last.e at byte 10: expected 1 more byte, found 0",
+            "last.x at byte 11: expected 1 more byte, found 0",
         ]
     );
 }
@@ -105,13 +104,13 @@ fn out() -> Out {
     }
 }
 
-/// A payload where `by` bytes lie before it. All of eight such places have all alignments among them.
+/// A payload after a prefix of `by` bytes. Prefixes of 0 to 7 bytes cover all alignments.
 fn shifted(payload: &[u8], by: usize) -> Vec<u8> {
     [&[0xaa; 8][..by], payload].concat()
 }
 
 #[test]
-fn a_payload_is_read_and_written_the_same_wherever_it_lies() {
+fn decodes_and_encodes_at_any_alignment() {
     let out = out();
     for by in 0..8 {
         let buffer = shifted(&out.to_uorb(), by);
@@ -130,20 +129,20 @@ fn a_payload_is_read_and_written_the_same_wherever_it_lies() {
     }
 }
 
-/// What a view of `payload` shows, field by field, is what `out` holds.
-#[allow(clippy::float_cmp)] // the same bits are what is asked
+/// Checks that the view of `payload` returns the fields of `out`.
+#[allow(clippy::float_cmp)] // exact comparison is intended
 fn check_view(out: &Out, payload: &[u8]) {
     let view = Out::view(payload).expect("a payload");
     assert_eq!((view.time(), view.share(), view.last()), (out.time, out.share, out.last));
     assert_eq!(view.ins().len(), out.ins.len());
-    for (seen, held) in view.ins().iter().zip(&out.ins) {
-        assert_eq!(seen.x(), held.x);
-        assert!(seen.flags().iter().eq(held.flags));
+    for (seen, expected) in view.ins().iter().zip(&out.ins) {
+        assert_eq!(seen.x(), expected.x);
+        assert!(seen.flags().iter().eq(expected.flags));
     }
     assert_eq!(&Out::from_view(view), out);
 }
 
-/// Each `bool` by its path, and its byte in memory and in CDR.
+/// The path of each `bool`, and its byte offsets in memory and in CDR.
 const BOOLS: [(&str, usize, usize); 7] = [
     ("last", 12, 16),
     ("ins[0].flags[0]", 18, 20),
@@ -154,44 +153,44 @@ const BOOLS: [(&str, usize, usize); 7] = [
     ("ins[1].flags[2]", 28, 28),
 ];
 
-/// A byte that is no `bool`, and tells where it lies.
-fn odd(at: usize) -> u8 {
+/// An invalid `bool`, which differs for each offset.
+fn invalid_bool(at: usize) -> u8 {
     2 + u8::try_from(at).expect("few bytes")
 }
 
 #[test]
-fn odd_bools_in_arrays_of_messages_are_told_by_path_and_byte() {
+fn strict_decoding_reports_path_and_offset_of_an_invalid_bool() {
     for (index, (path, in_memory, in_cdr)) in BOOLS.into_iter().enumerate() {
-        // Of several odd ones it is the first that is told.
+        // The error reports the first invalid `bool`.
         let after = &BOOLS[index..];
         let mut payload = out().to_uorb();
         for (_, at, _) in after {
-            payload[*at] = odd(*at);
+            payload[*at] = invalid_bool(*at);
         }
-        check_odd(Out::from_uorb_strict(&payload), path, in_memory);
+        check_invalid(Out::from_uorb_strict(&payload), path, in_memory);
         check_true(&Out::from_uorb(&payload), after);
         for order in ORDERS {
             let mut payload = out().to_cdr(order).expect("a payload");
             for (_, _, at) in after {
-                payload[*at] = odd(*at);
+                payload[*at] = invalid_bool(*at);
             }
-            check_odd(Out::from_cdr_strict(&payload), path, in_cdr);
+            check_invalid(Out::from_cdr_strict(&payload), path, in_cdr);
             check_true(&Out::from_cdr(&payload), after);
         }
     }
 }
 
-fn check_odd(read: Result<Out, DecodeError>, path: &str, offset: usize) {
-    let error = read.expect_err("an odd bool");
+fn check_invalid(read: Result<Out, DecodeError>, path: &str, offset: usize) {
+    let error = read.expect_err("an invalid bool");
     assert_eq!((error.path.to_string().as_str(), error.offset), (path, offset));
-    assert_eq!(error.fault, Fault::Bool(odd(offset)));
+    assert_eq!(error.fault, Fault::Bool(invalid_bool(offset)));
 }
 
-/// Any byte but 0 is true where nothing is strict; all else is as it was.
-fn check_true(read: &Result<Out, DecodeError>, odd: &[(&str, usize, usize)]) {
+/// Checks that lenient decoding reads each invalid `bool` as true and leaves other values unchanged.
+fn check_true(read: &Result<Out, DecodeError>, invalid: &[(&str, usize, usize)]) {
     let mut expected = out();
     let flags = expected.ins.iter_mut().flat_map(|part| &mut part.flags);
     let all = [&mut expected.last].into_iter().chain(flags);
-    all.skip(BOOLS.len() - odd.len()).for_each(|flag| *flag = true);
+    all.skip(BOOLS.len() - invalid.len()).for_each(|flag| *flag = true);
     assert_eq!(read, &Ok(expected));
 }

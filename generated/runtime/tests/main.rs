@@ -1,4 +1,4 @@
-//! The tests of the runtime, in one program; each file is a module.
+//! Integration tests of the runtime. Each file is a module of this program, so the tests link once.
 
 mod fixed_size;
 mod variable_size;

@@ -1,5 +1,5 @@
-//! Messages whose size varies, which our own definitions have none of: strings, sequences, bounds, and
-//! messages without fields, written here as the generator writes them.
+//! Codecs of messages of variable size: strings, sequences, bounds, and messages without fields. The definitions in
+//! this repository have no such messages, so the messages here are written like generated code.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -100,7 +100,7 @@ fn sample() -> impl Strategy<Value = Sample> {
     )
 }
 
-/// Bytes of all kinds of fields.
+/// A payload with all kinds of fields.
 fn payload(order: ByteOrder) -> Vec<u8> {
     let point = |label: &str| Point { tag: 1, label: label.to_owned(), x: 7 };
     let sample = Sample {
@@ -122,68 +122,69 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
-    fn what_is_written_is_read_again(sample in sample()) {
+    fn decodes_what_it_encoded(sample in sample()) {
         prop_assert!(sample.validate().is_empty());
         for order in ORDERS {
             let bytes = sample.to_cdr(order).expect("all within bounds");
-            let read = Sample::from_cdr_strict(&bytes).expect("what was written");
+            let read = Sample::from_cdr_strict(&bytes).expect("an encoded message");
             prop_assert_eq!(read.to_cdr(order).expect("all within bounds"), bytes);
             prop_assert_eq!(read.names, sample.names.clone());
         }
     }
 
     #[test]
-    fn any_bytes_are_a_message_or_an_error_within_them(mut bytes in vec(any::<u8>(), 0..200), big: bool) {
+    fn decodes_random_bytes_or_reports_an_offset_within_them(mut bytes in vec(any::<u8>(), 0..200), big: bool) {
         if let [first, second, ..] = bytes.as_mut_slice() {
             (*first, *second) = (0, u8::from(!big));
         }
-        judge(&bytes);
+        check_decoding(&bytes);
     }
 
     #[test]
-    fn a_changed_payload_is_a_message_or_an_error_within_it(at in 4..300_usize, byte: u8, big: bool) {
+    fn decodes_a_corrupt_payload_or_reports_an_offset_within_it(at in 4..300_usize, byte: u8, big: bool) {
         let mut bytes = payload(ORDERS[usize::from(big)]);
         let at = at % bytes.len();
         bytes[at] = byte;
-        judge(&bytes);
+        check_decoding(&bytes);
     }
 }
 
-/// Most bytes that a byte of a payload makes the message hold. A vector has room for four elements as
-/// soon as it has one, and for less than twice as many as it has from then on; so the most comes from a
-/// list of a single string, of which CDR says in four bytes that its length is 0. A point takes at least
-/// 13 bytes. Numbers take as much room as in CDR, and text less than twice as much.
-const MOST_HELD: usize = {
+/// Maximum number of allocated bytes per byte of payload.
+///
+/// The capacity of a vector with one element is four, and later less than twice its length. So the worst case is a list
+/// with one empty string, which takes four bytes in CDR, or with one point, which takes at least 13 bytes. Numbers take
+/// as much memory as in CDR, and text less than twice as much.
+const MAX_ALLOCATION: usize = {
     let (string, point) = (4 * size_of::<String>() / 4, (4 * size_of::<Point>()).div_ceil(13));
     if string > point { string } else { point }
 };
 
-/// Bytes that a message holds apart from its own.
-fn held(sample: &Sample) -> usize {
+/// Number of bytes that a message allocates on the heap.
+fn allocated(sample: &Sample) -> usize {
     let labels = sample.points.iter().chain(&sample.pair).map(|point| &point.label);
     let strings = [&sample.name, &sample.wide].into_iter().chain(&sample.names).chain(labels);
-    room(&sample.numbers)
-        + room(&sample.few)
-        + room(&sample.points)
-        + room(&sample.empties)
-        + room(&sample.names)
+    capacity(&sample.numbers)
+        + capacity(&sample.few)
+        + capacity(&sample.points)
+        + capacity(&sample.empties)
+        + capacity(&sample.names)
         + strings.map(String::capacity).sum::<usize>()
 }
 
-/// Bytes that a vector has room for; those without size take none, of which it has any number.
-fn room<T>(values: &Vec<T>) -> usize {
+/// Capacity of a vector in bytes. Zero for elements of zero size, although their capacity is unlimited.
+fn capacity<T>(values: &Vec<T>) -> usize {
     values.capacity().saturating_mul(size_of::<T>())
 }
 
-/// A message that was read is written and read again; an error lies within the bytes.
-fn judge(bytes: &[u8]) {
+/// Checks that a decoded message survives encoding and decoding, or that the offset of an error is within the bytes.
+fn check_decoding(bytes: &[u8]) {
     match Sample::from_cdr(bytes) {
         Ok(sample) => {
-            let held = held(&sample);
-            assert!(held <= MOST_HELD * bytes.len(), "{held} bytes for {}", bytes.len());
+            let allocated = allocated(&sample);
+            assert!(allocated <= MAX_ALLOCATION * bytes.len(), "{allocated} bytes for {}", bytes.len());
             assert!(sample.empties.len() <= bytes.len());
-            let again = sample.to_cdr(ByteOrder::LittleEndian).expect("it was read");
-            let read = Sample::from_cdr(&again).expect("it was written");
+            let again = sample.to_cdr(ByteOrder::LittleEndian).expect("a decoded message can be encoded");
+            let read = Sample::from_cdr(&again).expect("an encoded message can be decoded");
             assert_eq!(read.to_cdr(ByteOrder::LittleEndian), Ok(again));
         }
         Err(error) => assert!(error.offset <= bytes.len(), "{error}"),
@@ -191,7 +192,7 @@ fn judge(bytes: &[u8]) {
 }
 
 #[test]
-fn a_payload_is_read_and_written_the_same_wherever_it_lies() {
+fn decodes_and_encodes_at_any_alignment() {
     for order in ORDERS {
         let bytes = payload(order);
         let sample = Sample::from_cdr(&bytes).expect("a payload");
@@ -207,7 +208,7 @@ fn a_payload_is_read_and_written_the_same_wherever_it_lies() {
 }
 
 #[test]
-fn every_cut_is_an_error_that_says_where() {
+fn reports_the_offset_of_each_truncation() {
     for order in ORDERS {
         let bytes = payload(order);
         for end in 0..bytes.len() {
@@ -221,7 +222,7 @@ fn every_cut_is_an_error_that_says_where() {
 }
 
 #[test]
-fn lengths_beyond_the_bytes_are_refused_before_anything_is_made() {
+fn rejects_lengths_beyond_the_payload_before_allocating() {
     for order in ORDERS {
         let bytes = payload(order);
         for at in (4..bytes.len() - 3).step_by(4) {
@@ -230,14 +231,14 @@ fn lengths_beyond_the_bytes_are_refused_before_anything_is_made() {
                 let length =
                     if order == ByteOrder::BigEndian { length.to_be_bytes() } else { length.to_le_bytes() };
                 bytes[at..at + 4].copy_from_slice(&length);
-                judge(&bytes);
+                check_decoding(&bytes);
             }
         }
     }
 }
 
 #[test]
-fn bounds_hold_both_ways() {
+fn encoding_decoding_and_validation_enforce_bounds() {
     let long = |few: usize, name: &str, names: &[&str]| Sample {
         few: vec![0; few],
         name: name.to_owned(),
@@ -256,7 +257,7 @@ fn bounds_hold_both_ways() {
         assert_eq!(violations.len(), 1, "{violations:?}");
         assert_eq!((violations[0].rule.id(), violations[0].path.to_string().as_str()), ("PX-CDR-02", path));
     }
-    let mut bytes = long(0, "five5", &[]).to_cdr(ByteOrder::LittleEndian).expect("just within");
+    let mut bytes = long(0, "five5", &[]).to_cdr(ByteOrder::LittleEndian).expect("within the bound");
     assert_eq!(bytes[8..12], [6, 0, 0, 0], "the length of the name");
     bytes[8] = 7;
     bytes.splice(17..18, [b'!', 0]);
@@ -264,9 +265,9 @@ fn bounds_hold_both_ways() {
     assert_eq!(error.to_string(), "name at byte 8: expected at most 5, found 6");
 }
 
-/// The bytes that `rosidl_typesupport_fastrtps` writes, put together by hand.
+/// The expected bytes follow the encoding of `rosidl_typesupport_fastrtps`.
 #[test]
-fn code_units_of_wide_strings_take_four_bytes() {
+fn encodes_code_units_of_wide_strings_in_four_bytes() {
     let label = Label { tag: 7, wide: "a\u{1F681}".to_owned() };
     let little =
         [[0, 1, 0, 0], [7, 0, 0, 0], [3, 0, 0, 0], [0x61, 0, 0, 0], [0x3d, 0xd8, 0, 0], [0x81, 0xde, 0, 0]];
@@ -276,38 +277,38 @@ fn code_units_of_wide_strings_take_four_bytes() {
         assert_eq!(label.to_cdr(order).as_deref(), Ok(bytes.as_flattened()));
         assert_eq!(Label::from_cdr(bytes.as_flattened()).as_ref(), Ok(&label));
     }
-    // The first half of a pair is no character, and three units are no four.
+    // A surrogate without its partner, and three code units instead of four.
     for (count, error) in [
-        (2, "wide at byte 8: expected a string in Unicode, found other bytes"),
+        (2, "wide at byte 8: expected a Unicode string, found invalid bytes"),
         (4, "wide at byte 12: expected 16 more bytes, found 12"),
     ] {
         let mut bytes = little;
         bytes[2][0] = count;
-        assert_eq!(Label::from_cdr(bytes.as_flattened()).expect_err("no string").to_string(), error);
+        assert_eq!(Label::from_cdr(bytes.as_flattened()).expect_err("an invalid string").to_string(), error);
     }
 }
 
 #[test]
-fn strings_that_are_none_are_refused() {
+fn rejects_invalid_strings() {
     let bytes = payload(ByteOrder::LittleEndian);
     for (at, byte, expected) in [
-        (12, 0xff, "name at byte 8: expected a string in Unicode, found other bytes"),
-        (13, 0, "name at byte 8: expected one NUL in a string, at its end"),
-        (29, 0xdc, "wide at byte 20: expected a string in Unicode, found other bytes"),
-        (33, 0xd8, "wide at byte 20: expected a string in Unicode, found other bytes"),
-        (26, 1, "wide at byte 20: expected a string in Unicode, found other bytes"),
-        (35, 1, "wide at byte 20: expected a string in Unicode, found other bytes"),
+        (12, 0xff, "name at byte 8: expected a Unicode string, found invalid bytes"),
+        (13, 0, "name at byte 8: expected a string with one NUL, at its end"),
+        (29, 0xdc, "wide at byte 20: expected a Unicode string, found invalid bytes"),
+        (33, 0xd8, "wide at byte 20: expected a Unicode string, found invalid bytes"),
+        (26, 1, "wide at byte 20: expected a Unicode string, found invalid bytes"),
+        (35, 1, "wide at byte 20: expected a Unicode string, found invalid bytes"),
     ] {
         let mut bytes = bytes.clone();
         bytes[at] = byte;
-        assert_eq!(Sample::from_cdr(&bytes).expect_err("no string").to_string(), expected);
+        assert_eq!(Sample::from_cdr(&bytes).expect_err("an invalid string").to_string(), expected);
     }
     let sample = Sample { name: "a\0b".to_owned(), ..Sample::default() };
-    assert_eq!(sample.to_cdr(ByteOrder::LittleEndian).expect_err("no string").fault, Fault::Nul);
+    assert_eq!(sample.to_cdr(ByteOrder::LittleEndian).expect_err("an invalid string").fault, Fault::Nul);
 }
 
 #[test]
-fn a_buffer_that_is_too_small_is_told_how_large_it_should_be() {
+fn reports_the_required_size_of_a_buffer() {
     let bytes = payload(ByteOrder::LittleEndian);
     let sample = Sample::from_cdr(&bytes).expect("a payload");
     let mut buffer = vec![0xaa; bytes.len() - 1];
@@ -315,5 +316,5 @@ fn a_buffer_that_is_too_small_is_told_how_large_it_should_be() {
     assert_eq!(error.fault, Fault::Buffer { needed: bytes.len(), room: bytes.len() - 1 });
     buffer = vec![0xaa; bytes.len() + 1];
     assert_eq!(sample.encode_cdr(ByteOrder::LittleEndian, &mut buffer), Ok(bytes.len()));
-    assert_eq!(buffer[..bytes.len()], bytes, "what lies between values is zero");
+    assert_eq!(buffer[..bytes.len()], bytes, "padding is zero");
 }

@@ -43,7 +43,7 @@ pub struct ArmingCheckReply {
     pub can_arm_and_run: bool,
     /// Number of used entries at the start of events
     ///
-    /// Counts the entries in use of [`events`](Self::events).
+    /// Number of used entries in [`events`](Self::events).
     pub num_events: u8,
     /// Reasons against arming, to be forwarded to ground stations. Entries from num_events on must be ignored
     pub events: [super::Event; 5],
@@ -177,7 +177,7 @@ flags! {
 
 /// Values of `health_component_index` of `ArmingCheckReply`.
 ///
-/// Open: a value without a name is kept as it is.
+/// Unnamed values are preserved.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(transparent)]
 pub struct HealthComponentIndex(pub u8);

@@ -275,7 +275,7 @@ flags! {
 
 /// Values of `source` of `BatteryStatus`.
 ///
-/// Open: a value without a name is kept as it is.
+/// Unnamed values are preserved.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(transparent)]
 pub struct BatterySource(pub u8);
@@ -298,7 +298,7 @@ open! {
 
 /// Flags of `faults` of `BatteryStatus`.
 ///
-/// Any of them may be set, and bits without a name are kept as they are.
+/// Any combination is valid, and unnamed bits are preserved.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(transparent)]
 pub struct BatteryFault(pub u16);
@@ -342,7 +342,7 @@ open! {
 
 /// Values of `warning` of `BatteryStatus`.
 ///
-/// Open: a value without a name is kept as it is.
+/// Unnamed values are preserved.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(transparent)]
 pub struct BatteryWarning(pub u8);
@@ -380,7 +380,7 @@ open! {
 
 /// Values of `mode` of `BatteryStatus`.
 ///
-/// Open: a value without a name is kept as it is.
+/// Unnamed values are preserved.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(transparent)]
 pub struct BatteryMode(pub u8);

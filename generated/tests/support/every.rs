@@ -1,4 +1,4 @@
-//! Messages of variable size, with a field of every kind and every constraint.
+//! Messages of variable size, with fields of every type and constraint.
 
 use uavspec_runtime::record;
 
@@ -78,7 +78,7 @@ record! {
     16 letter = char("letter", 0);
 }
 
-/// Nothing in it can be broken.
+/// A message without constraints.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub(crate) struct Free {
     pub(crate) a: i32,

@@ -1,4 +1,4 @@
-//! What several tests need: a message that has a field of every kind, the published schemas, and a runner.
+//! Shared test code: a message with a field of every type, the published schemas, and a test runner.
 
 pub(crate) mod every;
 
@@ -11,7 +11,7 @@ use proptest::strategy::{Strategy, ValueTree as _};
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use serde_json::{Value as Json, json};
 
-/// Calls a macro with each message of the package px4.
+/// Calls a generic function with each message of the package px4.
 macro_rules! for_each_message {
     ($call:ident) => {
         for_each_message!($call ArmingCheckReply ArmingCheckRequest BatteryStatus Event FailsafeFlags
@@ -23,13 +23,13 @@ macro_rules! for_each_message {
 }
 pub(crate) use for_each_message;
 
-/// A runner that draws the same values each time, so that a failure is seen by everybody.
+/// A runner that draws the same values each time, so failures are reproducible.
 pub(crate) fn runner(cases: u32) -> TestRunner {
     let config = Config { cases, failure_persistence: None, ..Config::default() };
     TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha))
 }
 
-/// Checks so many values.
+/// Tests `cases` values of a strategy.
 #[track_caller]
 pub(crate) fn check<S: Strategy>(
     cases: u32,
@@ -41,13 +41,13 @@ pub(crate) fn check<S: Strategy>(
     }
 }
 
-/// Draws so many values.
+/// Draws `cases` values of a strategy.
 pub(crate) fn draw<S: Strategy>(cases: usize, strategy: &S) -> Vec<S::Value> {
     let mut runner = runner(1);
     (0..cases).map(|_| strategy.new_tree(&mut runner).expect("a value").current()).collect()
 }
 
-/// What the first value that fails is simplified to.
+/// Simplifies the first failing value.
 pub(crate) fn simplest<S: Strategy>(strategy: &S, fails: impl Fn(&S::Value) -> bool) -> S::Value
 where
     S::Value: Debug,
@@ -58,11 +58,11 @@ where
         if !fails(&tree.current()) {
             continue;
         }
-        let mut goes_on = tree.simplify();
-        while goes_on {
-            goes_on = if fails(&tree.current()) { tree.simplify() } else { tree.complicate() };
+        let mut can_continue = tree.simplify();
+        while can_continue {
+            can_continue = if fails(&tree.current()) { tree.simplify() } else { tree.complicate() };
         }
-        assert!(fails(&tree.current()), "what is left fails too");
+        assert!(fails(&tree.current()), "the simplified value still fails");
         return tree.current();
     }
     panic!("no value fails");
@@ -79,11 +79,11 @@ pub(crate) fn published() -> Registry<'static> {
         let document: Json = serde_json::from_slice(&fs::read(path).expect("a schema")).expect("JSON");
         (document["$id"].as_str().expect("an address").to_owned(), Resource::from_contents(document))
     });
-    Registry::new().extend(resources).expect("addresses").prepare().expect("references that hold")
+    Registry::new().extend(resources).expect("addresses").prepare().expect("valid references")
 }
 
-/// A validator by the published schema of `px4/Event` and the like.
-pub(crate) fn publisher(registry: &Registry<'_>, name: &str) -> Validator {
+/// A validator for the published schema with a name such as `px4/Event`.
+pub(crate) fn published_validator(registry: &Registry<'_>, name: &str) -> Validator {
     let schema = json!({ "$ref": format!("https://uavspec.dev/schemas/{name}.schema.json") });
     jsonschema::options().with_registry(registry).build(&schema).expect("a schema that compiles")
 }

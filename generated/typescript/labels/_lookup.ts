@@ -5,7 +5,7 @@ import type { Labels, Language } from "../labels.js";
 
 const enumerationOf = /* @__PURE__ */ new Map(/* @__PURE__ */ Object.entries(fields));
 
-/** The labels of a language with these texts. What it lacks is looked up in `fallback`. */
+/** Creates the labels of a language. Missing texts are looked up in `fallback`. */
 export function lookup(language: Language, own: Readonly<Record<string, string>>, fallback: Labels | null): Labels {
   const texts = new Map(Object.entries(own));
   const text = (key: string): string | null => texts.get(key) ?? fallback?.text(key) ?? null;
@@ -23,7 +23,7 @@ export function lookup(language: Language, own: Readonly<Record<string, string>>
     flags: (message, field, value) => {
       const none = BigInt(0);
       const found: string[] = [];
-      // A `number` that is no integer has no bits.
+      // A fractional number has no bits.
       let rest = typeof value === "number" && !Number.isInteger(value) ? none : BigInt(value);
       const all = rest;
       for (const [known, key] of members(message, field)) {

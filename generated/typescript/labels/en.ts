@@ -273,5 +273,5 @@ const texts: Readonly<Record<string, string>> = {
   "px4/UnregisterExtComponent::MESSAGE_VERSION": "Message version, incremented with each change of the fields",
 };
 
-/** The labels in English. */
+/** Labels in English. */
 export const labels: Labels = /* @__PURE__ */ lookup({ tag: "en", name: "English", isRightToLeft: false }, texts, null);

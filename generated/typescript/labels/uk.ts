@@ -196,5 +196,5 @@ const texts: Readonly<Record<string, string>> = {
   "px4/FailsafeFlags/description": "Ці прапорці публікують перевірки озброєння та справності; за ними скінченний автомат failsafe визначає свою дію.\n\nЯкщо відмови немає, прапорець має значення «хибність», тож його назва описує відмову: _invalid, _lost, _unhealthy тощо.\nКоментар до прапорця — це його мітка в симуляції failsafe.\n\nПоля mode_req — бітові маски режимів польоту. Біт N, рахуючи від 0 для наймолодшого біта, належить режиму з\nNAVIGATION_STATE N у VehicleStatus. Якщо біт встановлено, режим має цю вимогу.",
 };
 
-/** The labels in Українська. */
+/** Labels in Українська. */
 export const labels: Labels = /* @__PURE__ */ lookup({ tag: "uk", name: "Українська", isRightToLeft: false }, texts, english);

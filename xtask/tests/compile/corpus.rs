@@ -9,7 +9,7 @@ use proptest::test_runner::TestRunner;
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::schemars::{JsonSchema, schema_for};
 use uavspec_runtime::serde::{Serialize, de::DeserializeOwned};
-use uavspec_runtime::strategy::broken;
+use uavspec_runtime::strategy::invalid;
 use uavspec_runtime::{Message, UorbMessage};
 
 struct Row {
@@ -88,12 +88,12 @@ fn strategies<T: Message + Arbitrary + Serialize + DeserializeOwned + Debug>(run
         let json = serde_json::to_string(&value).expect("JSON");
         assert_eq!(bytes(&serde_json::from_str(&json).expect("what was written")), payload, "{json}");
     }
-    let Some(strategy) = broken::<T>() else { return };
+    let Some(strategy) = invalid::<T>() else { return };
     for _ in 0..30 {
-        let broken = strategy.new_tree(runner).expect("a value").current();
-        let found = broken.value.validate();
-        assert_eq!(found.len(), 1, "{broken:?}: {found:?}");
-        assert_eq!((found[0].rule, found[0].path.to_string()), (broken.rule, broken.path));
+        let invalid = strategy.new_tree(runner).expect("a value").current();
+        let found = invalid.value.validate();
+        assert_eq!(found.len(), 1, "{invalid:?}: {found:?}");
+        assert_eq!((found[0].rule, found[0].path.to_string()), (invalid.rule, invalid.path));
     }
 }
 

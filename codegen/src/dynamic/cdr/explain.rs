@@ -1,9 +1,9 @@
-//! Why bytes are no message: a slow pass over those that the fast one refused.
+//! Finds the cause for which a CDR payload was rejected.
 //!
-//! It reads field by field as the typed codec does, and so says the same.
+//! This slow pass reads field by field, like the typed codec, and reports the same errors.
 
 use uavspec_runtime::Fault;
-use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_filling, wide_characters};
+use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_padding, wide_characters};
 use uavspec_runtime::record::Primitive as _;
 
 use crate::dynamic::error::{Error, Reason};
@@ -13,31 +13,31 @@ use crate::dynamic::trail::Trail;
 use crate::dynamic::types::{MessageType, Types};
 use crate::schema::Shape;
 
-/// What is wrong with a payload, if anything is. Of a message of fixed size, that it ends too soon comes
-/// before odd `bool`s; of others, what comes first.
-pub(super) fn explain(of: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Error> {
-    let end = if of.plan.is_fixed && is_strict { first_fault(of, payload, false) } else { None };
+/// Finds the fault of a payload, if any. For a message of fixed size, a truncated payload takes precedence over an
+/// invalid `bool`. Otherwise, the first fault is returned.
+pub(super) fn explain(ty: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Error> {
+    let end = if ty.plan.is_fixed && is_strict { first_fault(ty, payload, false) } else { None };
     end.filter(|error| matches!(error.reason, Reason::Fault(Fault::Truncated { .. })))
-        .or_else(|| first_fault(of, payload, is_strict))
+        .or_else(|| first_fault(ty, payload, is_strict))
 }
 
-fn first_fault(of: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Error> {
+fn first_fault(ty: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Error> {
     let order = match ByteOrder::of(payload) {
         Ok(order) => order,
-        Err(fault) => return Some(error(of, fault, 0, &Trail::default())),
+        Err(fault) => return Some(error(ty, fault, 0, &Trail::default())),
     };
     let body = payload.get(HEADER..).unwrap_or_default();
-    let mut reader = Reader { types: of.types, body, at: 0, order, is_strict, trail: Trail::default() };
-    if let Err((fault, at)) = reader.message(of.plan) {
-        return Some(error(of, fault, at + HEADER, &reader.trail));
+    let mut reader = Reader { types: ty.types, body, at: 0, order, is_strict, trail: Trail::default() };
+    if let Err((fault, at)) = reader.message(ty.plan) {
+        return Some(error(ty, fault, at + HEADER, &reader.trail));
     }
     let (end, left) = (reader.at + HEADER, body.len() - reader.at);
-    let is_whole = left == 0 || is_filling(end, left);
-    (!is_whole).then(|| error(of, Fault::Trailing(left), end, &reader.trail))
+    let is_whole = left == 0 || is_padding(end, left);
+    (!is_whole).then(|| error(ty, Fault::Trailing(left), end, &reader.trail))
 }
 
-fn error(of: MessageType<'_>, fault: Fault, offset: usize, trail: &Trail<'_>) -> Error {
-    Error { reason: Reason::Fault(fault), path: trail.text(&of.plan.name), offset: Some(offset) }
+fn error(ty: MessageType<'_>, fault: Fault, offset: usize, trail: &Trail<'_>) -> Error {
+    Error { reason: Reason::Fault(fault), path: trail.text(&ty.plan.name), offset: Some(offset) }
 }
 
 struct Reader<'b> {
@@ -49,11 +49,11 @@ struct Reader<'b> {
     trail: Trail<'b>,
 }
 
-/// What is wrong, and at which byte of the body.
-type Found = (Fault, usize);
+/// A fault and its byte offset in the body.
+type FaultAt = (Fault, usize);
 
 impl<'b> Reader<'b> {
-    fn take(&mut self, size: usize, alignment: usize) -> Result<&'b [u8], Found> {
+    fn take(&mut self, size: usize, alignment: usize) -> Result<&'b [u8], FaultAt> {
         let start = self.at.next_multiple_of(alignment);
         let bytes = start.checked_add(size).and_then(|end| self.body.get(start..end));
         let Some(bytes) = bytes else {
@@ -64,7 +64,7 @@ impl<'b> Reader<'b> {
         Ok(bytes)
     }
 
-    fn message(&mut self, plan: &'b Plan) -> Result<(), Found> {
+    fn message(&mut self, plan: &'b Plan) -> Result<(), FaultAt> {
         if plan.fields.is_empty() {
             self.take(1, 1)?;
         }
@@ -76,7 +76,7 @@ impl<'b> Reader<'b> {
         Ok(())
     }
 
-    fn field(&mut self, field: &'b Field) -> Result<(), Found> {
+    fn field(&mut self, field: &'b Field) -> Result<(), FaultAt> {
         let count = if field.is_sequence() { self.sequence(field)? } else { field.count() };
         match field.element {
             Element::Scalar(scalar) => {
@@ -96,7 +96,7 @@ impl<'b> Reader<'b> {
         }
     }
 
-    fn numbers(&mut self, count: usize, size: usize, is_bool: bool, is_single: bool) -> Result<(), Found> {
+    fn numbers(&mut self, count: usize, size: usize, is_bool: bool, is_single: bool) -> Result<(), FaultAt> {
         if count == 0 {
             return Ok(());
         }
@@ -114,7 +114,7 @@ impl<'b> Reader<'b> {
         Err((Fault::Bool(bytes[index]), start + index))
     }
 
-    fn sequence(&mut self, field: &Field) -> Result<usize, Found> {
+    fn sequence(&mut self, field: &Field) -> Result<usize, FaultAt> {
         let least = match field.element {
             Element::Scalar(scalar) => scalar.size(),
             Element::String(_) => 4,
@@ -123,8 +123,8 @@ impl<'b> Reader<'b> {
         self.length(field.bound(), least)
     }
 
-    /// A length of elements that take at least as many bytes.
-    fn length(&mut self, bound: Option<u32>, least: usize) -> Result<usize, Found> {
+    /// Reads a length and checks that the remaining bytes suffice for elements of at least `least` bytes.
+    fn length(&mut self, bound: Option<u32>, least: usize) -> Result<usize, FaultAt> {
         let bytes = self.take(4, 4)?;
         let length = match self.order {
             ByteOrder::LittleEndian => u32::read_le(bytes),
@@ -138,7 +138,7 @@ impl<'b> Reader<'b> {
         if needed > left { Err((Fault::Truncated { needed, left }, self.at)) } else { Ok(found) }
     }
 
-    fn string(&mut self, bounds: Bounds) -> Result<(), Found> {
+    fn string(&mut self, bounds: Bounds) -> Result<(), FaultAt> {
         let start = self.at.next_multiple_of(4);
         let text = if bounds.is_wide {
             let length = self.length(None, WIDE_UNIT)?;
@@ -155,7 +155,7 @@ impl<'b> Reader<'b> {
     }
 }
 
-/// How many characters there are in the bytes of a string.
+/// The number of characters in the bytes of a `string`.
 fn narrow_length(bytes: &[u8]) -> Result<usize, Fault> {
     let text = match bytes.split_last() {
         None => return Ok(0),
@@ -165,7 +165,7 @@ fn narrow_length(bytes: &[u8]) -> Result<usize, Fault> {
     std::str::from_utf8(text).map(|text| text.chars().count()).map_err(|_| Fault::NotUnicode)
 }
 
-/// The same of a `wstring`.
+/// The number of characters in the bytes of a `wstring`.
 fn wide_length(bytes: &[u8], order: ByteOrder) -> Result<usize, Fault> {
     wide_characters(bytes, order).try_fold(0, |count, character| character.map(|_| count + 1))
 }

@@ -1,6 +1,6 @@
-//! From CDR.
+//! CDR decoder.
 
-use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_filling, wide_characters};
+use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_padding, wide_characters};
 
 use super::explain;
 use crate::dynamic::bytes::copy;
@@ -10,45 +10,45 @@ use crate::dynamic::plan::{GROWTH, Plan, SLOT};
 use crate::dynamic::step::{Bounds, Run, Sequence, Step, Width};
 use crate::dynamic::types::{MessageType, Types};
 
-/// Reads a message; in strict mode each `bool` must be 0 or 1.
+/// Reads a message. In strict mode each `bool` must be 0 or 1.
 pub(in crate::dynamic) fn decode<'t>(
-    of: MessageType<'t>,
+    ty: MessageType<'t>,
     payload: &[u8],
     is_strict: bool,
 ) -> Result<DynamicMessage<'t>, Error> {
-    let buffer = match (ByteOrder::of(payload), &of.plan.packed) {
-        (Ok(order), Some(packed)) if !is_strict => packed.read(payload, order, of.plan.size.padded),
-        (Ok(ByteOrder::LittleEndian), _) => read::<false>(of, payload, is_strict),
-        (Ok(ByteOrder::BigEndian), _) => read::<true>(of, payload, is_strict),
+    let buffer = match (ByteOrder::of(payload), &ty.plan.packed) {
+        (Ok(order), Some(packed)) if !is_strict => packed.read(payload, order, ty.plan.size.padded),
+        (Ok(ByteOrder::LittleEndian), _) => read::<false>(ty, payload, is_strict),
+        (Ok(ByteOrder::BigEndian), _) => read::<true>(ty, payload, is_strict),
         (Err(_), _) => None,
     };
     match buffer {
-        Some(buffer) => Ok(DynamicMessage { of, buffer }),
-        None => Err(explain::explain(of, payload, is_strict).unwrap_or_else(|| Error {
-            // There is no other fault that the first pass sees and the second doesn't.
+        Some(buffer) => Ok(DynamicMessage { ty, buffer }),
+        None => Err(explain::explain(ty, payload, is_strict).unwrap_or_else(|| Error {
+            // The only fault that the second pass doesn't detect.
             reason: Reason::TooLarge,
-            path: of.plan.name.to_string(),
+            path: ty.plan.name.to_string(),
             offset: None,
         })),
     }
 }
 
-fn read<const BIG: bool>(of: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Vec<u8>> {
+fn read<const BIG: bool>(ty: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Vec<u8>> {
     let body = payload.get(HEADER..)?;
-    // So no payload asks for more room than it has the right to.
-    if body.len() < of.plan.least {
+    // This check bounds the allocation below.
+    if body.len() < ty.plan.least {
         return None;
     }
-    let buffer = vec![0; of.plan.size.padded];
-    let mut reader = Reader::<BIG> { types: of.types, body, at: 0, buffer, is_strict };
-    reader.message(of.plan, 0)?;
+    let buffer = vec![0; ty.plan.size.padded];
+    let mut reader = Reader::<BIG> { types: ty.types, body, at: 0, buffer, is_strict };
+    reader.message(ty.plan, 0)?;
     let left = body.len() - reader.at;
-    (left == 0 || is_filling(reader.at + HEADER, left)).then_some(reader.buffer)
+    (left == 0 || is_padding(reader.at + HEADER, left)).then_some(reader.buffer)
 }
 
 struct Reader<'b, const BIG: bool> {
     types: &'b Types,
-    /// What follows the header.
+    /// The payload after the header.
     body: &'b [u8],
     at: usize,
     buffer: Vec<u8>,
@@ -56,7 +56,7 @@ struct Reader<'b, const BIG: bool> {
 }
 
 impl<'b, const BIG: bool> Reader<'b, BIG> {
-    /// The next `size` bytes, aligned.
+    /// Takes the next `size` bytes after aligning to `width`.
     #[inline]
     fn take(&mut self, size: usize, width: Width) -> Option<&'b [u8]> {
         let mask = width as usize - 1;
@@ -67,7 +67,7 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
         Some(bytes)
     }
 
-    /// Reads a message to `base`.
+    /// Reads a message into the buffer at `base`.
     fn message(&mut self, plan: &Plan, base: usize) -> Option<()> {
         for step in &plan.steps {
             match *step {
@@ -125,7 +125,7 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
         }
         let start = self.buffer.len();
         let end = start + count * stride;
-        // What is nested could each time promise what is left of the payload, and then break off.
+        // Without this limit, each level of nesting could claim the rest of the payload and allocate for it.
         if end > self.body.len() * GROWTH {
             return None;
         }
@@ -155,7 +155,7 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
         self.point(slot, start, length)
     }
 
-    /// Text of as many bytes, its NUL among them. Some writers send an empty string without one.
+    /// Reads text of `length` bytes including its NUL. Some writers send an empty string without the NUL.
     fn narrow_text(&mut self, length: usize) -> Option<()> {
         let bytes = self.take(length, Width::One)?;
         let Some((nul, text)) = bytes.split_last() else { return Some(()) };
@@ -166,7 +166,7 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
         Some(())
     }
 
-    /// Text of as many units of UTF-16.
+    /// Reads text of `length` UTF-16 units.
     fn wide_text(&mut self, length: usize) -> Option<()> {
         let bytes = self.take(length.checked_mul(WIDE_UNIT)?, Width::One)?;
         let order = if BIG { ByteOrder::BigEndian } else { ByteOrder::LittleEndian };
@@ -177,7 +177,7 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
         Some(())
     }
 
-    /// Writes to a slot where its bytes or elements start, and how many there are.
+    /// Writes a slot: the offset of the bytes or elements, and their number.
     fn point(&mut self, slot: usize, start: usize, count: usize) -> Option<()> {
         let bytes = self.buffer.get_mut(slot..slot + SLOT)?;
         bytes[..4].copy_from_slice(&u32::try_from(start).ok()?.to_le_bytes());
@@ -193,9 +193,9 @@ mod tests {
     use crate::schema::Form;
     use crate::{PackageInput, SourceMap};
 
-    /// Each level promises as much as the payload could hold, and nothing follows.
+    /// Each level claims as many elements as the payload could contain, and then the payload ends.
     #[test]
-    fn promises_of_nested_sequences_take_no_more_room_than_one() {
+    fn bounds_the_allocation_for_nested_sequences_with_false_lengths() {
         let mut sources = SourceMap::default();
         let mut package = PackageInput::new("demo", Form::Msg(Dialect::Ros2), Vec::new());
         for level in 0..=20 {
@@ -204,13 +204,13 @@ mod tests {
             package.sources.push(sources.add(format!("L{level}.msg"), text.into_bytes()).expect("a text"));
         }
         let types = Types::new(&crate::read(&sources, &[package]).0);
-        let of = types.find("demo", "L20").expect("the type");
+        let ty = types.find("demo", "L20").expect("the type");
         let mut body = [1, 0, 0, 0].repeat(10);
         body.resize(1000, 0);
-        let buffer = vec![0; of.plan.size.padded];
+        let buffer = vec![0; ty.plan.size.padded];
         let mut reader = Reader::<false> { types: &types, body: &body, at: 0, buffer, is_strict: false };
-        assert!(reader.message(of.plan, 0).is_none());
+        assert!(reader.message(ty.plan, 0).is_none());
         let room = reader.buffer.len();
-        assert!((5000..=8000).contains(&room), "{room} bytes of room for {}", body.len());
+        assert!((5000..=8000).contains(&room), "{room} bytes allocated for a body of {}", body.len());
     }
 }

@@ -1,4 +1,4 @@
-//! To CDR.
+//! CDR encoder.
 
 use std::ops::ControlFlow;
 
@@ -15,7 +15,7 @@ use crate::dynamic::types::Types;
 use crate::dynamic::view::DynamicView;
 use crate::dynamic::walk::{Stop, Walk, walk};
 
-/// The payload of a message.
+/// Encodes a message as a CDR payload.
 pub(in crate::dynamic) fn encode(view: DynamicView<'_>, order: ByteOrder) -> Result<Vec<u8>, Error> {
     let payload = match (order, &view.plan.packed) {
         (_, Some(packed)) => packed.write(view.bytes.get(view.base..).unwrap_or_default(), order),
@@ -26,7 +26,7 @@ pub(in crate::dynamic) fn encode(view: DynamicView<'_>, order: ByteOrder) -> Res
 }
 
 fn write<const BIG: bool>(view: DynamicView<'_>, order: ByteOrder) -> Option<Vec<u8>> {
-    // As much as it takes in memory, and the header; CDR rarely needs more.
+    // The CDR form is rarely larger than the memory form and the header.
     let mut out = Vec::with_capacity(view.bytes.len().saturating_sub(view.base) + HEADER);
     out.extend_from_slice(&order.header());
     let mut writer = Writer::<BIG> { types: view.types, bytes: view.bytes, out };
@@ -37,12 +37,12 @@ fn write<const BIG: bool>(view: DynamicView<'_>, order: ByteOrder) -> Option<Vec
 struct Writer<'b, const BIG: bool> {
     types: &'b Types,
     bytes: &'b [u8],
-    /// With the header, which is half of the greatest alignment long.
+    /// The payload with its header. The length of the header is half the maximum alignment.
     out: Vec<u8>,
 }
 
 impl<const BIG: bool> Writer<'_, BIG> {
-    /// Fills up to a multiple of a number's size, counted from the end of the header.
+    /// Pads to a multiple of the width, counted from the end of the header.
     #[inline]
     fn align(&mut self, width: Width) {
         let gap = (HEADER.wrapping_sub(self.out.len())) & (width as usize - 1);
@@ -136,7 +136,7 @@ impl<const BIG: bool> Writer<'_, BIG> {
     }
 }
 
-/// What CDR can't say of a string.
+/// The fault of a string that CDR can't represent.
 fn fault(text: &str, bounds: Bounds) -> Option<Fault> {
     let exceeded = bounds.bound.filter(|_| bounds.exceeded_by(text.as_bytes()));
     match exceeded {
@@ -145,11 +145,11 @@ fn fault(text: &str, bounds: Bounds) -> Option<Fault> {
     }
 }
 
-/// Says why a message has no CDR form.
+/// Finds the reason why a message has no CDR form.
 #[cold]
 fn refuse(view: DynamicView<'_>) -> Error {
     let mut search = Search { message: &view.plan.name, found: None };
-    // Nothing is found where a length doesn't fit 32 bits.
+    // The walk finds nothing if a length exceeds 32 bits.
     let _ = walk(view, &mut Trail::default(), &mut search);
     search.found.unwrap_or_else(|| Error {
         reason: Reason::TooLarge,

@@ -1,4 +1,4 @@
-//! Numbers and `bool`s of JSON.
+//! Numbers and `bool`s in JSON.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error, Unexpected, Visitor};
 use uavspec_runtime::Scalar;
 
-/// Reads a number of this type, as the little-endian bytes that it has in memory and zeros after them.
+/// Reads a number of this type. The value is its little-endian bytes, followed by zeros.
 #[derive(Clone, Copy)]
 pub(super) struct NumberSeed(pub(super) Scalar);
 
@@ -53,7 +53,7 @@ impl<'de> Visitor<'de> for NumberSeed {
         match self.0.integer_bounds() {
             Some((_, high)) if i128::from(value) <= high => Ok(value.to_le_bytes()),
             Some(_) => Err(E::invalid_value(Unexpected::Unsigned(value), &self)),
-            #[allow(clippy::cast_precision_loss)] // what a float makes of an integer
+            #[allow(clippy::cast_precision_loss)] // the field is a float
             None if self.0.is_float() => self.visit_f64(value as f64),
             None => Err(E::invalid_type(Unexpected::Unsigned(value), &self)),
         }
@@ -63,26 +63,26 @@ impl<'de> Visitor<'de> for NumberSeed {
         match self.0.integer_bounds() {
             Some((low, high)) if (low..=high).contains(&value.into()) => Ok(value.to_le_bytes()),
             Some(_) => Err(E::invalid_value(Unexpected::Signed(value), &self)),
-            #[allow(clippy::cast_precision_loss)] // what a float makes of an integer
+            #[allow(clippy::cast_precision_loss)] // the field is a float
             None if self.0.is_float() => self.visit_f64(value as f64),
             None => Err(E::invalid_type(Unexpected::Signed(value), &self)),
         }
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<[u8; 8], E> {
-        #[allow(clippy::cast_possible_truncation)] // rounding is what a float32 does
+        #[allow(clippy::cast_possible_truncation)] // a float32 is rounded
         let (bits, is_infinite) = match self.0 {
             Scalar::Float32 => ((value as f32).to_bits().into(), (value as f32).is_infinite()),
             Scalar::Float64 => (value.to_bits(), value.is_infinite()),
             _ => return Err(E::invalid_type(Unexpected::Float(value), &self)),
         };
         if is_infinite {
-            return Err(E::custom(format_args!("a number too large for {}", self.0.name())));
+            return Err(E::custom(format_args!("number too large for {}", self.0.name())));
         }
         Ok(bits.to_le_bytes())
     }
 
-    /// NaN.
+    /// Reads `null` as NaN.
     fn visit_unit<E: Error>(self) -> Result<[u8; 8], E> {
         match self.0 {
             Scalar::Float32 => Ok(u64::from(f32::NAN.to_bits()).to_le_bytes()),
@@ -97,7 +97,7 @@ impl<'de> Visitor<'de> for NumberSeed {
 
     fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<[u8; 8], D::Error> {
         match self.0 {
-            // Rounded once, not by way of 64 bits, where the format can do that.
+            // Rounds once, without an intermediate 64-bit float, if the format supports it.
             Scalar::Float32 => deserializer.deserialize_f32(self),
             _ => deserializer.deserialize_f64(self),
         }

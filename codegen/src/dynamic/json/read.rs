@@ -1,4 +1,4 @@
-//! From JSON, without a tree between.
+//! JSON decoder that builds no tree.
 
 use std::fmt;
 
@@ -13,55 +13,55 @@ use crate::dynamic::trail::Trail;
 use crate::dynamic::types::MessageType;
 use crate::schema::Shape;
 
-/// A message while it is read.
+/// A message under construction.
 pub(in crate::dynamic) struct Builder<'t> {
-    of: MessageType<'t>,
-    /// The message, and after it the elements of sequences whose ends aren't known yet.
+    ty: MessageType<'t>,
+    /// The message, followed by the elements of incomplete sequences.
     open: Vec<u8>,
-    /// Strings, and sequences that are complete. They come after the message in the end.
+    /// Strings and complete sequences. They are appended to the message at the end.
     closed: Vec<u8>,
-    /// Where reading is; where it was, if it failed.
+    /// The current path, or the path of the error.
     pub(in crate::dynamic) trail: Trail<'t>,
 }
 
 impl<'t> Builder<'t> {
-    pub(in crate::dynamic) fn new(of: MessageType<'t>) -> Self {
-        let open = vec![0; of.plan.size.padded];
-        Self { of, open, closed: Vec::new(), trail: Trail::default() }
+    pub(in crate::dynamic) fn new(ty: MessageType<'t>) -> Self {
+        let open = vec![0; ty.plan.size.padded];
+        Self { ty, open, closed: Vec::new(), trail: Trail::default() }
     }
 
     pub(in crate::dynamic) fn finish(mut self) -> DynamicMessage<'t> {
         self.open.append(&mut self.closed);
-        DynamicMessage { of: self.of, buffer: self.open }
+        DynamicMessage { ty: self.ty, buffer: self.open }
     }
 
-    /// Writes bytes to the message, or to an open element.
+    /// Writes bytes into the message or an open element.
     pub(in crate::dynamic) fn write(&mut self, at: usize, bytes: &[u8]) {
         if let Some(to) = self.open.get_mut(at..at + bytes.len()) {
             to.copy_from_slice(bytes);
         }
     }
 
-    /// Writes a string, and points the slot at `at` to it.
+    /// Adds a string, and writes its slot at `at`.
     pub(in crate::dynamic) fn string<E: serde::de::Error>(&mut self, at: usize, text: &str) -> Result<(), E> {
         let start = self.closed.len();
         self.closed.extend_from_slice(text.as_bytes());
         self.point(at, start, text.len())
     }
 
-    /// How many bytes are open.
+    /// Number of open bytes.
     pub(in crate::dynamic) fn opened(&self) -> usize {
         self.open.len()
     }
 
-    /// Opens an element of a sequence, of as many zeros.
+    /// Opens a zeroed element of a sequence, and returns its offset.
     pub(in crate::dynamic) fn open_element(&mut self, stride: usize) -> usize {
         let at = self.open.len();
         self.open.resize(at + stride, 0);
         at
     }
 
-    /// Closes a sequence of which the first element was opened at `first`, and points the slot at `at` to it.
+    /// Closes the sequence whose first element was opened at `first`, and writes its slot at `at`.
     pub(in crate::dynamic) fn close<E: serde::de::Error>(
         &mut self,
         at: usize,
@@ -75,7 +75,7 @@ impl<'t> Builder<'t> {
     }
 
     fn point<E: serde::de::Error>(&mut self, at: usize, start: usize, count: usize) -> Result<(), E> {
-        let start = start + self.of.plan.size.padded;
+        let start = start + self.ty.plan.size.padded;
         let (Ok(start), Ok(count)) = (u32::try_from(start), u32::try_from(count)) else {
             return Err(E::custom("a message of more than 4 GiB"));
         };
@@ -87,7 +87,7 @@ impl<'t> Builder<'t> {
     }
 }
 
-/// Reads a message to `base`.
+/// Reads a message into the builder at `base`.
 pub(in crate::dynamic) struct MessageSeed<'b, 't> {
     pub(in crate::dynamic) builder: &'b mut Builder<'t>,
     pub(in crate::dynamic) plan: &'t Plan,
@@ -132,7 +132,7 @@ impl<'de> Visitor<'de> for MessageSeed<'_, '_> {
     }
 }
 
-/// Reads a field to `at`.
+/// Reads a field into the builder at `at`.
 struct FieldSeed<'b, 't> {
     builder: &'b mut Builder<'t>,
     field: &'t Field,
@@ -208,7 +208,7 @@ impl FieldSeed<'_, '_> {
     }
 }
 
-/// Reads the value of a field, or an element of it, to `at`.
+/// Reads a value of a field, or one of its elements, into the builder at `at`.
 struct ElementSeed<'b, 't> {
     builder: &'b mut Builder<'t>,
     field: &'t Field,
@@ -227,14 +227,14 @@ impl<'de> DeserializeSeed<'de> for ElementSeed<'_, '_> {
             }
             Element::Text(_) | Element::String(_) => deserializer.deserialize_str(self),
             Element::Message(plan) => {
-                let plan = &self.builder.of.types.plans[plan];
+                let plan = &self.builder.ty.types.plans[plan];
                 MessageSeed { builder: self.builder, plan, base: self.at }.deserialize(deserializer)
             }
         }
     }
 }
 
-/// Strings and text.
+/// Reads strings and texts.
 impl Visitor<'_> for ElementSeed<'_, '_> {
     type Value = ();
 

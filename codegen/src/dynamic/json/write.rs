@@ -1,4 +1,4 @@
-//! To JSON, or any other format of serde.
+//! Serialization to JSON or any other serde format.
 
 use std::ops::ControlFlow;
 
@@ -22,7 +22,7 @@ impl Serialize for DynamicMessage<'_> {
     }
 }
 
-/// An object with all fields, in declared order. In text NaN is `null`, and infinity an error.
+/// Serializes all fields in declared order. In text formats NaN is `null`, and infinity is an error.
 impl Serialize for DynamicView<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut out = serializer.serialize_map(Some(self.plan.fields.len()))?;
@@ -59,7 +59,7 @@ impl Serialize for Member<'_> {
     }
 }
 
-/// Calls `$call` with the primitive type that holds a scalar.
+/// Calls `$function` with the primitive type of a scalar.
 macro_rules! with_primitive {
     ($scalar:expr, $function:ident($($argument:expr),*)) => {
         match $scalar {
@@ -96,53 +96,61 @@ fn numbers<S: Serializer>(
     with_primitive!(scalar, many(field, bytes, serializer))
 }
 
-fn one<P: Said, S: Serializer>(field: &Field, bytes: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
-    P::read_le(bytes).say(&field.name, serializer)
+fn one<P: SerializeNumber, S: Serializer>(
+    field: &Field,
+    bytes: &[u8],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    P::read_le(bytes).serialize_number(&field.name, serializer)
 }
 
-fn many<P: Said, S: Serializer>(field: &Field, bytes: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
+fn many<P: SerializeNumber, S: Serializer>(
+    field: &Field,
+    bytes: &[u8],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     let mut out = serializer.serialize_seq(Some(bytes.len() / P::SIZE))?;
     for bytes in bytes.chunks_exact(P::SIZE) {
-        out.serialize_element(&Told { field: &field.name, number: P::read_le(bytes) })?;
+        out.serialize_element(&ElementOf { field: &field.name, number: P::read_le(bytes) })?;
     }
     out.end()
 }
 
-struct Told<'f, P> {
+struct ElementOf<'f, P> {
     field: &'f str,
     number: P,
 }
 
-impl<P: Said> Serialize for Told<'_, P> {
+impl<P: SerializeNumber> Serialize for ElementOf<'_, P> {
     #[inline]
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.number.say(self.field, serializer)
+        self.number.serialize_number(self.field, serializer)
     }
 }
 
-/// A number that serde knows.
-trait Said: Primitive {
-    fn say<S: Serializer>(self, field: &str, serializer: S) -> Result<S::Ok, S::Error>;
+/// A primitive type that serde can serialize.
+trait SerializeNumber: Primitive {
+    fn serialize_number<S: Serializer>(self, field: &str, serializer: S) -> Result<S::Ok, S::Error>;
 }
 
-macro_rules! said {
+macro_rules! exact {
     ($($type:ty),*) => {$(
-        impl Said for $type {
+        impl SerializeNumber for $type {
             #[inline]
-            fn say<S: Serializer>(self, _: &str, serializer: S) -> Result<S::Ok, S::Error> {
+            fn serialize_number<S: Serializer>(self, _: &str, serializer: S) -> Result<S::Ok, S::Error> {
                 self.serialize(serializer)
             }
         }
     )*};
 }
 
-said!(bool, u8, i8, u16, i16, u32, i32, u64, i64);
+exact!(bool, u8, i8, u16, i16, u32, i32, u64, i64);
 
-macro_rules! said_floats {
+macro_rules! floats {
     ($($type:ty),*) => {$(
-        impl Said for $type {
+        impl SerializeNumber for $type {
             #[inline]
-            fn say<S: Serializer>(self, field: &str, serializer: S) -> Result<S::Ok, S::Error> {
+            fn serialize_number<S: Serializer>(self, field: &str, serializer: S) -> Result<S::Ok, S::Error> {
                 if self.is_finite() || !serializer.is_human_readable() {
                     self.serialize(serializer)
                 } else if self.is_nan() {
@@ -155,7 +163,7 @@ macro_rules! said_floats {
     )*};
 }
 
-said_floats!(f32, f64);
+floats!(f32, f64);
 
 fn text<S: Serializer>(field: &Field, bytes: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
     let text = std::str::from_utf8(until_nul(bytes));
@@ -163,11 +171,11 @@ fn text<S: Serializer>(field: &Field, bytes: &[u8], serializer: S) -> Result<S::
     serializer.serialize_str(text)
 }
 
-/// The value that JSON can't say, where there is one, for a message that couldn't be written.
+/// Finds the value for which a message has no JSON form.
 #[cold]
-pub(in crate::dynamic) fn unsayable(view: DynamicView<'_>, fallback: &serde_json::Error) -> Error {
+pub(in crate::dynamic) fn explain(view: DynamicView<'_>, fallback: &serde_json::Error) -> Error {
     let mut search = Search { message: &view.plan.name, found: None };
-    // Nothing may be found where it isn't the message's fault.
+    // The walk finds nothing if the serializer failed for another reason.
     let _ = walk(view, &mut Trail::default(), &mut search);
     search.found.unwrap_or_else(|| Error {
         reason: Reason::Json(fallback.to_string()),

@@ -6,44 +6,44 @@ use std::fmt::Write as _;
 use crate::prose;
 use crate::value::Value;
 
-/// The declarations of a package.
+/// The module of a package.
 pub(in crate::emit) struct Module {
-    /// The name of its file, without an ending.
+    /// File name without extension.
     pub(in crate::emit) name: String,
-    /// The package, as its definitions name it.
+    /// Name of the package in its definitions.
     pub(in crate::emit) package: String,
-    /// What is said of it.
+    /// Documentation.
     pub(in crate::emit) text: String,
-    /// Names of the modules that it refers to.
+    /// Names of the imported modules.
     pub(in crate::emit) imports: BTreeSet<String>,
-    /// What it declares, in order.
+    /// Declarations in order.
     pub(in crate::emit) declarations: Vec<Declaration>,
-    /// The error codes, by their number; empty where there are none.
+    /// Error codes in ascending order.
     pub(in crate::emit) error_codes: Vec<KnownCode>,
 }
 
-/// Something with a name.
+/// A named declaration.
 pub(in crate::emit) struct Declaration {
     pub(in crate::emit) name: String,
     pub(in crate::emit) text: String,
     pub(in crate::emit) kind: Kind,
 }
 
-/// What is declared.
+/// The content of a declaration.
 pub(in crate::emit) enum Kind {
-    /// A JSON object; where it is closed, it has no other fields.
+    /// A JSON object. If it is closed, other fields are not allowed.
     Record { properties: Vec<Property>, is_closed: bool },
-    /// A name of another type.
+    /// An alias of another type.
     Alias(Type),
-    /// Names of integers, which a field holds one of or, where they are flags, any set of.
+    /// Named integers. A field contains one of them, or any combination if they are flags.
     Enumeration { is_flags: bool, members: Vec<Named> },
-    /// Names of values.
+    /// Named values.
     Constants(Vec<Named>),
-    /// The types of messages by the name of the message.
+    /// Message types by message name.
     Messages(Vec<(String, Type)>),
 }
 
-/// A name of a value.
+/// A named value.
 pub(in crate::emit) struct Named {
     pub(in crate::emit) name: String,
     pub(in crate::emit) value: Value,
@@ -52,14 +52,14 @@ pub(in crate::emit) struct Named {
 
 /// A field of an object, or an element of a tuple.
 pub(in crate::emit) struct Property {
-    /// The name as JSON has it.
+    /// Name of the field in JSON.
     pub(in crate::emit) key: String,
     pub(in crate::emit) is_required: bool,
     pub(in crate::emit) ty: Type,
     pub(in crate::emit) text: String,
 }
 
-/// What JSON a value is.
+/// A JSON type.
 #[derive(Clone)]
 pub(in crate::emit) enum Type {
     Any,
@@ -68,37 +68,37 @@ pub(in crate::emit) enum Type {
     Integer,
     Number,
     String,
-    /// Some strings, or any beside them.
+    /// String literals. If open, other strings are allowed too.
     Strings {
         values: Vec<String>,
         is_open: bool,
     },
-    /// Some integers, or any beside them.
+    /// Integer literals. If open, other integers are allowed too.
     Integers {
         values: Vec<i64>,
         is_open: bool,
     },
-    /// A declaration; `module` is that of another package.
+    /// A reference to a declaration. `module` is set for another package.
     Named {
         module: Option<String>,
         name: String,
     },
-    /// An enumeration, which is an integer in JSON.
+    /// A reference to an enumeration, which is an integer in JSON.
     Enumeration {
         module: Option<String>,
         name: String,
     },
     List(Box<Type>),
-    /// An object with any keys.
+    /// An object with arbitrary keys.
     Map(Box<Type>),
-    /// An array with a meaning for each position: name, whether it has to be there, type.
+    /// An array with named elements: name, true if required, and type.
     Tuple(Vec<(String, bool, Type)>),
     Either(Vec<Type>),
 }
 
-/// What the tables say of an error code.
+/// An error code from a table.
 pub(in crate::emit) struct KnownCode {
-    /// The name of its constant.
+    /// Name of its constant.
     pub(in crate::emit) name: String,
     pub(in crate::emit) code: u32,
     pub(in crate::emit) abbreviation: Option<String>,
@@ -107,31 +107,31 @@ pub(in crate::emit) struct KnownCode {
     pub(in crate::emit) see_also: Vec<u32>,
 }
 
-/// The type of error codes, in a package that has some.
+/// Name of the error-code type, in a package with error codes.
 pub(in crate::emit) const ERROR_CODE: &str = "ErrorCode";
 
-/// The type of what is known of a code.
+/// Name of the type that describes an error code.
 pub(in crate::emit) const ERROR_CODE_INFO: &str = "ErrorCodeInfo";
 
-/// The type of severities.
+/// Name of the severity type.
 pub(in crate::emit) const SEVERITY: &str = "Severity";
 
-/// A string literal, which JSON, TypeScript and Python read alike. What doesn't show is written as an escape.
+/// Formats a string literal that is valid in JSON, TypeScript and Python. Invisible characters are escaped.
 pub(in crate::emit) fn quoted(text: &str) -> String {
     let literal = serde_json::Value::from(text).to_string();
-    let mut shown = String::with_capacity(literal.len());
+    let mut escaped = String::with_capacity(literal.len());
     for character in literal.chars() {
         if prose::visible(character) == character {
-            shown.push(character);
+            escaped.push(character);
         } else {
-            // Writing to a `String` can't fail.
-            let _ = write!(shown, "\\u{:04x}", u32::from(character));
+            // Writing to a `String` never fails.
+            let _ = write!(escaped, "\\u{:04x}", u32::from(character));
         }
     }
-    shown
+    escaped
 }
 
-/// A float literal of both languages; none for what has no literal.
+/// Formats a float literal that is valid in both languages. Returns `None` if the value is not finite.
 pub(in crate::emit) fn float(value: f64) -> Option<String> {
     value.is_finite().then(|| format!("{value:?}"))
 }

@@ -1,4 +1,4 @@
-//! The modules: what each package declares.
+//! Lowering of packages to modules.
 
 use std::collections::BTreeSet;
 
@@ -10,9 +10,9 @@ use crate::emit::identifier::error_code_names;
 use crate::schema::json_type::Direction;
 use crate::schema::{ErrorCode, Package, Schema};
 
-/// The modules of all packages that define something, by name.
+/// Lowers all packages that contain definitions, sorted by name.
 pub(in crate::emit) fn modules(schema: &Schema) -> Vec<Module> {
-    let mut names = Names::of(schema);
+    let mut names = Names::new(schema);
     let packages = schema.packages.iter().enumerate().filter(|(_, package)| !package.is_empty());
     let mut modules: Vec<Module> =
         packages.map(|(index, package)| module(schema, &mut names, index, package)).collect();
@@ -51,7 +51,7 @@ fn module(schema: &Schema, names: &mut Names, index: usize, package: &Package) -
     }
 }
 
-/// For each direction the bodies by the type of the message, and any of them.
+/// Declares a map of bodies by message type for each direction, and the union of these bodies.
 fn directions(schema: &Schema, names: &mut Names, index: usize, package: &Package) -> Vec<Declaration> {
     let mut declarations = Vec::new();
     for direction in Direction::ALL {
@@ -65,26 +65,26 @@ fn directions(schema: &Schema, names: &mut Names, index: usize, package: &Packag
             continue;
         }
         let (what, plural) = match direction {
-            Direction::Request => ("a message from a client, which expects an answer", "requests"),
-            Direction::Response => ("the answer to a request", "responses"),
-            Direction::Notification => ("a message from a server that wasn't asked", "notifications"),
+            Direction::Request => ("a message from a client that expects a response", "requests"),
+            Direction::Response => ("a response to a request", "responses"),
+            Direction::Notification => ("an unsolicited message from a server", "notifications"),
         };
         let union = Type::Either(bodies.iter().map(|(_, ty)| ty.clone()).collect());
         declarations.push(Declaration {
-            name: names.more(index, &format!("{}s", direction.title())),
-            text: format!("The bodies of {plural} by the type of the message."),
+            name: names.extra(index, &format!("{}s", direction.title())),
+            text: format!("Bodies of {plural}, by message type."),
             kind: Kind::Messages(bodies),
         });
         declarations.push(Declaration {
-            name: names.more(index, direction.title()),
-            text: format!("The body of {what}; its field type says which."),
+            name: names.extra(index, direction.title()),
+            text: format!("Body of {what}, discriminated by `type`."),
             kind: Kind::Alias(union),
         });
     }
     declarations
 }
 
-/// All messages by name, and any of them.
+/// Declares a map of all messages by name, and the union of them.
 fn all_messages(schema: &Schema, names: &mut Names, index: usize, package: &Package) -> Vec<Declaration> {
     let plain = package.messages.iter();
     let mut entries: Vec<(String, Type)> =
@@ -100,13 +100,13 @@ fn all_messages(schema: &Schema, names: &mut Names, index: usize, package: &Pack
     let union = Type::Either(entries.iter().map(|(_, ty)| ty.clone()).collect());
     vec![
         Declaration {
-            name: names.more(index, "Messages"),
-            text: "The messages by name.".to_owned(),
+            name: names.extra(index, "Messages"),
+            text: "All messages, by name.".to_owned(),
             kind: Kind::Messages(entries),
         },
         Declaration {
-            name: names.more(index, "Message"),
-            text: "Any of the messages.".to_owned(),
+            name: names.extra(index, "Message"),
+            text: "Any message.".to_owned(),
             kind: Kind::Alias(union),
         },
     ]

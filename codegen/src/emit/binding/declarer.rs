@@ -1,4 +1,4 @@
-//! The names that declarations refer to each other by.
+//! Resolution of references between declarations.
 
 use std::collections::BTreeSet;
 
@@ -6,22 +6,22 @@ use super::declaration::Type;
 use super::names::Names;
 use crate::schema::{EnumRef, MessageId, Schema};
 
-/// What declarations are made from.
+/// The context in which declarations are built.
 pub(super) struct Declarer<'s> {
     pub(super) schema: &'s Schema,
     pub(super) names: &'s Names,
-    /// Names of the modules that were referred to.
+    /// Names of the modules referenced so far.
     pub(super) imports: BTreeSet<String>,
 }
 
 impl Declarer<'_> {
-    /// The type of a message, as the module of `package` writes it.
+    /// The type of a message, as referenced from the module of `package`.
     pub(super) fn message(&mut self, package: usize, id: MessageId) -> Type {
         let module = self.module(package, self.schema.message(id).package);
         Type::Named { module, name: self.names.message(id).to_owned() }
     }
 
-    /// The type of an enum, as the module of `package` writes it.
+    /// The type of an enum, as referenced from the module of `package`.
     pub(super) fn enumeration(&mut self, package: usize, reference: EnumRef) -> Type {
         let owner = reference.message;
         if self.names.message(owner).is_empty() {

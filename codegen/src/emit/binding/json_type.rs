@@ -1,4 +1,4 @@
-//! Declarations of types and messages of pages.
+//! Declarations of the types and messages defined on pages.
 
 use super::declaration::{Declaration, ERROR_CODE, Kind, Property, Type};
 use super::declarer::Declarer;
@@ -7,17 +7,17 @@ use crate::schema::json_type::{
     Definition, Expression, JsonMessage, JsonPart, JsonType, Member, Object, Set, SetValues,
 };
 
-/// A type of a page.
+/// Declares a type defined on a page.
 pub(super) fn declare(declarer: &Declarer<'_>, name: &str, found: &JsonType) -> Declaration {
     let documentation = text::documentation(&found.docs, || {
-        format!("The type {}, which its page says no more of.", found.name)
+        format!("Type {}; the definition has no description.", found.name)
     });
     let (kind, text) = match &found.definition {
         Definition::Object(object) => (record(declarer, found.package, object), documentation),
         Definition::Tuple(elements) => {
             let lines = elements.iter().map(|element| {
-                let said = text::with_facts(&element.description, &text::limits(&element.typed.limits));
-                format!("- {}: {}", element.name, said.replace("\n\n", " "))
+                let text = text::with_facts(&element.description, &text::limits(&element.typed.limits));
+                format!("- {}: {}", element.name, text.replace("\n\n", " "))
             });
             let lines: Vec<String> = lines.collect();
             let properties = properties(declarer, found.package, elements).into_iter();
@@ -36,7 +36,7 @@ pub(super) fn declare(declarer: &Declarer<'_>, name: &str, found: &JsonType) -> 
     Declaration { name: name.to_owned(), text, kind }
 }
 
-/// The body of a message in a direction.
+/// Declares the body of a message in one direction.
 pub(super) fn declare_part(
     declarer: &Declarer<'_>,
     name: &str,
@@ -46,7 +46,7 @@ pub(super) fn declare_part(
     let mut paragraphs = vec![format!("Body of a {} of type {}.", part.direction, message.name)];
     paragraphs.extend([message.docs.text(), part.docs.text()].into_iter().filter(|text| !text.is_empty()));
     if !part.answers.is_empty() {
-        paragraphs.push(format!("Answered by {}.", part.answers.join(", ")));
+        paragraphs.push(format!("Responses: {}.", part.answers.join(", ")));
     }
     let kind = record(declarer, message.package, &part.body);
     Declaration { name: name.to_owned(), text: paragraphs.join("\n\n"), kind }
@@ -70,7 +70,7 @@ fn set_type(set: &Set) -> (Type, Vec<String>) {
     let is_open = set.is_open;
     let line = |value: String, description: &str| match description {
         "" => format!("- {value}"),
-        said => format!("- {value}: {said}"),
+        description => format!("- {value}: {description}"),
     };
     match &set.values {
         SetValues::Integers(found) => (
@@ -103,7 +103,7 @@ fn expression(declarer: &Declarer<'_>, package: usize, found: &Expression) -> Ty
     }
 }
 
-/// Pages may speak of error codes without a table of them.
+/// A page may use error codes without defining a table of them.
 fn error_code(declarer: &Declarer<'_>, package: usize) -> Type {
     if declarer.schema.packages[package].error_tables.is_empty() {
         return Type::Integer;

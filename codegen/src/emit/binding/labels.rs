@@ -1,4 +1,4 @@
-//! Labels: what definitions say, in each language that they are translated into, for programs that show it.
+//! Labels: the texts of definitions in all languages, for user interfaces.
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,34 +8,35 @@ use crate::translation::{
     MessageKeys, MessageText, SOURCE_LANGUAGE, Translations, is_right_to_left, language_name, texts,
 };
 
-/// The texts of all languages, and which of them say what a value of a field means.
+/// The texts of all languages, and the enums of fields.
 pub(in crate::emit) struct Labels<'s> {
-    /// The language of the definitions, which has all texts, then the others by tag.
+    /// The language of the definitions, which has all texts, followed by the others sorted by tag.
     pub(in crate::emit) languages: Vec<LabelLanguage<'s>>,
-    /// Values with the keys of their texts, for each enum that a field holds. Names that share a value are left
-    /// out but for the first.
+    /// Values with the keys of their texts, for each enum used by a field. If several names share a value, only the
+    /// first is included.
     pub(in crate::emit) enumerations: Vec<Vec<(i128, String)>>,
-    /// By the key of a field, which of `enumerations` it holds.
+    /// By the key of a field, the index of its enum in `enumerations`.
     pub(in crate::emit) fields: BTreeMap<String, usize>,
 }
 
-/// A language and its texts.
+/// A language with its texts.
 pub(in crate::emit) struct LabelLanguage<'s> {
     pub(in crate::emit) tag: &'s str,
     pub(in crate::emit) name: &'s str,
     pub(in crate::emit) is_right_to_left: bool,
-    /// Keys and texts, in the order of keys.
+    /// Texts by key.
     pub(in crate::emit) texts: BTreeMap<String, &'s str>,
 }
 
 impl LabelLanguage<'_> {
-    /// Whether it is that of the definitions, in which others look up what they lack.
+    /// True for the language of the definitions, which is the fallback for missing texts.
     pub(in crate::emit) fn is_source(&self) -> bool {
         self.tag == SOURCE_LANGUAGE
     }
 }
 
-/// The labels of all languages; none where nothing is translated, as modules have the texts themselves.
+/// Collects the labels of all languages. Without translations there are none, because the modules contain the original
+/// texts.
 pub(in crate::emit) fn labels<'s>(schema: &'s Schema, translations: &'s Translations) -> Option<Labels<'s>> {
     if translations.languages.is_empty() {
         return None;

@@ -1,4 +1,4 @@
-//! Declarations of messages of `.msg` files, with their enums and constants.
+//! Declarations of messages from `.msg` files, with their enums and constants.
 
 use super::declaration::{Declaration, Kind, Named, Property, Type};
 use super::declarer::Declarer;
@@ -8,7 +8,7 @@ use crate::emit::identifier::{Scope, upper_case};
 use crate::schema::{Element, Enum, Field, Form, Message, MessageId, Shape};
 use crate::value::Value;
 
-/// The message itself, its enums and its constants.
+/// Declares the message itself, its enums and its constants.
 pub(super) fn declare(declarer: &mut Declarer<'_>, id: MessageId) -> Vec<Declaration> {
     let message = declarer.schema.message(id);
     let names = declarer.names;
@@ -28,7 +28,7 @@ pub(super) fn declare(declarer: &mut Declarer<'_>, id: MessageId) -> Vec<Declara
     if !message.constants.is_empty() {
         declarations.push(Declaration {
             name: names.constants[id.0 as usize].clone(),
-            text: format!("The constants of {}.", message.name),
+            text: format!("Constants of {}.", message.name),
             kind: Kind::Constants(constants(message)),
         });
     }
@@ -56,15 +56,9 @@ fn field_type(declarer: &mut Declarer<'_>, message: &Message, field: &Field) -> 
 fn enumeration(owner: &Message, found: &Enum, name: &str) -> Declaration {
     let prefixes = found.prefixes.join(", ");
     let text = if found.is_flags {
-        format!(
-            "The flags {prefixes} of {}, any of which may be set; so may bits without a name.",
-            owner.name
-        )
+        format!("Flags {prefixes} of {}. Any combination is valid; unnamed bits may be set too.", owner.name)
     } else {
-        format!(
-            "The values {prefixes} of {}; there may be others, which firmware of another version has.",
-            owner.name
-        )
+        format!("Values {prefixes} of {}. Other firmware versions may use other values.", owner.name)
     };
     let mut scope = Scope::default();
     let members = found.members.iter().map(|member| Named {

@@ -1,4 +1,4 @@
-//! What is called how. A word that either language keeps for itself is one in both.
+//! Names of declarations. A reserved word of one language is escaped in both.
 
 use std::collections::BTreeMap;
 
@@ -7,14 +7,14 @@ use crate::emit::identifier::{Scope, pascal_case, snake_case, type_name};
 use crate::schema::json_type::Direction;
 use crate::schema::{JsonMessageId, JsonTypeId, MessageId, Package, Schema};
 
-/// Keywords of Python.
+/// Python keywords.
 const PYTHON: [&str; 35] = [
     "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def",
     "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in", "is",
     "lambda", "nonlocal", "not", "or", "pass", "raise", "return", "try", "while", "with", "yield",
 ];
 
-/// Further words of TypeScript and JavaScript that can't be names of modules, constants or elements.
+/// Reserved words of TypeScript and JavaScript that can't be names of modules, constants or elements.
 const TYPESCRIPT: [&str; 43] = [
     "abstract",
     "any",
@@ -61,7 +61,7 @@ const TYPESCRIPT: [&str; 43] = [
     "void",
 ];
 
-/// Words that generated code uses itself.
+/// Names that generated code uses.
 const USED: [&str; 25] = [
     "Any",
     "Final",
@@ -90,14 +90,14 @@ const USED: [&str; 25] = [
     "type",
 ];
 
-/// Names of modules that are no packages.
+/// Reserved names of modules that aren't packages.
 const MODULES: [&str; 4] = ["data", "index", "labels", "manifest"];
 
 /// The names of all declarations.
 pub(super) struct Names {
     /// By package.
     pub(super) modules: Vec<String>,
-    /// By message; empty where it isn't declared.
+    /// By message. Empty if the message isn't declared.
     pub(super) messages: Vec<String>,
     /// By message, the name of its constants.
     pub(super) constants: Vec<String>,
@@ -107,28 +107,28 @@ pub(super) struct Names {
     pub(super) json_types: Vec<String>,
     /// By message and direction.
     pub(super) parts: BTreeMap<(JsonMessageId, Direction), String>,
-    /// By package, the names that no definition gives: of unions of messages, and the like.
+    /// By package, the scope for names that no definition provides, such as unions of messages.
     scopes: Vec<Scope>,
 }
 
-/// The identifier that is nearest to `name`.
+/// Converts `name` to a valid identifier.
 pub(in crate::emit) fn identifier(name: &str) -> String {
     let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if plain.is_empty() || plain.starts_with(|c: char| c.is_ascii_digit()) {
         return format!("_{plain}");
     }
-    let is_kept = [&PYTHON[..], &TYPESCRIPT, &USED].iter().any(|words| words.contains(&plain.as_str()));
-    if is_kept { plain + "_" } else { plain }
+    let is_reserved = [&PYTHON[..], &TYPESCRIPT, &USED].iter().any(|words| words.contains(&plain.as_str()));
+    if is_reserved { plain + "_" } else { plain }
 }
 
-/// Whether `word` is a keyword of Python.
+/// True if `word` is a Python keyword.
 pub(in crate::emit) fn is_python_keyword(word: &str) -> bool {
     PYTHON.contains(&word)
 }
 
 impl Names {
-    /// Names everything that `schema` defines.
-    pub(super) fn of(schema: &Schema) -> Self {
+    /// Assigns names to everything that `schema` defines.
+    pub(super) fn new(schema: &Schema) -> Self {
         let count = schema.messages.len();
         let mut names = Self {
             modules: Vec::new(),
@@ -151,8 +151,8 @@ impl Names {
         names
     }
 
-    /// A name in the module of a package that no definition gives.
-    pub(super) fn more(&mut self, package: usize, name: &str) -> String {
+    /// Reserves a name that no definition provides in the module of a package.
+    pub(super) fn extra(&mut self, package: usize, name: &str) -> String {
         self.scopes[package].unique_type(name)
     }
 
@@ -173,7 +173,7 @@ impl Names {
         }
         let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
         let messages: Vec<MessageId> = package.messages.iter().chain(parts).copied().collect();
-        // Types come first, so that what belongs to one of them never takes the name of another.
+        // Types come first, so a name derived from one type never takes the name of another.
         for id in &messages {
             let name = identifier(&type_name(&schema.message(*id).name));
             self.messages[id.0 as usize] = scope.unique_type(&name);
@@ -207,7 +207,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_identifiers_of_both_languages() {
+    fn creates_identifiers_valid_in_both_languages() {
         for (name, expected) in [
             ("None", "None_"),
             ("class", "class_"),

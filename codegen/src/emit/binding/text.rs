@@ -1,11 +1,11 @@
-//! What is said of declarations, in plain words.
+//! Documentation of declarations as plain text.
 
 use crate::schema::json_type::Limits;
 use crate::schema::{Constant, Constraint, Docs, Element, Field, Message, Package, Range, Schema};
 use crate::unit;
 use crate::value::Value;
 
-/// A description and facts, each a paragraph of its own.
+/// Joins a description and facts, each as a paragraph.
 pub(super) fn with_facts(description: &str, facts: &[String]) -> String {
     let facts = facts.join("; ");
     let mut text = description.trim().to_owned();
@@ -19,13 +19,13 @@ pub(super) fn with_facts(description: &str, facts: &[String]) -> String {
     text
 }
 
-/// What a definition says of itself, or what it is, where it doesn't say.
+/// The documentation of a definition, or `default` if it has none.
 pub(super) fn documentation(docs: &Docs, default: impl FnOnce() -> String) -> String {
     let text = docs.text();
     if text.is_empty() { default() } else { text }
 }
 
-/// What is said of a package.
+/// The documentation of a package.
 pub(super) fn package(package: &Package) -> String {
     let mut lines = vec![format!("Package {}, in the {} dialect.", package.name, package.form.name())];
     lines.extend(package.origin.as_ref().map(|origin| format!("Origin: {origin}")));
@@ -33,7 +33,7 @@ pub(super) fn package(package: &Package) -> String {
     lines.join("\n\n")
 }
 
-/// What is said of a message.
+/// The documentation of a message.
 pub(super) fn message(message: &Message) -> String {
     let mut facts = Vec::new();
     if !message.topics.is_empty() {
@@ -41,11 +41,11 @@ pub(super) fn message(message: &Message) -> String {
     }
     facts.extend(message.version.map(|version| format!("message version: {version}")));
     facts.extend(message.queue_length.map(|length| format!("queue length: {length}")));
-    let default = || format!("The message {}, which its definition says no more of.", message.name);
+    let default = || format!("Message {}; the definition has no description.", message.name);
     with_facts(&documentation(&message.docs, default), &facts)
 }
 
-/// What is said of a field of a message.
+/// The documentation of a field of a message.
 pub(super) fn field(schema: &Schema, message: &Message, field: &Field) -> String {
     let mut facts = vec![format!("type: {}", schema.type_text(message, field.ty))];
     let group = field.group.and_then(|group| message.groups.get(group));
@@ -54,26 +54,26 @@ pub(super) fn field(schema: &Schema, message: &Message, field: &Field) -> String
     facts.extend(field.constraints.iter().filter_map(|found| found.fact(str::to_owned, str::to_owned)));
     facts.extend(field.attributes().map(|(attribute, text)| attribute.to_text(text)));
     let counted = field.counts.and_then(|array| message.fields.get(array));
-    facts.extend(counted.map(|array| format!("counts the entries in use of {}", array.name)));
+    facts.extend(counted.map(|array| format!("number of used entries in {}", array.name)));
     let is_float = matches!(field.ty.element, Element::Scalar(scalar) if scalar.is_float());
-    facts.extend(is_float.then(|| "null stands for NaN".to_owned()));
+    facts.extend(is_float.then(|| "null represents NaN".to_owned()));
     with_facts(&field.description, &facts)
 }
 
-/// What is said of a constant.
+/// The documentation of a constant.
 pub(super) fn constant(constant: &Constant) -> String {
     let text = match constant.name.as_str() {
         _ if !constant.description.is_empty() => constant.description.as_str(),
-        "MESSAGE_VERSION" => "Version of the message, raised when its fields change.",
-        "ORB_QUEUE_LENGTH" => "How many messages a topic holds before the oldest is lost.",
+        "MESSAGE_VERSION" => "Version of the message, incremented when its fields change.",
+        "ORB_QUEUE_LENGTH" => "Number of messages queued per topic before the oldest is dropped.",
         _ => "",
     };
     let parameters = constant.parameters.iter().enumerate().filter(|(_, found)| !found.is_unused());
     let lines: Vec<String> = parameters
         .map(|(index, found)| {
-            let said = found.constraints.iter().filter(|found| !found.is_special());
-            let said = said.filter_map(Constraint::valid_values);
-            let facts: Vec<String> = unit(found.unit.as_deref()).into_iter().chain(said).collect();
+            let constraints = found.constraints.iter().filter(|found| !found.is_special());
+            let constraints = constraints.filter_map(Constraint::valid_values);
+            let facts: Vec<String> = unit(found.unit.as_deref()).into_iter().chain(constraints).collect();
             let facts = if facts.is_empty() { String::new() } else { format!(" ({})", facts.join("; ")) };
             format!("- parameter {}: {}{facts}", index + 1, found.description)
         })
@@ -81,14 +81,14 @@ pub(super) fn constant(constant: &Constant) -> String {
     [text, &lines.join("\n")].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n\n")
 }
 
-/// What annotations say of values of a page.
+/// The annotations of a value on a page.
 pub(super) fn limits(limits: &Limits) -> Vec<String> {
     let int = |value: u32| Value::Int(value.into());
     let length = Range { low: limits.least.map(int), high: limits.most.map(int) };
     let mut facts: Vec<String> = unit(limits.unit.as_deref()).into_iter().collect();
     facts.extend(limits.range.as_ref().and_then(Range::to_text).map(|range| format!("range: {range}")));
     facts.extend(length.to_text().map(|length| format!("length: {length}")));
-    facts.extend(limits.is_unique.then(|| "no element stands in it twice".to_owned()));
+    facts.extend(limits.is_unique.then(|| "elements are unique".to_owned()));
     facts.extend(limits.pattern.as_ref().map(|pattern| format!("pattern: {pattern}")));
     facts.extend(limits.format.as_ref().map(|format| format!("format: {format}")));
     facts

@@ -1,4 +1,4 @@
-//! What makes a book of the pages: its configuration, its table of contents, its style.
+//! Files that turn the pages into an mdBook: configuration, table of contents, style, scripts.
 
 use super::error_codes;
 use super::interface::kind_name;
@@ -12,10 +12,10 @@ use crate::emit::file::OutputFile;
 use crate::schema::Package;
 use crate::translation::{interface_unit, message_unit};
 
-/// The table of contents.
+/// File name of the table of contents.
 const SUMMARY: &str = "SUMMARY.md";
 
-/// `book.toml`.
+/// Creates `book.toml`.
 pub(super) fn config(options: &Options) -> OutputFile {
     let text = format!(
         "# {notice}
@@ -27,8 +27,8 @@ src = \".\"
 
 [build]
 create-missing = false
-# Descriptions are text: nothing in them is to be expanded. And a README.md stays README.html, so
-# that links to it work on GitHub, on a server and from files alike.
+# Descriptions are plain text, so no preprocessor may expand them. README.md must become README.html
+# so that links to it work on GitHub, on a server and in local files.
 use-default-preprocessors = false
 
 [output.html]
@@ -48,7 +48,7 @@ level = 1
     OutputFile { path: "book.toml".to_owned(), text }
 }
 
-/// A string as TOML writes it.
+/// Quotes a TOML string.
 fn toml_string(text: &str) -> String {
     let mut quoted = String::from("\"");
     for character in text.chars() {
@@ -63,21 +63,20 @@ fn toml_string(text: &str) -> String {
     quoted + "\""
 }
 
-/// What makes pages answer: programs without libraries, which ask for nothing beyond their page.
+/// Scripts of the pages. They use no libraries and load nothing else.
 const SCRIPTS: [(&str, &str); 2] = [
     ("composer.js", include_str!("book/composer.js")),
     ("error-codes.js", include_str!("book/error-codes.js")),
 ];
 
-/// The scripts.
+/// The script files.
 pub(super) fn scripts() -> impl Iterator<Item = OutputFile> {
     SCRIPTS
         .iter()
         .map(|(path, text)| OutputFile { path: (*path).to_owned(), text: format!("// {}\n{text}", notice()) })
 }
 
-/// `book.css`: tables of fields are wide, and need more room than mdBook leaves them; and how what the scripts make
-/// looks.
+/// Creates `book.css`, which widens the tables of fields and styles the controls created by the scripts.
 pub(super) fn style() -> OutputFile {
     OutputFile {
         path: "book.css".to_owned(),
@@ -85,7 +84,7 @@ pub(super) fn style() -> OutputFile {
     }
 }
 
-/// `SUMMARY.md`: every page, package by package, after them the rules, and what others write.
+/// Creates `SUMMARY.md`: all pages by package, the rules, and additional contents.
 pub(super) fn summary(site: &Site<'_>, rules: Option<&Rules>, more: &str) -> OutputFile {
     let mut text = format!("<!-- {} -->\n\n# Summary\n\n[Overview](README.md)\n\n", notice());
     let mut item = |depth: usize, name: &str, path: &str| {
@@ -130,7 +129,7 @@ fn contents(site: &Site<'_>, package: &Package, mut item: impl FnMut(usize, &str
     }
 }
 
-/// The pages about `unit` in other languages, below the English one.
+/// Adds the translated pages of `unit` below the English page.
 fn translations(site: &Site<'_>, unit: &str, name: &str, path: &str, mut item: impl FnMut(&str, &str)) {
     for language in site.languages_of(unit) {
         item(&format!("{name} ({})", language.name), &path_in(path, &language.tag));
@@ -142,7 +141,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn titles_are_quoted() {
+    fn quotes_the_title() {
         let options = Options { title: "A \"b\" \\ c\n".to_owned(), ..Options::default() };
         assert!(config(&options).text.contains(r#"title = "A \"b\" \\ c\u000A""#));
     }

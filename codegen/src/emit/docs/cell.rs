@@ -1,4 +1,4 @@
-//! Contents of cells: values, types, bounds, and links to fields and commands.
+//! Contents of table cells: values, types, ranges, and links to fields and commands.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -13,12 +13,12 @@ use crate::translation::MessageText;
 use crate::unit;
 use crate::value::Value;
 
-/// The symbol of a unit; nothing where there is none.
+/// The symbol of a unit, or an empty string.
 pub(super) fn unit(symbol: Option<&str>) -> String {
     inline(symbol.filter(|symbol| *symbol != unit::NONE).unwrap_or_default())
 }
 
-/// Bounds in words; nothing where there are none.
+/// Formats a range. Returns `None` if it has no finite bound.
 pub(super) fn range(words: Words, range: &Range) -> Option<String> {
     let finite = |bound: &Option<Value>| {
         bound
@@ -36,7 +36,7 @@ pub(super) fn range(words: Words, range: &Range) -> Option<String> {
     }
 }
 
-/// A bound; multiples of π as such.
+/// Formats a bound. Multiples of π are written as such.
 fn number(value: &Value) -> String {
     let known = [(PI, "π"), (FRAC_PI_2, "π/2"), (TAU, "2π")];
     let name = match value {
@@ -47,8 +47,8 @@ fn number(value: &Value) -> String {
     name.map_or_else(|| inline(&value.to_string()), |(_, name)| format!("{sign}{name}"))
 }
 
-/// The valid values by a constraint, or a value with a special meaning; `text` says when it applies. None if all values
-/// are valid.
+/// The valid values of a constraint, or a value with a special meaning. `text` is the description of the constraint.
+/// Returns `None` if all values are valid.
 pub(super) fn constraint(scope: Scope<'_, '_>, constraint: &Constraint, text: MessageText) -> Option<String> {
     let words = scope.site.words;
     let word = Word::of_constraint(constraint.kind);
@@ -62,7 +62,7 @@ pub(super) fn constraint(scope: Scope<'_, '_>, constraint: &Constraint, text: Me
     }
 }
 
-/// A value with a special meaning, and when it applies: `text` says it in words.
+/// A value with a special meaning, followed by the description `text`.
 pub(super) fn meaning(
     scope: Scope<'_, '_>,
     constraint: &Constraint,
@@ -77,7 +77,7 @@ pub(super) fn meaning(
     if text.is_empty() { meaning } else { format!("{meaning} ({text})") }
 }
 
-/// The value of a constant or default; texts as code.
+/// The value of a constant or default. Text is formatted as code.
 pub(super) fn value_cell(value: &Value) -> String {
     match value {
         Value::Bool(_) | Value::Int(_) | Value::Float(_) => value.to_string(),
@@ -90,7 +90,7 @@ pub(super) fn constant_type(scope: Scope<'_, '_>, message: &Message, element: El
     code(&scope.site.schema.type_text(message, Type { element, shape: Shape::Single }))
 }
 
-/// A field of this or another message.
+/// A link to a field of this or another message.
 pub(super) fn field_link(scope: Scope<'_, '_>, own: MessageId, (id, index): FieldRef) -> String {
     let schema = scope.site.schema;
     let message = schema.message(id);
@@ -105,7 +105,7 @@ pub(super) fn field_link(scope: Scope<'_, '_>, own: MessageId, (id, index): Fiel
     link(&text, &scope.site.href(scope.from, id, Part::Field(index)))
 }
 
-/// The name of a constant, which leads to its parameters where it has any.
+/// The name of a constant, linked to its parameters if it has any.
 pub(super) fn name_with_parameters(constant: &Constant) -> String {
     let name = code(&constant.name);
     if has_parameters(constant) { link(&name, &format!("#{}", command_anchor(constant))) } else { name }

@@ -1,4 +1,4 @@
-//! Constants with seven parameters: the commands of `VehicleCommand`.
+//! Commands: the constants of `VehicleCommand` with seven parameters.
 
 use super::cell::{
     command_anchor, constraint, has_parameters, meaning, name_with_parameters, unit, value_cell,
@@ -12,7 +12,7 @@ use crate::msg::constraint::INVALID;
 use crate::schema::MessageId;
 use crate::translation::MessageText;
 
-/// Writes the commands of a message: a list of those that no enum lists, and the parameters of each.
+/// Writes the commands of a message: a list of the commands outside enums, and a parameter table for each command.
 pub(super) fn write(
     page: &mut Page,
     scope: Scope<'_, '_>,
@@ -84,10 +84,10 @@ fn values(scope: Scope<'_, '_>, (command, index): ParameterRef, constants: &Cons
     lines
 }
 
-/// A link to the constants of a prefix, where the page has them.
+/// A link to the constants with this prefix, if they are on the page.
 fn prefix_link(scope: Scope<'_, '_>, prefix: &str, constants: &Constants<'_>) -> String {
     let text = code(prefix);
-    if constants.of_parameters.contains_key(prefix) {
+    if constants.parameter_enums.contains_key(prefix) {
         return link(&text, &format!("#{}", prefix_anchor(prefix)));
     }
     match scope.site.part_named(scope.message, prefix) {

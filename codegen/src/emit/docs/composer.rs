@@ -1,24 +1,24 @@
-//! What a page needs to compose a message by hand: its fields, with their places in memory and the words that
-//! people know them by. The script of the book makes controls of it; without one, nothing but a sentence is seen.
+//! Data for the script that lets readers compose a message: fields, offsets in memory, and labels. Without the script,
+//! the page shows only one sentence.
 
 use serde_json::{Map, Value as Json, json};
 
 use super::cell::unit;
 use super::language::heading;
 use super::markdown::Page;
-use super::site::{Said, Site};
+use super::site::{Localized, Site};
 use super::words::{self, Word, Words};
 use crate::prose::{gist, visible, xml};
 use crate::schema::{Dialect, Element, EnumRef, Field, Message, MessageId, Shape, UorbLayout};
 use crate::translation::MessageText;
 
-/// Most controls of a page: with more of them, nobody finds the one that is looked for.
+/// Maximum number of controls on a page. Larger forms are unusable.
 const MAX_CONTROLS: usize = 500;
 
-/// Longest label of a control, in characters.
+/// Maximum length of a label, in characters.
 const MAX_LABEL: usize = 160;
 
-/// What the script says, by the names that it knows.
+/// Texts of the user interface, by the names used in the script.
 const WORDS: [(&str, Word); 20] = [
     ("fieldsOf", words::FIELDS_OF),
     ("setToZero", words::SET_TO_ZERO),
@@ -42,8 +42,8 @@ const WORDS: [(&str, Word); 20] = [
     ("tooManyValues", words::TOO_MANY_VALUES),
 ];
 
-/// Writes the part of a message's page where it is composed; nothing where it has no layout in memory, no fields,
-/// or too many of them.
+/// Writes the composer section of a message page. Skips messages without a memory layout, without fields, or with too
+/// many fields.
 pub(super) fn write(page: &mut Page, site: &Site<'_>, id: MessageId) {
     let message = site.schema.message(id);
     let Some(layout) = site.layout(message) else { return };
@@ -66,7 +66,7 @@ pub(super) fn write(page: &mut Page, site: &Site<'_>, id: MessageId) {
     page.block("</div>");
 }
 
-/// How many bytes a message has in memory.
+/// The size of a message in memory, with its padding.
 fn size(words: Words, layout: &UorbLayout) -> String {
     let size = words.bytes(layout.size as u64);
     match layout.size - layout.size_no_padding {
@@ -75,46 +75,46 @@ fn size(words: Words, layout: &UorbLayout) -> String {
     }
 }
 
-/// Data as the value of an attribute. What stands in a text can neither hide nor be a mark of templates, which make
-/// pages of others than mdBook.
+/// Escapes data for an HTML attribute. Invisible characters are replaced, and template syntax of site generators is
+/// escaped.
 fn embedded(data: &Json) -> String {
     let text: String = data.to_string().chars().map(visible).collect();
     xml(&text.replace("{{", "{\\u007b").replace("{%", "\\u007b%"))
 }
 
-/// How many controls a message needs.
+/// Number of controls for a message.
 fn controls(site: &Site<'_>, message: &Message) -> usize {
-    let of_field = |field: &Field| match (field.ty.element, field.ty.shape) {
+    let count = |field: &Field| match (field.ty.element, field.ty.shape) {
         (Element::Message(nested), Shape::Single) => controls(site, site.schema.message(nested)),
         (Element::Message(nested), Shape::Array(count)) => {
             controls(site, site.schema.message(nested)).saturating_mul(count as usize)
         }
         _ => 1,
     };
-    message.fields.iter().map(of_field).fold(0, usize::saturating_add)
+    message.fields.iter().map(count).fold(0, usize::saturating_add)
 }
 
-/// The fields of a message in declared order, which is that of JSON.
+/// The fields of a message in declared order, as in JSON.
 fn fields(site: &Site<'_>, id: MessageId, layout: &UorbLayout) -> Vec<Json> {
     let fields = 0..site.schema.message(id).fields.len();
     let offset = |index| layout.slots.iter().find(|slot| slot.field == Some(index)).map(|slot| slot.offset);
-    fields.map(|index| described(site, id, index, offset(index))).collect()
+    fields.map(|index| field(site, id, index, offset(index))).collect()
 }
 
-fn described(site: &Site<'_>, id: MessageId, index: usize, offset: Option<usize>) -> Json {
+fn field(site: &Site<'_>, id: MessageId, index: usize, offset: Option<usize>) -> Json {
     let field = &site.schema.message(id).fields[index];
     let mut data = Map::new();
     let mut put = |key: &str, value: Json| {
-        let is_said = !value.is_null() && value.as_str() != Some("");
-        if is_said {
+        let is_present = !value.is_null() && value.as_str() != Some("");
+        if is_present {
             data.insert(key.to_owned(), value);
         }
     };
-    let label = site.said_of(id, MessageText::Field(index));
+    let label = site.localized_of(id, MessageText::Field(index));
     put("name", field.name.as_str().into());
     put("label", short(label));
     put("lang", label.tag.into());
-    put("group", field.group.map(|group| short(site.said_of(id, MessageText::Group(group)))).into());
+    put("group", field.group.map(|group| short(site.localized_of(id, MessageText::Group(group)))).into());
     put("unit", unit(field.unit.as_deref()).into());
     put("offset", offset.into());
     if let Shape::Array(count) = field.ty.shape {
@@ -124,10 +124,10 @@ fn described(site: &Site<'_>, id: MessageId, index: usize, offset: Option<usize>
         Element::Scalar(_) if field.is_text(Dialect::Px4) => put("type", "text".into()),
         Element::Scalar(scalar) => {
             put("type", scalar.name().into());
-            if let Some(held) = field.enumeration {
+            if let Some(reference) = field.enumeration {
                 put(
-                    if site.schema.enumeration(held).is_flags { "flags" } else { "values" },
-                    values(site, held),
+                    if site.schema.enumeration(reference).is_flags { "flags" } else { "values" },
+                    values(site, reference),
                 );
             }
         }
@@ -137,24 +137,25 @@ fn described(site: &Site<'_>, id: MessageId, index: usize, offset: Option<usize>
                 put("fields", fields(site, nested, layout).into());
             }
         }
-        // A message that holds strings has no layout.
+        // A message that contains strings has no memory layout.
         Element::String { .. } => {}
     }
     data.into()
 }
 
-/// A text that is short enough for a label.
-fn short(said: Said<'_>) -> Json {
-    gist(said.text, MAX_LABEL).into()
+/// Shortens a text to a label.
+fn short(text: Localized<'_>) -> Json {
+    gist(text.text, MAX_LABEL).into()
 }
 
-/// The members of an enum, without further names of the same value: value, name, description.
-fn values(site: &Site<'_>, held: EnumRef) -> Json {
-    let found = site.schema.enumeration(held);
+/// The members of an enum as value, name and description. Aliases of a value are skipped.
+fn values(site: &Site<'_>, reference: EnumRef) -> Json {
+    let found = site.schema.enumeration(reference);
     let members = found.members.iter().filter(|member| found.alias_of(member).is_none());
     members
         .map(|member| {
-            let description = short(site.said_of(held.message, MessageText::Constant(member.constant)));
+            let description =
+                short(site.localized_of(reference.message, MessageText::Constant(member.constant)));
             json!([member.value.to_string(), member.name, description])
         })
         .collect()

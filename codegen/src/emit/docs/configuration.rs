@@ -1,29 +1,29 @@
-//! The table `output.docs` of the configuration.
+//! Options of the table `output.docs` in the configuration.
 
 use std::fs;
 use std::path::PathBuf;
 
 use serde::Deserialize;
 
-use super::options::{Beside, Options};
+use super::options::{Options, Siblings};
 use super::pages::emit;
 use crate::emit::emitter::{Input, Others, Output};
 use crate::emit::file::OutputFile;
 use crate::failure::Failure;
 
-/// Options as they are configured.
+/// The options as configured.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(in crate::emit) struct Configuration {
     title: Option<String>,
     rules: bool,
-    /// Files with parts of the table of contents, as mdBook writes it.
+    /// Files with additional parts of the table of contents, in mdBook syntax.
     contents: OneOrMany,
     #[serde(skip)]
-    beside: Beside,
+    siblings: Siblings,
 }
 
-/// A path, or a list of them.
+/// A path or a list of paths.
 #[derive(Debug, Deserialize)]
 #[serde(untagged, expecting = "expected a path, or a list of paths")]
 enum OneOrMany {
@@ -50,15 +50,16 @@ impl Output for Configuration {
     fn complete(&mut self, others: &Others<'_>) {
         self.contents =
             OneOrMany::Many(self.contents.paths().iter().map(|path| others.place(path)).collect());
-        self.beside = Beside { schemas: others.address("json_schema"), vectors: others.address("vectors") };
+        self.siblings =
+            Siblings { schemas: others.address("json_schema"), vectors: others.address("vectors") };
     }
 
-    /// Reads the files of `contents` only now: commands that make no documentation don't need them.
+    /// The files of `contents` are read only here, because other commands don't need them.
     fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
         let read = |path: &PathBuf| {
             fs::read_to_string(path).map_err(|error| {
                 Failure::new(format!("{}: {error}", path.display()))
-                    .with_hint("`output.docs.contents` names it: make it first, or take it out")
+                    .with_hint("create the file, or remove it from `output.docs.contents`")
             })
         };
         let default = Options::default();
@@ -66,7 +67,7 @@ impl Output for Configuration {
             title: self.title.clone().unwrap_or(default.title),
             rules: self.rules,
             more_contents: self.contents.paths().iter().map(read).collect::<Result<String, Failure>>()?,
-            beside: self.beside.clone(),
+            siblings: self.siblings.clone(),
         };
         Ok(emit(input.schema, input.translations, input.sources, &options))
     }

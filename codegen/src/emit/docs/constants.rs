@@ -1,4 +1,4 @@
-//! Constants that are in no enum: those that parameters of commands hold, and all others.
+//! Constants outside enums: values of command parameters, and others.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,38 +11,38 @@ use super::words::{self, Words};
 use crate::schema::{Message, MessageId};
 use crate::translation::MessageText;
 
-/// Constants whose anchors are on the page already: two enums may share some.
+/// Constants whose anchors are already on the page. Two enums may share a constant.
 #[derive(Debug, Default)]
 pub(super) struct Anchored(BTreeSet<usize>);
 
 impl Anchored {
-    /// The anchor of a constant, where the page has none yet.
+    /// The anchor of a constant, or an empty string if the page already contains it.
     pub(super) fn place(&mut self, scope: Scope<'_, '_>, id: MessageId, constant: usize) -> String {
         let is_new = self.0.insert(constant);
         if is_new { anchor(&scope.site.anchor(id, Part::Constant(constant))) } else { String::new() }
     }
 }
 
-/// A parameter: its command, and its index among the parameters of that.
+/// A parameter: the index of its command, and the index of the parameter.
 pub(super) type ParameterRef = (usize, usize);
 
-/// Constants that parameters of commands hold.
+/// Constants used as values of command parameters.
 #[derive(Debug, Default)]
 pub(super) struct ParameterEnum {
-    pub(super) holders: Vec<ParameterRef>,
+    pub(super) users: Vec<ParameterRef>,
     pub(super) constants: Vec<usize>,
 }
 
-/// Constants of a message by where they are shown.
+/// The constants of a message, by the section in which they are shown.
 #[derive(Debug, Default)]
 pub(super) struct Constants<'s> {
-    /// Those with parameters, and those that are called like them.
+    /// Constants with parameters, and constants with the same prefix.
     pub(super) commands: Vec<usize>,
-    /// By prefix, what parameters of commands hold.
-    pub(super) of_parameters: BTreeMap<&'s str, ParameterEnum>,
-    /// All others that no enum lists.
+    /// Values of command parameters, by prefix.
+    pub(super) parameter_enums: BTreeMap<&'s str, ParameterEnum>,
+    /// Other constants outside enums.
     pub(super) others: Vec<usize>,
-    /// Those that enums list.
+    /// Members of enums.
     pub(super) members: BTreeSet<usize>,
 }
 
@@ -50,25 +50,25 @@ impl<'s> Constants<'s> {
     pub(super) fn of(message: &'s Message) -> Self {
         let members =
             message.enums.iter().flat_map(|found| &found.members).map(|member| member.constant).collect();
-        let mut constants = Self { members, of_parameters: parameter_enums(message), ..Self::default() };
+        let mut constants = Self { members, parameter_enums: parameter_enums(message), ..Self::default() };
         let command_prefix = command_prefix(message);
         for (index, constant) in message.constants.iter().enumerate() {
-            let is_called_so = command_prefix.is_some_and(|prefix| constant.name.starts_with(prefix));
-            if !constant.parameters.is_empty() || is_called_so {
+            let has_command_prefix = command_prefix.is_some_and(|prefix| constant.name.starts_with(prefix));
+            if !constant.parameters.is_empty() || has_command_prefix {
                 constants.commands.push(index);
             } else if !constants.members.contains(&index) && !is_fact(message, index) {
-                match longest_prefix(&constant.name, &mut constants.of_parameters) {
+                match longest_prefix(&constant.name, &mut constants.parameter_enums) {
                     Some(found) => found.constants.push(index),
                     None => constants.others.push(index),
                 }
             }
         }
-        constants.of_parameters.retain(|_, found| !found.constants.is_empty());
+        constants.parameter_enums.retain(|_, found| !found.constants.is_empty());
         constants
     }
 }
 
-/// What the names of all commands start with, underscore included, where there are several.
+/// The common prefix of all command names, including the underscore, if there are at least two commands.
 fn command_prefix(message: &Message) -> Option<&str> {
     let commands = message.constants.iter().filter(|constant| !constant.parameters.is_empty());
     let mut names = commands.map(|constant| constant.name.as_str());
@@ -82,7 +82,7 @@ fn common_start<'n>(left: &'n str, right: &str) -> &'n str {
     left.get(..length).unwrap_or_default()
 }
 
-/// The prefixes that parameters of commands name, without those of the enums of the message.
+/// The prefixes named by command parameters, except those of enums of the message.
 fn parameter_enums(message: &Message) -> BTreeMap<&str, ParameterEnum> {
     let known: BTreeSet<&str> =
         message.enums.iter().flat_map(|found| &found.prefixes).map(String::as_str).collect();
@@ -91,14 +91,14 @@ fn parameter_enums(message: &Message) -> BTreeMap<&str, ParameterEnum> {
         for (index, parameter) in constant.parameters.iter().enumerate() {
             let prefixes = parameter.enum_prefixes.iter().map(String::as_str);
             for prefix in prefixes.filter(|prefix| !known.contains(prefix)) {
-                found.entry(prefix).or_default().holders.push((command, index));
+                found.entry(prefix).or_default().users.push((command, index));
             }
         }
     }
     found
 }
 
-/// What the longest prefix of `name` stands for.
+/// The entry for the longest known prefix of `name`.
 fn longest_prefix<'f>(
     name: &str,
     found: &'f mut BTreeMap<&str, ParameterEnum>,
@@ -107,18 +107,18 @@ fn longest_prefix<'f>(
     found.get_mut(&name[..at])
 }
 
-/// A parameter, by its number and its command.
+/// Formats a parameter as its number and a link to its command.
 fn parameter_link(words: Words, message: &Message, (command, index): ParameterRef) -> String {
     let command = name_with_parameters(&message.constants[command]);
     words.fill(words::PARAMETER_OF, &[("number", &(index + 1).to_string()), ("command", &command)])
 }
 
-/// The anchor of the constants that parameters hold by this prefix.
+/// The anchor of the constants with this prefix.
 pub(super) fn prefix_anchor(prefix: &str) -> String {
     format!("enum-{}", prefix.to_ascii_lowercase())
 }
 
-/// Writes what parameters of commands hold, prefix by prefix.
+/// Writes the values of command parameters, prefix by prefix.
 pub(super) fn write_parameter_enums(
     page: &mut Page,
     scope: Scope<'_, '_>,
@@ -128,12 +128,12 @@ pub(super) fn write_parameter_enums(
 ) {
     let message = scope.site.schema.message(id);
     let words = scope.site.words;
-    for (prefix, found) in &constants.of_parameters {
+    for (prefix, found) in &constants.parameter_enums {
         page.anchor(&prefix_anchor(prefix));
         page.heading(3, &code(prefix));
-        let holders: Vec<String> =
-            found.holders.iter().map(|holder| parameter_link(words, message, *holder)).collect();
-        page.block(&words.fill(words::HELD_BY, &[("fields", &holders.join(", "))]));
+        let users: Vec<String> =
+            found.users.iter().map(|user| parameter_link(words, message, *user)).collect();
+        page.block(&words.fill(words::USED_BY_FIELDS, &[("fields", &users.join(", "))]));
         let mut table = Table::new(&[
             number_column(words.get(words::VALUE)),
             text_column(words.get(words::NAME)),
@@ -152,7 +152,7 @@ pub(super) fn write_parameter_enums(
     }
 }
 
-/// Writes constants that stand for themselves, group by group.
+/// Writes the remaining constants, group by group.
 pub(super) fn write(
     page: &mut Page,
     scope: Scope<'_, '_>,

@@ -1,4 +1,4 @@
-//! Enums and flags: the constants that fields hold.
+//! Enums and flags.
 
 use super::cell::{field_link, name_with_parameters};
 use super::constants::Anchored;
@@ -24,17 +24,17 @@ pub(super) fn write(
         for text in introduction(message, found) {
             page.block(&scope.block_of(text));
         }
-        page.block(&holders(scope, EnumRef { message: id, index }, found));
+        page.block(&users(scope, EnumRef { message: id, index }, found));
         page.table(&table(scope, id, found, anchored));
     }
 }
 
-/// The prefixes of the constants, which are what the annotation of a field names.
+/// The prefixes of the constants, as field annotations name them.
 fn title(found: &Enum) -> String {
     found.prefixes.iter().map(|prefix| code(prefix)).collect::<Vec<_>>().join(", ")
 }
 
-/// The texts that stand above all the constants of an enum.
+/// The group texts, if all constants of the enum are in one group.
 fn introduction(message: &Message, found: &Enum) -> Vec<MessageText> {
     let mut groups = found.members.iter().map(|member| message.constants[member.constant].group);
     let first = groups.next().flatten();
@@ -43,16 +43,20 @@ fn introduction(message: &Message, found: &Enum) -> Vec<MessageText> {
     texts.unwrap_or_default()
 }
 
-/// Which fields hold the enum, and what else they may hold.
-fn holders(scope: Scope<'_, '_>, held: EnumRef, found: &Enum) -> String {
-    let fields: Vec<String> =
-        scope.site.enum_holders(held).iter().map(|field| field_link(scope, held.message, *field)).collect();
+/// The fields that use the enum, followed by a sentence about other values.
+fn users(scope: Scope<'_, '_>, reference: EnumRef, found: &Enum) -> String {
+    let fields: Vec<String> = scope
+        .site
+        .enum_users(reference)
+        .iter()
+        .map(|field| field_link(scope, reference.message, *field))
+        .collect();
     let words = scope.site.words;
     let rest = words.get(if found.is_flags { words::OTHER_BITS } else { words::OTHER_VALUES });
     if fields.is_empty() {
         return rest.to_owned();
     }
-    format!("{} {rest}", words.fill(words::HELD_BY, &[("fields", &fields.join(", "))]))
+    format!("{} {rest}", words.fill(words::USED_BY_FIELDS, &[("fields", &fields.join(", "))]))
 }
 
 fn table(scope: Scope<'_, '_>, id: MessageId, found: &Enum, anchored: &mut Anchored) -> Table {
@@ -66,7 +70,7 @@ fn table(scope: Scope<'_, '_>, id: MessageId, found: &Enum, anchored: &mut Ancho
     ];
     let mut table = Table::new(&columns);
     let mut members: Vec<&Member> = found.members.iter().collect();
-    // Stable: of several names for a value, the one that is declared first leads.
+    // The sort is stable: the first declared name of a value comes first.
     members.sort_by_key(|member| member.value);
     let mut leader: Option<&Member> = None;
     for member in members {
@@ -111,20 +115,23 @@ fn description(
     if text.is_empty() { alias } else { format!("{text}<br>{alias}") }
 }
 
-/// What a field holds, where it is an enum.
+/// The enum of a field, as a link.
 pub(super) fn of_field(scope: Scope<'_, '_>, field: &Field) -> Option<String> {
     let words = scope.site.words;
-    let Some(held) = field.enumeration else {
+    let Some(reference) = field.enumeration else {
         let prefixes: Vec<String> = field.enum_prefixes.iter().map(|prefix| code(prefix)).collect();
         let all = prefixes.join(", ");
         return (!prefixes.is_empty()).then(|| words.fill(words::ONE_OF, &[("enum", &all)]));
     };
-    let found = scope.site.schema.enumeration(held);
-    let owner = scope.site.schema.message(held.message);
+    let found = scope.site.schema.enumeration(reference);
+    let owner = scope.site.schema.message(reference.message);
     let name = found.prefixes.join(", ");
-    let text =
-        if scope.message == held.message { code(&name) } else { code(&format!("{}.{name}", owner.name)) };
+    let text = if scope.message == reference.message {
+        code(&name)
+    } else {
+        code(&format!("{}.{name}", owner.name))
+    };
     let kind = if found.is_flags { words::BITS_OF } else { words::ONE_OF };
-    let link = link(&text, &scope.site.href(scope.from, held.message, Part::Enum(held.index)));
+    let link = link(&text, &scope.site.href(scope.from, reference.message, Part::Enum(reference.index)));
     Some(words.fill(kind, &[("enum", &link)]))
 }

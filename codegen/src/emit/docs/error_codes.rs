@@ -1,4 +1,4 @@
-//! Error codes: a page for each table, and one that lists all codes of a package.
+//! Error codes: a page for each table, and a page that lists all codes of a package.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,11 +16,11 @@ use crate::prose::xml;
 use crate::schema::{ErrorCode, ErrorTable, Package};
 use crate::translation::{error_code_key, error_codes_unit, error_table_key};
 
-/// Heading of everything about error codes.
+/// Heading of sections about error codes.
 pub(super) const TITLE: &str = words::ERROR_CODES.english();
 
-/// The sign of a severity, the fuller the graver. Where there are styles they colour it; the word beside it, or the
-/// code, says the same.
+/// The symbol of a severity. A fuller circle is more severe. Style sheets colour it; the adjacent text has the same
+/// meaning.
 fn sign(severity: Severity) -> String {
     let sign = match severity {
         Severity::Informational => '○',
@@ -31,21 +31,21 @@ fn sign(severity: Severity) -> String {
     format!("<span class=\"severity-{severity}\" aria-hidden=\"true\">{sign}</span>")
 }
 
-/// The page that lists all codes.
+/// Path of the page that lists all codes.
 pub(super) fn overview_path(package: &Package) -> String {
     format!("{}/error-codes.md", package.name)
 }
 
-/// The page of each table, in their order; no two are the same, even where case doesn't count.
+/// Paths of the pages of all tables, in order. They are unique even on case-insensitive file systems.
 pub(super) fn table_paths(package: &Package) -> Vec<String> {
-    let mut taken = BTreeSet::new();
+    let mut used = BTreeSet::new();
     let path = |table: &ErrorTable| {
         let mut stem = slug(&table.title);
-        if stem.is_empty() || taken.contains(&stem) {
+        if stem.is_empty() || used.contains(&stem) {
             let mark = if stem.is_empty() { "codes" } else { stem.as_str() };
             stem = format!("{mark}-{}", table.range.start());
         }
-        while !taken.insert(stem.clone()) {
+        while !used.insert(stem.clone()) {
             stem.push('x');
         }
         format!("{}/error-codes/{stem}.md", package.name)
@@ -58,8 +58,8 @@ fn slug(title: &str) -> String {
     words.collect::<Vec<_>>().join("-").to_ascii_lowercase()
 }
 
-/// What the table of contents lists, with the depth of each: the page of all codes, those of the tables below it,
-/// and the same in other languages.
+/// The entries of the table of contents with their depth: the page of all codes, the pages of the tables, and the
+/// translations of both.
 pub(super) fn contents(site: &Site<'_>, package: &Package) -> Vec<(usize, String, String)> {
     let tables: Vec<(&ErrorTable, String)> = package.error_tables.iter().zip(table_paths(package)).collect();
     let overview = overview_path(package);
@@ -78,7 +78,7 @@ pub(super) fn contents(site: &Site<'_>, package: &Package) -> Vec<(usize, String
     contents
 }
 
-/// All tables of a package, as seen from the page `from`.
+/// All tables of a package, with links relative to the page `from`.
 pub(super) fn list(site: &Site<'_>, from: &str, package: &Package) -> Table {
     let words = site.words;
     let columns = [
@@ -100,10 +100,10 @@ pub(super) fn list(site: &Site<'_>, from: &str, package: &Package) -> Table {
     list
 }
 
-/// The title of a table, as Markdown.
+/// The title of a table as Markdown.
 fn title(site: &Site<'_>, package: &Package, table: &ErrorTable) -> String {
-    let said = site.said(|| error_table_key(package, table), &table.title);
-    marked(&inline(said.text), said.tag)
+    let title = site.localized(|| error_table_key(package, table), &table.title);
+    marked(&inline(title.text), title.tag)
 }
 
 fn range(words: Words, table: &ErrorTable) -> String {
@@ -115,7 +115,7 @@ fn range(words: Words, table: &ErrorTable) -> String {
     }
 }
 
-/// The severities of the codes of a table, from harmless to grave.
+/// The severities that occur in a table, in ascending order.
 fn severities(words: Words, table: &ErrorTable) -> String {
     let found: BTreeSet<Severity> = table.codes.iter().map(ErrorCode::severity).collect();
     found.into_iter().map(|found| severity(words, found)).collect::<Vec<_>>().join(", ")
@@ -130,23 +130,23 @@ pub(super) fn pages(site: &Site<'_>, package: &Package) -> Vec<OutputFile> {
     if package.error_tables.is_empty() {
         return Vec::new();
     }
-    let book = Codes::of(site, package);
-    let mut pages = vec![book.overview()];
-    pages.extend((0..package.error_tables.len()).map(|index| book.page(index)));
+    let codes = Codes::of(site, package);
+    let mut pages = vec![codes.overview()];
+    pages.extend((0..package.error_tables.len()).map(|index| codes.page(index)));
     pages
 }
 
-/// The codes of a package, and where each is described.
+/// The codes of a package with the pages that describe them.
 struct Codes<'p, 's> {
     site: &'p Site<'s>,
     package: &'p Package,
-    /// What all its pages belong to.
+    /// Translation unit of the pages.
     unit: String,
-    /// The English page of each table.
+    /// Paths of the English pages, by table.
     english_paths: Vec<String>,
-    /// The page of each table.
+    /// Paths of the pages in the language of the site, by table.
     paths: Vec<String>,
-    /// By code: the index of its table.
+    /// Table indexes by code.
     tables: BTreeMap<u32, usize>,
 }
 
@@ -175,8 +175,8 @@ impl<'p, 's> Codes<'p, 's> {
             page.block(&self.site.line_of_files(&path, Target::ErrorCode(index)));
         }
         heading(&mut page, words, 2, words::ALL_CODES);
-        // Filled by a script; the table next to it says all without one.
-        let said = json!({
+        // A script fills this element. Without it, the table below contains the same data.
+        let words_of_script = json!({
             "title": words.get(words::ERROR_CODES),
             "find": words.get(words::FIND_A_CODE),
             "example": words.get(words::FIND_EXAMPLE),
@@ -186,7 +186,7 @@ impl<'p, 's> Codes<'p, 's> {
         });
         page.block(&format!(
             "<div class=\"error-code-filter\" data-words=\"{}\"></div>",
-            xml(&said.to_string())
+            xml(&words_of_script.to_string())
         ));
         let columns = [
             number_column(words.get(words::CODE)),
@@ -237,7 +237,7 @@ impl<'p, 's> Codes<'p, 's> {
         page.finish()
     }
 
-    /// Writes all about a code, below a heading of its own that a search finds.
+    /// Writes the section of a code. Its heading makes it searchable.
     fn write_code(&self, page: &mut Page, path: &str, found: &ErrorCode) {
         let words = self.site.words;
         page.anchor(&code_anchor(found.code));
@@ -258,18 +258,19 @@ impl<'p, 's> Codes<'p, 's> {
         page.block(&facts.join(" · "));
     }
 
-    /// A description in which the codes that it refers to are links.
+    /// A description, with links to the codes that it refers to.
     fn description(&self, from: &str, found: &ErrorCode) -> String {
-        let said = self.site.said(|| error_code_key(self.package, found.code), &found.description);
-        let text = with_links(said.text, |previous, word| {
-            // Elsewhere a number may count something else. The words of other languages aren't known.
-            let is_reference = said.is_translated
+        let description =
+            self.site.localized(|| error_code_key(self.package, found.code), &found.description);
+        let text = with_links(description.text, |previous, word| {
+            // In English, other numbers in the text may not be codes. In translations, the preceding words are unknown.
+            let is_reference = description.is_translated
                 || matches!(previous.to_ascii_lowercase().as_str(), "code" | "codes" | "or" | "and")
                 || !previous.is_empty() && previous.bytes().all(|byte| byte.is_ascii_digit());
             let code = word.parse().ok().filter(|code| is_reference && found.see_also.contains(code))?;
             Some(self.link(from, code))
         });
-        marked(&text, said.tag)
+        marked(&text, description.tag)
     }
 
     fn references(&self, from: &str, codes: &[u32]) -> String {
@@ -277,7 +278,7 @@ impl<'p, 's> Codes<'p, 's> {
         codes.iter().map(link).collect::<Vec<_>>().join(", ")
     }
 
-    /// A code as a link to where it is described, or as a mere number.
+    /// A code, linked to its description if there is one.
     fn link(&self, from: &str, code: u32) -> String {
         let path = self.tables.get(&code).and_then(|table| self.paths.get(*table));
         path.map_or_else(

@@ -11,7 +11,7 @@ use crate::schema::{Element, Form, Message, MessageId, Shape, Type};
 use crate::translation::MessageText;
 use crate::value::Value;
 
-/// Writes the fields of a message; the headings of groups are of `level`.
+/// Writes the fields of a message. `level` is the heading level of groups.
 pub(super) fn write(page: &mut Page, scope: Scope<'_, '_>, id: MessageId, level: usize) {
     let message = scope.site.schema.message(id);
     let words = scope.site.words;
@@ -36,7 +36,7 @@ pub(super) fn write(page: &mut Page, scope: Scope<'_, '_>, id: MessageId, level:
     in_groups(page, scope, table, &groups, level);
 }
 
-/// Where each field lies in the memory layout, where there is one.
+/// The offset of each field in memory, if the message has a memory layout.
 fn offsets<'s>(scope: Scope<'_, 's>, message: &'s Message) -> Vec<String> {
     let mut offsets = vec![String::new(); message.fields.len()];
     for slot in scope.site.layout(message).into_iter().flat_map(|layout| &layout.slots) {
@@ -68,7 +68,7 @@ fn row(
     ]
 }
 
-/// A type, which leads to the message that it names.
+/// A type, linked to the page of the message that it names.
 fn type_cell(scope: Scope<'_, '_>, message: &Message, ty: Type) -> String {
     let text = code(&scope.site.schema.type_text(message, ty));
     match ty.element {
@@ -77,7 +77,7 @@ fn type_cell(scope: Scope<'_, '_>, message: &Message, ty: Type) -> String {
     }
 }
 
-/// What is said of the values of a field, a line each.
+/// Facts about the values of a field, one per line.
 fn values(scope: Scope<'_, '_>, id: MessageId, index: usize, counter: Option<usize>) -> Vec<String> {
     let message = scope.site.schema.message(id);
     let field = &message.fields[index];
@@ -106,7 +106,7 @@ fn values(scope: Scope<'_, '_>, id: MessageId, index: usize, counter: Option<usi
     lines
 }
 
-/// By field, the one that counts its entries in use.
+/// By field, the field that counts its used entries.
 fn counters(message: &Message) -> Vec<Option<usize>> {
     let mut counters = vec![None; message.fields.len()];
     for (index, field) in message.fields.iter().enumerate() {
@@ -117,7 +117,7 @@ fn counters(message: &Message) -> Vec<Option<usize>> {
     counters
 }
 
-/// What a field says of the array whose entries in use it counts.
+/// The text for a field that counts the used entries of `array`.
 fn count(scope: Scope<'_, '_>, id: MessageId, array: usize) -> String {
     let words = scope.site.words;
     let link = field_link(scope, id, (id, array));

@@ -1,4 +1,4 @@
-//! Tables of a message that are split by the groups of their rows.
+//! Tables that are split by group.
 
 use super::language::{heading, marked};
 use super::markdown::{Page, Table, gist, inline};
@@ -6,10 +6,10 @@ use super::scope::Scope;
 use super::words;
 use crate::translation::MessageText;
 
-/// Longest heading of a group, in characters; what is longer is a text below its start.
+/// Maximum length of a group heading, in characters. A longer heading is shortened, and the full text follows it.
 const MAX_HEADING: usize = 100;
 
-/// Writes a table in parts, one for each run of rows of the same group.
+/// Writes a table in parts, one per run of rows in the same group.
 pub(super) fn in_groups(
     page: &mut Page,
     scope: Scope<'_, '_>,
@@ -30,21 +30,21 @@ pub(super) fn in_groups(
 }
 
 fn group_heading(page: &mut Page, scope: Scope<'_, '_>, group: usize, level: usize) {
-    let said = scope.site.said_of(scope.message, MessageText::Group(group));
-    let heading = marked(&inline(&heading_text(said.text)), said.tag);
+    let summary = scope.site.localized_of(scope.message, MessageText::Group(group));
+    let heading = marked(&inline(&heading_text(summary.text)), summary.tag);
     if scope.site.language.is_some() {
         let english = MessageText::Group(group).of(scope.site.schema.message(scope.message));
         page.heading_for(level, &heading, &heading_text(english));
     } else {
         page.heading(level, &heading);
     }
-    if said.text.chars().count() > MAX_HEADING {
+    if summary.text.chars().count() > MAX_HEADING {
         page.block(&scope.block_of(MessageText::Group(group)));
     }
     page.block(&scope.block_of(MessageText::GroupDescription(group)));
 }
 
-/// The heading of a group that a text stands above.
+/// The heading of a group, shortened if necessary.
 fn heading_text(text: &str) -> String {
     let short = if text.chars().count() <= MAX_HEADING { text.to_owned() } else { gist(text, MAX_HEADING) };
     short.trim_end_matches(['.', ':']).to_owned()

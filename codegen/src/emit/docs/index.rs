@@ -1,4 +1,4 @@
-//! The first pages: of all packages, and of each.
+//! Index pages: one for all packages, and one per package.
 
 use super::error_codes;
 use super::interface::kind_name;
@@ -15,13 +15,13 @@ use super::words::ENGLISH;
 use crate::emit::file::OutputFile;
 use crate::schema::{Enum, Message, MessageId, Package};
 
-/// Longest text of a cell in an index, in characters.
+/// Maximum length of a cell in an index, in characters.
 const MAX_GIST: usize = 160;
 
-/// Most topics in a cell of an index.
+/// Maximum number of topics in a cell of an index.
 const MAX_TOPICS: usize = 4;
 
-/// The page of all packages.
+/// The index page of all packages.
 pub(super) fn overview(site: &Site<'_>, options: &Options) -> OutputFile {
     let path = "README.md";
     let mut page = Page::new(path, &inline(&options.title));
@@ -31,18 +31,18 @@ pub(super) fn overview(site: &Site<'_>, options: &Options) -> OutputFile {
         let more = link("Topics, enums and sizes", &href(path, &readme(package), ""));
         contents(&mut page, site, path, package, 3);
         if !package.messages.is_empty() {
-            page.block(&format!("{more} of all {} of this package.", messages(package.messages.len())));
+            page.block(&format!("{more} of all {}.", messages(package.messages.len())));
         }
     }
     if options.rules {
         page.heading(2, rules::TITLE);
         let all = link("All rules", &href(path, rules::OVERVIEW, ""));
-        page.block(&format!("{all} by which `cargo xtask` judges definitions, with examples."));
+        page.block(&format!("{all} that `cargo xtask` checks definitions against, with examples."));
     }
     page.finish()
 }
 
-/// The page of a package.
+/// The index page of a package.
 pub(super) fn package(site: &Site<'_>, package: &Package) -> OutputFile {
     let path = readme(package);
     let mut page = Page::new(&path, &inline(&package.name));
@@ -75,7 +75,7 @@ fn section(page: &mut Page, level: usize, heading: &str, table: &Table) {
     }
 }
 
-/// Writes what a package defines.
+/// Writes the tables of a package's contents.
 fn contents(page: &mut Page, site: &Site<'_>, from: &str, package: &Package, level: usize) {
     section(page, level, "Messages", &message_table(site, from, package));
     section(page, level, "Services and actions", &interface_table(site, from, package));
@@ -112,15 +112,15 @@ fn message_table(site: &Site<'_>, from: &str, package: &Package) -> Table {
     table
 }
 
-/// The topics of a message; of many only the first.
+/// The topics of a message. A long list is shortened.
 fn some_topics(site: &Site<'_>, from: &str, id: MessageId) -> String {
     let message = site.schema.message(id);
     if message.topics.len() <= MAX_TOPICS {
         return topics(&message.topics);
     }
-    let (shown, rest) = message.topics.split_at(MAX_TOPICS - 1);
+    let (first, rest) = message.topics.split_at(MAX_TOPICS - 1);
     let more = link(&format!("{} more", rest.len()), &href(from, site.path(id), ""));
-    format!("{} and {more}", topics(shown))
+    format!("{} and {more}", topics(first))
 }
 
 fn page_link(site: &Site<'_>, from: &str, id: MessageId) -> String {
@@ -150,7 +150,7 @@ fn interface_table(site: &Site<'_>, from: &str, package: &Package) -> Table {
     table
 }
 
-/// Topics with their messages: what a log shows is the topic.
+/// Topics with their messages. Logs contain topic names only.
 fn topic_table(site: &Site<'_>, from: &str, package: &Package) -> Table {
     let mut topics: Vec<(&str, MessageId)> = Vec::new();
     for id in &package.messages {
@@ -192,7 +192,7 @@ fn size_table(site: &Site<'_>, from: &str, package: &Package) -> Table {
         text_column("Message"),
         number_column("Fields"),
         number_column("uORB"),
-        number_column("without padding at the end"),
+        number_column("without trailing padding"),
         text_column("uORB hash"),
         number_column("CDR"),
     ];

@@ -1,4 +1,4 @@
-//! The page of a service or action.
+//! Pages of services and actions.
 
 use super::constants::{self, Anchored, Constants};
 use super::enums;
@@ -14,7 +14,7 @@ use crate::emit::json_schema::Target;
 use crate::schema::{Interface, Kind, MessageId, Package};
 use crate::translation::{MessageText, interface_unit};
 
-/// What a kind is called in running text.
+/// The name of a kind in running text.
 pub(super) fn kind_name(kind: Kind) -> &'static str {
     match kind {
         Kind::Message => "message",
@@ -23,13 +23,13 @@ pub(super) fn kind_name(kind: Kind) -> &'static str {
     }
 }
 
-/// The first heading of the page, as Markdown.
+/// The main heading of the page, as Markdown.
 fn title(words: Words, interface: &Interface) -> String {
     let word = if interface.kind == Kind::Action { words::ACTION } else { words::SERVICE };
     words.fill(word, &[("name", &inline(&interface.name))])
 }
 
-/// The page of a service or action: all its parts.
+/// The page of a service or action with all its parts.
 pub(super) fn page(site: &Site<'_>, package: &Package, interface: &Interface) -> OutputFile {
     let unit = interface_unit(package, interface);
     let english = interface_path(package, interface);
@@ -81,7 +81,7 @@ fn part(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
     let mut anchored = Anchored::default();
     enums::write(page, scope, id, 3, &mut anchored);
     let mut others = constants.others;
-    others.extend(constants.of_parameters.into_values().flat_map(|found| found.constants));
+    others.extend(constants.parameter_enums.into_values().flat_map(|found| found.constants));
     others.extend(constants.commands.into_iter().filter(|index| !constants.members.contains(index)));
     others.sort_unstable();
     if !others.is_empty() {

@@ -1,4 +1,4 @@
-//! Types and messages of pages: a page for each, with links between them.
+//! Pages of the types and messages that pages of a specification define.
 
 mod directory;
 mod member;

@@ -1,4 +1,4 @@
-//! Pages in other languages, beside the English ones: their addresses, and the links between them.
+//! Translated pages: their paths, and the links between languages.
 
 use super::markdown::{Page, href, inline, link};
 use super::site::{Site, path_in};
@@ -6,14 +6,14 @@ use super::words::{Word, Words};
 use crate::prose;
 use crate::translation::{SOURCE_LANGUAGE, is_right_to_left};
 
-/// A first heading, given as Markdown: in the language of the page, and in English.
+/// A main heading as Markdown, in the language of the page and in English.
 pub(super) struct Heading<'h> {
     pub(super) text: &'h str,
     pub(super) english: &'h str,
 }
 
-/// A page about `unit`, in the language of the site: with its first heading, and links to the same page in other
-/// languages. `english` is the path of the English page.
+/// Starts a page about `unit` in the language of the site, with its main heading and links to other languages.
+/// `english` is the path of the English page.
 pub(super) fn page(site: &Site<'_>, unit: &str, english: &str, heading: &Heading<'_>) -> Page {
     let path = site.path_of(english, unit);
     let mut page = Page::without_heading(&path);
@@ -29,7 +29,7 @@ pub(super) fn page(site: &Site<'_>, unit: &str, english: &str, heading: &Heading
     page
 }
 
-/// Links to a page in each language that has it; nothing where that is English alone.
+/// Links to the page in all languages, or an empty string if it is not translated.
 fn switch(site: &Site<'_>, unit: &str, english: &str, from: &str) -> String {
     let mut others = site.languages_of(unit).peekable();
     if others.peek().is_none() {
@@ -40,14 +40,14 @@ fn switch(site: &Site<'_>, unit: &str, english: &str, from: &str) -> String {
         .map(|language| (language.tag.as_str(), language.name.as_str(), path_in(english, &language.tag)));
     let all = std::iter::once((SOURCE_LANGUAGE, "English", english.to_owned())).chain(others);
     let entry = |(tag, name, path): (&str, &str, String)| {
-        let is_own = tag == current;
-        let name = if is_own { inline(name) } else { marked(&inline(name), Some(tag)) };
-        if is_own { name } else { link(&name, &href(from, &path, "")) }
+        let is_current = tag == current;
+        let name = if is_current { inline(name) } else { marked(&inline(name), Some(tag)) };
+        if is_current { name } else { link(&name, &href(from, &path, "")) }
     };
     all.map(entry).collect::<Vec<_>>().join(" · ")
 }
 
-/// A heading of the generator's own, which has the same address in all languages.
+/// A fixed heading, with the same anchor in all languages.
 pub(super) fn heading(page: &mut Page, words: Words, level: usize, word: Word) {
     if words.are_english() {
         page.heading(level, word.english());
@@ -56,7 +56,7 @@ pub(super) fn heading(page: &mut Page, words: Words, level: usize, word: Word) {
     }
 }
 
-/// Markdown on one line that is in another language than its page, which screen readers then speak rightly.
+/// Marks inline Markdown that is in another language than the page, for screen readers.
 pub(super) fn marked(markdown: &str, tag: Option<&str>) -> String {
     match tag {
         Some(tag) if !markdown.is_empty() => format!("<span {}>{markdown}</span>", attributes(tag)),
@@ -64,7 +64,7 @@ pub(super) fn marked(markdown: &str, tag: Option<&str>) -> String {
     }
 }
 
-/// The same for paragraphs.
+/// Like [`marked`], for paragraphs.
 pub(super) fn marked_block(markdown: &str, tag: Option<&str>) -> String {
     match tag {
         Some(tag) if !markdown.is_empty() => format!("<div {}>\n\n{markdown}\n\n</div>", attributes(tag)),
@@ -72,7 +72,7 @@ pub(super) fn marked_block(markdown: &str, tag: Option<&str>) -> String {
     }
 }
 
-/// What an element says of its language.
+/// The HTML attributes for a language.
 fn attributes(tag: &str) -> String {
     let direction = if is_right_to_left(tag) { " dir=\"rtl\"" } else { "" };
     format!("lang=\"{}\"{direction}", prose::xml(tag))
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_in_another_language_says_so() {
+    fn marks_text_in_other_languages() {
         assert_eq!(marked("a", Some("uk")), "<span lang=\"uk\">a</span>");
         assert_eq!(marked("a", None), "a");
         assert_eq!(marked_block("a", Some("ar")), "<div lang=\"ar\" dir=\"rtl\">\n\na\n\n</div>");

@@ -1,6 +1,6 @@
-//! The Markdown that pages are made of: headings, paragraphs, tables, links.
+//! Markdown building blocks of pages: headings, paragraphs, tables, links.
 //!
-//! Others who write pages use it, too, so that all look the same.
+//! They are public so that other generators can produce pages with the same look.
 //!
 //! ```
 //! use uavspec_codegen::emit::docs::markdown::{Page, Table, code, text_column};
@@ -20,38 +20,38 @@ use crate::prose;
 pub(super) use crate::prose::gist;
 use crate::prose::percent_encoded;
 
-/// A page while it is written.
+/// A page under construction.
 #[derive(Debug)]
 pub struct Page {
     path: String,
     text: String,
-    /// What stands after all else.
+    /// Text appended at the end.
     end: &'static str,
-    /// How often each English heading has been written in another language.
+    /// Number of translated headings by English anchor.
     headings: BTreeMap<String, usize>,
 }
 
 impl Page {
-    /// A page with its first heading, which is given as Markdown.
+    /// Creates a page with its main heading, given as Markdown.
     pub(super) fn new(path: &str, heading: &str) -> Self {
         Self::with_notice(&notice(), path, heading)
     }
 
-    /// A page that says in a comment what made it; its first heading is given as Markdown.
+    /// Creates a page with a notice in a comment, and its main heading, given as Markdown.
     pub fn with_notice(notice: &str, path: &str, heading: &str) -> Self {
         let mut page = Self::empty(notice, path);
         page.heading(1, heading);
         page
     }
 
-    /// A page without a heading yet.
+    /// Creates a page without a heading.
     pub(super) fn without_heading(path: &str) -> Self {
         Self::empty(&notice(), path)
     }
 
-    /// Puts all that follows into an element of these attributes, which say what language it is in.
+    /// Encloses the rest of the page in an element with these attributes, which set the language.
     pub(super) fn begin_language(&mut self, attributes: &str) {
-        // The blank line ends the HTML, so that what follows is Markdown.
+        // The blank line ends the HTML block, so Markdown can follow.
         self.put(format_args!("\n<div {attributes}>\n"));
         self.end = "\n</div>\n";
     }
@@ -61,37 +61,37 @@ impl Page {
         Self { path: path.to_owned(), text, end: "", headings: BTreeMap::new() }
     }
 
-    /// A heading, given as Markdown.
+    /// Adds a heading, given as Markdown.
     pub fn heading(&mut self, level: usize, heading: &str) {
-        // `#` at its end would be taken for a closing mark.
+        // A trailing `#` would be parsed as a closing sequence.
         let (heading, end) = heading.strip_suffix('#').map_or((heading, ""), |start| (start, "\\#"));
         self.put(format_args!("\n{:#<level$} {heading}{end}\n", ""));
     }
 
-    /// A heading, given as Markdown, in another language than English: links to the English one lead here, too.
+    /// Adds a translated heading, given as Markdown, with the anchor of the English heading.
     pub(super) fn heading_for(&mut self, level: usize, heading: &str, english: &str) {
         let id = heading_anchor(english);
-        // Of several alike, mdBook and GitHub number all but the first.
+        // mdBook and GitHub number repeated headings from the second one on.
         let known = self.headings.entry(id.clone()).or_default();
         let number = std::mem::replace(known, *known + 1);
         self.anchor(&if number == 0 { id } else { format!("{id}-{number}") });
         self.heading(level, heading);
     }
 
-    /// A place before a heading that links can lead to. It stands apart, since mdBook makes a link
-    /// of each heading, and there is no link within a link.
+    /// Adds an anchor before a heading. It is a separate block: mdBook turns each heading into a link, and links can't
+    /// be nested.
     pub(super) fn anchor(&mut self, id: &str) {
         self.put(format_args!("\n{}\n", anchor(id)));
     }
 
-    /// A paragraph, or any other block, given as Markdown; nothing where it is empty.
+    /// Adds a paragraph or another block, given as Markdown. An empty block is skipped.
     pub fn block(&mut self, markdown: &str) {
         if !markdown.is_empty() {
             self.put(format_args!("\n{markdown}\n"));
         }
     }
 
-    /// Lines as they are, set apart from all others. What can't be seen or shown comes out as U+FFFD.
+    /// Adds lines verbatim in a code block. Invisible characters become U+FFFD.
     pub fn listing(&mut self, text: &str) {
         let longest = text.split(|character| character != '`').map(str::len).max().unwrap_or(0);
         let fence = "`".repeat(longest.max(2) + 1);
@@ -106,17 +106,17 @@ impl Page {
         self.put(format_args!("{fence}\n"));
     }
 
-    /// An item of a list, given as Markdown.
+    /// Adds a list item, given as Markdown.
     pub fn item(&mut self, depth: usize, markdown: &str) {
         self.put(format_args!("{:depth$}- {markdown}\n", "", depth = 2 * depth));
     }
 
-    /// A blank line, as before a list.
+    /// Adds a blank line, such as before a list.
     pub fn gap(&mut self) {
         self.text.push('\n');
     }
 
-    /// A table without the columns that have nothing to say; nothing where it has no rows.
+    /// Adds a table without its empty columns. A table without rows is skipped.
     pub fn table(&mut self, table: &Table) {
         if table.is_empty() {
             return;
@@ -144,20 +144,20 @@ impl Page {
         append(&mut self.text, text);
     }
 
-    /// The file.
+    /// Finishes the page.
     pub fn finish(self) -> OutputFile {
         OutputFile { path: self.path, text: self.text + self.end }
     }
 }
 
-/// The line that every file begins with, between the marks of its kind of comment.
+/// The notice at the start of every file, without comment marks.
 pub(super) fn notice() -> String {
     file::notice("the definitions")
 }
 
-/// Formats to the end of a text.
+/// Appends formatted text.
 pub(super) fn append(to: &mut String, text: fmt::Arguments<'_>) {
-    // Writing to a `String` can't fail.
+    // Writing to a `String` never fails.
     let _ = to.write_fmt(text);
 }
 
@@ -179,12 +179,12 @@ pub const fn text_column(heading: &'static str) -> Column {
     Column { heading, is_number: false }
 }
 
-/// A column of numbers, which are aligned at their ends.
+/// A column of numbers, aligned to the right.
 pub const fn number_column(heading: &'static str) -> Column {
     Column { heading, is_number: true }
 }
 
-/// A table; its cells are Markdown.
+/// A table. Its cells are Markdown.
 #[derive(Clone, Debug)]
 pub struct Table {
     columns: Vec<Column>,
@@ -192,29 +192,29 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table without rows.
+    /// Creates a table without rows.
     pub fn new(columns: &[Column]) -> Self {
         Self { columns: columns.to_vec(), rows: Vec::new() }
     }
 
-    /// A row.
+    /// Adds a row.
     pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
         self.rows.push(cells.into_iter().collect());
     }
 
-    /// Whether it has no rows.
+    /// True if the table has no rows.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// The columns in which any cell says something, and the first.
+    /// The indexes of the first column and of all columns with at least one nonempty cell.
     fn used_columns(&self) -> Vec<usize> {
-        let says =
+        let has_content =
             |column: usize| self.rows.iter().any(|row| row.get(column).is_some_and(|cell| !cell.is_empty()));
-        (0..self.columns.len()).filter(|column| *column == 0 || says(*column)).collect()
+        (0..self.columns.len()).filter(|column| *column == 0 || has_content(*column)).collect()
     }
 
-    /// The same rows, `lengths` of them to each table.
+    /// Splits the rows into tables of the given `lengths`.
     pub fn split(self, lengths: impl IntoIterator<Item = usize>) -> Vec<Self> {
         let mut rows = self.rows.into_iter();
         let part =
@@ -223,20 +223,19 @@ impl Table {
     }
 }
 
-/// A text of a definition on one line.
+/// Escapes text of a definition for use on one line.
 ///
-/// Braces are escaped too, for the templates of mdBook and of GitHub's pages, and
-/// for the attributes that mdBook reads from headings.
+/// Braces are escaped too, because templates of mdBook and GitHub Pages and heading attributes of mdBook use them.
 pub fn inline(text: &str) -> String {
     let escaped = prose::inline(text);
     if escaped.contains('{') { escaped.replace('{', "&#123;") } else { escaped }
 }
 
-/// A text of uavspec's own on one line, in which code stands between backticks.
+/// Escapes a text that marks code with backticks, for use on one line.
 pub fn with_code(text: &str) -> String {
     let parts: Vec<&str> = text.split('`').collect();
     if parts.len().is_multiple_of(2) {
-        // A backtick without its partner is text.
+        // An unpaired backtick is plain text.
         return inline(text);
     }
     let mut markdown = String::with_capacity(text.len());
@@ -245,7 +244,7 @@ pub fn with_code(text: &str) -> String {
             markdown.push_str(&code(part));
             continue;
         }
-        // Blanks beside code count, and lines are trimmed.
+        // `inline` trims its text, but spaces next to code are significant.
         let (start, end) = (part.len() - part.trim_start().len(), part.trim_end().len());
         markdown.push_str(if start > 0 { " " } else { "" });
         markdown.push_str(&inline(part));
@@ -254,14 +253,14 @@ pub fn with_code(text: &str) -> String {
     markdown.trim().to_owned()
 }
 
-/// A text that stays on one line, given as Markdown.
+/// Prevents line breaks in Markdown text.
 pub(super) fn unbroken(markdown: &str) -> String {
     markdown.replace(' ', "&nbsp;")
 }
 
-/// A name or value as code, fit for a table.
+/// Formats a name or value as code, also inside tables.
 pub fn code(text: &str) -> String {
-    // What means something to tables or templates keeps its meaning even between backticks.
+    // Some characters are special in tables or templates even inside backticks.
     if !text.is_empty()
         && text.bytes().all(|byte| matches!(byte, b' '..=b'~') && !matches!(byte, b'`' | b'|' | b'{'))
     {
@@ -270,7 +269,7 @@ pub fn code(text: &str) -> String {
     let mut escaped = String::from("<code>");
     for character in prose::xml(text).chars() {
         match character {
-            // Already an entity, or the parts of one.
+            // Part of an entity, or harmless.
             '&' | ';' | '#' | ' ' => escaped.push(character),
             _ if character.is_alphanumeric() => escaped.push(character),
             _ => append(&mut escaped, format_args!("&#{};", u32::from(character))),
@@ -279,17 +278,17 @@ pub fn code(text: &str) -> String {
     escaped + "</code>"
 }
 
-/// A link with text given as Markdown.
+/// Creates a link. The text is Markdown.
 pub fn link(markdown: &str, href: &str) -> String {
     format!("[{markdown}]({href})")
 }
 
-/// A place within a line that links can lead to.
+/// Creates an inline anchor.
 pub(super) fn anchor(id: &str) -> String {
     format!("<a id=\"{}\"></a>", prose::xml(id))
 }
 
-/// The anchor that mdBook and GitHub give to a heading of plain text.
+/// The anchor that mdBook and GitHub assign to a heading of plain text.
 pub(super) fn heading_anchor(text: &str) -> String {
     let characters = text.trim().chars().filter_map(|character| match character {
         _ if character.is_alphanumeric() || matches!(character, '_' | '-') => Some(character),
@@ -299,7 +298,7 @@ pub(super) fn heading_anchor(text: &str) -> String {
     characters.collect::<String>().to_lowercase()
 }
 
-/// The address of the page `to`, or of a place in it, as seen from the page `from`.
+/// The relative URL of the page `to`, or of an anchor in it, from the page `from`.
 pub fn href(from: &str, to: &str, anchor: &str) -> String {
     let mark = if anchor.is_empty() { "" } else { "#" };
     if from == to && !anchor.is_empty() {
@@ -311,13 +310,13 @@ pub fn href(from: &str, to: &str, anchor: &str) -> String {
     format!("{up}{}{mark}{}", percent_encoded(&to[folder..]), percent_encoded(anchor))
 }
 
-/// A number of things, in words.
+/// A count with its noun, such as `2 bytes`.
 pub fn plural(count: u64, noun: &str) -> String {
     let ending = if count == 1 { "" } else { "s" };
     format!("{} {noun}{ending}", thousands(count))
 }
 
-/// A number with a comma after each three digits.
+/// Formats a number with thousands separators.
 pub fn thousands(number: u64) -> String {
     let digits = number.to_string();
     let mut grouped = String::with_capacity(digits.len() + digits.len() / 3);
@@ -335,7 +334,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn addresses_are_relative_to_the_page() {
+    fn links_are_relative_to_the_page() {
         for (from, to, anchor, expected) in [
             ("README.md", "px4/A.md", "", "px4/A.md"),
             ("px4/A.md", "px4/AB.md", "field-x", "AB.md#field-x"),
@@ -350,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn code_between_backticks_stays_code() {
+    fn formats_text_between_backticks_as_code() {
         assert_eq!(
             with_code("`a|b` is *no* `{c}`, but `d`"),
             r"<code>a&#124;b</code> is \*no\* <code>&#123;c&#125;</code>, but `d`"
@@ -360,14 +359,14 @@ mod tests {
     }
 
     #[test]
-    fn a_listing_ends_only_at_its_end() {
+    fn uses_a_longer_fence_than_any_in_the_listing() {
         let mut page = Page::new("p.md", "P");
         page.listing("a\n```\n\tb \u{7}\n");
         assert!(page.finish().text.ends_with("\n````text\na\n```\n\tb \u{fffd}\n````\n"));
     }
 
     #[test]
-    fn code_survives_tables_and_templates() {
+    fn escapes_code_for_tables_and_templates() {
         assert_eq!(code("uint8[<=4]"), "`uint8[<=4]`");
         assert_eq!(code("a|b"), "<code>a&#124;b</code>");
         assert_eq!(code("{{#include `x`}}"), "<code>&#123;&#123;#include &#96;x&#96;&#125;&#125;</code>");
@@ -376,7 +375,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_readable() {
+    fn separates_thousands() {
         assert_eq!(thousands(0), "0");
         assert_eq!(thousands(123), "123");
         assert_eq!(thousands(1_234_567), "1,234,567");
@@ -384,7 +383,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_drops_what_is_empty() {
+    fn drops_empty_columns() {
         let mut table = Table::new(&[text_column("A"), number_column("B"), number_column("C")]);
         table.row(["x".to_owned(), String::new(), "1".to_owned()]);
         table.row(["y".to_owned()]);
@@ -394,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn anchors_are_those_of_headings() {
+    fn derives_anchors_from_headings() {
         assert_eq!(heading_anchor("Per-mode requirements (RC, GPS)"), "per-mode-requirements-rc-gps");
     }
 }

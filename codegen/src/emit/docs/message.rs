@@ -17,7 +17,7 @@ use crate::emit::json_schema::Target;
 use crate::schema::{CdrSize, MessageId, Package, UorbLayout};
 use crate::translation::{MessageText, message_unit};
 
-/// The page of a message.
+/// Creates the page of a message.
 pub(super) fn page(site: &Site<'_>, id: MessageId) -> OutputFile {
     let scope = Scope::of(site, id);
     let message = site.schema.message(id);
@@ -68,7 +68,7 @@ fn facts(scope: Scope<'_, '_>, id: MessageId) -> Table {
     table
 }
 
-/// A package, and where it comes from.
+/// A package with its origin.
 pub(super) fn package_cell(words: Words, from: &str, package: &Package) -> String {
     let name = link(&inline(&package.name), &href(from, &format!("{}/README.md", package.name), ""));
     match origin(words, package) {
@@ -77,7 +77,7 @@ pub(super) fn package_cell(words: Words, from: &str, package: &Package) -> Strin
     }
 }
 
-/// Where a package comes from, in which state.
+/// The origin and revision of a package.
 pub(super) fn origin(words: Words, package: &Package) -> Option<String> {
     match (&package.origin, &package.revision) {
         (Some(origin), Some(revision)) => {
@@ -90,7 +90,7 @@ pub(super) fn origin(words: Words, package: &Package) -> Option<String> {
     }
 }
 
-/// Topics, as code.
+/// Topics, formatted as code.
 pub(super) fn topics(topics: &[String]) -> String {
     topics.iter().map(|topic| code(topic)).collect::<Vec<_>>().join(", ")
 }
@@ -105,13 +105,13 @@ fn uorb_size(words: Words, layout: &UorbLayout) -> String {
     }
 }
 
-/// Size of the CDR form.
+/// The size of the CDR form.
 pub(super) fn cdr_size(words: Words, size: CdrSize) -> String {
     let least = words.bytes(size.least);
     if size.is_fixed { least } else { words.fill(words::OR_MORE, &[("size", &least)]) }
 }
 
-/// Writes all that is said of constants.
+/// Writes the sections about constants.
 fn values(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
     let message = scope.site.schema.message(id);
     let words = scope.site.words;
@@ -125,8 +125,8 @@ fn values(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
         heading(page, words, 2, words::COMMANDS);
         commands::write(page, scope, id, &constants, &mut anchored);
     }
-    if !constants.of_parameters.is_empty() {
-        heading(page, words, 2, words::VALUES_OF_PARAMETERS);
+    if !constants.parameter_enums.is_empty() {
+        heading(page, words, 2, words::PARAMETER_VALUES);
         constants::write_parameter_enums(page, scope, id, &constants, &mut anchored);
     }
     if !constants.others.is_empty() {
@@ -148,12 +148,12 @@ fn layout(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
 }
 
 fn users(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
-    let holders = scope.site.holders(id);
-    if !holders.is_empty() {
+    let users = scope.site.users(id);
+    if !users.is_empty() {
         heading(page, scope.site.words, 2, words::USED_BY);
         page.gap();
-        for holder in holders {
-            page.item(0, &field_link(scope, id, *holder));
+        for user in users {
+            page.item(0, &field_link(scope, id, *user));
         }
     }
 }

@@ -1,24 +1,24 @@
 //! Options of the emitter.
 
-/// What the definitions don't say.
+/// Options that the definitions don't determine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Title of the book and of its first page.
     pub title: String,
-    /// Whether the rules of uavspec itself are described, too.
+    /// True if pages about the rules of uavspec are included.
     pub rules: bool,
-    /// What stands at the end of the table of contents: a Markdown list of pages that others write.
+    /// Markdown list of additional pages, appended to the table of contents.
     pub more_contents: String,
-    /// The folders of what is generated beside the documentation, as seen from its own.
-    pub beside: Beside,
+    /// Folders of the other outputs, relative to the documentation.
+    pub siblings: Siblings,
 }
 
-/// Folders of other output, with `/` between the parts of their paths; none where there is no such output.
+/// Folders of other outputs, separated by `/`. `None` if there is no such output.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Beside {
-    /// Of the JSON Schemas.
+pub struct Siblings {
+    /// JSON Schemas.
     pub schemas: Option<String>,
-    /// Of the test vectors.
+    /// Test vectors.
     pub vectors: Option<String>,
 }
 
@@ -28,7 +28,7 @@ impl Default for Options {
             title: "Interface definitions".to_owned(),
             rules: false,
             more_contents: String::new(),
-            beside: Beside::default(),
+            siblings: Siblings::default(),
         }
     }
 }

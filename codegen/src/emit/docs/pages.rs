@@ -1,4 +1,4 @@
-//! All files.
+//! Assembly of all files.
 
 use super::options::Options;
 use super::rules::Rules;
@@ -9,15 +9,15 @@ use crate::schema::{Interface, Package, Schema};
 use crate::source::SourceMap;
 use crate::translation::{self, Translations};
 
-/// Describes all that `schema` lists, and beside that in each language what it is translated into. The order of the
-/// files is that of the schema.
+/// Creates the documentation of all listed definitions, in English and in all translations. Files are in the order of
+/// the schema.
 pub fn emit(
     schema: &Schema,
     translations: &Translations,
     sources: &SourceMap,
     options: &Options,
 ) -> Vec<OutputFile> {
-    let site = Site::new(schema, translations, sources, &options.beside);
+    let site = Site::new(schema, translations, sources, &options.siblings);
     let rules = options.rules.then(Rules::new);
     let mut files = vec![
         book::config(options),
@@ -37,7 +37,7 @@ pub fn emit(
         files.extend(json::Json::of(&site, package).pages());
     }
     for language in &translations.languages {
-        let site = Site::in_language(schema, translations, sources, &options.beside, Some(language));
+        let site = Site::in_language(schema, translations, sources, &options.siblings, Some(language));
         site.packages().for_each(|package| files.append(&mut translated(&site, package)));
     }
     files.extend(rules.iter().flat_map(Rules::pages));

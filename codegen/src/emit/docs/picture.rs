@@ -1,4 +1,4 @@
-//! The picture of a memory layout: rows of eight bytes, a box for each field.
+//! Pictures of memory layouts: rows of eight bytes, with a box for each field.
 
 mod grid;
 mod svg;
@@ -9,12 +9,12 @@ use super::site::Site;
 use crate::emit::file::OutputFile;
 use crate::schema::{Element, Message, MessageId, Slot, UorbLayout};
 
-/// The picture that belongs to the page of a message.
+/// The path of the picture for a message page.
 pub(super) fn path(page: &str) -> String {
     format!("{}.svg", page.strip_suffix(".md").unwrap_or(page))
 }
 
-/// The picture of a message's layout, where it has one.
+/// Draws the memory layout of a message, if it has one.
 pub(super) fn file(site: &Site<'_>, id: MessageId) -> Option<OutputFile> {
     let message = site.schema.message(id);
     let layout = site.layout(message)?;
@@ -38,7 +38,7 @@ fn member<'s>(site: &Site<'s>, message: &'s Message, slot: &'s Slot) -> Member<'
     Member { slot, tint, element_size, unit }
 }
 
-/// The sizes, below the boxes.
+/// The caption with the total size.
 fn caption(layout: &UorbLayout) -> String {
     let padding: usize = layout.slots.iter().filter(|slot| slot.field.is_none()).map(|slot| slot.size).sum();
     let size = plural(layout.size as u64, "byte");

@@ -1,4 +1,4 @@
-//! Descriptions in their surroundings: the names that they mention become links.
+//! Descriptions, with links to the names that they mention.
 
 use std::ops::Range;
 
@@ -8,55 +8,55 @@ use super::site::{Part, Site};
 use crate::schema::MessageId;
 use crate::translation::MessageText;
 
-/// Where a description stands.
+/// The context of a description.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scope<'p, 's> {
     pub(super) site: &'p Site<'s>,
-    /// The page.
+    /// Path of the page.
     pub(super) from: &'p str,
-    /// Index of the package whose names mean something.
+    /// Index of the package whose names are resolved.
     pub(super) package: usize,
-    /// The message whose parts may be named alone.
+    /// The message whose parts are referred to by simple names.
     pub(super) message: MessageId,
-    /// The part of it that the description is of: it needs no link to itself.
+    /// The described part of the message. It is not linked to itself.
     at: Option<Part>,
 }
 
 impl<'p, 's> Scope<'p, 's> {
-    /// The surroundings of what is said of a message.
+    /// The scope of texts about a message.
     pub(super) fn of(site: &'p Site<'s>, id: MessageId) -> Self {
         Self::on(site, site.path(id), id)
     }
 
-    /// The surroundings of what is said of a message on the page `from`.
+    /// The scope of texts about a message on the page `from`.
     pub(super) fn on(site: &'p Site<'s>, from: &'p str, id: MessageId) -> Self {
         Self { site, from, package: site.schema.message(id).package, message: id, at: None }
     }
 
-    /// The surroundings of what is said of a part of the message.
+    /// The scope of texts about a part of the message.
     pub(super) fn at(self, part: Part) -> Self {
         Self { at: Some(part), ..self }
     }
 
-    /// What the message says, on one line as in the cell of a table.
+    /// A text of the message on one line, for a table cell.
     pub(super) fn inline_of(self, text: MessageText) -> String {
-        let said = self.site.said_of(self.message, text);
-        marked(&self.inline(said.text), said.tag)
+        let text = self.site.localized_of(self.message, text);
+        marked(&self.inline(text.text), text.tag)
     }
 
-    /// What the message says, with its paragraphs and simple lists.
+    /// A text of the message, with its paragraphs and simple lists.
     pub(super) fn block_of(self, text: MessageText) -> String {
-        let said = self.site.said_of(self.message, text);
-        marked_block(&self.block(said.text), said.tag)
+        let text = self.site.localized_of(self.message, text);
+        marked_block(&self.block(text.text), text.tag)
     }
 
-    /// A description on one line, as in the cell of a table; paragraphs stay apart.
+    /// Formats a description on one line, for a table cell. Paragraphs are separated by line breaks.
     pub(super) fn inline(self, text: &str) -> String {
         let paragraphs: Vec<String> = text.split("\n\n").map(|paragraph| self.line(paragraph)).collect();
         paragraphs.join("<br>")
     }
 
-    /// A description of several lines, with its paragraphs and simple lists.
+    /// Formats a description of several lines, with its paragraphs and simple lists.
     pub(super) fn block(self, text: &str) -> String {
         let lines: Vec<String> = text.lines().map(|line| self.line_of_block(line.trim())).collect();
         lines.join("\n")
@@ -73,7 +73,7 @@ impl<'p, 's> Scope<'p, 's> {
         with_links(text, |_, word| self.target(word))
     }
 
-    /// A link in place of a word that names something.
+    /// The link for a word, if it is a name.
     fn target(self, word: &str) -> Option<String> {
         let href = match word.split_once('.') {
             Some((message, part)) => self.part_of(self.other(message)?, part)?,
@@ -88,7 +88,7 @@ impl<'p, 's> Scope<'p, 's> {
         Some(link(&code(word), &href))
     }
 
-    /// The message that is called so and is not the one at hand.
+    /// The message with this name, unless it is the current one.
     fn other(self, name: &str) -> Option<MessageId> {
         self.site.message_named(self.package, name).filter(|id| *id != self.message)
     }
@@ -103,13 +103,13 @@ impl<'p, 's> Scope<'p, 's> {
     }
 }
 
-/// Whether a name can be nothing else: `Event` at the start of a sentence is just a word.
+/// True if a name can't be an ordinary word. `Event` at the start of a sentence may be one.
 pub(super) fn is_compound(name: &str) -> bool {
     let capitals = name.chars().filter(char::is_ascii_uppercase).count();
     capitals > 1 && capitals < name.len()
 }
 
-/// A text on one line, in which `target` may turn words into links. It is given the word before, too.
+/// Formats a text on one line. `target` receives the previous word and the word, and may return a link.
 pub(super) fn with_links(text: &str, target: impl Fn(&str, &str) -> Option<String>) -> String {
     let mut linked = String::with_capacity(text.len() + 16);
     let mut from = 0;
@@ -127,7 +127,7 @@ pub(super) fn with_links(text: &str, target: impl Fn(&str, &str) -> Option<Strin
     linked
 }
 
-/// Appends a piece of a text, which keeps the white space around it.
+/// Appends part of a text, with its leading and trailing white space.
 fn push(piece: &str, to: &mut String) {
     if !to.is_empty() && piece.starts_with(char::is_whitespace) {
         to.push(' ');
@@ -139,7 +139,7 @@ fn push(piece: &str, to: &mut String) {
     }
 }
 
-/// What stands between white space, without the punctuation around it.
+/// Ranges of the words, without surrounding punctuation.
 fn words(text: &str) -> impl Iterator<Item = Range<usize>> {
     let starts = |at: usize| text[at..].find(|c: char| !c.is_whitespace()).map(|skipped| at + skipped);
     let mut next = 0;
@@ -160,7 +160,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_become_links_and_the_rest_is_escaped() {
+    fn links_words_and_escapes_the_rest() {
         let target =
             |previous: &str, word: &str| (word == "x" || previous == "code").then(|| format!("<{word}>"));
         assert_eq!(with_links("x", target), "<x>");
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn only_compound_names_stand_out() {
+    fn recognizes_compound_names() {
         assert!(is_compound("BatteryStatus"));
         assert!(!is_compound("Event"));
         assert!(!is_compound("GPS"));

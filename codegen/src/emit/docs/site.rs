@@ -1,10 +1,10 @@
-//! Where each thing is described, and what refers to it.
+//! Index of the documentation: the pages of all items, and references between them.
 
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::markdown::{code, href, link};
-use super::options::Beside;
+use super::options::Siblings;
 use super::words::{self, ENGLISH, Words};
 use crate::emit::json_schema::{self, Target};
 use crate::emit::origin::Origins;
@@ -16,16 +16,16 @@ use crate::translation::{
     Language, MessageKeys, MessageText, SOURCE_LANGUAGE, Translations, interface_unit, message_unit,
 };
 
-/// Constants that PX4 knows by name; the facts of a message show them.
+/// Constants with a special meaning in PX4, which are shown as facts of the message.
 const KNOWN_CONSTANTS: [&str; 2] = ["MESSAGE_VERSION", "ORB_QUEUE_LENGTH"];
 
-/// Names that mdBook or GitHub gives a meaning to where a page bears them.
+/// File names that are special in mdBook or on GitHub.
 const RESERVED_STEMS: [&str; 2] = ["readme", "index"];
 
 /// A field of a message.
 pub(super) type FieldRef = (MessageId, usize);
 
-/// Something in a message that has a name and a place on its page.
+/// A named part of a message with an anchor on its page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Part {
     Field(usize),
@@ -33,71 +33,71 @@ pub(super) enum Part {
     Enum(usize),
 }
 
-/// The page that describes a message, and what its anchors there start with.
+/// The page of a message, and the prefix of its anchors.
 #[derive(Debug)]
 struct Place {
     path: String,
-    /// The path of the English page.
+    /// Path of the English page.
     english: String,
     prefix: String,
 }
 
-/// All that is described, and where.
+/// Index of everything that is documented.
 #[derive(Debug)]
 pub(super) struct Site<'s> {
     pub(super) schema: &'s Schema,
     pub(super) sources: &'s SourceMap,
     origins: Origins<'s>,
-    beside: &'s Beside,
-    /// By message; none for those that aren't listed.
+    siblings: &'s Siblings,
+    /// By message. `None` for messages that aren't listed.
     places: Vec<Option<Place>>,
-    /// The fields that hold each message.
-    holders: Vec<Vec<FieldRef>>,
-    /// The fields that hold each enum.
-    enum_holders: BTreeMap<EnumRef, Vec<FieldRef>>,
-    /// By message, what tells its enums apart.
+    /// By message, the fields of this type.
+    users: Vec<Vec<FieldRef>>,
+    /// By enum, the fields of this enum.
+    enum_users: BTreeMap<EnumRef, Vec<FieldRef>>,
+    /// By message, unique names of its enums.
     enum_names: Vec<Vec<String>>,
-    /// By package, what messages and topics are called.
+    /// By package, messages by name and by topic.
     names: Vec<HashMap<&'s str, MessageId>>,
-    /// By message, what its parts are called; gathered when first asked for.
+    /// By message, parts by name. Filled lazily.
     parts: Vec<OnceCell<HashMap<&'s str, Part>>>,
-    /// All languages that definitions are translated into.
+    /// All languages with translations.
     languages: &'s [Language],
-    /// The language of its pages, where that isn't English. Pages that it doesn't have are the English ones.
+    /// The language of the site, or `None` for English. Units without a translation use the English page.
     pub(super) language: Option<&'s Language>,
-    /// The generator's own words.
+    /// The fixed texts of pages.
     pub(super) words: Words,
-    /// By message, the keys of its texts; made when first asked for.
+    /// By message, the keys of its texts. Filled lazily.
     keys: Vec<OnceCell<MessageKeys<'s>>>,
 }
 
-/// What a definition says, in the language of the site or else in English.
+/// A text of a definition, translated if possible.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Said<'t> {
+pub(super) struct Localized<'t> {
     pub(super) text: &'t str,
-    /// Its language, where that isn't the language of the generator's words on the page.
+    /// Language of the text, if it differs from the fixed texts of the page.
     pub(super) tag: Option<&'t str>,
-    /// Whether it is translated.
+    /// True if the text is a translation.
     pub(super) is_translated: bool,
 }
 
 impl<'s> Site<'s> {
-    /// The site in English.
+    /// Creates the English site.
     pub(super) fn new(
         schema: &'s Schema,
         translations: &'s Translations,
         sources: &'s SourceMap,
-        beside: &'s Beside,
+        siblings: &'s Siblings,
     ) -> Self {
-        Self::in_language(schema, translations, sources, beside, None)
+        Self::in_language(schema, translations, sources, siblings, None)
     }
 
-    /// The site in a language; in English, where that is none.
+    /// Creates the site in `language`, or in English if it is `None`.
     pub(super) fn in_language(
         schema: &'s Schema,
         translations: &'s Translations,
         sources: &'s SourceMap,
-        beside: &'s Beside,
+        siblings: &'s Siblings,
         language: Option<&'s Language>,
     ) -> Self {
         let count = schema.messages.len();
@@ -105,10 +105,10 @@ impl<'s> Site<'s> {
             schema,
             sources,
             origins: Origins::new(schema, sources),
-            beside,
+            siblings,
             places: (0..count).map(|_| None).collect(),
-            holders: vec![Vec::new(); count],
-            enum_holders: BTreeMap::new(),
+            users: vec![Vec::new(); count],
+            enum_users: BTreeMap::new(),
             enum_names: schema.messages.iter().map(enum_names).collect(),
             names: vec![HashMap::new(); schema.packages.len()],
             parts: vec![OnceCell::new(); count],
@@ -120,7 +120,7 @@ impl<'s> Site<'s> {
         for (index, package) in schema.packages.iter().enumerate() {
             site.place(index, package);
         }
-        site.gather_holders();
+        site.gather_users();
         site
     }
 
@@ -141,32 +141,32 @@ impl<'s> Site<'s> {
             }
         }
         let names = &mut self.names[index];
-        // Messages last: where a message and a topic share a name, the message is meant.
+        // Messages come last, so a name shared by a message and a topic refers to the message.
         for id in &package.messages {
             names.extend(self.schema.message(*id).topics.iter().map(|topic| (topic.as_str(), *id)));
         }
         names.extend(package.messages.iter().map(|id| (self.schema.message(*id).name.as_str(), *id)));
     }
 
-    fn gather_holders(&mut self) {
+    fn gather_users(&mut self) {
         for (id, message) in self.listed() {
             for (index, field) in message.fields.iter().enumerate() {
                 if let Element::Message(nested) = field.ty.element {
-                    self.holders[nested.0 as usize].push((id, index));
+                    self.users[nested.0 as usize].push((id, index));
                 }
-                if let Some(held) = field.enumeration {
-                    self.enum_holders.entry(held).or_default().push((id, index));
+                if let Some(reference) = field.enumeration {
+                    self.enum_users.entry(reference).or_default().push((id, index));
                 }
             }
         }
     }
 
-    /// The packages that describe anything.
+    /// The packages that contain definitions.
     pub(super) fn packages(&self) -> impl Iterator<Item = &'s Package> + use<'s> {
         self.schema.packages.iter().filter(|package| !package.is_empty())
     }
 
-    /// All messages that have a place, parts of services and actions too.
+    /// All documented messages, including parts of services and actions.
     fn listed(&self) -> Vec<(MessageId, &'s Message)> {
         let ids = self.schema.packages.iter().flat_map(|package| {
             package.messages.iter().chain(package.interfaces.iter().flat_map(|interface| &interface.parts))
@@ -174,17 +174,17 @@ impl<'s> Site<'s> {
         ids.map(|id| (*id, self.schema.message(*id))).collect()
     }
 
-    /// The page of a message; empty where it has none.
+    /// The page of a message, or an empty string if it has none.
     pub(super) fn path(&self, id: MessageId) -> &str {
         self.places[id.0 as usize].as_ref().map_or("", |place| &place.path)
     }
 
-    /// The English page of a message; empty where it has none.
+    /// The English page of a message, or an empty string if it has none.
     pub(super) fn english_path(&self, id: MessageId) -> &str {
         self.places[id.0 as usize].as_ref().map_or("", |place| &place.english)
     }
 
-    /// The page of `unit` in the language of the site, where it has one, or else in English.
+    /// The page of `unit` in the language of the site, or the English page if there is no translation.
     pub(super) fn path_of(&self, english: &str, unit: &str) -> String {
         match self.language.filter(|language| language.covers(unit)) {
             Some(language) => path_in(english, &language.tag),
@@ -192,52 +192,54 @@ impl<'s> Site<'s> {
         }
     }
 
-    /// The languages that have a page of `unit`.
+    /// The languages with a page of `unit`.
     pub(super) fn languages_of(&self, unit: &str) -> impl Iterator<Item = &'s Language> {
         self.languages.iter().filter(move |language| language.covers(unit))
     }
 
-    /// Whether the site has a page of `unit` in its own language.
+    /// True if the site has a page of `unit` in its language.
     pub(super) fn has_page(&self, unit: &str) -> bool {
         self.language.is_none_or(|language| language.covers(unit))
     }
 
-    /// What a definition says under a key, in the language of the site.
-    pub(super) fn said<'t>(&'t self, key: impl FnOnce() -> String, text: &'t str) -> Said<'t> {
-        let Some(language) = self.language else { return Said { text, tag: None, is_translated: false } };
+    /// The text with this key in the language of the site.
+    pub(super) fn localized<'t>(&'t self, key: impl FnOnce() -> String, text: &'t str) -> Localized<'t> {
+        let Some(language) = self.language else {
+            return Localized { text, tag: None, is_translated: false };
+        };
         let is_english = self.words.are_english();
         match language.get(&key()) {
             Some(translation) => {
                 let tag = is_english.then_some(language.tag.as_str());
-                Said { text: translation, tag, is_translated: true }
+                Localized { text: translation, tag, is_translated: true }
             }
-            None => Said { text, tag: (!is_english).then_some(SOURCE_LANGUAGE), is_translated: false },
+            None => Localized { text, tag: (!is_english).then_some(SOURCE_LANGUAGE), is_translated: false },
         }
     }
 
-    /// What a message says.
-    pub(super) fn said_of(&self, id: MessageId, text: MessageText) -> Said<'_> {
+    /// A text of a message in the language of the site.
+    pub(super) fn localized_of(&self, id: MessageId, text: MessageText) -> Localized<'_> {
         let message = self.schema.message(id);
         let keys = || self.keys[id.0 as usize].get_or_init(|| MessageKeys::new(self.schema, message));
-        self.said(|| keys().key(text), text.of(message))
+        self.localized(|| keys().key(text), text.of(message))
     }
 
-    /// The fields that hold a message.
-    pub(super) fn holders(&self, id: MessageId) -> &[FieldRef] {
-        &self.holders[id.0 as usize]
+    /// The fields with this message type.
+    pub(super) fn users(&self, id: MessageId) -> &[FieldRef] {
+        &self.users[id.0 as usize]
     }
 
-    /// The fields that hold an enum.
-    pub(super) fn enum_holders(&self, held: EnumRef) -> &[FieldRef] {
-        self.enum_holders.get(&held).map_or(&[], Vec::as_slice)
+    /// The fields with this enum.
+    pub(super) fn enum_users(&self, reference: EnumRef) -> &[FieldRef] {
+        self.enum_users.get(&reference).map_or(&[], Vec::as_slice)
     }
 
-    /// The message that a package knows by a name or a topic.
+    /// The message with this name or topic in a package.
     pub(super) fn message_named(&self, package: usize, name: &str) -> Option<MessageId> {
         self.names[package].get(name).copied()
     }
 
-    /// What a message calls so.
+    /// The part of a message with this name.
     pub(super) fn part_named(&self, id: MessageId, name: &str) -> Option<Part> {
         self.parts[id.0 as usize].get_or_init(|| parts(self.schema.message(id))).get(name).copied()
     }
@@ -254,28 +256,28 @@ impl<'s> Site<'s> {
         format!("{prefix}{kind}-{}", name.to_ascii_lowercase())
     }
 
-    /// The address of a part of a message, as seen from a page.
+    /// The URL of a part of a message, relative to the page `from`.
     pub(super) fn href(&self, from: &str, id: MessageId, part: Part) -> String {
         href(from, self.path(id), &self.anchor(id, part))
     }
 
-    /// The memory layout of a message, where it means something: ROS has no uORB.
+    /// The memory layout of a message. ROS messages have none.
     pub(super) fn layout(&self, message: &'s Message) -> Option<&'s UorbLayout> {
         message.uorb.as_ref().filter(|_| message.kind == Kind::Message && self.is_px4(message))
     }
 
-    /// Whether PX4 knows a message.
+    /// True if the message is defined by PX4.
     pub(super) fn is_px4(&self, message: &Message) -> bool {
         self.schema.package_of(message).form == Form::Msg(Dialect::Px4)
     }
 
-    /// What else is generated of `target`: what it is called, and a link to its file.
+    /// The other files generated for `target`: labels and links.
     pub(super) fn files(&self, from: &str, target: Target) -> Vec<(&'static str, String)> {
         let stem = json_schema::name(self.schema, target);
         let name = stem.rsplit('/').next().unwrap_or(&stem);
         let outputs = [
-            (words::JSON_SCHEMA, &self.beside.schemas, "schema"),
-            (words::TEST_VECTORS, &self.beside.vectors, "vectors"),
+            (words::JSON_SCHEMA, &self.siblings.schemas, "schema"),
+            (words::TEST_VECTORS, &self.siblings.vectors, "vectors"),
         ];
         let file = |(word, folder, kind): (_, &Option<String>, _)| {
             let to = href(from, &format!("{}/{stem}.{kind}.json", folder.as_ref()?), "");
@@ -284,29 +286,29 @@ impl<'s> Site<'s> {
         outputs.into_iter().filter_map(file).collect()
     }
 
-    /// The same on one line.
+    /// The links of [`Self::files`] on one line.
     pub(super) fn line_of_files(&self, from: &str, target: Target) -> String {
         let files = self.files(from, target).into_iter().map(|(name, file)| format!("{name}: {file}"));
         files.collect::<Vec<_>>().join(" · ")
     }
 
-    /// The path of the definition that holds `span`, from the folder of its package.
+    /// The path, relative to the package folder, of the definition that contains `span`.
     pub(super) fn source(&self, span: Span) -> &'s str {
         self.origins.path(span)
     }
 }
 
-/// The page of a service or action.
+/// The path of the page of a service or action.
 pub(super) fn interface_path(package: &Package, interface: &Interface) -> String {
     format!("{}/{}.{}.md", package.name, interface.name, interface.kind.name())
 }
 
-/// What the parts of a service or action are called.
+/// The names of the parts of a service or action.
 pub(super) fn part_names(kind: Kind) -> impl Iterator<Item = &'static str> {
     kind.part_suffixes().iter().map(|suffix| suffix.trim_start_matches('_'))
 }
 
-/// Whether the facts of a message show a constant, so that no table need do so.
+/// True if the constant is shown as a fact of the message, and therefore in no table.
 pub(super) fn is_fact(message: &Message, constant: usize) -> bool {
     let [version, queue_length] = KNOWN_CONSTANTS.map(|known| message.constants[constant].name == known);
     version && message.version.is_some() || queue_length && message.queue_length.is_some()
@@ -318,12 +320,12 @@ pub(super) fn stem(name: &str) -> String {
     if is_reserved { format!("{name}.msg") } else { name.to_owned() }
 }
 
-/// What tells each enum from the others of its message.
+/// Unique names of the enums of a message.
 fn enum_names(message: &Message) -> Vec<String> {
     let mut known = BTreeSet::new();
     let name = |(index, found): (usize, &Enum)| {
         let name = found.prefixes.join("-");
-        // The same constants may be held by fields of different types.
+        // Fields of different types may use the same constants.
         if known.insert(name.clone()) { name } else { format!("{name}-{}", index + 1) }
     };
     message.enums.iter().enumerate().map(name).collect()
@@ -340,8 +342,7 @@ fn parts(message: &Message) -> HashMap<&str, Part> {
     enums.chain(constants).chain(fields).collect()
 }
 
-/// The page that says in another language what `path` says in English: it stands beside that, so that relative links
-/// are the same.
+/// The path of the translation of the page `path`. It is in the same folder, so relative links are the same.
 pub(super) fn path_in(path: &str, tag: &str) -> String {
     format!("{}.{tag}.md", path.strip_suffix(".md").unwrap_or(path))
 }
@@ -351,7 +352,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_page_stands_beside_the_english_one() {
+    fn puts_translated_pages_next_to_the_english_page() {
         assert_eq!(path_in("px4/Wind.md", "uk"), "px4/Wind.uk.md");
         assert_eq!(path_in("px4/Tow.srv.md", "pt-BR"), "px4/Tow.srv.pt-BR.md");
     }

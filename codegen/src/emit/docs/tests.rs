@@ -1,4 +1,4 @@
-//! Whole books of small definitions: links resolve, text stays text, pictures are XML.
+//! Tests of complete books: links resolve, text is escaped, pictures are well-formed XML.
 
 mod translated;
 
@@ -164,13 +164,13 @@ fn is(file: &OutputFile, extension: &str) -> bool {
     file.path.rsplit_once('.').is_some_and(|(_, found)| found == extension)
 }
 
-/// A book of one message, with the rules of uavspec.
+/// A book of one message that includes the rules of uavspec.
 fn rules() -> Vec<OutputFile> {
     let options = Options { rules: true, ..Options::default() };
     book_with(&[("boats", PX4, &[("Boat.msg", BOAT)])], &options)
 }
 
-/// The events of a page, read as GitHub and mdBook read it.
+/// The Markdown events of a page, with the extensions of GitHub and mdBook.
 fn events(text: &str) -> Vec<Event<'_>> {
     Parser::new_ext(
         text,
@@ -183,28 +183,28 @@ fn anchors(text: &str) -> Vec<&str> {
     text.split("<a id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect()
 }
 
-/// By page, all places that links can lead to.
+/// All link targets by page.
 fn targets(files: &[OutputFile]) -> BTreeMap<&str, BTreeSet<String>> {
-    let of = |file: &OutputFile| {
-        // Headings are anchors, too.
+    let of_file = |file: &OutputFile| {
+        // Headings are link targets too.
         let headings =
             file.text.lines().filter_map(|line| line.strip_prefix("## ").or(line.strip_prefix("# ")));
         let headings = headings.map(|heading| heading.to_lowercase().replace(' ', "-").replace('`', ""));
         anchors(&file.text).into_iter().map(str::to_owned).chain(headings).collect()
     };
-    files.iter().map(|file| (file.path.as_str(), of(file))).collect()
+    files.iter().map(|file| (file.path.as_str(), of_file(file))).collect()
 }
 
 #[test]
-fn every_link_leads_somewhere() {
-    let count = links_that_lead_somewhere(&boats());
+fn resolves_every_link() {
+    let count = check_links(&boats());
     assert!(count > 100, "{count} links");
-    let count = links_that_lead_somewhere(&rules());
+    let count = check_links(&rules());
     assert!(count > RULES.len() * 2, "{count} links");
 }
 
 #[track_caller]
-fn links_that_lead_somewhere(files: &[OutputFile]) -> usize {
+fn check_links(files: &[OutputFile]) -> usize {
     let targets = targets(files);
     let mut count = 0;
     for file in files.iter().filter(|file| is(file, "md")) {
@@ -219,16 +219,16 @@ fn links_that_lead_somewhere(files: &[OutputFile]) -> usize {
             let (path, anchor) = dest_url.split_once('#').unwrap_or((&dest_url, ""));
             let path = if path.is_empty() { file.path.clone() } else { resolved(&file.path, path) };
             let anchors = targets.get(path.as_str());
-            assert!(anchors.is_some(), "{}: {dest_url} leads nowhere", file.path);
+            assert!(anchors.is_some(), "{}: {dest_url} has no target page", file.path);
             let is_found = anchor.is_empty() || anchors.is_some_and(|anchors| anchors.contains(anchor));
-            assert!(is_found, "{}: {dest_url} has no such place", file.path);
+            assert!(is_found, "{}: {dest_url} has no target anchor", file.path);
         }
     }
     count
 }
 
 #[test]
-fn reports_lead_to_the_pages_of_rules() {
+fn creates_the_rule_pages_that_reports_link_to() {
     let files = rules();
     let targets = targets(&files);
     let ids = RULES.iter().map(|rule| rule.id).chain(Problem::CODES.iter().copied());
@@ -284,16 +284,16 @@ fn parser_errors_are_on_one_page() {
 }
 
 #[test]
-fn rules_are_described_only_where_that_is_asked_for() {
+fn includes_rule_pages_only_on_request() {
     assert!(boats().iter().all(|file| !file.path.starts_with("rules/") && !file.text.contains("rules/")));
     let files = rules();
     let overview = text_of(&files, "README.md");
     assert!(overview.contains("\n## Rules\n\n[All rules](rules/README.md)"), "{overview}");
     let paths: BTreeSet<String> = files.iter().map(|file| file.path.to_lowercase()).collect();
-    assert_eq!(paths.len(), files.len(), "no two rules share a page");
+    assert_eq!(paths.len(), files.len(), "two rules share a page");
 }
 
-/// The path that `link` means on the page `from`.
+/// Resolves the relative path `link` on the page `from`.
 fn resolved(from: &str, link: &str) -> String {
     let mut parts: Vec<&str> = from.split('/').collect();
     parts.pop();
@@ -308,7 +308,7 @@ fn resolved(from: &str, link: &str) -> String {
 }
 
 #[test]
-fn no_place_is_there_twice() {
+fn creates_unique_anchors() {
     for file in boats().into_iter().chain(rules()) {
         let mut seen = BTreeSet::new();
         for anchor in anchors(&file.text) {
@@ -318,7 +318,7 @@ fn no_place_is_there_twice() {
 }
 
 #[test]
-fn the_contents_list_every_page() {
+fn lists_every_page_in_the_table_of_contents() {
     let files = boats();
     for files in [&files, &rules()] {
         let summary = text_of(files, "SUMMARY.md");
@@ -332,7 +332,7 @@ fn the_contents_list_every_page() {
 }
 
 #[test]
-fn every_file_says_what_made_it() {
+fn starts_every_file_with_a_notice() {
     for file in boats().into_iter().chain(rules()) {
         let first = file.text.lines().next().unwrap_or_default();
         assert!(
@@ -344,7 +344,7 @@ fn every_file_says_what_made_it() {
 }
 
 #[test]
-fn a_message_page_says_what_the_definition_says() {
+fn documents_all_properties_of_a_message() {
     let files = boats();
     let page = text_of(&files, "boats/Sail.md");
     for expected in [
@@ -362,11 +362,11 @@ fn a_message_page_says_what_the_definition_says() {
         "one of [`TACK`](#enum-tack)",
         "bits of [`FLAG`](#enum-flag)",
         "one of [`Boat.HULL`](Boat.md#enum-hull)",
-        "entries of [`knots`](#field-knots) in use, at most 40",
-        "in use: the first [`num_knots`](#field-num_knots)",
+        "number of used entries in [`knots`](#field-knots), at most 40",
+        "used entries: the first [`num_knots`](#field-num_knots)",
         "| text | Sailmaker |",
-        "Held by [`tack`](#field-tack). Other values may occur, too.",
-        "`TACK_BACKBOARD` | Old name<br>Another name of `TACK_PORT`. |",
+        "Used by [`tack`](#field-tack). Other values may occur.",
+        "`TACK_BACKBOARD` | Old name<br>Alias of `TACK_PORT`. |",
         "| `0x04` | 2 | <a id=\"constant-flag_torn\"></a>`FLAG_TORN` |",
         "`SPARE_REEFS` | `uint8` | 3 | Reefs left |",
         "[![Memory layout of Sail](Sail.svg)](Sail.svg)",
@@ -374,13 +374,13 @@ fn a_message_page_says_what_the_definition_says() {
     ] {
         assert!(page.contains(expected), "{expected}\nis not in\n{page}");
     }
-    assert!(!page.contains("MESSAGE_VERSION"), "the facts show it");
+    assert!(!page.contains("MESSAGE_VERSION"), "MESSAGE_VERSION is shown as a fact");
     let boat = text_of(&files, "boats/Boat.md");
-    assert!(boat.contains("Held by [`hull`](#field-hull), [`Sail.hull`](Sail.md#field-hull)."), "{boat}");
+    assert!(boat.contains("Used by [`hull`](#field-hull), [`Sail.hull`](Sail.md#field-hull)."), "{boat}");
 }
 
 #[test]
-fn commands_have_their_parameters() {
+fn documents_the_parameters_of_commands() {
     let files = boats();
     let page = text_of(&files, "boats/Order.md");
     for expected in [
@@ -388,7 +388,7 @@ fn commands_have_their_parameters() {
         "| 30 | <a id=\"constant-order_wait\"></a>`ORDER_WAIT` | Stay |",
         "\n### `ORDER_TACK` (10)\n\nGo about.\n",
         "| 1 |  | one of [`SPEED`](#enum-speed) | How |\n| 2 | deg | 0&nbsp;to&nbsp;90 | New course |\n",
-        "Held by parameter 1 of [`ORDER_TACK`](#command-order_tack).",
+        "Used by parameter 1 of [`ORDER_TACK`](#command-order_tack).",
     ] {
         assert!(page.contains(expected), "{expected}\nis not in\n{page}");
     }
@@ -396,7 +396,7 @@ fn commands_have_their_parameters() {
 }
 
 #[test]
-fn parts_of_a_service_share_a_page() {
+fn documents_the_parts_of_a_service_on_one_page() {
     let files = boats();
     let page = text_of(&files, "harbour/Moor.srv.md");
     for expected in [
@@ -416,7 +416,7 @@ fn parts_of_a_service_share_a_page() {
 }
 
 #[test]
-fn error_codes_refer_to_each_other() {
+fn links_error_codes_to_each_other() {
     let files = boats();
     let page = text_of(&files, "codes/error-codes/warnings.md");
     for expected in [
@@ -441,16 +441,16 @@ fn error_codes_refer_to_each_other() {
 const GLIDERS: &str = include_str!("../../../tests/fixtures/ok/type-tables/gliders.md");
 
 #[test]
-fn types_and_messages_refer_to_each_other() {
+fn links_types_and_messages_to_each_other() {
     let book = book(&[("gliders", Form::Table, &[("gliders.md", GLIDERS)])]);
-    assert!(links_that_lead_somewhere(&book) > 60);
+    assert!(check_links(&book) > 60);
     let glider = text_of(&book, "gliders/types/Glider.md");
     for expected in [
         "| <a id=\"field-time\"></a>`time` | yes | [`Instant`](Instant.md) |  |  | When that was |",
         "| no | list of number | m/s | \\-20&nbsp;to&nbsp;20<br>length 1&nbsp;to&nbsp;60 | Each of the last seconds |",
         "| no | [`Fix`](Fix.md) or null |",
         "one of `\"north\"`, `\"south\"`, `\"the middle\"`",
-        "There are no other fields.",
+        "Other fields are not allowed.",
         "- [`GLIDER-INF.status`](../messages/GLIDER-INF.md#response-status), response",
         "| Definition | `gliders.md:50` |",
     ] {
@@ -458,17 +458,20 @@ fn types_and_messages_refer_to_each_other() {
     }
     let request = text_of(&book, "gliders/messages/FIELD-CLOSE.md");
     assert!(
-        request.contains("Answered by [`TOWER-ACK`](TOWER-ACK.md), [`GLIDER-INF`](GLIDER-INF.md)."),
+        request.contains("Responses: [`TOWER-ACK`](TOWER-ACK.md), [`GLIDER-INF`](GLIDER-INF.md)."),
         "{request}"
     );
     let phase = text_of(&book, "gliders/types/Phase.md");
-    assert!(phase.contains("| `\"final glide\"` | On the way home |\n\nThere may be others."), "{phase}");
+    assert!(
+        phase.contains("| `\"final glide\"` | On the way home |\n\nOther values are allowed."),
+        "{phase}"
+    );
     let index = text_of(&book, "gliders/README.md");
     assert!(index.contains("| [`Mark`](types/Mark.md) | array | 2 | A turning point. |"), "{index}");
 }
 
 #[test]
-fn text_of_definitions_stays_text() {
+fn escapes_text_of_definitions() {
     let page = one_message(
         "# [x](javascript:alert(1)) <script>alert(1)</script> {{#include /etc/passwd}} *b* | c\n\
          #\n\
@@ -502,14 +505,14 @@ fn text_of_definitions_stays_text() {
     }
     assert!(!page.contains("{{") && !page.contains("{%"), "{page}");
     assert!(!page.contains('\u{202e}'), "{page}");
-    // Each row of the table of fields has all its cells, and no more.
+    // Each row of the field table has the right number of cells.
     let widths: BTreeSet<usize> = page
         .lines()
         .filter(|line| line.contains("field-a") || line.contains("field-b"))
         .map(|line| line.replace("\\|", "").matches('|').count())
         .collect();
     assert!(widths.iter().all(|width| (5..=7).contains(width)), "{widths:?}\n{page}");
-    assert!(text_in(&page).contains("{{#include /etc/passwd}}"), "and yet it can be read");
+    assert!(text_in(&page).contains("{{#include /etc/passwd}}"), "the text is legible");
 }
 
 /// The text of a page, without markup.
@@ -522,7 +525,7 @@ fn text_in(page: &str) -> String {
 }
 
 #[test]
-fn strings_of_definitions_stay_text() {
+fn escapes_strings_of_definitions() {
     let files =
         book(&[("p", ROS2, &[("Kite.msg", "string NAME=\"a|`b`{{#include c}}<d>\"\nstring text 'x|y'\n")])]);
     let page = text_of(&files, "p/Kite.md");
@@ -532,7 +535,7 @@ fn strings_of_definitions_stay_text() {
 }
 
 #[test]
-fn names_of_pages_of_a_book_are_not_taken() {
+fn avoids_reserved_page_names() {
     let files = book(&[("p", PX4, &[("Readme.msg", "uint8 a\n"), ("Index.msg", "uint8 a\n")])]);
     let paths: BTreeSet<String> = files.iter().map(|file| file.path.to_lowercase()).collect();
     assert_eq!(paths.len(), files.len(), "{paths:?}");
@@ -540,7 +543,7 @@ fn names_of_pages_of_a_book_are_not_taken() {
 }
 
 #[test]
-fn a_book_of_nothing_is_empty() {
+fn creates_an_empty_book_for_an_empty_schema() {
     let files =
         emit(&crate::Schema::default(), &Translations::default(), &SourceMap::default(), &Options::default());
     let paths: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
@@ -548,7 +551,7 @@ fn a_book_of_nothing_is_empty() {
 }
 
 #[test]
-fn the_order_of_files_does_not_matter() {
+fn does_not_depend_on_the_order_of_files() {
     let files = [("Sail.msg", SAIL), ("Boat.msg", BOAT), ("RigStatus.msg", RIG_STATUS), ("Order.msg", ORDER)];
     let mut reversed = files;
     reversed.reverse();
@@ -556,7 +559,7 @@ fn the_order_of_files_does_not_matter() {
 }
 
 #[test]
-fn pictures_are_small_and_well_formed() {
+fn draws_small_well_formed_pictures() {
     let files = boats();
     let pictures: Vec<&OutputFile> = files.iter().filter(|file| is(file, "svg")).collect();
     assert_eq!(pictures.len(), 4);
@@ -571,7 +574,7 @@ fn pictures_are_small_and_well_formed() {
 }
 
 #[test]
-fn a_picture_of_anything_is_well_formed() {
+fn draws_well_formed_pictures_of_unusual_layouts() {
     for text in [
         String::new(),
         "uint8 a\n".to_owned(),
@@ -588,7 +591,7 @@ fn a_picture_of_anything_is_well_formed() {
     }
 }
 
-/// Elements are closed in order, attributes are quoted, and no `&` or `<` stands alone.
+/// Checks that elements are closed in order, attributes are quoted, and `&` and `<` are escaped.
 fn assert_well_formed(xml: &str) {
     let mut open: Vec<&str> = Vec::new();
     let mut rest = xml.strip_prefix("<!-- ").and_then(|rest| rest.split_once("-->")).expect("a comment").1;
@@ -613,7 +616,7 @@ fn is_escaped(text: &str) -> bool {
     text.split('&').skip(1).all(|rest| entities.iter().any(|entity| rest.starts_with(entity)))
 }
 
-/// What a page gives to the script that composes a message.
+/// The data of the composer on a page.
 fn composer(page: &str) -> serde_json::Value {
     let (_, rest) = page.split_once("data-message=\"").expect("a composer");
     let (data, _) = rest.split_once('"').expect("an end");
@@ -622,7 +625,7 @@ fn composer(page: &str) -> serde_json::Value {
 }
 
 #[test]
-fn a_message_can_be_composed_from_its_page() {
+fn embeds_the_data_of_the_composer() {
     let files = boats();
     let sail = composer(text_of(&files, "boats/Sail.md"));
     assert_eq!((&sail["name"], &sail["size"]), (&"Sail".into(), &144.into()));
@@ -644,6 +647,6 @@ fn a_message_can_be_composed_from_its_page() {
     let boats = field("boats");
     assert_eq!((&boats["count"], &boats["size"]), (&2.into(), &16.into()));
     assert_eq!(boats["fields"][1]["offset"], 8);
-    // Orders have constants of their own, and no page composes what has no layout or nothing to choose.
+    // A message without fields or without a layout has no composer.
     assert!(!one_message("uint8 TOW = 1\n").contains("composer"));
 }

@@ -1,7 +1,7 @@
-//! The generator's own words on pages, in English and in the languages that it speaks beside it.
+//! The fixed texts of pages, in English and in other languages.
 //!
-//! Translations stand in catalogues of the same form as those of definitions, `words/uk.po`; what is translated is
-//! the English text itself. A language that has none here shows these words in English.
+//! Translations are in PO files like those of definitions, such as `words/uk.po`, with the English text as `msgid`.
+//! Languages without a file use English.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -14,36 +14,36 @@ use crate::msg::constraint::{self, ConstraintKind};
 use crate::source::SourceMap;
 use crate::translation::{catalogue, shorter};
 
-/// The catalogues, by language.
+/// Catalogues by language tag.
 const CATALOGUES: &[(&str, &str)] = &[("uk", include_str!("words/uk.po"))];
 
-/// Something that the generator says; `{name}` stands for what differs from place to place.
+/// A fixed text. `{name}` is a placeholder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Word(&'static str);
 
 impl Word {
-    /// The words of an attribute.
+    /// The text of an attribute.
     pub(super) fn of(attribute: &'static Attribute) -> Self {
         Self(attribute.words)
     }
 
-    /// The words of a constraint.
+    /// The text of a constraint.
     pub(super) const fn of_constraint(kind: &'static ConstraintKind) -> Self {
         Self(kind.words)
     }
 
-    /// What it is in English.
+    /// The English text.
     pub(super) const fn english(self) -> &'static str {
         self.0
     }
 }
 
-/// Declares all words.
+/// Declares all fixed texts.
 macro_rules! words {
     ($($name:ident = $english:literal;)*) => {
         $(pub(super) const $name: Word = Word($english);)*
 
-        /// All of them.
+        /// All fixed texts.
         #[cfg(test)]
         const ALL: &[Word] = &[$($name),*];
     };
@@ -69,40 +69,39 @@ words! {
     TEST_VECTORS = "Test vectors";
     OF_PART = "{fact} of the {part}";
     BYTES = "{count} bytes";
-    OR_MORE = "{size} or more";
-    WITH_HEADER = "{size}, 4 of them the encapsulation header";
-    WITHOUT_PADDING = "{size}, {count} without the padding at the end";
+    OR_MORE = "at least {size}";
+    WITH_HEADER = "{size}, including 4 for the encapsulation header";
+    WITHOUT_PADDING = "{size}, {count} without trailing padding";
     MEMORY_LAYOUT = "Memory layout";
     MEMORY_LAYOUT_OF = "Memory layout of {name}";
-    MEMORY_LAYOUT_MEANS =
-        "The order and offsets of the fields in uORB and in the data of ULog files, eight bytes a row.";
+    MEMORY_LAYOUT_MEANS = "Order and offsets of the fields in uORB and in ULog data messages. Each row has eight bytes.";
     USED_BY = "Used by";
 
     // Composing a message
     COMPOSE = "Compose";
-    COMPOSE_MEANS = "In the book, where scripts run, values are chosen here, and the message is shown as JSON and as uORB bytes.";
+    COMPOSE_MEANS = "In the HTML book, this section is a form that shows the message as JSON and as uORB bytes.";
     FIELDS_OF = "Fields of {name}";
     SET_TO_ZERO = "Set all to zero";
     COPY_JSON = "Copy JSON";
     COPY_BYTES = "Copy bytes";
     COPIED = "Copied";
-    COPYING_REFUSED = "The browser refuses";
+    COPYING_REFUSED = "Copying failed";
     UORB_OF_SIZE = "uORB: {size}";
-    PADDED_SIZE = "{size}, the last {padding} of them padding";
+    PADDED_SIZE = "{size}, the last {padding} are padding";
     PADDING = "padding";
     BYTE_OF = "byte {at}: {field}";
     BYTE_IS = "byte {at} is {value}";
     AND_MORE = "and {count} more";
     ANOTHER_VALUE = "another value";
-    UP_TO_BYTES = "up to {most} bytes of UTF-8";
-    UP_TO_VALUES = "{type}, up to {most} with blanks between; the rest is 0";
-    NOT_ALL_FIT = "Not all values fit: see what is marked.";
+    UP_TO_BYTES = "up to {most} UTF-8 bytes";
+    UP_TO_VALUES = "{type}, up to {most} values separated by spaces; the rest is 0";
+    NOT_ALL_FIT = "Some values are invalid; see the marked fields.";
     EXPECTED_INTEGER = "expected an integer from {low} to {high}";
-    EXPECTED_NUMBER = "expected a number, or NaN for none";
+    EXPECTED_NUMBER = "expected a number or NaN";
     EXPECTED_BOOL = "expected true or false";
-    OUT_OF_RANGE = "{value} is out of range: {low} to {high}";
-    TOO_MANY_BYTES = "{count} bytes of UTF-8, and there is room for {most}";
-    TOO_MANY_VALUES = "{count} values, and there is room for {most}";
+    OUT_OF_RANGE = "expected {low} to {high}, found {value}";
+    TOO_MANY_BYTES = "expected at most {most} UTF-8 bytes, found {count}";
+    TOO_MANY_VALUES = "expected at most {most} values, found {count}";
 
     // Services and actions
     SERVICE = "{name} service";
@@ -115,7 +114,7 @@ words! {
 
     // Fields
     FIELDS = "Fields";
-    NO_FIELDS = "None.";
+    NO_FIELDS = "No fields.";
     FIELD = "Field";
     TYPE = "Type";
     UNIT = "Unit";
@@ -123,18 +122,18 @@ words! {
     DESCRIPTION = "Description";
     OFFSET = "Offset";
     OTHERS = "Others";
-    LEFT_OUT = "left out";
+    LEFT_OUT = "not set";
     EMPTY = "empty";
     DEFAULT = "default {value}";
-    FIRST_IN_USE = "in use: the first {counter}";
-    IN_USE = "entries of {array} in use";
-    IN_USE_AT_MOST = "entries of {array} in use, at most {most}";
+    FIRST_IN_USE = "used entries: the first {counter}";
+    IN_USE = "number of used entries in {array}";
+    IN_USE_AT_MOST = "number of used entries in {array}, at most {most}";
     TEXT = "text";
 
     // Constants
     ENUMS = "Enums";
     COMMANDS = "Commands";
-    VALUES_OF_PARAMETERS = "Values of parameters";
+    PARAMETER_VALUES = "Parameter values";
     CONSTANTS = "Constants";
     CONSTANT = "Constant";
     MASK = "Mask";
@@ -146,14 +145,14 @@ words! {
     PARAMETER_OF = "parameter {number} of {command}";
     ONE_OF = "one of {enum}";
     BITS_OF = "bits of {enum}";
-    HELD_BY = "Held by {fields}.";
-    OTHER_BITS = "Any number of these bits may be set, and others, too.";
-    OTHER_VALUES = "Other values may occur, too.";
-    ANOTHER_NAME_OF = "Another name of {name}.";
+    USED_BY_FIELDS = "Used by {fields}.";
+    OTHER_BITS = "Any combination of these bits is valid, and other bits may be set.";
+    OTHER_VALUES = "Other values may occur.";
+    ANOTHER_NAME_OF = "Alias of {name}.";
 
     // Error codes
     ERROR_CODES = "Error codes";
-    SEVERITY_MEANS = "The severity of a code is in two bits of the code itself, `(code & 0xFF) >> 6`: 0 is informational, 1 a warning, 2 an error, 3 a fatal error. That holds for all codes below 256 and should hold for all others.";
+    SEVERITY_MEANS = "Two bits of a code contain its severity, `(code & 0xFF) >> 6`: 0 is informational, 1 a warning, 2 an error, 3 a fatal error. All codes below 256 follow this rule, and all other codes should.";
     TABLE = "Table";
     CODE_RANGE = "Range";
     SEVERITY = "Severity";
@@ -169,7 +168,7 @@ words! {
     TABLE_FACTS = "Codes {range} ({class}); {count}, defined in {source}. See also {all}.";
     ALL_ERROR_CODES = "all error codes";
     COUNT_OF_CODES = "{count} codes";
-    ONE_OF_ALTERNATIVES = "Of a code and its alternatives only one is to be sent: they are one condition at different severities.";
+    ONE_OF_ALTERNATIVES = "A code and its alternatives denote one condition at different severities. Send only one of them.";
     FIND_A_CODE = "Find a code";
     FIND_EXAMPLE = "number, abbreviation, word …";
     SHOWN_OF_ALL = "{shown} of {all} codes";
@@ -182,37 +181,37 @@ words! {
     USER_DEFINED = "user-defined";
 }
 
-/// Inclusive bounds.
+/// An inclusive range.
 pub(super) const RANGE: Word = Word::of_constraint(&constraint::RANGE);
 
-/// The words of a language.
+/// The fixed texts in one language.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Words {
-    /// By what they are in English; none for English itself.
+    /// Translations by English text. `None` for English.
     translations: Option<&'static BTreeMap<String, String>>,
 }
 
-/// English.
+/// The English texts.
 pub(super) const ENGLISH: Words = Words { translations: None };
 
 impl Words {
-    /// The words of a language, or of the one whose tag it begins with. English where there are none.
+    /// The texts for a language tag, or for a shorter form of the tag. Falls back to English.
     pub(super) fn of(tag: &str) -> Self {
         let known = known();
         Self { translations: shorter(tag).find_map(|tag| known.get(tag)) }
     }
 
-    /// Whether they are those of the generator itself.
+    /// True for English.
     pub(super) fn are_english(self) -> bool {
         self.translations.is_none()
     }
 
-    /// A word as it stands.
+    /// A text without placeholders.
     pub(super) fn get(self, word: Word) -> &'static str {
         self.translations.and_then(|words| words.get(word.0)).map_or(word.0, String::as_str)
     }
 
-    /// A word with something in the place of each `{name}`.
+    /// A text with its placeholders replaced.
     pub(super) fn fill(self, word: Word, parts: &[(&str, &str)]) -> String {
         let mut filled = String::new();
         let mut rest = self.get(word);
@@ -235,8 +234,8 @@ impl Words {
         self.count(COUNT_OF_CODES, "code", count)
     }
 
-    /// A number of things. Languages have more forms of nouns than English, so that theirs are written without any:
-    /// `Б` for bytes.
+    /// A count with its noun. Other languages have complex plural forms, so their texts avoid inflected nouns: `Б` for
+    /// bytes.
     fn count(self, word: Word, noun: &str, count: u64) -> String {
         if self.are_english() {
             plural(count, noun)
@@ -268,14 +267,14 @@ impl Words {
         })
     }
 
-    /// A part of a service or action, by its name in ROS.
+    /// A part of a service or action, by its ROS name.
     pub(super) fn part(self, name: &'static str) -> &'static str {
         let parts = [REQUEST, RESPONSE, GOAL, RESULT, FEEDBACK];
         parts.into_iter().find(|part| part.0 == name).map_or(name, |part| self.get(part))
     }
 }
 
-/// All catalogues, read once.
+/// All catalogues, parsed once.
 fn known() -> &'static BTreeMap<&'static str, BTreeMap<String, String>> {
     static KNOWN: OnceLock<BTreeMap<&str, BTreeMap<String, String>>> = OnceLock::new();
     KNOWN.get_or_init(|| CATALOGUES.iter().map(|(tag, text)| (*tag, read(text))).collect())
@@ -298,21 +297,21 @@ mod tests {
     use crate::msg::constraint::CONSTRAINTS;
     use crate::translation::SOURCE_LANGUAGE;
 
-    /// The names between braces in a text, sorted.
-    fn places(text: &str) -> Vec<&str> {
-        let mut places: Vec<&str> =
+    /// The sorted names of the placeholders in a text.
+    fn placeholders(text: &str) -> Vec<&str> {
+        let mut placeholders: Vec<&str> =
             text.split('{').skip(1).filter_map(|rest| rest.split_once('}')).map(|(name, _)| name).collect();
-        places.sort_unstable();
-        places
+        placeholders.sort_unstable();
+        placeholders
     }
 
     #[test]
-    fn each_catalogue_has_every_word_and_no_other() {
+    fn catalogues_translate_exactly_the_fixed_texts() {
         let attributes = ATTRIBUTES.iter().map(|attribute| Word::of(attribute));
         let constraints = CONSTRAINTS.iter().map(|kind| Word::of_constraint(kind));
         let all: Vec<Word> = ALL.iter().copied().chain(attributes).chain(constraints).collect();
         let words: BTreeSet<&str> = all.iter().map(|word| word.0).collect();
-        assert_eq!(words.len(), all.len(), "each word stands once");
+        assert_eq!(words.len(), all.len(), "a text is declared twice");
         for (tag, text) in CATALOGUES {
             let mut sources = SourceMap::default();
             let id = sources.add("words.po", text.as_bytes().to_vec()).expect("a text");
@@ -323,21 +322,21 @@ mod tests {
             assert_eq!(translated.keys().map(String::as_str).collect::<BTreeSet<_>>(), words, "{tag}");
             for (english, translation) in &translated {
                 assert!(!translation.is_empty(), "{tag}: {english}");
-                assert_eq!(places(english), places(translation), "{tag}: {english}");
+                assert_eq!(placeholders(english), placeholders(translation), "{tag}: {english}");
             }
         }
     }
 
     #[test]
-    fn places_are_filled_once() {
+    fn does_not_expand_placeholders_in_values() {
         let filled = ENGLISH.fill(RANGE, &[("low", "{high}"), ("high", "2")]);
         assert_eq!(filled, "{high} to 2");
     }
 
     #[test]
-    fn regions_speak_their_language() {
+    fn falls_back_from_region_to_language() {
         assert!(!Words::of("uk-UA").are_english());
         assert!(Words::of("tlh").are_english());
-        assert_eq!(SOURCE_LANGUAGE, "en", "the words are in the language of definitions");
+        assert_eq!(SOURCE_LANGUAGE, "en", "fixed texts are in the language of the definitions");
     }
 }

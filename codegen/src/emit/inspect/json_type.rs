@@ -1,4 +1,4 @@
-//! Types and messages of pages.
+//! Types and messages defined on pages.
 
 use serde_json::{Map, Value as Json, json};
 
@@ -12,10 +12,10 @@ pub(super) fn types(schema: &Schema, package: &Package) -> Map<String, Json> {
     let types = package.json_types.iter().map(|id| schema.json_type(*id));
     types
         .map(|found| {
-            let mut shown = definition(schema, &found.definition);
-            shown["summary"] = json!(found.docs.summary);
-            shown["description"] = json!(found.docs.description);
-            (found.name.clone(), shown)
+            let mut model = definition(schema, &found.definition);
+            model["summary"] = json!(found.docs.summary);
+            model["description"] = json!(found.docs.description);
+            (found.name.clone(), model)
         })
         .collect()
 }
@@ -25,11 +25,11 @@ pub(super) fn messages(schema: &Schema, package: &Package) -> Map<String, Json> 
     let messages = package.json_messages.iter().map(|id| schema.json_message(*id));
     messages
         .map(|found| {
-            let mut shown: Map<String, Json> = Map::new();
-            shown.insert("summary".to_owned(), json!(found.docs.summary));
-            shown.insert("description".to_owned(), json!(found.docs.description));
-            shown.extend(found.parts.iter().map(|body| (body.direction.to_string(), part(schema, body))));
-            (found.name.clone(), Json::Object(shown))
+            let mut model: Map<String, Json> = Map::new();
+            model.insert("summary".to_owned(), json!(found.docs.summary));
+            model.insert("description".to_owned(), json!(found.docs.description));
+            model.extend(found.parts.iter().map(|body| (body.direction.to_string(), part(schema, body))));
+            (found.name.clone(), Json::Object(model))
         })
         .collect()
 }
@@ -58,9 +58,9 @@ fn definition(schema: &Schema, definition: &Definition) -> Json {
             json!({ "kind": "set", "open": set.is_open, "values": values })
         }
         Definition::Named(found) => {
-            let mut shown = typed(schema, found);
-            shown["kind"] = json!("named");
-            shown
+            let mut model = typed(schema, found);
+            model["kind"] = json!("named");
+            model
         }
     }
 }
@@ -70,14 +70,14 @@ fn value<T: serde::Serialize>(value: &SetValue<T>) -> Json {
 }
 
 fn members(schema: &Schema, members: &[Member]) -> Vec<Json> {
-    let shown = |member: &Member| {
-        let mut shown = typed(schema, &member.typed);
-        shown["name"] = json!(member.name);
-        shown["required"] = json!(member.is_required);
-        shown["description"] = json!(member.description);
-        shown
+    let model = |member: &Member| {
+        let mut model = typed(schema, &member.typed);
+        model["name"] = json!(member.name);
+        model["required"] = json!(member.is_required);
+        model["description"] = json!(member.description);
+        model
     };
-    members.iter().map(shown).collect()
+    members.iter().map(model).collect()
 }
 
 fn typed(schema: &Schema, typed: &Typed) -> Json {

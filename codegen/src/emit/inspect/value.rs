@@ -1,4 +1,4 @@
-//! Values in JSON.
+//! Values as JSON.
 
 use serde_json::{Value as Json, json};
 
@@ -18,7 +18,7 @@ pub(super) fn stated(stated: &Stated) -> Json {
     }
 }
 
-/// A value in JSON, which has no word for NaN and the infinities: they are strings.
+/// A value as JSON. NaN and infinities are strings.
 pub(crate) fn value(value: &Value) -> Json {
     match value {
         Value::Bool(value) => json!(value),
@@ -31,7 +31,7 @@ pub(crate) fn value(value: &Value) -> Json {
     }
 }
 
-/// An integer of at most 64 bits, as all values of fields and constants are.
+/// An integer of at most 64 bits, like all values of fields and constants.
 pub(crate) fn integer(value: i128) -> Json {
     i64::try_from(value)
         .map_or_else(|_| json!(u64::try_from(value).unwrap_or(u64::MAX)), |value| json!(value))

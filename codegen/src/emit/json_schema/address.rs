@@ -1,33 +1,33 @@
-//! Where each definition is found: its file, its absolute address, its name in a bundle.
+//! Locations of schemas: file, absolute URL, name in a bundle.
 
 use std::fmt::Write as _;
 
 use crate::schema::json_type::Direction;
 use crate::schema::{JsonMessageId, JsonTypeId, Kind, MessageId, Package, Schema};
 
-/// Ending of every file that holds a schema.
+/// Extension of all schema files.
 const EXTENSION: &str = ".schema.json";
 
-/// Something that has a schema of its own.
+/// An item with a schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::emit) enum Target {
     /// A message, or a part of a service or action.
     Message(MessageId),
-    /// An error code of the package with this index.
+    /// The error codes of the package with this index.
     ErrorCode(usize),
-    /// A list of such codes.
+    /// A list of error codes of the package with this index.
     ErrorList(usize),
-    /// A type of a page.
+    /// A type defined on a page.
     JsonType(JsonTypeId),
-    /// A message of a page in a direction.
+    /// A message defined on a page, in one direction.
     JsonPart(JsonMessageId, Direction),
 }
 
-/// The place of a [`Target`].
+/// The location of a [`Target`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Address<'s> {
     package: &'s str,
-    /// Parts of services and actions have a folder of their own, so that no message is in their way.
+    /// Subfolder for parts of services and actions, which can't clash with messages there.
     folder: Option<&'static str>,
     name: &'s str,
 }
@@ -56,24 +56,24 @@ impl<'s> Address<'s> {
         }
     }
 
-    /// The path of the file.
+    /// Path of the file.
     pub(super) fn path(self) -> String {
         format!("{}/{}", self.package, self.file())
     }
 
-    /// The path of the file without its ending.
+    /// Path of the file without extension.
     pub(super) fn stem(self) -> String {
         let Self { package, folder, name } = self;
         folder.map_or_else(|| format!("{package}/{name}"), |folder| format!("{package}/{folder}/{name}"))
     }
 
-    /// The absolute address under `base`.
+    /// Absolute URL under `base`.
     pub(super) fn id(self, base: &str) -> String {
         join(base, &encode(&self.path()))
     }
 
-    /// The address of `other` as this file refers to it. Relative, so that references hold wherever
-    /// the files are put, as long as they stay together.
+    /// The URL of `other`, relative to this file. References therefore remain valid wherever the files are moved
+    /// together.
     pub(super) fn refer_to(self, other: Address<'_>) -> String {
         let mut reference = String::new();
         if self.folder.is_some() {
@@ -88,8 +88,8 @@ impl<'s> Address<'s> {
         reference
     }
 
-    /// The name among the `$defs` of the bundle of `package`. Other packages' messages have their full
-    /// ROS name there, with dots: names can't clash, and tools make readable types of them.
+    /// The name in the `$defs` of the bundle of `package`. Messages of other packages use their full ROS name,
+    /// separated by dots. These names are unique, and code generators derive readable type names from them.
     pub(super) fn definition(self, package: &Package) -> String {
         match self.folder {
             _ if self.package != package.name => {
@@ -109,17 +109,17 @@ impl<'s> Address<'s> {
     }
 }
 
-/// The path of the bundle of `package`: beside its folder, where no message can be called the same.
+/// The path of the bundle of `package`. It is outside the package folder, so it can't clash with a message.
 pub(super) fn bundle_path(package: &Package) -> String {
     format!("{}.bundle{EXTENSION}", package.name)
 }
 
-/// The absolute address of the bundle of `package`.
+/// Absolute URL of the bundle of `package`.
 pub(super) fn bundle_id(package: &Package, base: &str) -> String {
     join(base, &encode(&bundle_path(package)))
 }
 
-/// The address of a definition of a bundle, within the bundle.
+/// The URL of a definition inside its bundle.
 pub(super) fn within_bundle(definition: &str) -> String {
     let pointer = definition.replace('~', "~0").replace('/', "~1");
     format!("#/$defs/{}", encode(&pointer))
@@ -129,15 +129,14 @@ fn join(base: &str, path: &str) -> String {
     format!("{}/{path}", base.trim_end_matches('/'))
 }
 
-/// Percent-encodes what an address can't hold; names of messages have none of it, those of packages
-/// are the user's.
+/// Percent-encodes reserved characters. They occur only in package names, which are chosen by users.
 fn encode(path: &str) -> String {
     let mut encoded = String::with_capacity(path.len());
     for byte in path.bytes() {
         if byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'.' | b'_' | b'~' | b'/') {
             encoded.push(char::from(byte));
         } else {
-            // Writing to a string doesn't fail.
+            // Writing to a string never fails.
             let _ = write!(encoded, "%{byte:02X}");
         }
     }

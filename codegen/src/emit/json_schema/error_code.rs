@@ -1,4 +1,4 @@
-//! The schemas of error codes.
+//! Schemas of error codes.
 
 use super::address::Target;
 use super::annotation::{annotation, annotations, filled, list};
@@ -6,10 +6,10 @@ use super::tree::any_of_type;
 use super::tree::{Member, Node, member};
 use crate::schema::{ErrorCode, ErrorTable, Package};
 
-/// The members of the schema of one error code.
+/// The members of the schema of an error code.
 ///
-/// It is open: a code that no table has is taken, since vendors define their own and later versions of
-/// a specification define more. Its severity is in its number.
+/// The schema is open: it accepts unlisted codes, because vendors and later versions of a specification define more.
+/// The severity is part of the number.
 pub(super) fn code_members(package: &Package) -> Vec<Member<'_>> {
     let known =
         package.error_tables.iter().flat_map(|table| table.codes.iter().map(move |code| node(table, code)));
@@ -18,7 +18,7 @@ pub(super) fn code_members(package: &Package) -> Vec<Member<'_>> {
         member(
             "description",
             format!(
-                "An error code of package {}. Codes that are not listed are taken too. The severity of any code is \
+                "An error code of package {}. Unlisted codes are valid. The severity of any code is \
                  (code & 0xFF) >> 6: 0 informational, 1 warning, 2 error, 3 fatal.",
                 package.name
             ),
@@ -33,7 +33,7 @@ pub(super) fn code_members(package: &Package) -> Vec<Member<'_>> {
 /// The members of the schema of a list of error codes.
 pub(super) fn list_members<'s>(package: &Package, index: usize) -> Vec<Member<'s>> {
     let description = format!(
-        "Error codes of package {} that hold at the same time. An empty list says that there is nothing to report.",
+        "Simultaneous error codes of package {}. The list is empty if there are no errors.",
         package.name
     );
     vec![

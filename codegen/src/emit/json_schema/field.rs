@@ -1,4 +1,4 @@
-//! The schema of a field.
+//! Schemas of fields.
 
 use std::iter::once;
 
@@ -22,7 +22,7 @@ pub(super) struct FieldSchema<'s> {
 }
 
 impl<'s> FieldSchema<'s> {
-    /// The whole schema of the field.
+    /// The complete schema of the field.
     pub(super) fn node(self) -> Node<'s> {
         let mut members = vec![member("title", self.field.name.as_str())];
         members.extend(annotation("description", filled(&self.field.description)));
@@ -51,7 +51,7 @@ impl<'s> FieldSchema<'s> {
         members
     }
 
-    /// What holds of the value, or of each element of an array.
+    /// The assertions for the value, or for each element of an array.
     fn element(self) -> Vec<Member<'s>> {
         match self.field.ty.element {
             Element::Scalar(scalar) => self.scalar(scalar),
@@ -76,7 +76,7 @@ impl<'s> FieldSchema<'s> {
         let outside = self.outside(&used, &whole, scalar);
         let alternatives = (!outside.is_empty()).then(|| {
             let within = once(member("type", ty.clone())).chain(bounds::members(&used)).collect();
-            let keyword = if self.are_apart(&used, scalar) { "oneOf" } else { "anyOf" };
+            let keyword = if self.are_disjoint(&used, scalar) { "oneOf" } else { "anyOf" };
             member(keyword, once(Node::Object(within)).chain(outside).collect::<Node>())
         });
         let mut members = vec![member("type", ty.clone())];
@@ -87,33 +87,33 @@ impl<'s> FieldSchema<'s> {
             members.extend(alternatives);
             return members;
         };
-        // A schema has one `anyOf`: where the enum takes it, the alternatives stand one level below.
+        // A schema can have one `anyOf`. If the enum uses it, the alternatives are nested in `allOf`.
         members.push(member("anyOf", open_enum(owner, found, ty)));
         let below = alternatives.map(|alternatives| Node::List(vec![Node::Object(vec![alternatives])]));
         members.extend(annotation("allOf", below));
         members
     }
 
-    /// Whether every reader can tell the special values from what is used, and from each other. Generators make
-    /// alternatives of a type only where no value fits two of them, as `oneOf` says. To those who read all numbers as
-    /// 64-bit floats large integers are their neighbours: a value that fits two would be none.
-    fn are_apart(self, used: &Numbers, scalar: Scalar) -> bool {
+    /// True if the special values and the normal range are disjoint for all readers, so that `oneOf` is correct. Code
+    /// generators need `oneOf` to create union types. For readers that store all numbers as 64-bit floats, adjacent
+    /// large integers are equal and would match two alternatives.
+    fn are_disjoint(self, used: &Numbers, scalar: Scalar) -> bool {
         let specials = self.field.constraints.iter().filter(|found| found.is_special());
-        let values = specials.filter_map(|special| bounds::held(special.stated.value()?, scalar).number());
-        let exact = values.filter(|value| used.broken_by(*value).is_some());
+        let values = specials.filter_map(|special| bounds::stored(special.stated.value()?, scalar).number());
+        let exact = values.filter(|value| used.violated_by(*value).is_some());
         let exact = exact.map(|value| bounds::exactly(value, scalar));
         let all: Vec<Numbers> = once(*used).chain(exact).collect();
         all.iter()
             .enumerate()
-            .all(|(index, found)| all.iter().skip(index + 1).all(|other| bounds::are_apart(found, other)))
+            .all(|(index, found)| all.iter().skip(index + 1).all(|other| bounds::are_disjoint(found, other)))
     }
 
-    /// The special values outside of `used`. NaN needs no mention: it is null, which all floats may be.
+    /// The special values outside `used`. NaN is skipped: it is null, which all floats allow.
     fn outside(self, used: &Numbers, whole: &Numbers, scalar: Scalar) -> Vec<Node<'s>> {
         let nodes = self.field.constraints.iter().filter_map(|special| {
             let Effect::Allows { title, .. } = special.kind.effect else { return None };
-            let value = bounds::held(special.stated.value()?, scalar).number()?;
-            if whole.broken_by(value).is_some() || used.broken_by(value).is_none() {
+            let value = bounds::stored(special.stated.value()?, scalar).number()?;
+            if whole.violated_by(value).is_some() || used.violated_by(value).is_none() {
                 return None;
             }
             let mut members = bounds::only(value, scalar);
@@ -149,7 +149,7 @@ impl<'s> FieldSchema<'s> {
         annotations(head.into_iter().chain(attributes).chain(constraints).chain(rest))
     }
 
-    /// A value, or the empty one, as an instance holds it.
+    /// A value in JSON. `None` is the empty value.
     fn special(self, value: Option<&'s Value>) -> Option<Node<'s>> {
         match (value, self.field.ty.shape, self.field.ty.element) {
             (Some(value), ..) => self.instance(value),
@@ -161,7 +161,7 @@ impl<'s> FieldSchema<'s> {
         }
     }
 
-    /// A value of the field's type as an instance holds it; infinity has no JSON.
+    /// A value of the field's type in JSON. Infinity has no JSON form.
     fn instance(self, value: &'s Value) -> Option<Node<'s>> {
         match value {
             Value::Int(value) if self.field.ty.element == Element::Scalar(Scalar::Bool) => {
@@ -177,7 +177,7 @@ impl<'s> FieldSchema<'s> {
         }
     }
 
-    /// The enum and the message that owns its constants. Text has none, although `char` is a number.
+    /// The enum with the message that declares its constants. Text has none, even though `char` is a number.
     fn enumeration(self) -> Option<(&'s Message, &'s Enum)> {
         let reference: EnumRef = self.field.enumeration.filter(|_| !self.is_text())?;
         Some((self.schema.message(reference.message), self.schema.enumeration(reference)))
@@ -188,7 +188,7 @@ impl<'s> FieldSchema<'s> {
     }
 }
 
-/// The documented values, and any other: firmware of tomorrow sends values that are unknown today.
+/// The documented values, and any other value, because newer firmware may send more.
 fn open_enum<'s>(owner: &'s Message, found: &'s Enum, ty: Node<'s>) -> Node<'s> {
     let documented = found.members.iter().map(|entry| {
         let constant = owner.constants.get(entry.constant);

@@ -1,4 +1,4 @@
-//! The schemas of types and messages of pages.
+//! Schemas of the types and messages defined on pages.
 
 use std::borrow::Cow;
 
@@ -13,7 +13,7 @@ use crate::schema::json_type::{
 };
 use crate::schema::{Package, Schema};
 
-/// What base64 looks like, with its padding.
+/// A pattern for padded base64.
 pub(in crate::emit) const BASE64: &str = "^([A-Za-z0-9+/]{4})*([A-Za-z0-9+/]{2}==|[A-Za-z0-9+/]{3}=)?$";
 
 /// The members of the schema of a type.
@@ -49,7 +49,7 @@ pub(super) fn type_members<'s>(schema: &'s Schema, found: &'s JsonType) -> Vec<E
     members
 }
 
-/// The members of the schema of a message in a direction.
+/// The members of the schema of a message in one direction.
 pub(super) fn part_members<'s>(
     schema: &'s Schema,
     message: &'s JsonMessage,
@@ -77,7 +77,7 @@ pub(super) fn part_members<'s>(
     members
 }
 
-/// Writes what holds of values of a package.
+/// Writes the assertions for values of a package.
 #[derive(Clone, Copy)]
 struct Writer<'s> {
     schema: &'s Schema,
@@ -93,16 +93,16 @@ impl<'s> Writer<'s> {
             member("properties", Node::Object(object.fields.iter().map(property).collect())),
         ];
         members.extend(annotation("required", list(required.map(|field| Node::from(field.name.as_str())))));
-        // Further fields are no mistake unless the page says so.
+        // Other fields are allowed unless the page forbids them.
         members.extend(object.is_closed.then(|| member("additionalProperties", false)));
         members
     }
 
-    /// Elements can be left out at the end. Validators in their strict modes ask that a list of elements is whole,
-    /// so each length is an alternative of its own.
+    /// Elements at the end may be omitted. Strict validators require a complete list of elements, so each length is a
+    /// separate alternative.
     fn tuple(self, elements: &'s [Member]) -> Vec<Entry<'s>> {
         let least = elements.iter().filter(|element| element.is_required).count();
-        let of_length = |length: usize| {
+        let exactly = |length: usize| {
             let count = u32::try_from(length).unwrap_or(u32::MAX);
             let mut members = vec![member("type", "array")];
             if length > 0 {
@@ -113,9 +113,9 @@ impl<'s> Writer<'s> {
             members
         };
         if least == elements.len() {
-            return of_length(least);
+            return exactly(least);
         }
-        let alternatives = (least..=elements.len()).map(|length| Node::Object(of_length(length)));
+        let alternatives = (least..=elements.len()).map(|length| Node::Object(exactly(length)));
         vec![member("type", "array"), member("oneOf", alternatives.collect::<Node>())]
     }
 
@@ -132,7 +132,7 @@ impl<'s> Writer<'s> {
         self.expression(&typed.ty, &typed.limits)
     }
 
-    /// What holds of the values of an expression within `limits`.
+    /// The assertions for values of an expression within `limits`.
     fn expression(self, expression: &Expression, limits: &Limits) -> Vec<Entry<'s>> {
         match expression {
             Expression::Any => Vec::new(),
@@ -159,14 +159,14 @@ impl<'s> Writer<'s> {
         }
     }
 
-    /// The schema of what a list or map holds; nothing where that is anything.
+    /// The schema for elements of a list or map, unless it allows any value.
     fn within(self, name: &'static str, inner: &Expression, limits: &Limits) -> Option<Entry<'s>> {
         let members = self.expression(inner, &limits.of_elements());
         (!members.is_empty()).then(|| member(name, Node::Object(members)))
     }
 
     fn either(self, alternatives: &[Expression], limits: &Limits) -> Vec<Entry<'s>> {
-        // `string or null`, which is the common case, is one type in the words of schemas.
+        // `string or null` is common, and becomes one schema with two types.
         if let [plain, Expression::Null] | [Expression::Null, plain] = alternatives {
             let mut members = self.expression(plain, limits);
             if let Some((name, ty @ Node::Text(_))) = members.first_mut()
@@ -181,26 +181,26 @@ impl<'s> Writer<'s> {
         vec![member("anyOf", alternatives.collect::<Node>())]
     }
 
-    /// A type of its own, and what else restricts it in its place.
+    /// A reference to a named type, with additional restrictions.
     fn restricted(self, target: Target, expression: &Expression, limits: &Limits) -> Vec<Entry<'s>> {
         if !limits.is_restriction() {
             return reference(target);
         }
-        // Beside a reference nothing counts in the drafts up to 7, so it stands a level below.
+        // Up to draft 7, keywords next to a `$ref` are ignored, so the `$ref` is nested in `allOf`.
         let below = Node::Object(reference(target));
         let mut all = vec![below];
         all.extend(self.restrictions(expression, limits));
         vec![member("allOf", Node::List(all))]
     }
 
-    /// What `limits` assert of the values of a type of its own.
+    /// The assertions of `limits` for values of a named type.
     fn restrictions(self, expression: &Expression, limits: &Limits) -> Option<Node<'s>> {
         let plain = self.schema.plain(expression)?;
         let members = self.expression(&plain, limits);
         (!members.is_empty()).then_some(Node::Object(members))
     }
 
-    /// The unit and the type as the page has it.
+    /// The annotations of a member: type, unit, range and format.
     fn limits(self, typed: &'s Typed) -> Option<Entry<'s>> {
         annotations(self.facts(typed))
     }
@@ -234,7 +234,7 @@ fn reference<'s>(target: Target) -> Vec<Entry<'s>> {
     vec![member("$ref", Node::Reference(target))]
 }
 
-/// The values of a set, and any other where it is open.
+/// The values of a set. An open set allows other values.
 fn values(set: &Set) -> Vec<Entry<'_>> {
     let (ty, mut values): (&str, Vec<Node<'_>>) = match &set.values {
         SetValues::Integers(values) => {
@@ -278,7 +278,7 @@ fn strings<'s>(limits: &Limits) -> Vec<Entry<'s>> {
     let mut members = vec![member("type", "string")];
     members.extend(annotation("minLength", limits.least));
     members.extend(annotation("maxLength", limits.most));
-    // There is one format, base64, and no validator looks at it unless it is a pattern, too.
+    // The only format is base64. Validators ignore `contentEncoding`, so a pattern checks it too.
     let pattern = limits.pattern.clone();
     match (pattern, &limits.format) {
         (Some(pattern), None) => members.push(member("pattern", pattern)),

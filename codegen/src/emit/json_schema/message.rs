@@ -1,4 +1,4 @@
-//! The schema of a message: a closed object that has all fields.
+//! Schemas of messages: closed objects with all fields required.
 
 use std::borrow::Cow;
 
@@ -30,7 +30,7 @@ pub(super) fn members<'s>(schema: &'s Schema, message: &'s Message) -> Vec<Membe
     members
 }
 
-/// What the header comment says; parts of services mostly have none.
+/// The header comment, or a default. Parts of services rarely have one.
 fn description(package: &Package, message: &Message) -> String {
     let text = message.docs.text();
     if !text.is_empty() {
@@ -48,7 +48,7 @@ fn description(package: &Package, message: &Message) -> String {
 }
 
 fn message_annotations<'s>(package: &'s Package, message: &'s Message) -> Option<Member<'s>> {
-    // Other dialects' messages never lie in uORB memory, be their size fixed or not.
+    // Messages of other dialects have no uORB layout, even if their size is fixed.
     let is_uorb = package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message;
     let layout = message.uorb.as_ref().filter(|_| is_uorb);
     let size = |size: usize| Node::Integer(i128::try_from(size).unwrap_or(i128::MAX));
@@ -75,13 +75,13 @@ fn message_annotations<'s>(package: &'s Package, message: &'s Message) -> Option
     ])
 }
 
-/// The parameters of a constant that is a command.
+/// The parameters of a command.
 fn parameters(constant: &Constant) -> Option<Member<'_>> {
     let found = list(constant.parameters.iter().map(parameter))?;
     Some((Cow::Borrowed(constant.name.as_str()), found))
 }
 
-/// A parameter of a command. One without a word to it is an empty object: its place counts.
+/// A parameter of a command. An undocumented parameter is an empty object that keeps its position.
 fn parameter(parameter: &Parameter) -> Node<'_> {
     let head = [
         annotation("description", filled(&parameter.description)),
@@ -93,12 +93,12 @@ fn parameter(parameter: &Parameter) -> Node<'_> {
     object(head.into_iter().chain(constraints).chain([prefixes])).unwrap_or_else(|| Node::Object(Vec::new()))
 }
 
-/// A value of a parameter; there is no empty one.
+/// A value of a parameter. There is no empty value.
 fn number(value: Option<&Value>) -> Option<Node<'_>> {
     value.map(bounds::number)
 }
 
-/// The value of a constant. JSON has no words for NaN and the infinities: they are strings.
+/// The value of a constant. NaN and infinities are strings.
 fn value(value: &Value) -> Node<'_> {
     match value {
         Value::Bool(value) => Node::Bool(*value),

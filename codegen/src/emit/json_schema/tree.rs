@@ -1,7 +1,7 @@
-//! JSON as the emitter builds it: ordered, and with references still open.
+//! Ordered JSON with unresolved references.
 //!
-//! The same definition is printed twice, into a file of its own and into the bundle of its package,
-//! where references read differently. So a reference is a node that gets its text only in print.
+//! Each definition is printed twice: into its file, and into the bundle of its package, where references differ.
+//! References are therefore resolved by the printer.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -17,14 +17,14 @@ pub(super) enum Node<'s> {
     Null,
     Bool(bool),
     Integer(i128),
-    /// Finite.
+    /// A finite number.
     Float(f64),
     Text(Cow<'s, str>),
     List(Vec<Node<'s>>),
     Object(Vec<Member<'s>>),
-    /// Members that several trees share.
+    /// Members shared by several trees.
     Shared(&'s [Member<'s>]),
-    /// The address of a definition, as the document that is printed refers to it.
+    /// A reference to a definition. Its URL depends on the printed document.
     Reference(Target),
 }
 
@@ -58,12 +58,12 @@ impl<'s> FromIterator<Node<'s>> for Node<'s> {
     }
 }
 
-/// A member with a name known beforehand.
+/// Creates a member with a fixed name.
 pub(super) fn member<'s>(name: &'static str, value: impl Into<Node<'s>>) -> Member<'s> {
     (Cow::Borrowed(name), value.into())
 }
 
-/// Prints `members` as one object, two blanks a level, and ends the last line.
+/// Prints `members` as one object, indented by two spaces per level, with a final line end.
 pub(super) fn print<'m, 's: 'm>(
     members: impl Iterator<Item = &'m Member<'s>>,
     address: &dyn Fn(Target) -> String,
@@ -102,7 +102,7 @@ impl Printer<'_> {
     }
 
     fn display(&mut self, value: &dyn std::fmt::Display) {
-        // Writing to a string doesn't fail.
+        // Writing to a string never fails.
         let _ = write!(self.text, "{value}");
     }
 
@@ -138,7 +138,7 @@ impl Printer<'_> {
         self.text.push(bracket);
     }
 
-    /// Starts a line, after a comma if it isn't the first of its list.
+    /// Starts a line, preceded by a comma unless it is the first in its list.
     fn line(&mut self, is_first: bool) {
         self.text.push_str(if is_first { "\n" } else { ",\n" });
         for _ in 0..self.depth {
@@ -168,7 +168,7 @@ impl Printer<'_> {
             '\\' => self.text.push_str("\\\\"),
             '\n' => self.text.push_str("\\n"),
             '\t' => self.text.push_str("\\t"),
-            // None of the others is beyond U+FFFF, so one escape holds each.
+            // The remaining escaped characters are at most U+FFFF, so one escape is enough.
             other => {
                 let _ = write!(self.text, "\\u{:04x}", u32::from(other));
             }
@@ -176,7 +176,8 @@ impl Printer<'_> {
     }
 }
 
-/// What JSON demands, and what would make a text look other than it is: controls and direction marks.
+/// True for characters that JSON requires to be escaped, and for controls and direction marks that would distort the
+/// display.
 fn needs_escape(character: char) -> bool {
     match character {
         '"' | '\\' => true,
@@ -188,7 +189,7 @@ fn needs_escape(character: char) -> bool {
     }
 }
 
-/// Any value of a type: the last alternative where more values may come than are known.
+/// Any value of a type, as the last alternative of an open set.
 pub(super) fn any_of_type<'s>(ty: impl Into<Node<'s>>) -> Node<'s> {
     Node::Object(vec![member("type", ty)])
 }
@@ -198,7 +199,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_printed_is_what_serde_json_prints() {
+    fn prints_like_serde_json() {
         let text = "plain \"quoted\" back\\slash\nnew\tline\r \u{1}\u{7f} é µ \u{1f681}";
         let members = [
             member("text", text),
@@ -221,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn direction_marks_are_escaped_and_lossless() {
+    fn escapes_direction_marks_without_loss() {
         let members = [member("a", "x\u{202e}y\u{feff}")];
         let printed = print(members.iter(), &|_| String::new());
         assert!(printed.is_ascii(), "{printed}");

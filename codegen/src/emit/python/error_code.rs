@@ -1,4 +1,4 @@
-//! Error codes: an open enum that knows what the tables say.
+//! Error codes: an open enum with the data of the error-code tables.
 
 use uavspec_runtime::Severity;
 
@@ -7,11 +7,11 @@ use super::uses::Uses;
 use crate::emit::binding::{ERROR_CODE, KnownCode, Named, SEVERITY, quoted};
 use crate::value::Value;
 
-const TEXT: &str = "An error code. Open: a code that no table knows is kept as it is.\n\nA member is called like the \
-                    abbreviation of its code. Where codes of several severities share an abbreviation, the severity\nis \
-                    part of the name.";
+const TEXT: &str = "An error code. Unlisted codes are valid.\n\nA member is named after the \
+                    abbreviation of its code. If codes of different severities share an abbreviation, the name\n\
+                    includes the severity.";
 
-/// The enum, the type of severities and the table.
+/// The enum, the severity type and the table.
 pub(super) fn item(codes: &[KnownCode], uses: &mut Uses) -> String {
     uses.is_open_enum_used = true;
     uses.recent.insert("TypeAlias");
@@ -31,7 +31,7 @@ pub(super) fn item(codes: &[KnownCode], uses: &mut Uses) -> String {
     let entries: String = codes.iter().map(entry).collect();
     format!(
         "{SEVERITY}: TypeAlias = Literal[{severities}]
-\"\"\"How grave an error code is, from harmless to grave.\"\"\"
+\"\"\"Severities of error codes, in ascending order.\"\"\"
 
 _SEVERITIES: tuple[{SEVERITY}, ...] = ({severities})
 
@@ -49,47 +49,47 @@ fn properties() -> String {
     format!(
         r#"    @property
     def code(self) -> int:
-        """The number."""
+        """Number of the code."""
         return int(self)
 
     @property
     def is_known(self) -> bool:
-        """Whether a table knows it."""
+        """True if the code is in a table."""
         return int(self) in _KNOWN
 
     @property
     def abbreviation(self) -> Optional[str]:
-        """A short word for displays that have little room."""
+        """Short name for small displays."""
         found = _KNOWN.get(int(self))
         return None if found is None else found[0]
 
     @property
     def severity(self) -> {SEVERITY}:
-        """How grave it is, also of a code that no table knows: it stands in the number."""
+        """Severity, which is part of the number. It is also defined for unlisted codes."""
         return _SEVERITIES[(int(self) & 0xFF) >> 6]
 
     @property
     def description(self) -> Optional[str]:
-        """What it says."""
+        """Description."""
         found = _KNOWN.get(int(self))
         return None if found is None else found[1]
 
     @property
     def alternatives(self) -> "tuple[{ERROR_CODE}, ...]":
-        """Codes for the same condition at other severities, of which one is used at a time."""
+        """Codes for the same condition at other severities. Only one of them is used at a time."""
         found = _KNOWN.get(int(self))
         return () if found is None else tuple({ERROR_CODE}(code) for code in found[2])
 
     @property
     def see_also(self) -> "tuple[{ERROR_CODE}, ...]":
-        """Codes that its description refers to."""
+        """Codes that the description refers to."""
         found = _KNOWN.get(int(self))
         return () if found is None else tuple({ERROR_CODE}(code) for code in found[3])
 "#
     )
 }
 
-/// Code, abbreviation, description, alternatives and what else to see.
+/// A table entry: code, abbreviation, description, alternatives, related codes.
 fn entry(code: &KnownCode) -> String {
     let abbreviation = code.abbreviation.as_deref().map_or_else(|| "None".to_owned(), quoted);
     format!(

@@ -1,4 +1,4 @@
-//! A declaration as Python writes it.
+//! Declarations in Python syntax.
 
 use super::text;
 use super::types::{is_attribute, ty, value, words};
@@ -8,18 +8,18 @@ use crate::value::Value;
 
 const INDENT: &str = "    ";
 
-/// The text of a declaration.
+/// Formats a declaration.
 pub(super) fn declaration(declaration: &Declaration, uses: &mut Uses) -> String {
-    let Declaration { name, text: said, kind } = declaration;
+    let Declaration { name, text: documentation, kind } = declaration;
     match kind {
-        Kind::Record { properties, .. } => record(name, said, properties, uses),
+        Kind::Record { properties, .. } => record(name, documentation, properties, uses),
         Kind::Alias(aliased) => {
             uses.recent.insert("TypeAlias");
             let aliased = ty(aliased, uses);
-            format!("{name}: TypeAlias = {aliased}\n{}", text::docstring(said, ""))
+            format!("{name}: TypeAlias = {aliased}\n{}", text::docstring(documentation, ""))
         }
         Kind::Enumeration { is_flags, members } => {
-            // Python takes negative flags for all bits but some.
+            // In Python, a negative flag is the complement of a set of flags.
             let is_negative =
                 members.iter().any(|member| matches!(member.value, Value::Int(value) if value < 0));
             let base = if *is_flags && !is_negative {
@@ -29,25 +29,25 @@ pub(super) fn declaration(declaration: &Declaration, uses: &mut Uses) -> String 
                 uses.is_open_enum_used = true;
                 "OpenIntEnum"
             };
-            class(name, &format!("({base})"), said, &named(members, " = "))
+            class(name, &format!("({base})"), documentation, &named(members, " = "))
         }
         Kind::Constants(members) => {
             uses.typing.insert("Final");
-            class(name, "", said, &named(members, ": Final = "))
+            class(name, "", documentation, &named(members, ": Final = "))
         }
         Kind::Messages(_) => String::new(),
     }
 }
 
-/// A class with its text and its members.
-pub(super) fn class(name: &str, bases: &str, said: &str, members: &[String]) -> String {
+/// Formats a class with its docstring and members.
+pub(super) fn class(name: &str, bases: &str, documentation: &str, members: &[String]) -> String {
     let body: String = members.iter().map(|member| format!("\n{member}")).collect();
-    let docstring = text::docstring(said, INDENT);
+    let docstring = text::docstring(documentation, INDENT);
     let empty = if body.is_empty() && docstring.is_empty() { "    pass\n" } else { "" };
     format!("class {name}{bases}:\n{docstring}{body}{empty}")
 }
 
-/// Names of values, each with what is said of it.
+/// Formats named values with their docstrings.
 pub(super) fn named(members: &[Named], separator: &str) -> Vec<String> {
     let member = |member: &Named| {
         let docstring = text::docstring(&member.text, INDENT);
@@ -56,11 +56,11 @@ pub(super) fn named(members: &[Named], separator: &str) -> Vec<String> {
     members.iter().map(member).collect()
 }
 
-fn record(name: &str, said: &str, properties: &[Property], uses: &mut Uses) -> String {
+fn record(name: &str, documentation: &str, properties: &[Property], uses: &mut Uses) -> String {
     uses.recent.insert("TypedDict");
     let types: Vec<String> = properties.iter().map(|property| property_type(property, uses)).collect();
     let is_word = |key: &str| types.iter().any(|ty| words(ty).any(|word| word == key));
-    // A name in a class hides that of a type from those below it.
+    // In a class body, an attribute name would shadow the name of a type.
     if properties.iter().all(|property| is_attribute(&property.key) && !is_word(&property.key)) {
         let members: Vec<String> = properties
             .iter()
@@ -69,7 +69,7 @@ fn record(name: &str, said: &str, properties: &[Property], uses: &mut Uses) -> S
                 format!("{INDENT}{}: {ty}\n{}", property.key, text::docstring(&property.text, INDENT))
             })
             .collect();
-        return class(name, "(TypedDict)", said, &members);
+        return class(name, "(TypedDict)", documentation, &members);
     }
     let members: String = properties
         .iter()
@@ -81,7 +81,7 @@ fn record(name: &str, said: &str, properties: &[Property], uses: &mut Uses) -> S
         .collect();
     format!(
         "{name} = TypedDict(\n    \"{name}\",\n    {{\n{members}    }},\n)\n{}",
-        text::docstring(said, "")
+        text::docstring(documentation, "")
     )
 }
 

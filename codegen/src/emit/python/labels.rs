@@ -1,5 +1,5 @@
-//! Labels: `labels` names the languages and gives the labels of one; within it each language is a module with its
-//! texts, which is imported when somebody asks for it.
+//! Labels: the package `labels` lists the languages and returns the labels of one. Each language is a module with its
+//! texts that is imported on demand.
 
 use super::text::header;
 use crate::emit::binding::{LabelLanguage, Labels, quoted};
@@ -8,7 +8,7 @@ use crate::translation::SOURCE_LANGUAGE;
 
 const FROM: &str = "the definitions and their translations";
 
-/// All modules of labels.
+/// Creates all modules of labels.
 pub(super) fn files(labels: &Labels<'_>) -> Vec<OutputFile> {
     let file = |name: &str, body: String| OutputFile {
         path: format!("labels/{name}.py"),
@@ -22,7 +22,7 @@ pub(super) fn files(labels: &Labels<'_>) -> Vec<OutputFile> {
     files
 }
 
-/// The name of the module of a language. The `_` keeps words of Python from being one: `is` is Icelandic.
+/// Name of the module of a language. The `_` avoids Python keywords: `is` is Icelandic.
 fn module(tag: &str) -> String {
     format!("_{}", tag.to_ascii_lowercase().replace('-', "_"))
 }
@@ -37,7 +37,7 @@ fn init(labels: &Labels<'_>) -> String {
         })
         .collect();
     format!(
-        r#""""What the definitions say, in each language that they are translated into, for programs that show it."""
+        r#""""Texts of the definitions in all languages, for user interfaces."""
 
 from functools import cache
 from typing import Final, NamedTuple, Optional
@@ -48,36 +48,36 @@ __all__ = ["Labels", "Language", "language", "languages"]
 
 
 class Language(NamedTuple):
-    """A language that there are labels in."""
+    """A language with labels."""
 
     tag: str
-    """Its tag, as BCP 47 writes it, such as `pt-BR`."""
+    """BCP 47 tag, such as `pt-BR`."""
 
     name: str
-    """What it calls itself."""
+    """Native name."""
 
     is_right_to_left: bool
-    """Whether it is written from right to left."""
+    """True if the language is written from right to left."""
 
 
 class Labels:
-    """The labels in a language.
+    """The labels of one language.
 
-    What isn't translated is in English, and what no definition describes is called by its name, so that there is always
-    something to show.
+    Texts without a translation are in English. Items without a text are represented by their name, so methods always
+    return a label unless stated otherwise.
     """
 
     tag: Final[str]
-    """The tag of the language, as BCP 47 writes it, such as `pt-BR`."""
+    """BCP 47 tag of the language, such as `pt-BR`."""
 
     name: Final[str]
-    """What the language calls itself."""
+    """Native name of the language."""
 
     is_right_to_left: Final[bool]
-    """Whether the language is written from right to left."""
+    """True if the language is written from right to left."""
 
     def __init__(self, language: Language, texts: dict[str, str], fallback: "Optional[Labels]") -> None:
-        """The labels of a language with these texts. What it lacks is looked up in `fallback`."""
+        """Creates the labels of a language. Missing texts are looked up in `fallback`."""
         self.tag, self.name, self.is_right_to_left = language
         self._texts = texts
         self._fallback = fallback
@@ -86,20 +86,20 @@ class Labels:
         return f"<labels in {{self.name}}>"
 
     def message(self, message: str) -> str:
-        """What a message, such as `px4/Wind`, is about."""
+        """Returns the summary of a message, such as `px4/Wind`."""
         return self.text(message) or message
 
     def field(self, message: str, field: str) -> str:
-        """What a field of a message says."""
+        """Returns the description of a field."""
         return self.text(f"{{message}}.{{field}}") or field
 
     def value(self, message: str, field: str, value: int) -> str:
-        """What a value of a field means, which holds one of the values of an enum."""
+        """Returns the description of an enum value of a field."""
         key = _members(message, field).get(int(value))
         return str(int(value)) if key is None else self._constant(key)
 
     def flags(self, message: str, field: str, value: int) -> list[str]:
-        """What each flag means that is set in a field. Bits without a name come last, as one number."""
+        """Returns the description of each flag set in a field. Unnamed bits come last, as one number."""
         rest = every = int(value)
         found = []
         for flag, key in _members(message, field).items():
@@ -109,11 +109,11 @@ class Labels:
         return found if rest == 0 else [*found, str(rest)]
 
     def error_code(self, package: str, code: int) -> str:
-        """The description of an error code of a package, such as `flockwave`."""
+        """Returns the description of an error code of a package, such as `flockwave`."""
         return self.text(f"{{package}}/error-code/{{int(code)}}") or str(int(code))
 
     def text(self, key: str) -> Optional[str]:
-        """Any other text, by its key in the catalogues of translations: `px4/Wind.speed/frame`; None where there is none."""
+        """Returns the text with a key of the translation catalogues, such as `px4/Wind.speed/frame`, or None."""
         found = self._texts.get(key)
         return self._fallback.text(key) if found is None and self._fallback is not None else found
 
@@ -123,19 +123,19 @@ class Labels:
 
 languages: Final[tuple[Language, ...]] = (
 {languages})
-"""The languages: English, which the definitions are in, then the others by tag."""
+"""All languages: English, the language of the definitions, followed by the others sorted by tag."""
 
 
 def language(*tags: str) -> Labels:
-    """The labels of the first of these languages that there are any in; those in English where there is none.
+    """Returns the labels of the first of these languages that is available, or the English labels.
 
-    Of a tag such as `uk-UA` or `uk_UA.UTF-8` the last parts may be missing here: then it is `uk`.
+    A tag such as `uk-UA` or `uk_UA.UTF-8` falls back to `uk`.
     """
     return _load(_nearest(tags))
 
 
 def _nearest(tags: tuple[str, ...]) -> str:
-    """The tag that is nearest to the first of `tags` that is near to any: parts are left off from its end."""
+    """Finds the first of `tags` that is available. A tag also matches without its last parts."""
     known = {{language.tag.lower(): language.tag for language in languages}}
     for tag in tags:
         parts = tag.partition(".")[0].partition("@")[0].lower().replace("_", "-").split("-")
@@ -159,8 +159,8 @@ def _members(message: str, field: str) -> dict[int, str]:
     )
 }
 
-/// The body of the function that imports a language. Each stands in it by its name, so that programs which pack
-/// others see them all.
+/// The body of the function that imports a language. Module names are literals, so tools that bundle programs find
+/// them.
 fn load(labels: &Labels<'_>) -> String {
     let import = |index: usize, language: &LabelLanguage<'_>, indent: &str| {
         let module = module(language.tag);
@@ -184,12 +184,12 @@ fn texts(language: &LabelLanguage<'_>) -> String {
     let entries: String = language
         .texts
         .iter()
-        .map(|(key, said)| format!("    {}: {},\n", quoted(key), quoted(said)))
+        .map(|(key, text)| format!("    {}: {},\n", quoted(key), quoted(text)))
         .collect();
     format!("from typing import Final\n\nTEXTS: Final[dict[str, str]] = {{\n{entries}}}\n")
 }
 
-/// What values of fields mean: values with the keys of their texts, and which field has which.
+/// The modules' data about enums: values with the keys of their texts, and the enum of each field.
 fn enumerations(labels: &Labels<'_>) -> String {
     let mut text =
         String::from("from typing import Final\n\nENUMERATIONS: Final[list[dict[int, str]]] = [\n");
@@ -199,9 +199,9 @@ fn enumerations(labels: &Labels<'_>) -> String {
         text.extend(members);
         text.push_str("    },\n");
     }
-    text.push_str("]\n\"\"\"Of each enum the values, with the keys of what they mean.\"\"\"\n\n");
+    text.push_str("]\n\"\"\"The values of each enum, with the keys of their texts.\"\"\"\n\n");
     text.push_str("FIELDS: Final[dict[str, int]] = {\n");
     text.extend(labels.fields.iter().map(|(field, index)| format!("    {}: {index},\n", quoted(field))));
-    text.push_str("}\n\"\"\"By the key of a field, which of them it holds.\"\"\"\n");
+    text.push_str("}\n\"\"\"By the key of a field, the index of its enum.\"\"\"\n");
     text
 }

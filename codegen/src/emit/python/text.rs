@@ -1,9 +1,9 @@
-//! Docstrings and comments: texts of definitions come out as text, whatever they hold.
+//! Docstrings and comments, with all text of definitions escaped.
 
 use crate::emit::file::notice;
 use crate::prose;
 
-/// A docstring on lines of its own; nothing where there is no text.
+/// Formats a docstring, or an empty string for an empty text.
 pub(super) fn docstring(text: &str, indent: &str) -> String {
     if text.is_empty() {
         return String::new();
@@ -25,7 +25,7 @@ pub(super) fn docstring(text: &str, indent: &str) -> String {
     format!("{indent}\"\"\"{first}{rest}\n{indent}\"\"\"\n")
 }
 
-/// Backslashes, and quotes of which three in a row or one at the end would end the text.
+/// Escapes backslashes and the quotes that would end a docstring.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     let mut rest = text.chars().peekable();
@@ -39,12 +39,12 @@ fn escaped(text: &str) -> String {
     escaped
 }
 
-/// Lines of comment; none where there is no text.
+/// Formats comment lines, or an empty string for an empty text.
 pub(super) fn comment(text: &str, indent: &str) -> String {
     text.lines().map(|line| format!("{indent}# {}", visible(line)).trim_end().to_owned() + "\n").collect()
 }
 
-/// A text on the one line of a comment.
+/// A text for a one-line comment.
 pub(super) fn line(text: &str) -> String {
     visible(text)
 }
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_ends_a_docstring_but_its_end() {
+    fn escapes_quotes_that_would_end_a_docstring() {
         for (text, expected) in [
             ("a \"b\" c", r#""""a "b" c""""#),
             ("say \"hi\"", r#""""say "hi\"""""#),

@@ -1,10 +1,10 @@
-//! Types and values as Python writes them.
+//! Types and values in Python syntax.
 
 use super::uses::Uses;
 use crate::emit::binding::{Type, float, is_python_keyword, quoted};
 use crate::value::Value;
 
-/// A type. Names stand between quotes, as what they name may come later.
+/// Formats a type. Names are quoted, because they may be declared later.
 pub(super) fn ty(found: &Type, uses: &mut Uses) -> String {
     match found {
         Type::Any => {
@@ -30,7 +30,7 @@ pub(super) fn ty(found: &Type, uses: &mut Uses) -> String {
         }
         Type::List(element) => format!("list[{}]", ty(element, uses)),
         Type::Map(value) => format!("dict[str, {}]", ty(value, uses)),
-        // `json.loads` gives a list, which can't tell its positions apart.
+        // `json.loads` returns a list, whose type can't distinguish positions.
         Type::Tuple(elements) => {
             let elements = elements.iter().map(|(_, _, element)| element.clone()).collect();
             format!("list[{}]", ty(&Type::Either(elements), uses))
@@ -43,7 +43,7 @@ pub(super) fn ty(found: &Type, uses: &mut Uses) -> String {
     }
 }
 
-/// Writes each alternative of alternatives once.
+/// Collects the distinct alternatives of a union.
 fn flatten(found: &Type, uses: &mut Uses, into: &mut Vec<String>) {
     match found {
         Type::Either(alternatives) => {
@@ -74,7 +74,7 @@ fn union(mut alternatives: Vec<String>, uses: &mut Uses) -> String {
         return alternatives.remove(0);
     }
     if alternatives.is_empty() {
-        // Elements of an array that has none.
+        // The element type of an empty tuple.
         uses.typing.insert("Any");
         return "Any".to_owned();
     }
@@ -82,7 +82,7 @@ fn union(mut alternatives: Vec<String>, uses: &mut Uses) -> String {
     format!("Union[{}]", alternatives.join(", "))
 }
 
-/// A value of a definition.
+/// Formats a value of a definition.
 pub(super) fn value(found: &Value) -> String {
     match found {
         Value::Bool(true) => "True".to_owned(),
@@ -94,8 +94,7 @@ pub(super) fn value(found: &Value) -> String {
     }
 }
 
-/// Whether a key can be written as the name of an attribute of a class, which gives names with two `_` before them
-/// another form.
+/// True if a key can be an attribute of a class. Python mangles names that start with `__`.
 pub(super) fn is_attribute(key: &str) -> bool {
     key.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && key.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
@@ -103,7 +102,7 @@ pub(super) fn is_attribute(key: &str) -> bool {
         && !is_python_keyword(key)
 }
 
-/// The names that a type is written with.
+/// The names used in a type.
 pub(super) fn words(ty: &str) -> impl Iterator<Item = &str> {
     ty.split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
 }

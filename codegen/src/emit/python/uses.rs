@@ -1,13 +1,13 @@
-//! Names from elsewhere.
+//! Imported names.
 
 use std::collections::BTreeSet;
 
-/// Names that a module takes from elsewhere.
+/// The names that a module imports.
 #[derive(Default)]
 pub(super) struct Uses {
-    /// From `typing`.
+    /// Names from `typing`.
     pub(super) typing: BTreeSet<&'static str>,
-    /// From `typing`, of which earlier versions of Python have none.
+    /// Names from `typing` that older Python versions lack.
     pub(super) recent: BTreeSet<&'static str>,
     pub(super) is_flags_used: bool,
     pub(super) is_open_enum_used: bool,

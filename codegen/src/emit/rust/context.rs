@@ -1,4 +1,4 @@
-//! The names and places of all types that are generated.
+//! Names and module paths of the generated types.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -7,55 +7,55 @@ use super::identifier::ident;
 use crate::emit::origin::Origins;
 use crate::schema::{MessageId, Schema};
 
-/// The place of a message's type: the path from the root of the module tree, and the type's name.
+/// The location of a message's type: the module path from the root, and the name of the type.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     pub(super) modules: Vec<String>,
     pub(super) type_name: String,
-    /// Of a message of fixed size, the name of the type that looks at its bytes.
+    /// The name of the view type, or an empty string if the message has no fixed size.
     pub(super) view_name: String,
 }
 
 impl Place {
-    /// The names of its public types but for enums.
+    /// The names of the message type and the view type.
     pub(super) fn names(&self) -> impl Iterator<Item = &String> {
         [&self.type_name, &self.view_name].into_iter().filter(|name| !name.is_empty())
     }
 }
 
-/// All that the parts of the emitter look up.
+/// The shared context of the emitter.
 pub(super) struct Context<'s> {
     pub(super) schema: &'s Schema,
     pub(super) origins: Origins<'s>,
-    /// By [`MessageId`].
+    /// Locations by [`MessageId`].
     pub(super) places: Vec<Option<Place>>,
-    /// Names of the types of the enums of each message, by [`MessageId`].
+    /// Names of enum types, by [`MessageId`].
     pub(super) enum_names: Vec<Vec<String>>,
 }
 
 impl Context<'_> {
     pub(super) fn place(&self, id: MessageId) -> &Place {
-        // Every listed message has a place, and so has every message that it refers to.
+        // All listed messages, and all messages that they refer to, have a location.
         self.places[id.0 as usize].as_ref().unwrap_or(&UNPLACED)
     }
 
-    /// The path of a message's type as the module of another message writes it.
+    /// The path of a message type, relative to the module of another message.
     pub(super) fn path(&self, from: MessageId, to: MessageId) -> TokenStream {
         self.public_path(from, to, &self.place(to).type_name)
     }
 
-    /// The path of a message's view type as the module of another message writes it.
+    /// The path of a view type, relative to the module of another message.
     pub(super) fn view_path(&self, from: MessageId, to: MessageId) -> TokenStream {
         self.public_path(from, to, &self.place(to).view_name)
     }
 
     fn public_path(&self, from: MessageId, to: MessageId, type_name: &str) -> TokenStream {
-        // Types are re-exported by the package's module, so the message's own module is left out.
+        // The package module re-exports the types, so the path doesn't need the message module.
         let modules = &self.place(to).modules;
         self.relative(from, &modules[..modules.len().saturating_sub(1)], type_name)
     }
 
-    /// The path of an enum's type as the module of another message writes it.
+    /// The path of an enum type, relative to the module of another message.
     pub(super) fn enum_path(&self, from: MessageId, to: MessageId, type_name: &str) -> TokenStream {
         if self.place(from).modules == self.place(to).modules {
             let name = ident(type_name);

@@ -1,4 +1,4 @@
-//! Enums and flags: open newtypes over the number that the field holds.
+//! Enums and flags as open newtypes over their integer type.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use super::text::constant_text;
 use super::types;
 use crate::schema::{Enum, Message};
 
-/// The type of an enum with all that belongs to it.
+/// Declares the type of an enum with its constants and traits.
 pub(super) fn tokens(owner: &Message, found: &Enum, name: &Ident) -> TokenStream {
     let users: Vec<&str> = owner
         .fields
@@ -22,22 +22,28 @@ pub(super) fn tokens(owner: &Message, found: &Enum, name: &Ident) -> TokenStream
         .map(|field| field.name.as_str())
         .collect();
     let what = if found.is_flags { "Flags" } else { "Values" };
-    let of = match users.as_slice() {
+    let owner_text = match users.as_slice() {
         [] => format!("`{}_*` of `{}`", found.prefixes.join("_*`, `"), owner.name),
         users => format!("`{}` of `{}`", users.join("`, `"), owner.name),
     };
     let rest = if found.is_flags {
-        "Any of them may be set, and bits without a name are kept as they are."
+        "Any combination is valid, and unnamed bits are preserved."
     } else {
-        "Open: a value without a name is kept as it is."
+        "Unnamed values are preserved."
     };
-    let doc = documentation(&format!("{what} of {of}.\n\n{rest}"));
+    let doc = documentation(&format!("{what} of {owner_text}.\n\n{rest}"));
     let primitive = types::primitive(found.scalar);
     let names = member_names(found);
     let constants = found.members.iter().zip(&names).map(|(member, name)| {
         let mut text = constant_text(&owner.constants[member.constant]);
         if let Some(first) = found.alias_of(member) {
-            let _ = write!(text, "\n\nAnother name of `{}`.", first.name);
+            let _ = write!(
+                text,
+                "
+
+            Alias of `{}`.",
+                first.name
+            );
         }
         let doc = documentation(&text);
         let value = number(found, member.value);
@@ -67,7 +73,7 @@ fn member_names(found: &Enum) -> Vec<Ident> {
     found.members.iter().map(|member| ident(&scope.unique(&upper_case(&member.name)))).collect()
 }
 
-/// A value of an enum, or a mask in hexadecimal.
+/// A value of an enum, or a mask in hexadecimal notation.
 fn number(found: &Enum, value: i128) -> TokenStream {
     if !found.is_flags || value < 0 {
         return types::integer(value);

@@ -1,4 +1,4 @@
-//! The error codes of a package: one open newtype over all its tables.
+//! Error codes of a package: one open newtype for all tables.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
@@ -11,7 +11,7 @@ use crate::emit::identifier::error_code_names;
 use crate::prose;
 use crate::schema::{ErrorCode, Package};
 
-/// The text of the module.
+/// Creates the module text.
 pub(super) fn emit(context: &Context<'_>, package: &Package) -> String {
     let codes: Vec<&ErrorCode> = package.error_tables.iter().flat_map(|table| &table.codes).collect();
     let header = match package.error_tables.as_slice() {
@@ -22,14 +22,14 @@ pub(super) fn emit(context: &Context<'_>, package: &Package) -> String {
 }
 
 fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
-    let module_doc = inner_documentation(&format!("The error codes of package `{}`.", package.name));
+    let module_doc = inner_documentation(&format!("Error codes of package `{}`.", package.name));
     let names: Vec<Ident> = error_code_names(codes).iter().map(|name| ident(name)).collect();
-    let name_of = |wanted: &u32| {
-        if let Some(index) = codes.iter().position(|code| code.code == *wanted) {
+    let name_of = |number: &u32| {
+        if let Some(index) = codes.iter().position(|code| code.code == *number) {
             let name = &names[index];
             quote!(ErrorCode::#name)
         } else {
-            let code = types::integer((*wanted).into());
+            let code = types::integer((*number).into());
             quote!(ErrorCode(#code))
         }
     };
@@ -59,9 +59,12 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
     });
     let count = types::integer(codes.len() as i128);
     let type_doc = documentation(
-        "An error code. Open: a code that no table knows is kept as it is.\n\n\
-         A constant is called like the abbreviation of its code. Where codes of several severities share\n\
-         an abbreviation, the severity is part of the name.",
+        "An error code. Unlisted codes are valid.
+
+        \
+         A constant is named after the abbreviation of its code. If codes of different severities share
+         \
+         an abbreviation, the name includes the severity.",
     );
     quote! {
         #module_doc
@@ -75,42 +78,42 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
         }
 
         impl ErrorCode {
-            /// All codes that the tables know, in order.
+            /// All listed codes, in order.
             pub fn all() -> impl ::core::iter::ExactSizeIterator<Item = Self> + ::core::iter::DoubleEndedIterator {
                 ENTRIES.iter().map(|entry| entry.code)
             }
 
-            /// How grave it is: `(code & 0xFF) >> 6`, also for a code that no table knows.
+            /// The severity `(code & 0xFF) >> 6`, which is also defined for unlisted codes.
             pub const fn severity(self) -> ::uavspec_runtime::Severity {
                 ::uavspec_runtime::Severity::of(self.0)
             }
 
-            /// The range of codes that it belongs to.
+            /// The class of the code, which is its range of numbers.
             pub const fn class(self) -> ::uavspec_runtime::ErrorClass {
                 ::uavspec_runtime::ErrorClass::of(self.0)
             }
 
-            /// Whether a table knows it.
+            /// True if the code is in a table.
             pub fn is_known(self) -> bool {
                 self.entry().is_some()
             }
 
-            /// A short word for displays that have little room.
+            /// The short name for small displays.
             pub fn abbreviation(self) -> ::core::option::Option<&'static str> {
                 self.entry()?.abbreviation
             }
 
-            /// What it says.
+            /// The description.
             pub fn description(self) -> ::core::option::Option<&'static str> {
                 ::core::option::Option::Some(self.entry()?.description)
             }
 
-            /// Codes that its description refers to.
+            /// Codes that the description refers to.
             pub fn see_also(self) -> &'static [Self] {
                 self.entry().map_or(&[], |entry| entry.see_also)
             }
 
-            /// Codes for the same condition at other severities, of which one is used at a time.
+            /// Codes for the same condition at other severities. Only one of them is used at a time.
             pub fn alternatives(self) -> &'static [Self] {
                 self.entry().map_or(&[], |entry| entry.alternatives)
             }
@@ -121,7 +124,7 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
             }
         }
 
-        /// The number, and the abbreviation where there is one.
+        /// Formats the number, followed by the abbreviation if there is one.
         impl ::core::fmt::Display for ErrorCode {
             fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
                 match self.abbreviation() {
@@ -149,7 +152,7 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
             }
         }
 
-        /// What the tables say of a code.
+        /// A table entry.
         struct Entry {
             code: ErrorCode,
             abbreviation: ::core::option::Option<&'static str>,
@@ -158,7 +161,7 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
             alternatives: &'static [ErrorCode],
         }
 
-        /// By code.
+        /// Entries sorted by code.
         static ENTRIES: [Entry; #count] = [#(#entries),*];
 
         ::uavspec_runtime::error_code! { ErrorCode; #(#known)* }

@@ -1,4 +1,4 @@
-//! The text of a generated file: its head, and tokens laid out as people write them.
+//! The text of a generated file: its header and its formatted tokens.
 
 use std::fmt::Write as _;
 
@@ -11,28 +11,28 @@ use crate::emit::file::notice;
 use crate::schema::Package;
 use crate::span::Span;
 
-/// The header line of a generated file.
+/// The header of a generated file.
 pub(super) fn header(from: &str) -> String {
     // A path with a line break would end the comment.
     let from = from.replace(['\n', '\r'], " ");
     format!("// {}\n\n", notice(&from))
 }
 
-/// The header line of a file that comes from the definition that holds `span`.
+/// The header of a file generated from the definition that contains `span`.
 pub(super) fn header_of(context: &Context<'_>, package: &Package, span: Span) -> String {
     header(&format!("{} of {}", context.origins.path(span), package.name))
 }
 
-/// The header line of a file that comes from all definitions of a package.
+/// The header of a file generated from all definitions of a package.
 pub(super) fn header_of_package(package: &Package) -> String {
     header(&format!("the definitions of {}", package.name))
 }
 
-/// Tokens as text: laid out, with a blank line between items.
+/// Formats tokens, with blank lines between items.
 pub(super) fn layout_file(tokens: TokenStream) -> String {
     let file: syn::File = match syn::parse2(imports::shorten(tokens)) {
         Ok(file) => file,
-        // The tokens come from `quote` and identifiers alone; were they no Rust, the compiler says so.
+        // The tokens come from `quote` and identifiers only. If they are invalid, the compiler reports the error.
         Err(error) => return format!("compile_error!({:?});\n", error.to_string()),
     };
     let attributes = file.attrs;
@@ -58,11 +58,11 @@ pub(super) fn layout_file(tokens: TokenStream) -> String {
     text
 }
 
-/// A list of items without blank lines in between.
+/// A kind of item that is listed without blank lines.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum List {
     Imports,
-    /// Modules, and what is re-exported from them.
+    /// Modules and their re-exports.
     Modules,
     None,
 }
@@ -113,7 +113,7 @@ fn push_entry(entry: &str, text: &mut String) {
     text.push('\n');
 }
 
-/// Writes tokens with spaces where people put them, and perhaps one after the last.
+/// Writes tokens with conventional spacing. The text may end with a space.
 fn write_tokens(tokens: TokenStream, text: &mut String) {
     for token in tokens {
         match token {
@@ -150,7 +150,7 @@ fn write_tokens(tokens: TokenStream, text: &mut String) {
     }
 }
 
-/// Puts a blank line after each function, impl and the like that another item follows.
+/// Inserts a blank line between functions, impl blocks and similar items.
 fn space_out(item: &str, text: &mut String) {
     let mut closed_at = None;
     for line in item.lines() {
@@ -167,17 +167,17 @@ fn space_out(item: &str, text: &mut String) {
     }
 }
 
-/// A line break in documentation until the file is written: one attribute for a whole comment is faster to parse and
-/// to lay out than one for each line. Texts can't contain it, since `prose` replaces control characters.
+/// Represents a line break in documentation until the file is written. One attribute per comment is faster to parse and
+/// format than one per line. Texts can't contain this character, because `prose` replaces control characters.
 const LINE_BREAK: char = '\u{1}';
 
-/// A documentation comment; the text is Markdown.
+/// A documentation comment. The text is Markdown.
 pub(super) fn documentation(text: &str) -> TokenStream {
     let text = comment(text);
     quote!(#[doc = #text])
 }
 
-/// A documentation comment of the surrounding module.
+/// A documentation comment of the enclosing module.
 pub(super) fn inner_documentation(text: &str) -> TokenStream {
     let text = comment(text);
     quote!(#![doc = #text])
@@ -197,13 +197,13 @@ fn comment(text: &str) -> String {
     comment
 }
 
-/// Writes a line that may be a whole documentation comment.
+/// Writes a line that may contain a complete documentation comment.
 fn push_line(line: &str, text: &mut String) {
     let mut lines = line.split(LINE_BREAK);
     let first = lines.next().unwrap_or_default();
     text.push_str(first);
     text.push('\n');
-    // What the first line starts with: white space and `///` or `//!`.
+    // The prefix of each line: white space and `///` or `//!`.
     let start = &first[..first.find("//").map_or(0, |at| at + 3).min(first.len())];
     for line in lines {
         text.push_str(start);

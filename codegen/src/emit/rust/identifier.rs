@@ -1,10 +1,10 @@
-//! Identifiers: the one place where names of definitions become names of Rust.
+//! Conversion of definition names to Rust identifiers.
 
 use proc_macro2::{Ident, Span};
 
 pub(super) use crate::emit::identifier::{Scope, pascal_case, snake_case, type_name, upper_case};
 
-/// Words that are no identifiers in edition 2024, but raw ones are.
+/// Keywords of edition 2024 that are valid as raw identifiers.
 const KEYWORDS: [&str; 49] = [
     "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "do", "dyn", "else",
     "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop", "macro",
@@ -13,10 +13,10 @@ const KEYWORDS: [&str; 49] = [
     "static",
 ];
 
-/// Words that are no identifiers, not even raw ones.
+/// Words that are invalid even as raw identifiers.
 const NEVER: [&str; 5] = ["self", "Self", "super", "crate", "_"];
 
-/// The identifier that is written `name`, which is in the right case already.
+/// Creates an identifier from `name`, which already has the right case.
 pub(super) fn ident(name: &str) -> Ident {
     let name: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if NEVER.contains(&name.as_str()) {
@@ -31,7 +31,7 @@ pub(super) fn ident(name: &str) -> Ident {
     Ident::new(&name, Span::call_site())
 }
 
-/// The name of a module, which is also that of its file.
+/// The name of a module and its file.
 pub(super) fn module_name(name: &str) -> String {
     let name = snake_case(name);
     if NEVER.contains(&name.as_str()) { name + "_" } else { name }
@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_of_the_language_become_identifiers() {
+    fn escapes_keywords() {
         for (name, expected) in
             [("type", "r#type"), ("self", "self_"), ("gen", "r#gen"), ("3D", "_3D"), ("x", "x")]
         {

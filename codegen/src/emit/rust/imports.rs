@@ -1,7 +1,6 @@
-//! `use` declarations: the emitter writes every path in full, and here a file gets the short names that a person
-//! would write.
+//! `use` declarations. Emitters write full paths; this module shortens them and adds the imports.
 //!
-//! A name that the file itself declares stays a full path, so that a message may be called `Option` or `String`.
+//! A name that the file declares is not imported, so messages may be named `Option` or `String`.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,7 +12,7 @@ use super::identifier::ident;
 /// The crates whose paths are shortened.
 const CRATES: [&str; 2] = ["core", "uavspec_runtime"];
 
-/// Names of `core` that every module has without importing them.
+/// Names of `core` that are in the prelude.
 const PRELUDE: [&str; 9] = [
     "Default",
     "DoubleEndedIterator",
@@ -26,14 +25,14 @@ const PRELUDE: [&str; 9] = [
     "write",
 ];
 
-/// Keywords that a path can follow. Any other identifier before `::` is a part of the path.
+/// Keywords that may precede a path. Any other identifier before `::` is part of the path.
 const BEFORE_PATH: [&str; 8] = ["as", "const", "dyn", "for", "impl", "in", "mut", "return"];
 
-/// Shortens the paths of a file and declares its imports after the inner attributes.
+/// Shortens the paths in a file, and declares its imports after the inner attributes.
 pub(super) fn shorten(file: TokenStream) -> TokenStream {
     let mut tokens: Vec<TokenTree> = file.into_iter().collect();
     let mut imports = Imports { declared: declared(&tokens), used: BTreeMap::new() };
-    // `#`, `!` and a group in brackets each.
+    // An attribute consists of `#`, `!` and a bracketed group.
     let is_attribute = |part: &&[TokenTree]| is_punct(part.first(), '#') && is_punct(part.get(1), '!');
     let attributes = tokens.chunks(3).take_while(is_attribute).count() * 3;
     let items = tokens.split_off(attributes.min(tokens.len()));
@@ -44,24 +43,25 @@ pub(super) fn shorten(file: TokenStream) -> TokenStream {
 }
 
 struct Imports {
-    /// The names that the file declares.
+    /// Names that the file declares.
     declared: BTreeSet<String>,
-    /// By short name, the module that it is imported from; none for a name of the prelude.
+    /// By short name, the module from which it is imported, or `None` for a prelude name.
     used: BTreeMap<String, Option<Vec<String>>>,
 }
 
 impl Imports {
-    /// The tokens with short paths, in all groups.
+    /// Shortens paths in tokens and nested groups.
     fn shorten(&mut self, tokens: &[TokenTree]) -> TokenStream {
         let mut short = Vec::with_capacity(tokens.len());
         let mut at = 0;
         while let Some(token) = tokens.get(at) {
             let path = if starts_path(tokens, at) { segments(&tokens[at..]) } else { Vec::new() };
             let is_macro = is_punct(tokens.get(at + 3 * path.len()), '!');
-            if let Some(kept) = self.import(&path, is_macro) {
-                // A segment is two colons and a name. The first kept segment goes without its colons.
+            if let Some(remaining) = self.import(&path, is_macro) {
+                // A segment consists of two colons and a name. The colons before the first remaining segment are
+                // dropped.
                 let end = at + 3 * path.len();
-                short.extend_from_slice(&tokens[end - 3 * kept + 2..end]);
+                short.extend_from_slice(&tokens[end - 3 * remaining + 2..end]);
                 at = end;
                 continue;
             }
@@ -78,8 +78,8 @@ impl Imports {
         short.into_iter().collect()
     }
 
-    /// Imports what a path needs to be short. Returns the number of segments to keep, or none if the path has to
-    /// stay as it is.
+    /// Imports the name that shortens a path. Returns the number of remaining segments, or `None` if the path can't be
+    /// shortened.
     fn import(&mut self, path: &[String], is_macro: bool) -> Option<usize> {
         let root = path.first().filter(|root| CRATES.contains(&root.as_str()))?;
         let (name, rest) = imported(path, is_macro)?;
@@ -93,7 +93,7 @@ impl Imports {
         (*known == module).then_some(rest)
     }
 
-    /// One declaration a module.
+    /// Creates one declaration per module.
     fn declarations(&self) -> TokenStream {
         let mut modules: BTreeMap<&[String], Vec<&String>> = BTreeMap::new();
         for (name, module) in &self.used {
@@ -102,7 +102,7 @@ impl Imports {
             }
         }
         let mut modules: Vec<_> = modules.into_iter().collect();
-        // A module comes after those within it.
+        // Nested modules come before their parent.
         let key = |module: &[String]| module.iter().cloned().chain(["~".to_owned()]).collect::<Vec<_>>();
         modules.sort_by_cached_key(|(module, _)| key(module));
         let declarations = modules.into_iter().map(|(module, names)| {
@@ -114,16 +114,16 @@ impl Imports {
     }
 }
 
-/// The index of the segment that is imported, and the number of segments from it on.
+/// The index of the imported segment, and the number of segments from there on.
 fn imported(path: &[String], is_macro: bool) -> Option<(usize, usize)> {
     let last = path.len().checked_sub(1)?;
     let name = match path.iter().position(|segment| is_type(segment)) {
-        // `fmt::Result` is not `Result`.
+        // `fmt::Result` is a different type from `Result`.
         Some(_) if path[..last].ends_with(&["fmt".to_owned()]) => last - 1,
         Some(_) if matches!(path[last].as_str(), "None" | "Some") => last,
         Some(first) => first,
         None if is_macro => last,
-        // A function is called with its module.
+        // A function is called with its module as prefix.
         None => last.checked_sub(1)?,
     };
     (name > 0).then_some((name, path.len() - name))
@@ -133,7 +133,7 @@ fn is_type(name: &str) -> bool {
     name.starts_with(|first: char| first.is_ascii_uppercase())
 }
 
-/// The names that a file declares and re-exports.
+/// The names that a file declares or re-exports.
 fn declared(tokens: &[TokenTree]) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     let mut at = 0;
@@ -149,7 +149,7 @@ fn declared(tokens: &[TokenTree]) -> BTreeSet<String> {
                 let end = rest.iter().position(|token| is_punct(Some(token), ';')).unwrap_or(rest.len());
                 collect_names(rest[..end].iter().cloned().collect(), &mut names);
             }
-            // A macro call declares types that it names before the first semicolon.
+            // A macro call declares the types named before its first semicolon.
             (_, [TokenTree::Punct(mark), TokenTree::Group(call), ..]) if mark.as_char() == '!' => {
                 let head = call.stream().into_iter().take_while(|token| !is_punct(Some(token), ';'));
                 let mut found = BTreeSet::new();
@@ -172,11 +172,11 @@ fn collect_names(tokens: TokenStream, names: &mut BTreeSet<String>) {
     }
 }
 
-/// True if a path that begins with `::` starts at `at`.
+/// True if a path with a leading `::` starts at `at`.
 fn starts_path(tokens: &[TokenTree], at: usize) -> bool {
     let is_continued = match at.checked_sub(1).map(|before| &tokens[before]) {
         Some(TokenTree::Ident(word)) => !BEFORE_PATH.contains(&word.to_string().as_str()),
-        // The end of `<T>`, unless it is that of `->`.
+        // The end of `<T>`, as opposed to that of `->`.
         Some(TokenTree::Punct(mark)) if mark.as_char() == '>' => {
             !at.checked_sub(2).is_some_and(|arrow| is_punct(tokens.get(arrow), '-'))
         }
@@ -185,7 +185,7 @@ fn starts_path(tokens: &[TokenTree], at: usize) -> bool {
     !is_continued
 }
 
-/// The names of a path from its leading `::` on; empty if there is none.
+/// The segments of a path with a leading `::`, or an empty list.
 fn segments(tokens: &[TokenTree]) -> Vec<String> {
     let name = |part: &[TokenTree]| match part {
         [TokenTree::Punct(first), TokenTree::Punct(second), TokenTree::Ident(name)]
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn paths_become_names_with_one_declaration_for_each_module() {
+    fn imports_names_with_one_declaration_per_module() {
         let found = shortened(
             "#![allow(x)] struct A { a: ::uavspec_runtime::alloc::vec::Vec<::core::option::Option<u8>>, b: \
              ::uavspec_runtime::Text<3> } impl ::uavspec_runtime::Message for A { fn f() -> ::core::fmt::Result { \
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_that_the_file_declares_is_not_imported() {
+    fn does_not_import_names_that_the_file_declares() {
         for declaration in [
             "struct Text;",
             "enum Text {}",
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn other_paths_stay_as_they_are() {
+    fn does_not_change_other_paths() {
         for file in
             ["type A = super::core::fmt::B;", "type A = ::other::fmt::B;", "type A = <B>::core::fmt::C;"]
         {

@@ -1,8 +1,8 @@
-//! Types and messages of pages: the module `json` of a package.
+//! The module `json` of a package: types and messages defined on pages.
 //!
-//! `json/types.rs` has the types, `json/<message>.rs` the bodies of a message for each direction, and `json.rs` an enum
-//! of all messages for each direction. All of it hangs on one line of the package's module, which the runtime takes
-//! out where its feature `json` is off.
+//! `json/types.rs` contains the types, `json/<message>.rs` the bodies of a message for each direction, and `json.rs` an
+//! enum of all messages for each direction. The package module includes them with one macro call, which the runtime
+//! disables without its feature `json`.
 
 mod default;
 mod message;
@@ -21,18 +21,18 @@ use super::identifier::ident;
 use crate::emit::file::OutputFile;
 use crate::schema::Package;
 
-/// Whether a package has anything to emit here.
+/// True if a package defines types or messages on pages.
 pub(super) fn has_content(package: &Package) -> bool {
     !package.json_types.is_empty() || !package.json_messages.is_empty()
 }
 
-/// The line of the package's module that brings in all others.
+/// The declaration of this module in the package module.
 pub(super) fn declaration() -> TokenStream {
     let module = ident(MODULE);
     quote!(::uavspec_runtime::with_json! { pub mod #module; })
 }
 
-/// All files of the package in the module `module`.
+/// Creates the files of a package. `module` is the name of the package module.
 pub(super) fn files(context: &Context<'_>, package: &Package, module: &str) -> Vec<OutputFile> {
     let names = Names::of(context, package);
     let mut definitions = Definitions::new(context, &names);
@@ -41,25 +41,27 @@ pub(super) fn files(context: &Context<'_>, package: &Package, module: &str) -> V
     let mut re_exported: Vec<Ident> = Vec::new();
     if !package.json_types.is_empty() {
         re_exported = definitions.names().iter().map(|name| ident(name)).collect();
-        let doc = inner_documentation(&format!("The types of package `{}`.", package.name));
+        let doc = inner_documentation(&format!("Types of package `{}`.", package.name));
         let text = header_of_package(package) + &layout_file(quote!(#doc #(#tokens)*));
         files.push(OutputFile { path: format!("{module}/{MODULE}/{TYPES}.rs"), text });
     }
     let (root, mut messages) = message::files(context, package, &names, module);
     let doc = inner_documentation(&format!(
-        "Types and messages of package `{}`: JSON, as its pages define it.\n\n\
-         A field that may be left out is an `Option`; what may be `null` is one, too. Further fields of an object are\n\
-         passed over unless the page closes it. Ranges are documented and can be asked for, but reading doesn't look\n\
-         at them.",
+        "JSON types and messages of package `{}`.
+
+        \
+         Optional fields and nullable values are `Option`s. Other fields of an object are ignored unless the object
+         \
+         is closed. Reading doesn't check ranges; types with a range have a method for this.",
         package.name
     ));
     let types = (!package.json_types.is_empty()).then(|| {
-        let doc = documentation("The types.");
+        let doc = documentation("Types.");
         let types = ident(TYPES);
         quote!(#doc pub mod #types; pub use self::#types::{#(#re_exported),*};)
     });
-    // What is absent and what is null are two things. Messages are few at a time, and an indirection would be in
-    // everybody's way.
+    // An absent value differs from null, so `Option<Option<T>>` is needed. Few messages exist at a time, so boxing
+    // large variants would only complicate their use.
     let allowed = quote!(#![allow(clippy::large_enum_variant)] #![allow(clippy::option_option)]);
     let text = header_of_package(package) + &layout_file(quote!(#doc #allowed #types #root));
     files.push(OutputFile { path: format!("{module}/{MODULE}.rs"), text });

@@ -1,4 +1,4 @@
-//! A message: its struct, constants, traits, codecs and flags, then its enums.
+//! Messages: struct, constants, traits, codecs, flags and enums.
 
 use std::fmt::Write as _;
 
@@ -17,10 +17,10 @@ use crate::schema::{Dialect, Element, Field, Message, MessageId, Restriction, Sh
 use crate::unit;
 use crate::value::Value;
 
-/// The width at which a long literal goes on in the next line.
+/// The width at which a long literal is wrapped.
 const LINE_WIDTH: usize = 90;
 
-/// Everything that the module of a message holds.
+/// The content of a message module.
 pub(super) fn tokens(context: &Context<'_>, id: MessageId) -> TokenStream {
     let message = context.schema.message(id);
     let parts = Parts {
@@ -93,7 +93,7 @@ impl Parts<'_> {
         })
     }
 
-    /// Constants that are no members of an enum.
+    /// Constants outside enums.
     fn constants(&self) -> Option<TokenStream> {
         let Self { name, message, .. } = self;
         let is_member = |index: usize| {
@@ -116,7 +116,7 @@ impl Parts<'_> {
         (!constants.is_empty()).then(|| quote!(impl #name { #(#constants)* }))
     }
 
-    /// The facts about the message as a whole.
+    /// The implementation of the trait `Message`.
     fn message_trait(&self) -> TokenStream {
         let Self { name, message, .. } = self;
         let package = &self.context.schema.package_of(message).name;
@@ -143,7 +143,7 @@ impl Parts<'_> {
         }
     }
 
-    /// The fields with their types and places, from which a macro of the runtime makes the codecs.
+    /// The macro call that declares the fields and implements the codecs.
     fn record(&self) -> TokenStream {
         let Self { context, id, message, name, fields } = self;
         let views = message.fields.iter().map(|field| {
@@ -167,7 +167,7 @@ impl Parts<'_> {
         }
     }
 
-    /// An expression in the words of `uavspec_runtime::descriptor::field`.
+    /// The descriptor of a field, built with `uavspec_runtime::descriptor::field`.
     fn descriptor(&self, index: usize) -> TokenStream {
         let Self { context, id, message, .. } = self;
         let field = &message.fields[index];
@@ -233,7 +233,7 @@ impl Parts<'_> {
         quote!(&number() #(#demands)* #special #count #known #nan)
     }
 
-    /// How defmt shows it: the whole text is one literal, which stays on the host.
+    /// The defmt format. The text is one literal, which stays on the host.
     fn format(&self) -> TokenStream {
         let Self { context, id, message, name, fields } = self;
         let dialect = types::dialect(context, *id);
@@ -247,7 +247,7 @@ impl Parts<'_> {
         quote!(::uavspec_runtime::format_record! { #name #text; #(#fields)*; })
     }
 
-    /// `set_flags()`, for messages that have flags.
+    /// The method `set_flags()`, for messages with flags.
     fn flags(&self) -> Option<TokenStream> {
         let Self { name, message, fields, .. } = self;
         let reports_failures = self.reports_failures();
@@ -271,7 +271,7 @@ impl Parts<'_> {
         (!entries.is_empty()).then(|| quote!(::uavspec_runtime::flags! { #name; #(#entries)* } #failures))
     }
 
-    /// Whether each flag of the message reports a failure when it is set, which PX4 states of this one.
+    /// True if each set flag reports a failure, which PX4 documents for `FailsafeFlags`.
     fn reports_failures(&self) -> bool {
         types::dialect(self.context, self.id) == Dialect::Px4 && self.message.name == "FailsafeFlags"
     }
@@ -279,7 +279,7 @@ impl Parts<'_> {
     fn message_text(&self) -> String {
         let message = self.message;
         let mut text = if message.docs.summary.is_empty() {
-            format!("The message `{}`, which its definition says no more of.", message.name)
+            format!("Message `{}`; the definition has no description.", message.name)
         } else {
             prose::inline(&message.docs.summary)
         };
@@ -301,8 +301,8 @@ impl Parts<'_> {
         if let Some(layout) = &message.uorb {
             facts.push(("uORB", format!("{} bytes, hash `0x{:08x}`", layout.size, message.hash)));
         }
-        let cdr = if message.cdr.is_fixed { "bytes" } else { "bytes or more" };
-        facts.push(("CDR", format!("{} {cdr}", message.cdr.least)));
+        let cdr = if message.cdr.is_fixed { "" } else { "at least " };
+        facts.push(("CDR", format!("{cdr}{} bytes", message.cdr.least)));
         text += "\n\n| | |\n|---|---|";
         for (name, value) in facts {
             let _ = write!(text, "\n| {name} | {value} |");
@@ -312,7 +312,7 @@ impl Parts<'_> {
 
     fn field_text(&self, field: &Field) -> String {
         let mut text = if field.description.is_empty() {
-            format!("The field `{}`, which its definition says no more of.", field.name)
+            format!("Field `{}`; the definition has no description.", field.name)
         } else {
             prose::block(&field.description)
         };
@@ -340,7 +340,7 @@ impl Parts<'_> {
         facts.extend(field.constraints.iter().filter_map(|found| found.fact(prose::code, prose::inline)));
         facts.extend(field.attributes().map(|(attribute, text)| attribute.to_text(&prose::inline(text))));
         if let Some(array) = field.counts {
-            facts.push(format!("counts the entries in use of [`{0}`](Self::{0})", self.fields[array]));
+            facts.push(format!("number of used entries in [`{0}`](Self::{0})", self.fields[array]));
         }
         match (field.ty.shape, field.ty.element) {
             (Shape::Bounded(bound), _) => facts.push(format!("at most {bound} elements")),
@@ -353,10 +353,10 @@ impl Parts<'_> {
     }
 }
 
-/// A string literal of words, with line breaks that are not part of the text.
+/// A string literal of words, wrapped with escaped line breaks.
 fn wrapped(words: &[String]) -> proc_macro2::Literal {
     let mut literal = String::from("\"");
-    // The name of the type comes before the literal, in which the first word is the name of the message.
+    // The type name precedes the literal, whose first word is the message name.
     let mut width = words.first().map_or(0, |name| 2 * name.len());
     for (index, word) in words.iter().enumerate() {
         if index > 0 {
@@ -374,15 +374,14 @@ fn wrapped(words: &[String]) -> proc_macro2::Literal {
     literal.parse().unwrap_or_else(|_| plain())
 }
 
-/// What stands for a field in a text of defmt. It names the type wherever defmt has a name for it: the type
-/// isn't sent then.
+/// The defmt placeholder of a field. It includes the type if defmt supports it, so that the type isn't transmitted.
 fn placeholder(field: &Field, dialect: Dialect) -> String {
     let primitive = match field.ty.element {
         Element::Scalar(scalar) if field.enumeration.is_none() => types::primitive(scalar).to_string(),
         Element::String { .. } => "str".to_owned(),
         Element::Scalar(_) | Element::Message(_) => "?".to_owned(),
     };
-    // Of arrays defmt has names for bytes alone.
+    // Byte arrays are the only arrays with a defmt type.
     let element = if primitive == "u8" { "u8" } else { "?" };
     match field.ty.shape {
         Shape::Single => format!("{{={primitive}}}"),
@@ -407,7 +406,7 @@ fn number(value: Number) -> TokenStream {
 }
 
 fn hexadecimal(value: u32) -> TokenStream {
-    // Eight digits in any case: a hash is easier to compare so.
+    // Eight digits make hashes easier to compare.
     let literal: Result<proc_macro2::Literal, _> = format!("0x{value:08x}").parse();
     literal.map_or_else(|_| types::integer(value.into()), |literal| quote!(#literal))
 }

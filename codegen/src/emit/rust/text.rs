@@ -1,4 +1,4 @@
-//! Sentences of documentation that several kinds of types share.
+//! Documentation texts that several kinds of types share.
 
 use std::fmt::Write as _;
 
@@ -6,13 +6,13 @@ use crate::prose;
 use crate::schema::{Constant, Constraint};
 use crate::unit;
 
-/// The documentation of a constant, with the parameters that a command takes.
+/// The documentation of a constant, with the parameters of a command.
 pub(super) fn constant_text(constant: &Constant) -> String {
     let mut text = match constant.name.as_str() {
         _ if !constant.description.is_empty() => prose::block(&constant.description),
-        "MESSAGE_VERSION" => "Version of the message, raised when its fields change.".to_owned(),
-        "ORB_QUEUE_LENGTH" => "How many messages a topic holds before the oldest is lost.".to_owned(),
-        name => format!("The constant `{name}`, which its definition says no more of."),
+        "MESSAGE_VERSION" => "Version of the message, incremented when its fields change.".to_owned(),
+        "ORB_QUEUE_LENGTH" => "Number of messages queued per topic before the oldest is dropped.".to_owned(),
+        name => format!("Constant `{name}`; the definition has no description."),
     };
     if constant.parameters.iter().any(|parameter| !is_unused(&parameter.description)) {
         text += "\n\n| parameter | unit | meaning |\n|---|---|---|";
@@ -23,12 +23,12 @@ pub(super) fn constant_text(constant: &Constant) -> String {
                 .filter(|unit| *unit != unit::NONE)
                 .map(prose::inline)
                 .unwrap_or_default();
-            let said = parameter.constraints.iter().filter(|found| !found.is_special());
-            let said: String =
-                said.filter_map(Constraint::valid_values).map(|said| format!(" ({said})")).collect();
+            let constraints = parameter.constraints.iter().filter(|found| !found.is_special());
+            let constraints: String =
+                constraints.filter_map(Constraint::valid_values).map(|text| format!(" ({text})")).collect();
             let _ = write!(
                 text,
-                "\n| {} | {unit} | {}{said} |",
+                "\n| {} | {unit} | {}{constraints} |",
                 index + 1,
                 prose::inline(&parameter.description)
             );

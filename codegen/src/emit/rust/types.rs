@@ -1,4 +1,4 @@
-//! Types and literals of Rust for those of definitions.
+//! Rust types and literals for the types and values of definitions.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -8,7 +8,7 @@ use super::context::Context;
 use crate::schema::{Dialect, Element, EnumRef, Field, Form, MessageId, Shape};
 use crate::value::Value;
 
-/// The primitive that holds a scalar.
+/// The primitive type of a scalar.
 pub(super) fn primitive(scalar: Scalar) -> TokenStream {
     match scalar {
         Scalar::Bool => quote!(bool),
@@ -52,22 +52,22 @@ pub(super) fn field(context: &Context<'_>, id: MessageId, field: &Field) -> Toke
     }
 }
 
-/// The type that the view of a message of fixed size gives for a field. It may name the lifetime `'b` of the bytes.
-pub(super) fn view(context: &Context<'_>, id: MessageId, shown: &Field) -> TokenStream {
-    let element = match shown.ty.element {
+/// The type of a field in the view of a message of fixed size. It may use the lifetime `'b` of the bytes.
+pub(super) fn view(context: &Context<'_>, id: MessageId, viewed: &Field) -> TokenStream {
+    let element = match viewed.ty.element {
         Element::Message(nested) => {
             let view = context.view_path(id, nested);
             quote!(#view<'b>)
         }
-        _ => element(context, id, shown),
+        _ => element(context, id, viewed),
     };
-    match shown.ty.shape {
-        Shape::Array(length) if !shown.is_text(dialect(context, id)) => {
+    match viewed.ty.shape {
+        Shape::Array(length) if !viewed.is_text(dialect(context, id)) => {
             let length = Literal::u32_unsuffixed(length);
             quote!(::uavspec_runtime::uorb::Elements<'b, #element, #length>)
         }
         Shape::Single => element,
-        _ => field(context, id, shown),
+        _ => field(context, id, viewed),
     }
 }
 
@@ -82,13 +82,13 @@ fn element(context: &Context<'_>, id: MessageId, field: &Field) -> TokenStream {
     }
 }
 
-/// The path of an enum's type as the module of the message `id` writes it.
+/// The path of an enum type, relative to the module of the message `id`.
 pub(super) fn enumeration(context: &Context<'_>, id: MessageId, reference: EnumRef) -> TokenStream {
     let name = &context.enum_names[reference.message.0 as usize][reference.index];
     context.enum_path(id, reference.message, name)
 }
 
-/// Whether `Default` can be derived for a field: arrays have it up to 32 elements.
+/// True if `Default` can be derived for a field. Arrays implement it up to 32 elements.
 pub(super) fn derives_default(context: &Context<'_>, id: MessageId, field: &Field) -> bool {
     field.default.is_none()
         && match field.ty.shape {
@@ -151,7 +151,7 @@ pub(super) fn literal(element: Element, value: &Value) -> TokenStream {
         (Value::Bool(value), _) => quote!(#value),
         (Value::Int(value), _) => integer(*value),
         (Value::Float(value), Element::Scalar(Scalar::Float32)) => float(*value, &quote!(f32), |value| {
-            #[allow(clippy::cast_possible_truncation)] // the constant is a float32: this is its value
+            #[allow(clippy::cast_possible_truncation)] // the constant is a float32
             Literal::f32_unsuffixed(value as f32)
         }),
         (Value::Float(value), _) => float(*value, &quote!(f64), Literal::f64_unsuffixed),
@@ -163,7 +163,7 @@ pub(super) fn literal(element: Element, value: &Value) -> TokenStream {
     }
 }
 
-/// An `Option` of something.
+/// An `Option` expression.
 pub(super) fn option(value: Option<TokenStream>) -> TokenStream {
     value.map_or_else(
         || quote!(::core::option::Option::None),
@@ -171,7 +171,7 @@ pub(super) fn option(value: Option<TokenStream>) -> TokenStream {
     )
 }
 
-/// An integer without suffix; its type is that of where it stands.
+/// An integer literal without a suffix.
 pub(super) fn integer(value: i128) -> TokenStream {
     let magnitude = Literal::u128_unsuffixed(value.unsigned_abs());
     if value < 0 { quote!(-#magnitude) } else { quote!(#magnitude) }

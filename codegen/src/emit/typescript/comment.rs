@@ -1,14 +1,14 @@
-//! Comments: texts of definitions come out as text, whatever they hold.
+//! Comments, with all text of definitions escaped.
 
 use crate::emit::file::notice;
 use crate::prose;
 
-/// A documentation comment; nothing where there is no text.
+/// Formats a documentation comment, or an empty string for an empty text.
 pub(super) fn block(text: &str, indent: &str) -> String {
     if text.is_empty() {
         return String::new();
     }
-    // Neither the end of a comment nor the start of a tag.
+    // Escapes the end of a comment and the start of a tag.
     let text = prose::block(text).replace("*/", "*&#47;").replace('@', "\\@");
     if !text.contains('\n') {
         return format!("{indent}/** {text} */\n");
@@ -20,7 +20,7 @@ pub(super) fn block(text: &str, indent: &str) -> String {
     format!("{indent}/**\n{}{indent} */\n", lines.collect::<String>())
 }
 
-/// A text on the one line of a comment.
+/// A text for a one-line comment.
 pub(super) fn line(text: &str) -> String {
     text.chars().map(prose::visible).collect()
 }

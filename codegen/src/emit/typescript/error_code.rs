@@ -1,4 +1,4 @@
-//! Error codes: their constants, and what is known of any code.
+//! Error codes: their constants, and a function that looks up a code.
 
 use uavspec_runtime::Severity;
 
@@ -9,14 +9,14 @@ use super::types::any_other;
 use crate::emit::binding::{ERROR_CODE, ERROR_CODE_INFO, KnownCode, Named, SEVERITY, quoted};
 use crate::value::Value;
 
-const CODE_TEXT: &str = "An error code. Open: there are codes that no table knows.\n\nA constant is called like the \
-                         abbreviation of its code. Where codes of several severities share an abbreviation, the \
-                         severity is part of the name.";
+const CODE_TEXT: &str = "An error code. Unlisted codes are valid.\n\nA constant is named after the \
+                         abbreviation of its code. If codes of different severities share an abbreviation, the \
+                         name includes the severity.";
 
-const LOOKUP_TEXT: &str = "What is known of an error code. A code that no table knows has its severity all the same: \
-                           it stands in the number.";
+const LOOKUP_TEXT: &str = "Looks up an error code. The severity is part of the number, so it is also defined for \
+                           unlisted codes.";
 
-/// All that a file of `language` has.
+/// The declarations for a file in `language`.
 pub(super) fn items(codes: &[KnownCode], language: Language) -> Vec<String> {
     let mut items = vec![constant(ERROR_CODE, &comment::block(CODE_TEXT, ""), &members(codes), language)];
     if language.has_types() {
@@ -42,24 +42,24 @@ fn types() -> String {
     format!(
         "{documentation}export type {ERROR_CODE} = (typeof {ERROR_CODE})[keyof typeof {ERROR_CODE}] | {other};
 
-/** How grave it is, from harmless to grave. */
+/** Severities of error codes, in ascending order. */
 export type {SEVERITY} = {};
 
-/** What is known of an error code. */
+/** Data of an error code. */
 export interface {ERROR_CODE_INFO} {{
   /** The code. */
   readonly code: number;
-  /** Whether a table knows it. */
+  /** True if the code is in a table. */
   readonly isKnown: boolean;
-  /** A short word for displays that have little room. */
+  /** Short name for small displays. */
   readonly abbreviation: string | null;
-  /** How grave it is. */
+  /** Severity. */
   readonly severity: {SEVERITY};
-  /** What it says. */
+  /** Description. */
   readonly description: string | null;
-  /** Codes for the same condition at other severities, of which one is used at a time. */
+  /** Codes for the same condition at other severities. Only one of them is used at a time. */
   readonly alternatives: readonly number[];
-  /** Codes that its description refers to. */
+  /** Codes that the description refers to. */
   readonly seeAlso: readonly number[];
 }}
 ",
@@ -67,7 +67,7 @@ export interface {ERROR_CODE_INFO} {{
     )
 }
 
-/// The function that looks a code up, with its table.
+/// The lookup function with its table.
 fn lookup(codes: &[KnownCode], language: Language) -> String {
     let documentation = comment::block(LOOKUP_TEXT, "");
     if language == Language::Declarations {
@@ -119,7 +119,7 @@ function severityOf(code{number}){severity} {{
     )
 }
 
-/// Code, abbreviation, description, alternatives and what else to see.
+/// A table entry: code, abbreviation, description, alternatives, related codes.
 fn entry(code: &KnownCode) -> String {
     let abbreviation = code.abbreviation.as_deref().map_or_else(|| "null".to_owned(), quoted);
     let list = |codes: &[u32]| codes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");

@@ -1,4 +1,4 @@
-//! A declaration, in each of the languages that a package has.
+//! Declarations in the languages of a package.
 
 use super::comment;
 use super::language::Language;
@@ -6,7 +6,7 @@ use super::types::{any_other, is_exact, key, ty, type_of_value, value};
 use crate::emit::binding::{Declaration, Kind, Named, Property, Type};
 use crate::value::Value;
 
-/// The text of a declaration; nothing where a file of this language doesn't have it.
+/// Formats a declaration, or returns an empty string if files in this language don't contain it.
 pub(super) fn declaration(declaration: &Declaration, language: Language) -> String {
     let Declaration { name, text, kind } = declaration;
     let documentation = comment::block(text, "");
@@ -25,9 +25,9 @@ pub(super) fn declaration(declaration: &Declaration, language: Language) -> Stri
             if !language.has_types() {
                 return value;
             }
-            let is_alone = *is_flags || !members.iter().any(has_literal);
-            let literals = if is_alone { String::new() } else { literals(name, members) };
-            let other = any_other("number", is_alone);
+            let has_no_literals = *is_flags || !members.iter().any(has_literal);
+            let literals = if has_no_literals { String::new() } else { literals(name, members) };
+            let other = any_other("number", has_no_literals);
             format!("{value}\n{documentation}export type {name} = {literals}{other};\n")
         }
     }
@@ -43,7 +43,7 @@ pub(super) fn constant(name: &str, documentation: &str, members: &[Named], langu
                 Language::Declarations => {
                     format!("{documentation}  readonly {key}: {};\n", type_of_value(&member.value))
                 }
-                // Who reads them reads their types.
+                // Documentation is only in the type declarations.
                 Language::JavaScript | Language::CommonJs => format!("  {key}: {},\n", value(&member.value)),
                 Language::TypeScript => format!("{documentation}  {key}: {},\n", value(&member.value)),
             }
@@ -61,7 +61,7 @@ pub(super) fn constant(name: &str, documentation: &str, members: &[Named], langu
 
 fn record(name: &str, properties: &[Property], is_closed: bool) -> String {
     if properties.is_empty() {
-        // An empty interface would be any value but null.
+        // An empty interface would accept any value except null.
         let value = if is_closed { "never" } else { "unknown" };
         return format!("export type {name} = {{ [key: string]: {value} }};\n");
     }
@@ -82,7 +82,7 @@ fn messages(name: &str, entries: &[(String, Type)]) -> String {
     format!("export interface {name} {{\n{entries}}}\n")
 }
 
-/// The values of the members that are numbers, as a union.
+/// The union of the members that are exact as `number`.
 fn literals(name: &str, members: &[Named]) -> String {
     if members.iter().all(has_literal) {
         return format!("(typeof {name})[keyof typeof {name}] | ");

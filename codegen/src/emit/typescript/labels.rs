@@ -1,5 +1,5 @@
-//! Labels: `labels` names the languages and loads one; below it each language is a module with its texts, and what
-//! all of them share stands in modules that begin with `_`, of which nobody else needs the types.
+//! Labels: the module `labels` lists the languages and loads one. Each language is a module with its texts. Shared code
+//! is in modules whose names start with `_`, which are internal and need no type declarations.
 
 use super::comment;
 use super::comment::header;
@@ -11,56 +11,56 @@ use crate::translation::SOURCE_LANGUAGE;
 
 const FROM: &str = "the definitions and their translations";
 
-const TYPES: &str = "/** A language that there are labels in. */
+const TYPES: &str = "/** A language with labels. */
 export interface Language {
-  /** Its tag, as BCP 47 writes it, such as `pt-BR`. */
+  /** BCP 47 tag, such as `pt-BR`. */
   readonly tag: string;
-  /** What it calls itself. */
+  /** Native name. */
   readonly name: string;
-  /** Whether it is written from right to left. */
+  /** True if the language is written from right to left. */
   readonly isRightToLeft: boolean;
 }
 
 /**
- * The labels in a language. What isn't translated is in English, and what no definition describes is called by its
- * name, so that there is always something to show.
+ * The labels of one language. Texts without a translation are in English. Items without a text are represented by
+ * their name, so methods always return a label unless stated otherwise.
  */
 export interface Labels extends Language {
-  /** What a message, such as `px4/Wind`, is about. */
+  /** Returns the summary of a message, such as `px4/Wind`. */
   message(message: string): string;
-  /** What a field of a message says. */
+  /** Returns the description of a field. */
   field(message: string, field: string): string;
-  /** What a value of a field means, which holds one of the values of an enum. */
+  /** Returns the description of an enum value of a field. */
   value(message: string, field: string, value: number | bigint): string;
-  /** What each flag means that is set in a field. Bits without a name come last, as one number. */
+  /** Returns the description of each flag set in a field. Unnamed bits come last, as one number. */
   flags(message: string, field: string, value: number | bigint): string[];
-  /** The description of an error code of a package, such as `flockwave`. */
+  /** Returns the description of an error code of a package, such as `flockwave`. */
   errorCode(packageName: string, code: number): string;
-  /** Any other text, by its key in the catalogues of translations: `px4/Wind.speed/frame`; null where there is none. */
+  /** Returns the text with a key of the translation catalogues, such as `px4/Wind.speed/frame`, or null. */
   text(key: string): string | null;
 }
 ";
 
 const LANGUAGES_TEXT: &str =
-    "/** The languages: English, which the definitions are in, then the others by tag. */\n";
+    "/** All languages: English, the language of the definitions, followed by the others sorted by tag. */\n";
 
 const LANGUAGE_TEXT: &str = "/**
- * Loads the labels of the first of these languages that there are any in; those in English where there is none.
+ * Loads the labels of the first of these languages that is available, or the English labels.
  *
- * Of a tag such as `uk-UA` or `uk_UA.UTF-8` the last parts may be missing here: then it is `uk`.
+ * A tag such as `uk-UA` or `uk_UA.UTF-8` falls back to `uk`.
  */
 ";
 
-/// All that a package in `language` has of labels.
+/// Creates the modules of labels in `language`.
 pub(super) fn files(labels: &Labels<'_>, language: Language) -> Vec<OutputFile> {
     let file = |name: &str, body: String| {
         let strict = if language == Language::CommonJs { "\"use strict\";\n\n" } else { "" };
         let text = header(FROM) + strict + &body;
-        OutputFile { path: format!("{name}.{}", language.ending()), text }
+        OutputFile { path: format!("{name}.{}", language.extension()), text }
     };
     let mut files = vec![file("labels", entry(labels, language))];
     for found in &labels.languages {
-        files.push(file(&format!("labels/{}", found.tag), of_language(found, language)));
+        files.push(file(&format!("labels/{}", found.tag), language_module(found, language)));
     }
     if language != Language::Declarations {
         files.push(file("labels/_enumerations", enumerations(labels, language)));
@@ -69,7 +69,7 @@ pub(super) fn files(labels: &Labels<'_>, language: Language) -> Vec<OutputFile> 
     files
 }
 
-/// The list of languages, and the function that loads one.
+/// The list of languages, and the function that loads the labels of one.
 fn entry(labels: &Labels<'_>, language: Language) -> String {
     let entries: String =
         labels.languages.iter().map(|found| format!("  {{ {} }},\n", description(found))).collect();
@@ -103,13 +103,13 @@ fn entry(labels: &Labels<'_>, language: Language) -> String {
 /// The function that finds a language by its tag.
 fn nearest(language: Language) -> String {
     format!(
-        "/** The tag that is nearest to the first of `tags` that is near to any: parts are left off from its end. */
+        "/** Finds the first of `tags` that is available. A tag also matches without its last parts. */
 function nearest(tags{strings}){string} {{
   for (const tag of tags) {{
     const parts = tag.replace(/[.@].*$/, \"\").toLowerCase().split(/[-_]/);
     for (; parts.length > 0; parts.pop()) {{
-      const wanted = parts.join(\"-\");
-      const found = languages.find((known) => known.tag.toLowerCase() === wanted);
+      const candidate = parts.join(\"-\");
+      const found = languages.find((known) => known.tag.toLowerCase() === candidate);
       if (found !== undefined) {{
         return found.tag;
       }}
@@ -123,7 +123,7 @@ function nearest(tags{strings}){string} {{
     )
 }
 
-/// The function that loads a language. Each stands in it by its path, so that bundlers see them all.
+/// The function that loads a language. Module paths are literals, so bundlers find them.
 fn load(labels: &Labels<'_>, head: &str, language: Language) -> String {
     let load = |tag: &str| match language {
         Language::CommonJs => format!("return require(\"./labels/{tag}.cjs\").labels;"),
@@ -145,10 +145,10 @@ fn load(labels: &Labels<'_>, head: &str, language: Language) -> String {
     )
 }
 
-/// A language and its texts.
-fn of_language(found: &LabelLanguage<'_>, language: Language) -> String {
-    let documentation = comment::block(&format!("The labels in {}.", found.name), "");
-    let types = format!("import type {{ Labels }} from \"../labels.{}\";\n", language.imported_ending());
+/// The module of a language with its texts.
+fn language_module(found: &LabelLanguage<'_>, language: Language) -> String {
+    let documentation = comment::block(&format!("Labels in {}.", found.name), "");
+    let types = format!("import type {{ Labels }} from \"../labels.{}\";\n", language.imported_extension());
     if language == Language::Declarations {
         return format!("{types}\n{documentation}export declare const labels: Labels;\n");
     }
@@ -158,7 +158,7 @@ fn of_language(found: &LabelLanguage<'_>, language: Language) -> String {
         (import("labels: english", &format!("./{SOURCE_LANGUAGE}"), language), "english")
     };
     let entries: String =
-        found.texts.iter().map(|(key, said)| format!("  {}: {},\n", quoted(key), quoted(said))).collect();
+        found.texts.iter().map(|(key, text)| format!("  {}: {},\n", quoted(key), quoted(text))).collect();
     let (types, head) = match language {
         Language::TypeScript => (types, format!("{documentation}export const labels: Labels")),
         Language::CommonJs => (String::new(), "exports.labels".to_owned()),
@@ -177,13 +177,13 @@ const texts{record} = {{
     )
 }
 
-/// What values of fields mean: values with the keys of their texts, and which field has which.
+/// The modules' data about enums: values with the keys of their texts, and the enum of each field.
 fn enumerations(labels: &Labels<'_>, language: Language) -> String {
     let export = |name: &str, ty: &str| match language {
         Language::CommonJs => format!("exports.{name} = "),
         _ => format!("export const {name}{} = ", typed(&format!(": {ty}"), language)),
     };
-    let mut text = String::from("/** Of each enum the values, with the keys of what they mean. */\n");
+    let mut text = String::from("/** The values of each enum, with the keys of their texts. */\n");
     text += &export("enumerations", "readonly (readonly (readonly [value: string, key: string])[])[]");
     text.push_str("[\n");
     for members in &labels.enumerations {
@@ -192,7 +192,7 @@ fn enumerations(labels: &Labels<'_>, language: Language) -> String {
         text.extend(members);
         text.push_str("  ],\n");
     }
-    text.push_str("];\n\n/** By the key of a field, which of them it holds. */\n");
+    text.push_str("];\n\n/** By the key of a field, the index of its enum. */\n");
     text += &export("fields", "Readonly<Record<string, number>>");
     text.push_str("{\n");
     text.extend(labels.fields.iter().map(|(field, index)| format!("  {}: {index},\n", key(field))));
@@ -200,7 +200,7 @@ fn enumerations(labels: &Labels<'_>, language: Language) -> String {
     text
 }
 
-/// The function that makes the labels of a language from its texts.
+/// The function that creates the labels of a language from its texts.
 fn lookup(language: Language) -> String {
     let types = if language == Language::TypeScript {
         "import type { Labels, Language } from \"../labels.js\";\n"
@@ -211,7 +211,7 @@ fn lookup(language: Language) -> String {
         "{import}{types}
 const enumerationOf = /* @__PURE__ */ new Map(/* @__PURE__ */ Object.entries(fields));
 
-/** The labels of a language with these texts. What it lacks is looked up in `fallback`. */
+/** Creates the labels of a language. Missing texts are looked up in `fallback`. */
 {head}(language{a_language}, own{texts}, fallback{or_labels}){a_labels} {{
   const texts = new Map(Object.entries(own));
   const text = (key{string}){or_string} => texts.get(key) ?? fallback?.text(key) ?? null;
@@ -229,7 +229,7 @@ const enumerationOf = /* @__PURE__ */ new Map(/* @__PURE__ */ Object.entries(fie
     flags: (message, field, value) => {{
       const none = BigInt(0);
       const found{strings} = [];
-      // A `number` that is no integer has no bits.
+      // A fractional number has no bits.
       let rest = typeof value === \"number\" && !Number.isInteger(value) ? none : BigInt(value);
       const all = rest;
       for (const [known, key] of members(message, field)) {{
@@ -263,7 +263,7 @@ const enumerationOf = /* @__PURE__ */ new Map(/* @__PURE__ */ Object.entries(fie
     )
 }
 
-/// Tag, name and direction of a language, as parts of an object.
+/// The members of an object with tag, name and direction of a language.
 fn description(language: &LabelLanguage<'_>) -> String {
     format!(
         "tag: \"{}\", name: {}, isRightToLeft: {}",
@@ -273,12 +273,12 @@ fn description(language: &LabelLanguage<'_>) -> String {
     )
 }
 
-/// A type, in files that have types.
+/// A type, in files that contain types.
 fn typed(ty: &str, language: Language) -> &str {
     if language == Language::TypeScript { ty } else { "" }
 }
 
-/// An import of values; `labels: english` takes one under another name.
+/// An import of values. `labels: english` imports `labels` as `english`.
 fn import(names: &str, from: &str, language: Language) -> String {
     match language {
         Language::CommonJs => format!("const {{ {names} }} = require(\"{from}.cjs\");\n"),

@@ -1,15 +1,15 @@
-//! Languages of files.
+//! The languages of generated files.
 
 /// The language of a file.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Language {
-    /// Types and values together.
+    /// TypeScript: types and values.
     TypeScript,
-    /// Values, as an ECMAScript module.
+    /// JavaScript: values as an ECMAScript module.
     JavaScript,
-    /// Values, as `CommonJS`.
+    /// JavaScript: values as a `CommonJS` module.
     CommonJs,
-    /// Types of what a `CommonJS` module exports.
+    /// TypeScript declarations of a `CommonJS` module.
     Declarations,
 }
 
@@ -18,7 +18,7 @@ impl Language {
         matches!(self, Self::TypeScript | Self::Declarations)
     }
 
-    pub(super) fn ending(self) -> &'static str {
+    pub(super) fn extension(self) -> &'static str {
         match self {
             Self::TypeScript => "ts",
             Self::JavaScript => "js",
@@ -27,8 +27,8 @@ impl Language {
         }
     }
 
-    /// The ending by which other modules name it.
-    pub(super) fn imported_ending(self) -> &'static str {
+    /// The extension that imports in other modules use.
+    pub(super) fn imported_extension(self) -> &'static str {
         match self {
             Self::TypeScript | Self::JavaScript => "js",
             Self::CommonJs | Self::Declarations => "cjs",

@@ -1,12 +1,12 @@
-//! Types, keys and values as TypeScript writes them.
+//! Types, keys and values in TypeScript syntax.
 
 use crate::emit::binding::{Type, float, identifier, quoted};
 use crate::value::Value;
 
-/// The greatest integer up to which each is a `number` of its own.
+/// The largest integer that a `number` represents without loss of smaller ones.
 const GREATEST_EXACT: i128 = (1 << 53) - 1;
 
-/// A type.
+/// Formats a type.
 pub(super) fn ty(found: &Type) -> String {
     match found {
         Type::Any => "unknown".to_owned(),
@@ -37,24 +37,24 @@ pub(super) fn ty(found: &Type) -> String {
     }
 }
 
-/// All values of a primitive type, without swallowing those that stand beside it.
-pub(super) fn any_other(primitive: &str, is_alone: bool) -> String {
-    if is_alone { primitive.to_owned() } else { format!("({primitive} & {{}})") }
+/// All values of a primitive type. Next to literals, `& {}` prevents the union from collapsing.
+pub(super) fn any_other(primitive: &str, has_no_literals: bool) -> String {
+    if has_no_literals { primitive.to_owned() } else { format!("({primitive} & {{}})") }
 }
 
 fn union(alternatives: &[String]) -> String {
     if alternatives.is_empty() { "never".to_owned() } else { alternatives.join(" | ") }
 }
 
-/// Values that no `number` is equal to have no literal type.
+/// Formats a set of integers. Values that are not exact as `number` have no literal type.
 fn integers(values: &[i64], is_open: bool) -> String {
     let exact: Vec<String> =
         values.iter().filter(|value| is_exact((**value).into())).map(ToString::to_string).collect();
     if !is_open && exact.len() < values.len() {
         return "number".to_owned();
     }
-    let is_alone = exact.is_empty();
-    let other = is_open.then(|| any_other("number", is_alone));
+    let has_no_literals = exact.is_empty();
+    let other = is_open.then(|| any_other("number", has_no_literals));
     union(&exact.into_iter().chain(other).collect::<Vec<_>>())
 }
 
@@ -70,7 +70,7 @@ fn needs_brackets(element: &Type) -> bool {
 /// The key of an object or an interface.
 pub(super) fn key(name: &str) -> String {
     if name == "__proto__" {
-        // Otherwise it would be the prototype of the object.
+        // As a plain key, `__proto__` would set the prototype of the object.
         return "[\"__proto__\"]".to_owned();
     }
     let is_plain = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
@@ -78,7 +78,7 @@ pub(super) fn key(name: &str) -> String {
     if is_plain { name.to_owned() } else { quoted(name) }
 }
 
-/// A value of a definition.
+/// Formats a value of a definition.
 pub(super) fn value(found: &Value) -> String {
     match found {
         Value::Bool(value) => value.to_string(),
@@ -94,7 +94,7 @@ pub(super) fn value(found: &Value) -> String {
     }
 }
 
-/// The type of a value, as narrow as can be.
+/// The narrowest type of a value.
 pub(super) fn type_of_value(found: &Value) -> String {
     match found {
         Value::Float(value) if !value.is_finite() => "number".to_owned(),
@@ -105,7 +105,7 @@ pub(super) fn type_of_value(found: &Value) -> String {
     }
 }
 
-/// Whether a `number` equals it, and no other integer.
+/// True if the integer is exact as `number`.
 pub(super) fn is_exact(value: i128) -> bool {
     value.abs() <= GREATEST_EXACT
 }

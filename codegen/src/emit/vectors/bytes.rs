@@ -1,4 +1,4 @@
-//! Bytes of messages: from JSON, and with changes that no JSON leads to.
+//! Binary forms of messages: encoded from JSON, and modified to bytes that encoders never produce.
 
 use uavspec_runtime::cdr::ByteOrder;
 
@@ -8,13 +8,13 @@ use crate::dynamic::MessageType;
 /// The binary forms of a message.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bytes {
-    /// In memory, where it has such a form.
+    /// uORB payload, if the message has this form.
     pub(super) uorb: Option<Vec<u8>>,
-    /// In CDR, little-endian.
+    /// Little-endian CDR payload.
     pub(super) cdr: Option<Vec<u8>>,
 }
 
-/// Encodes messages of one type.
+/// Encoder for messages of one type.
 pub(super) struct Codec<'t> {
     message: MessageType<'t>,
     is_uorb: bool,
@@ -25,7 +25,7 @@ impl<'t> Codec<'t> {
         Self { message, is_uorb }
     }
 
-    /// The binary forms of the message that `json` is; none where it is no message.
+    /// Encodes the JSON message `json`. The result is empty if it is invalid.
     pub(super) fn encode(&self, json: &str) -> Bytes {
         let Ok(message) = self.message.from_json_text(json) else { return Bytes::default() };
         Bytes {
@@ -34,22 +34,22 @@ impl<'t> Codec<'t> {
         }
     }
 
-    /// The message in CDR, big-endian.
+    /// Encodes the JSON message `json` as big-endian CDR.
     pub(super) fn big_endian(&self, json: &str) -> Option<Vec<u8>> {
         self.message.from_json_text(json).ok()?.to_cdr(ByteOrder::BigEndian).ok()
     }
 }
 
-/// `after` with another byte in the place where it begins to differ from `before`.
+/// Replaces the first byte of `after` that differs from `before`.
 pub(super) fn replaced(before: &[u8], mut after: Vec<u8>, byte: u8) -> Option<Vec<u8>> {
     let at = difference(before, &after)?;
     *after.get_mut(at)? = byte;
     Some(after)
 }
 
-/// `after`, whose sequence `before` is empty, in CDR with [`GROWTH`] more elements in it.
+/// Appends [`GROWTH`] elements to the sequence in the CDR payload `after`. The sequence is empty in `before`.
 pub(super) fn grown(before: &[u8], after: &[u8], size: usize, filler: u8) -> Option<Vec<u8>> {
-    // Lengths are aligned to four bytes, and so is what follows the header of four bytes.
+    // Lengths are aligned to four bytes, which is also the size of the header.
     let at = difference(before, after)? / 4 * 4;
     let (head, rest) = after.split_at_checked(at)?;
     let (length, rest) = rest.split_first_chunk()?;

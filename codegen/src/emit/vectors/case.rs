@@ -1,68 +1,68 @@
-//! Cases, and the rules that they break.
+//! Cases and the rules that they violate.
 
 use uavspec_runtime::{Constraint, Number, Rule};
 
-/// The ids of rules on whole messages; the runtime knows those of rules on values.
+/// Ids of rules about complete messages. The runtime defines the ids of rules about values.
 pub(super) mod rule {
-    /// JSON has exactly the fields of the message.
+    /// JSON contains exactly the fields of the message.
     pub(in super::super) const FIELDS: &str = "PX-JSON-01";
-    /// Each value has its field's JSON type and range.
+    /// A value has the JSON type and range of its field.
     pub(in super::super) const TYPE: &str = "PX-JSON-02";
-    /// An array has its defined length.
+    /// An array has the declared length.
     pub(in super::super) const LENGTH: &str = "PX-ARR-01";
     /// A byte of a `bool` is 0 or 1.
     pub(in super::super) const BOOL: &str = "PX-BOOL-01";
-    /// A uORB payload has the full size, or the full size less the padding at its end.
+    /// A uORB payload has the full size, or the size without trailing padding.
     pub(in super::super) const SIZE: &str = "PX-DATA-01";
     /// The encapsulation of a CDR payload is known.
     pub(in super::super) const ENCAPSULATION: &str = "PX-CDR-01";
-    /// A CDR payload is neither short nor long for its type.
+    /// A CDR payload has the right length for its type.
     pub(in super::super) const PAYLOAD: &str = "PX-CDR-02";
 }
 
-/// What is known beforehand of a value, or of a message that holds it.
+/// The expected result for a value, or for a message that contains it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Verdict {
-    /// The rule that it breaks.
+    /// The violated rule.
     pub(super) rule: Option<&'static str>,
-    /// Whether the published schema lets it through.
+    /// True if the published schema accepts the value.
     pub(super) passes_schema: bool,
-    /// Whether a message can hold it, and so has bytes.
-    pub(super) is_held: bool,
-    /// Whether readers that keep all numbers as 64-bit floats can come to this verdict.
+    /// True if a message can contain the value, so that it can be encoded.
+    pub(super) is_encodable: bool,
+    /// True if readers that store all numbers as 64-bit floats reach the same verdict.
     pub(super) suits_doubles: bool,
 }
 
 impl Verdict {
-    /// Breaks no rule.
+    /// A valid value.
     pub(super) const VALID: Self =
-        Self { rule: None, passes_schema: true, is_held: true, suits_doubles: true };
+        Self { rule: None, passes_schema: true, is_encodable: true, suits_doubles: true };
 
-    /// Breaks `rule` by its form: no message can hold it.
-    pub(super) const fn misshapen(rule: &'static str) -> Self {
-        Self { rule: Some(rule), passes_schema: false, is_held: false, suits_doubles: true }
+    /// A value that violates `rule` and can't be encoded.
+    pub(super) const fn malformed(rule: &'static str) -> Self {
+        Self { rule: Some(rule), passes_schema: false, is_encodable: false, suits_doubles: true }
     }
 
-    /// Breaks `rule` in a way that a schema has no words for, and that no message can hold.
-    pub(super) const fn unseen(rule: &'static str) -> Self {
-        Self { passes_schema: true, ..Self::misshapen(rule) }
+    /// Like [`Self::malformed`], but the schema accepts the value because it can't express the rule.
+    pub(super) const fn accepted_by_schema(rule: &'static str) -> Self {
+        Self { passes_schema: true, ..Self::malformed(rule) }
     }
 
-    /// What `constraint` says of a number that the type holds.
+    /// The verdict of `constraint` for a number of the right type.
     pub(super) fn of(constraint: &Constraint<'_>, number: Number) -> Self {
-        match constraint.broken_by(number) {
+        match constraint.violated_by(number) {
             None => Self::VALID,
             Some(rule) => Self {
                 rule: Some(rule.id()),
-                // Enums are open to a schema, and each float may be null.
+                // In schemas, enums are open and floats may be null.
                 passes_schema: matches!(rule, Rule::Enum | Rule::Nan),
                 ..Self::VALID
             },
         }
     }
 
-    /// Breaks `rule` in its bytes alone.
-    pub(super) const fn of_bytes(rule: &'static str) -> Self {
+    /// Bytes that violate `rule`.
+    pub(super) const fn invalid_bytes(rule: &'static str) -> Self {
         Self { rule: Some(rule), ..Self::VALID }
     }
 
@@ -71,43 +71,43 @@ impl Verdict {
     }
 }
 
-/// A value of a field, or something that is none.
+/// A valid or invalid value of a field.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
-    /// What tells it from others of the field: the end of an id.
+    /// The end of the id, unique within the field.
     pub(super) name: String,
-    /// What it is, in words.
+    /// Description.
     pub(super) words: String,
     pub(super) json: String,
     pub(super) verdict: Verdict,
-    /// A change to the bytes, where the JSON is only there to find their place.
+    /// A change to the bytes. `json` is then used only to locate it.
     pub(super) patch: Option<Patch>,
 }
 
-/// A change to the bytes of a sample that no JSON leads to.
+/// A change to the encoded bytes of a sample.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
-    /// Another value of the field: the change is made where the bytes of the two begin to differ.
+    /// Another value of the field. The change applies where the bytes of both begin to differ.
     pub(super) reference: String,
     pub(super) change: Change,
 }
 
-/// What is changed.
+/// A change to bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Change {
-    /// The byte becomes this one.
+    /// Replaces one byte.
     Byte(u8),
-    /// The length that begins there in CDR grows by [`GROWTH`], and as many elements follow it.
+    /// Increases the length at this position in CDR by [`GROWTH`], and inserts as many elements.
     Growth {
-        /// Bytes of an element.
+        /// Size of an element in bytes.
         size: usize,
-        /// The first byte of each; the others are zero, which makes it a number in little-endian order.
+        /// The first byte of each element. The others are zero, so an element is a small little-endian number.
         filler: u8,
     },
 }
 
-/// By how many elements a sequence grows beyond its bound: so many take a multiple of eight bytes
-/// whatever their size, and the alignment of all that follows stays as it is.
+/// Number of elements added to exceed the bound of a sequence. Eight elements of any size preserve the alignment of the
+/// following data.
 pub(super) const GROWTH: u32 = 8;
 
 impl Sample {
@@ -120,17 +120,17 @@ impl Sample {
         Self { name: name.into(), words: words.into(), json: json.into(), verdict, patch: None }
     }
 
-    /// A value that the field's type doesn't have.
+    /// A value of the wrong type.
     pub(super) fn mistyped(name: &'static str, words: impl Into<String>, json: impl Into<String>) -> Self {
-        Self::new(name, words, json, Verdict::misshapen(rule::TYPE))
+        Self::new(name, words, json, Verdict::malformed(rule::TYPE))
     }
 
-    /// The same with the bytes changed where they begin to differ from those of `reference`.
+    /// Adds a change to the bytes, where they begin to differ from those of `reference`.
     pub(super) fn patched(self, reference: impl Into<String>, change: Change) -> Self {
         Self { patch: Some(Patch { reference: reference.into(), change }), ..self }
     }
 
-    /// The sample as a part of something: what `json` makes of its JSON.
+    /// Embeds the sample in a larger value with the function `json`.
     pub(super) fn within(&self, json: impl Fn(&str) -> String) -> Self {
         let patch = self.patch.as_ref();
         Self {
@@ -146,16 +146,16 @@ impl Sample {
 pub(super) struct Case {
     pub(super) id: String,
     pub(super) description: String,
-    /// The rule that it breaks; none where it is valid.
+    /// The violated rule, or `None` for a valid case.
     pub(super) rule: Option<&'static str>,
-    /// The message as JSON; what the bytes decode to, and encode from.
+    /// The message as JSON, if the bytes encode from and decode to it.
     pub(super) json: Option<String>,
-    /// What the bytes decode to, where encoding gives other ones.
+    /// The decoded bytes as JSON, if an encoder produces other bytes.
     pub(super) decoded: Option<String>,
     pub(super) uorb: Option<Vec<u8>>,
     pub(super) cdr: Option<Vec<u8>>,
-    /// Of an error code, its class and severity.
+    /// Class and severity of an error code.
     pub(super) class: Option<(&'static str, &'static str)>,
-    /// What the published schema says of the JSON; none where that isn't to be tested.
+    /// The verdict of the published schema for the JSON. `None` if it is not to be tested.
     pub(super) schema_verdict: Option<bool>,
 }

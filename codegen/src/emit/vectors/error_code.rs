@@ -1,7 +1,7 @@
-//! Cases of error codes and of lists of them.
+//! Cases of error codes and lists of error codes.
 //!
-//! Any integer of 32 bits is a code: a UAV may send what a later version of the specification defines.
-//! So a case that is valid may hold a code that no table has, and its class and severity count.
+//! Every 32-bit integer is a valid code, because later versions of a specification may define it. A valid case may
+//! therefore contain an unlisted code. Its class and severity are defined.
 
 use std::collections::BTreeMap;
 
@@ -11,24 +11,24 @@ use super::case::Case;
 use super::print::quote;
 use crate::schema::Package;
 
-/// The ids of rules on error codes.
+/// Ids of rules about error codes.
 mod rule {
-    /// Codes are integers, 0 or more.
+    /// Codes are nonnegative integers.
     pub(super) const CODE: &str = "FW-ERR-01";
-    /// 0 isn't listed.
+    /// A list doesn't contain 0.
     pub(super) const ZERO: &str = "FW-ERR-02";
-    /// Alternatives don't stand together.
+    /// A list doesn't contain a code and its alternative.
     pub(super) const ALTERNATIVES: &str = "FW-ERR-07";
-    /// Error codes come in a list.
+    /// Error codes are in a list.
     pub(super) const LIST: &str = "FW-UST-ERRORS";
 }
 
-/// Cases of a single code: all that the tables have, and the ends of each class.
+/// Cases of single codes: all listed codes, and the bounds of each class.
 pub(super) fn codes(package: &Package) -> Vec<Case> {
     let mut known: BTreeMap<u32, String> = BTreeMap::new();
     for class in ErrorClass::ALL {
         for code in [class.codes().start(), class.codes().end()] {
-            known.insert(*code, format!("an end of class \"{}\", in no table", class.name()));
+            known.insert(*code, format!("a bound of class \"{}\", unlisted", class.name()));
         }
     }
     for code in package.error_tables.iter().flat_map(|table| &table.codes) {
@@ -38,7 +38,7 @@ pub(super) fn codes(package: &Package) -> Vec<Case> {
         class: Some((ErrorClass::of(code).name(), Severity::of(code).name())),
         ..case(format!("code-{code}"), &description, code.to_string(), None)
     });
-    valid.chain(misshapen("66")).collect()
+    valid.chain(malformed("66")).collect()
 }
 
 /// Cases of a list of codes.
@@ -52,10 +52,10 @@ pub(super) fn lists(package: &Package) -> Vec<Case> {
     let mut cases = vec![
         case("empty", "nothing to report", "[]".to_owned(), None),
         case("one", "one code", format!("[{one}]"), None),
-        case("many", "all codes of the tables but alternatives of others", listed(together.collect()), None),
+        case("many", "all listed codes except alternatives of others", listed(together.collect()), None),
         Case {
             schema_verdict: Some(true),
-            ..case("zero", "no error, listed as one", "[0]".to_owned(), Some(rule::ZERO))
+            ..case("zero", "a list that contains the code for no error", "[0]".to_owned(), Some(rule::ZERO))
         },
         case("null", "null instead of a list", "null".to_owned(), Some(rule::LIST)),
         case("single", "a code instead of a list", one.clone(), Some(rule::LIST)),
@@ -65,11 +65,11 @@ pub(super) fn lists(package: &Package) -> Vec<Case> {
         for other in code.alternatives.iter().filter(|other| **other > code.code) {
             let id = format!("alternatives-{}-{other}", code.code);
             let json = format!("[{},{other}]", code.code);
-            let broken = case(id, "two codes of which one is enough", json, Some(rule::ALTERNATIVES));
-            cases.push(Case { schema_verdict: Some(true), ..broken });
+            let invalid = case(id, "two codes that are alternatives", json, Some(rule::ALTERNATIVES));
+            cases.push(Case { schema_verdict: Some(true), ..invalid });
         }
     }
-    cases.extend(misshapen(&one).map(|case| Case {
+    cases.extend(malformed(&one).map(|case| Case {
         id: format!("item-{}", case.id),
         description: format!("its only item is {}", case.description),
         json: case.json.map(|json| format!("[{json}]")),
@@ -78,12 +78,12 @@ pub(super) fn lists(package: &Package) -> Vec<Case> {
     cases
 }
 
-/// What is no code.
-fn misshapen(code: &str) -> impl Iterator<Item = Case> {
+/// Values that aren't codes.
+fn malformed(code: &str) -> impl Iterator<Item = Case> {
     let above = (u64::from(u32::MAX) + 1).to_string();
     let text = quote(code);
     [
-        ("below", "a number below zero", "-1".to_owned()),
+        ("below", "a negative number", "-1".to_owned()),
         ("above", "a number of more than 32 bits", above),
         ("fraction", "a fraction", "0.5".to_owned()),
         ("string", "a string of digits", text),

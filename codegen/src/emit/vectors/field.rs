@@ -1,4 +1,4 @@
-//! What is tried out in a field, by its type.
+//! Sample values of a field, by its type.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -12,13 +12,13 @@ use super::part::Parts;
 use super::typical::{Typical, letters};
 use crate::schema::{Element, Field, Form, Message, Schema, Shape};
 
-/// The longest JSON of a string or sequence that is filled up to its bound, in bytes.
+/// Maximum JSON length, in bytes, of a string or sequence filled to its bound.
 const LONGEST_FILLED: usize = 1 << 16;
 
-/// A character of four bytes in UTF-8 and two code units in UTF-16.
+/// A character with four UTF-8 bytes and two UTF-16 code units.
 const WIDE: &str = "🚁";
 
-/// A field of a message.
+/// Samples of a field of a message.
 #[derive(Clone, Copy)]
 pub(super) struct FieldSamples<'s> {
     pub(super) schema: &'s Schema,
@@ -28,7 +28,7 @@ pub(super) struct FieldSamples<'s> {
 }
 
 impl<'s> FieldSamples<'s> {
-    /// The JSON of the valid value nearest to zero; none where there is no valid value.
+    /// The JSON of the valid value nearest to zero, or `None` if there is no valid value.
     pub(super) fn zero(self) -> Option<String> {
         if self.is_text() {
             return Some("\"\"".to_owned());
@@ -40,7 +40,7 @@ impl<'s> FieldSamples<'s> {
         }
     }
 
-    /// JSON of a value whose bytes all differ from their neighbours.
+    /// The JSON of a value whose adjacent bytes all differ.
     pub(super) fn typical(self, typical: &mut Typical) -> Option<String> {
         let length = match self.field.ty.shape {
             Shape::Array(length) if self.is_text() => return Some(typical.text(length)),
@@ -53,7 +53,7 @@ impl<'s> FieldSamples<'s> {
         Some(format!("[{}]", elements?.join(",")))
     }
 
-    /// All values that are worth a case, each once.
+    /// All distinct sample values.
     pub(super) fn samples(self) -> Vec<Sample> {
         let mut samples = match self.field.ty.shape {
             Shape::Array(length) if self.is_text() => text(length),
@@ -67,7 +67,7 @@ impl<'s> FieldSamples<'s> {
         samples
     }
 
-    /// The valid value of an element that is nearest to zero.
+    /// The valid element nearest to zero.
     fn element_zero(self) -> Option<String> {
         match self.field.ty.element {
             Element::Scalar(Scalar::Bool) => Some("false".to_owned()),
@@ -105,8 +105,8 @@ impl<'s> FieldSamples<'s> {
         NumberSamples::new(self.schema, self.message, self.field, scalar)
     }
 
-    /// An array of fixed length: every sample as its last element, and of the valid and the invalid
-    /// ones the first also as its first.
+    /// Samples for an array of fixed length. Each sample is used as the last element. The first valid and the first
+    /// invalid sample are also used as the first element.
     fn array(self, length: u32) -> Vec<Sample> {
         let Some(zero) = self.element_zero() else { return Vec::new() };
         let at = |index: u32, sample: &Sample, name: String| Sample {
@@ -125,16 +125,16 @@ impl<'s> FieldSamples<'s> {
             let first = [find(true), find(false)].into_iter().flatten();
             samples.extend(first.map(|sample| at(0, sample, format!("first-{}", sample.name))));
         }
-        let misshapen = |name: &str, words: &str, length: u32| {
-            Sample::new(name, words, list(&zero, length, None), Verdict::misshapen(rule::LENGTH))
+        let malformed = |name: &str, words: &str, length: u32| {
+            Sample::new(name, words, list(&zero, length, None), Verdict::malformed(rule::LENGTH))
         };
-        samples.push(misshapen("short", "an element too few", last));
-        samples.push(misshapen("long", "an element too many", length.saturating_add(1)));
+        samples.push(malformed("short", "one element too few", last));
+        samples.push(malformed("long", "one element too many", length.saturating_add(1)));
         samples.extend(self.no_list(zero));
         samples
     }
 
-    /// An array of any length: every sample as its only element.
+    /// Samples for a sequence. Each sample is used as the only element.
     fn sequence(self, bound: Option<u32>) -> Vec<Sample> {
         let Some(zero) = self.element_zero() else { return Vec::new() };
         let mut samples = Vec::new();
@@ -153,16 +153,16 @@ impl<'s> FieldSamples<'s> {
         samples
     }
 
-    /// What stands in the place of an array and is none.
+    /// Values in place of an array that aren't arrays.
     fn no_list(self, element: String) -> impl Iterator<Item = Sample> {
         let is_bytes = matches!(self.field.ty.element, Element::Scalar(scalar) if scalar.size() == 1);
         let base64 = Sample::mistyped("base64", "bytes in base64", "\"AAAA\"");
-        // An element that is none may be null too, so these have names of their own.
+        // Invalid elements may be null too, so these names differ.
         let single = Sample::mistyped("array-single", "an element instead of an array", element);
         [single, Sample::mistyped("array-null", "null", "null")].into_iter().chain(is_bytes.then_some(base64))
     }
 
-    /// Bytes that an element adds to CDR: of a message the least, of a string those of its length.
+    /// Size that an element adds to CDR in bytes. For a message it is the minimum, for a string the size of its length.
     fn cdr_size(self) -> usize {
         match self.field.ty.element {
             Element::Scalar(scalar) => scalar.size(),
@@ -176,7 +176,7 @@ impl<'s> FieldSamples<'s> {
     }
 }
 
-/// JSON of `message` in which all bytes differ from their neighbours.
+/// The JSON of `message` with adjacent bytes that all differ.
 pub(super) fn message_typical(
     schema: &Schema,
     message: &Message,
@@ -187,44 +187,44 @@ pub(super) fn message_typical(
     for (index, field) in message.fields.iter().enumerate() {
         let comma = if index == 0 { "" } else { "," };
         let value = FieldSamples { schema, message, field, parts }.typical(typical)?;
-        // Writing to a string doesn't fail.
+        // Writing to a string never fails.
         let _ = write!(json, "{comma}\"{}\":{value}", field.name);
     }
     json.push('}');
     Some(json)
 }
 
-/// PX4's text in `length` bytes.
+/// Samples for a PX4 text of `length` bytes.
 fn text(length: u32) -> Vec<Sample> {
     let room = length as usize;
     let ascii = |length: u32| format!("\"{}\"", letters(0, length));
     let not_utf8 =
-        Sample::new("not-utf8", "a byte that no UTF-8 has", "\"a\"", Verdict::of_bytes(Rule::Text.id()));
+        Sample::new("not-utf8", "an invalid UTF-8 byte", "\"a\"", Verdict::invalid_bytes(Rule::Text.id()));
     let mut samples = vec![
-        Sample::new("full", "text that fills all bytes, without a NUL", ascii(length), Verdict::VALID),
-        Sample::mistyped("too-long", "a byte more than there is room for", ascii(length.saturating_add(1))),
-        Sample::new("nul", "a NUL, which ends a text", "\"\\u0000\"", Verdict::unseen(rule::TYPE)),
+        Sample::new("full", "text that fills all bytes, without NUL", ascii(length), Verdict::VALID),
+        Sample::mistyped("too-long", "text that is one byte too long", ascii(length.saturating_add(1))),
+        Sample::new("nul", "text with a NUL", "\"\\u0000\"", Verdict::accepted_by_schema(rule::TYPE)),
         not_utf8.patched("\"\"", Change::Byte(0xff)),
         Sample::mistyped("numbers", "numbers instead of text", "[0]"),
         Sample::mistyped("null", "null", "null"),
     ];
     if let Some(rest) = room.checked_sub(WIDE.len()) {
-        let plain = letters(0, length % 4); // as many bytes as the wide ones leave
+        let plain = letters(0, length % 4); // the remaining bytes
         let json = format!("\"{plain}{}\"", WIDE.repeat(rest / WIDE.len() + 1));
         samples.push(Sample::new(
             "multibyte",
-            "characters of several bytes that fill all of them",
+            "multibyte characters that fill all bytes",
             json,
             Verdict::VALID,
         ));
     }
     if room > 1 {
-        // The schema counts characters, so it sees nothing wrong.
+        // The schema counts characters, so it accepts this value.
         samples.push(Sample::new(
             "multibyte-too-long",
-            "few enough characters, of more bytes than there is room for",
+            "multibyte characters with too many bytes",
             format!("\"{}\"", WIDE.repeat(room / WIDE.len() + 1)),
-            Verdict::unseen(rule::TYPE),
+            Verdict::accepted_by_schema(rule::TYPE),
         ));
     }
     samples
@@ -234,7 +234,7 @@ fn strings(is_wide: bool, bound: Option<u32>) -> Vec<Sample> {
     let mut samples = Vec::new();
     if bound.is_none_or(|bound| bound > 2) {
         let json = format!("\"aé{WIDE}\"");
-        samples.push(Sample::new("multibyte", "characters of several bytes", json, Verdict::VALID));
+        samples.push(Sample::new("multibyte", "multibyte characters", json, Verdict::VALID));
     }
     if let Some(bound) = bound.filter(|bound| is_fillable(*bound, WIDE)) {
         let growth = Change::Growth { size: if is_wide { WIDE_UNIT } else { 1 }, filler: b'a' };
@@ -250,25 +250,25 @@ fn is_fillable(bound: u32, element: &str) -> bool {
     element.len().saturating_mul(bound as usize) <= LONGEST_FILLED
 }
 
-/// As long as the bound lets it be, and longer, in JSON and in CDR.
+/// A value as long as its bound, and longer values in JSON and in CDR.
 fn bounded(
     bound: u32,
     empty: &str,
     growth: Change,
     json: impl Fn(u32) -> String,
 ) -> impl Iterator<Item = Sample> {
-    let over = Verdict::misshapen(Rule::Bound.id());
+    let over = Verdict::malformed(Rule::Bound.id());
     let in_cdr = (bound > 0).then(|| {
-        let verdict = Verdict::of_bytes(Rule::Bound.id());
-        Sample::new("cdr-above-bound", "longer in CDR than its bound", json(bound), verdict)
+        let verdict = Verdict::invalid_bytes(Rule::Bound.id());
+        Sample::new("cdr-above-bound", "longer than its bound in CDR", json(bound), verdict)
             .patched(empty, growth)
     });
-    let full = Sample::new("at-bound", "as long as its bound lets it be", json(bound), Verdict::VALID);
+    let full = Sample::new("at-bound", "as long as its bound", json(bound), Verdict::VALID);
     let long = Sample::new("above-bound", "one longer than its bound", json(bound.saturating_add(1)), over);
     [full, long].into_iter().chain(in_cdr)
 }
 
-/// A list of `length` times `element`, with another one in one place.
+/// A list of `length` elements, of which one may be replaced.
 fn list(element: &str, length: u32, other: Option<(u32, &str)>) -> String {
     let mut json = String::with_capacity((element.len() + 1) * length as usize + 2);
     json.push('[');

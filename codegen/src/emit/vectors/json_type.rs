@@ -1,7 +1,7 @@
-//! Cases of types and messages of pages.
+//! Cases of the types and messages defined on pages.
 //!
-//! What is tried is made by `candidate`, whether it is right is told by `judge`: a case that breaks several rules at
-//! once tells nothing of any of them, and is left out.
+//! `candidate` creates values and `judge` finds the rules that they violate. A candidate that violates several rules is
+//! dropped, because an implementation could report any of them.
 
 mod candidate;
 mod judge;
@@ -19,14 +19,13 @@ use super::case::Case;
 use crate::schema::json_type::{Definition, Expression, Limits, Member, Object, SetValues};
 use crate::schema::{JsonTypeId, Schema};
 
-/// Where an object has so many fields, and so long ones, that the cases of all fields would take more bytes, there are
-/// none of single fields.
+/// Maximum estimated size of the cases of an object in bytes. Larger objects have no cases for single fields.
 const MAX_BYTES: usize = 16 << 20;
 
-/// Cases of a field, roughly.
+/// Approximate number of cases per field.
 const CASES_OF_FIELD: usize = 16;
 
-/// A field that no page names.
+/// Name of an undefined field.
 const FURTHER_FIELD: &str = "no_such_field";
 
 /// Cases of a type.
@@ -49,7 +48,7 @@ pub(super) fn of_type(schema: &Schema, id: JsonTypeId) -> Vec<Case> {
                     writer.push(candidate(format!("value-{}", found.value), "a value of the set", value));
                 }),
             }
-            writer.push_all(candidate::beside(set));
+            writer.push_all(candidate::unlisted(set));
             writer.push_all(candidate::kinds());
         }
         Definition::Named(typed) => {
@@ -58,14 +57,14 @@ pub(super) fn of_type(schema: &Schema, id: JsonTypeId) -> Vec<Case> {
             writer.push_all(candidates);
         }
     }
-    writer.finish(|judge, value| judge.type_broken(id, value))
+    writer.finish(|judge, value| judge.type_violations(id, value))
 }
 
-/// Cases of an object that is a message in a direction.
+/// Cases of a message body in one direction.
 pub(super) fn of_object(schema: &Schema, object: &Object) -> Vec<Case> {
     let mut writer = Writer::new(schema);
     writer.object(object);
-    writer.finish(|judge, value| judge.object_broken(object, value))
+    writer.finish(|judge, value| judge.object_violations(object, value))
 }
 
 struct Writer<'s> {
@@ -100,21 +99,21 @@ impl<'s> Writer<'s> {
             return;
         };
         self.push(candidate("typical", "all fields", Json::Object(full.clone())));
-        self.push(candidate("minimal", "only what may not be left out", Json::Object(minimal)));
+        self.push(candidate("minimal", "only required fields", Json::Object(minimal)));
         let bytes = Json::Object(full.clone()).to_string().len().saturating_mul(CASES_OF_FIELD);
         if bytes.saturating_mul(object.fields.len()) <= MAX_BYTES {
             object.fields.iter().for_each(|field| self.field(field, &full));
         }
         let mut further = full;
         further.insert(FURTHER_FIELD.to_owned(), Json::from(0));
-        self.push(candidate("further-field", "a field that the page doesn't name", Json::Object(further)));
+        self.push(candidate("further-field", "an additional field", Json::Object(further)));
         self.push_all(candidate::kinds());
     }
 
     fn field(&mut self, field: &Member, full: &Map<String, Json>) {
         let name = &field.name;
         let mut without = full.clone();
-        // The order of the others is that of the page.
+        // Preserves the order of the other fields.
         if without.shift_remove(name).is_some() {
             let words = format!("without `{name}`");
             self.push(candidate(format!("{name}-absent"), words, Json::Object(without)));
@@ -137,7 +136,7 @@ impl<'s> Writer<'s> {
             self.push(candidate(format!("length-{length}"), words, Json::from(&full[..length])));
         }
         let longer: Vec<Json> = full.iter().cloned().chain([Json::from(0)]).collect();
-        self.push(candidate("too-long", "an element too many", Json::from(longer)));
+        self.push(candidate("too-long", "one element too many", Json::from(longer)));
         for (index, element) in elements.iter().enumerate() {
             for found in candidate::of(self.schema, &element.typed.ty, &element.typed.limits) {
                 let mut with = full.clone();
@@ -149,14 +148,14 @@ impl<'s> Writer<'s> {
         self.push_all(candidate::kinds());
     }
 
-    /// The candidates that break one rule or none, each id and each value once.
-    fn finish(self, broken: impl Fn(&Judge<'_>, &Json) -> BTreeSet<&'static str>) -> Vec<Case> {
+    /// The candidates that violate at most one rule, without duplicate ids and values.
+    fn finish(self, violations: impl Fn(&Judge<'_>, &Json) -> BTreeSet<&'static str>) -> Vec<Case> {
         let judge = Judge { schema: self.schema };
         let mut ids = BTreeSet::new();
         let mut values = BTreeSet::new();
         let mut cases = Vec::with_capacity(self.candidates.len());
         for Candidate { name, words, value } in self.candidates {
-            let rules = broken(&judge, &value);
+            let rules = violations(&judge, &value);
             let json = value.to_string();
             if rules.len() > 1 || !values.insert(json.clone()) || !ids.insert(name.clone()) {
                 continue;

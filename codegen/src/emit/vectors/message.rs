@@ -9,12 +9,12 @@ use super::typical::Typical;
 use crate::dynamic::Types;
 use crate::schema::{Dialect, Form, Kind, Message, MessageId, Package, Schema};
 
-/// The most bytes of JSON that the cases of a message may have, roughly. There are as many cases as
-/// fields, and each holds all fields: thousands of fields would give gigabytes. The fields of longer
-/// messages have no cases of their own.
+/// Maximum estimated JSON size of the cases of a message, in bytes. The size grows with the square of the number of
+/// fields, because each field has cases and each case contains all fields. Larger messages have no cases for single
+/// fields.
 const MOST_JSON: usize = 1 << 22;
 
-/// The cases of a message; none where it has no valid value, or is too long or too deep.
+/// The cases of a message. There are none if it has no valid value, is too long, or is nested too deeply.
 pub(super) fn cases(schema: &Schema, id: MessageId, parts: &Parts, types: &Types) -> Vec<Case> {
     let message = schema.message(id);
     let Some(samples) = parts.get(id).and_then(|_| MessageSamples::new(schema, message, parts)) else {
@@ -45,19 +45,14 @@ struct Cases<'s> {
 impl Cases<'_> {
     fn whole(&mut self, typical: Option<&str>) {
         let zero = self.samples.zero();
-        self.push("zero", "all fields are zero, or as near to it as they may be", zero, Verdict::VALID);
+        self.push("zero", "all fields have the valid value nearest to zero", zero, Verdict::VALID);
         if let Some(typical) = typical {
-            let words = "each byte differs from its neighbours, so that what is swapped or shifted shows";
+            let words = "adjacent bytes differ, so swapped or shifted bytes are detected";
             self.push("typical", words, typical.to_owned(), Verdict::VALID);
         }
         let extended = self.samples.extended();
-        self.push(
-            "extra",
-            "a field that the message doesn't have",
-            extended,
-            Verdict::misshapen(rule::FIELDS),
-        );
-        let mistyped = Verdict::misshapen(rule::TYPE);
+        self.push("extra", "an additional field", extended, Verdict::malformed(rule::FIELDS));
+        let mistyped = Verdict::malformed(rule::TYPE);
         self.push("null", "null instead of an object", "null".to_owned(), mistyped);
         self.push("array", "an array instead of an object", "[]".to_owned(), mistyped);
     }
@@ -78,7 +73,7 @@ impl Cases<'_> {
         }
         let without = self.samples.without(index);
         let description = format!("{name} is missing");
-        self.push(format!("{name}-missing"), description, without, Verdict::misshapen(rule::FIELDS));
+        self.push(format!("{name}-missing"), description, without, Verdict::malformed(rule::FIELDS));
     }
 
     fn push(
@@ -88,20 +83,20 @@ impl Cases<'_> {
         json: String,
         verdict: Verdict,
     ) {
-        let held = if verdict.is_held { self.codec.encode(&json) } else { Bytes::default() };
+        let bytes = if verdict.is_encodable { self.codec.encode(&json) } else { Bytes::default() };
         self.done.push(Case {
             id: id.into(),
             description: description.into(),
             rule: verdict.rule,
-            uorb: held.uorb,
-            cdr: held.cdr,
+            uorb: bytes.uorb,
+            cdr: bytes.cdr,
             schema_verdict: verdict.suits_doubles.then_some(verdict.passes_schema),
             json: Some(json),
             ..Case::default()
         });
     }
 
-    /// A case of bytes alone.
+    /// Adds a case that consists of bytes only.
     fn patched(
         &mut self,
         id: String,
@@ -127,9 +122,9 @@ impl Cases<'_> {
         }
     }
 
-    // Ids of what is tried with bytes alone have a dot before any hyphen: those of fields can't be the same.
+    // The ids of byte-only cases have a dot before any hyphen, so they differ from those of fields.
 
-    /// Payloads in memory of wrong sizes, and of the other right one.
+    /// uORB payloads of wrong sizes, and of the other valid size.
     fn uorb(&mut self, message: &Message, typical: &str) {
         let (Some(layout), Some(bytes)) = (&message.uorb, self.codec.encode(typical).uorb) else { return };
         let (size, no_padding) = (layout.size, layout.size_no_padding);
@@ -142,12 +137,7 @@ impl Cases<'_> {
             self.done.push(Case { uorb: Some(bytes), ..payload(id, words, rule, typical) });
         };
         if no_padding < size {
-            push(
-                "uorb.no-padding",
-                "without the padding at the end, as logs have it",
-                None,
-                resized(no_padding),
-            );
+            push("uorb.no-padding", "without trailing padding, as in logs", None, resized(no_padding));
         }
         let mut dirty = bytes.clone();
         for slot in layout.slots.iter().filter(|slot| slot.field.is_none()) {
@@ -156,19 +146,19 @@ impl Cases<'_> {
             }
         }
         if dirty != bytes {
-            push("uorb.dirty-padding", "padding that isn't zero", None, dirty);
+            push("uorb.dirty-padding", "nonzero padding", None, dirty);
         }
-        let broken = Some(rule::SIZE);
+        let violated = Some(rule::SIZE);
         if let Some(short) = no_padding.checked_sub(1) {
-            push("uorb.short", "a byte short of the size without padding", broken, resized(short));
+            push("uorb.short", "one byte shorter than the size without padding", violated, resized(short));
         }
         if size > no_padding + 1 {
-            push("uorb.part-of-padding", "a part of the padding at the end", broken, resized(no_padding + 1));
+            push("uorb.part-of-padding", "part of the trailing padding", violated, resized(no_padding + 1));
         }
-        push("uorb.long", "a byte more than the full size", broken, resized(size + 1));
+        push("uorb.long", "one byte longer than the full size", violated, resized(size + 1));
     }
 
-    /// Payloads in CDR with other headers and ends.
+    /// CDR payloads with other headers and ends.
     fn cdr(&mut self, typical: &str) {
         let Some(bytes) = self.codec.encode(typical).cdr else { return };
         let big_endian = self.codec.big_endian(typical);
@@ -176,32 +166,38 @@ impl Cases<'_> {
             self.done.push(Case { cdr: Some(bytes), ..payload(id, words, rule, typical) });
         };
         if let Some(big_endian) = big_endian {
-            push("cdr.big-endian", "in big-endian order, as the header says", None, big_endian);
+            push("cdr.big-endian", "big-endian, as declared in the header", None, big_endian);
         }
         let filled = bytes.len().next_multiple_of(4);
         if filled > bytes.len() {
             let mut bytes = bytes.clone();
             bytes.resize(filled, 0);
-            push("cdr.filled", "filled up to a multiple of four bytes, as some writers do", None, bytes);
+            push("cdr.filled", "padded to a multiple of four bytes, as some writers do", None, bytes);
         }
         let mut unknown = bytes.clone();
         unknown[..2].fill(0xff);
-        push("cdr.encapsulation", "a header that names no encoding", Some(rule::ENCAPSULATION), unknown);
-        let broken = Some(rule::PAYLOAD);
-        push("cdr.short", "the last byte is missing", broken, bytes[..bytes.len() - 1].to_vec());
+        push(
+            "cdr.encapsulation",
+            "a header with an unknown encapsulation",
+            Some(rule::ENCAPSULATION),
+            unknown,
+        );
+        let violated = Some(rule::PAYLOAD);
+        push("cdr.short", "the last byte is missing", violated, bytes[..bytes.len() - 1].to_vec());
         let mut long = bytes;
         long.resize(filled + 4, 0);
-        push("cdr.long", "four bytes more than alignment explains", broken, long);
+        push("cdr.long", "four bytes after the padding", violated, long);
     }
 }
 
-/// A case of bytes that decode to `typical`, unless they break a rule.
+/// A case of bytes that decode to `typical`, unless they violate a rule.
 fn payload(id: &str, words: &str, rule: Option<&'static str>, typical: &str) -> Case {
     let decoded = rule.is_none().then(|| typical.to_owned());
     Case { id: id.to_owned(), description: words.to_owned(), rule, decoded, ..Case::default() }
 }
 
-/// Whether messages like this lie in uORB memory: those of other dialects don't, be their size fixed or not.
+/// True if messages like this one have a uORB payload. Messages of other dialects have none, even if their size is
+/// fixed.
 pub(super) fn is_uorb(package: &Package, message: &Message) -> bool {
     package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
 }

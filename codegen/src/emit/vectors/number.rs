@@ -1,4 +1,4 @@
-//! Numbers at the ends of what a field may hold, and beyond them.
+//! Sample numbers: the bounds of a field, and adjacent invalid values.
 
 use uavspec_runtime::{Number, Rule, Scalar};
 
@@ -7,11 +7,10 @@ use crate::msg::constraint::{Effect, Probe};
 use crate::schema::{Enum, Field, Message, Restriction, Schema};
 use crate::value::Value;
 
-/// The bits of 64-bit integers that a 64-bit float near their bounds can't hold, and one more: what
-/// must be added so that such a float differs from the bound.
+/// A distance from the bound of a 64-bit integer that is also visible after conversion to a 64-bit float.
 const FAR: i128 = 1 << 12;
 
-/// A number as a field holds it, with all that its definition says.
+/// Samples of a numeric field, or of the elements of an array.
 pub(super) struct NumberSamples<'s> {
     schema: &'s Schema,
     field: &'s Field,
@@ -26,7 +25,7 @@ impl<'s> NumberSamples<'s> {
         Self { schema, field, scalar, restriction, samples: Vec::new() }
     }
 
-    /// The valid value nearest to zero; none where the definition contradicts itself.
+    /// The valid value nearest to zero, or `None` if the constraints are contradictory.
     pub(super) fn zero(&self) -> Option<String> {
         let zero = if self.scalar.is_float() { Number::Float(0.0) } else { Number::Int(0) };
         let known = self.restriction.known.iter().flatten().map(|value| Number::Int(*value));
@@ -34,12 +33,12 @@ impl<'s> NumberSamples<'s> {
         let special = self.restriction.special.iter().copied();
         let candidates = [zero].into_iter().chain(known).chain(ends).chain(special);
         candidates
-            .map(|number| self.held(number))
-            .find(|number| self.holds(*number) && self.verdict(*number).is_valid())
+            .map(|number| self.rounded(number))
+            .find(|number| self.is_representable(*number) && self.verdict(*number).is_valid())
             .map(|number| self.json(number))
     }
 
-    /// A valid value made of `bytes`, or as unlike others as the definition lets it be.
+    /// A valid value consisting of `bytes`, or else a valid value that is as distinctive as the constraints allow.
     pub(super) fn typical(&self, bytes: [u8; 8]) -> Option<String> {
         let turn = i128::from(bytes[0]);
         let known = self.restriction.known.as_deref().unwrap_or_default();
@@ -47,7 +46,7 @@ impl<'s> NumberSamples<'s> {
         let all_flags = known.iter().fold(0, |all, mask| all | mask);
         let pick = usize::try_from(turn).unwrap_or(0) % known.len().max(1);
         let candidates = [
-            Some(self.of_bytes(bytes)).filter(|number| !number.is_nan()),
+            Some(self.from_bytes(bytes)).filter(|number| !number.is_nan()),
             (self.restriction.limits.is_flags && all_flags != 0).then_some(Number::Int(turn & all_flags)),
             known.get(pick).map(|value| Number::Int(*value)),
             self.between(bytes[0]),
@@ -56,14 +55,14 @@ impl<'s> NumberSamples<'s> {
         let valid = candidates
             .into_iter()
             .flatten()
-            .map(|number| self.held(number))
-            .find(|number| self.holds(*number) && self.verdict(*number).is_valid());
+            .map(|number| self.rounded(number))
+            .find(|number| self.is_representable(*number) && self.verdict(*number).is_valid());
         valid.map(|number| self.json(number)).or_else(|| self.zero())
     }
 
-    /// All values that are worth a case.
+    /// All sample values.
     pub(super) fn samples(mut self) -> Vec<Sample> {
-        // Of several names for one value the first stays, so the most telling come first.
+        // If a value has several names, the first is used. The most specific names therefore come first.
         self.documented();
         for constraint in &self.field.constraints {
             let Effect::Allows { sample: (name, words), .. } = constraint.kind.effect else { continue };
@@ -84,16 +83,16 @@ impl<'s> NumberSamples<'s> {
     fn integers(&mut self) {
         let Some((least, greatest)) = self.scalar.integer_bounds() else { return };
         let name = self.scalar.name();
-        // Where zero is the least, the message of zeros is that case.
+        // If zero is the minimum, the message of zeros covers it.
         if least < 0 {
-            self.push("min", format!("the least {name}"), Number::Int(least));
+            self.push("min", format!("the minimum {name}"), Number::Int(least));
         }
-        self.push("max", format!("the greatest {name}"), Number::Int(greatest));
-        // Near the bounds of 64-bit integers 64-bit floats are further apart than 1; next to zero they aren't.
+        self.push("max", format!("the maximum {name}"), Number::Int(greatest));
+        // Adjacent integers near the bounds of 64-bit types are equal as 64-bit floats, except near zero.
         let is_coarse = |value: i128| self.scalar.size() == 8 && value != -1;
         let outside = [
-            ("below-min", "far-below-min", "below the least", least - 1, least - FAR),
-            ("above-max", "far-above-max", "above the greatest", greatest + 1, greatest + 1 + FAR),
+            ("below-min", "far-below-min", "below the minimum", least - 1, least - FAR),
+            ("above-max", "far-above-max", "above the maximum", greatest + 1, greatest + 1 + FAR),
         ];
         let mut beyond = Vec::new();
         for (near, far, words, value, far_value) in outside {
@@ -101,7 +100,7 @@ impl<'s> NumberSamples<'s> {
             sample.verdict.suits_doubles = !is_coarse(value);
             beyond.push(sample);
             if is_coarse(value) {
-                let words = format!("{words} {name}, by as much as 64-bit floats can tell");
+                let words = format!("far {words} {name}");
                 beyond.push(Sample::mistyped(far, words, far_value.to_string()));
             }
         }
@@ -116,36 +115,36 @@ impl<'s> NumberSamples<'s> {
             (f64::MAX, f64::from_bits(1))
         };
         let name = self.scalar.name();
-        self.push("min", format!("the {name} furthest below zero"), Number::Float(-greatest));
-        self.push("max", format!("the greatest {name}"), Number::Float(greatest));
-        self.push("subnormal", format!("the least {name} above zero"), Number::Float(least));
-        self.push("minus-zero", "zero with a sign", Number::Float(-0.0));
+        self.push("min", format!("the minimum {name}"), Number::Float(-greatest));
+        self.push("max", format!("the maximum {name}"), Number::Float(greatest));
+        self.push("subnormal", format!("the smallest positive {name}"), Number::Float(least));
+        self.push("minus-zero", "negative zero", Number::Float(-0.0));
         self.push("nan", "NaN", Number::Float(f64::NAN));
         if is_single {
-            // JSON has no word for infinity, and not every reader takes numbers beyond 64-bit floats:
-            // so only float32 has neighbours beyond its ends.
-            self.samples.push(Sample::mistyped("below-min", "below the least float32", "-3.5e38"));
-            self.samples.push(Sample::mistyped("above-max", "above the greatest float32", "3.5e38"));
+            // JSON has no infinity, and some readers reject numbers beyond the range of 64-bit floats. Only float32
+            // therefore has samples beyond its bounds.
+            self.samples.push(Sample::mistyped("below-min", "below the minimum float32", "-3.5e38"));
+            self.samples.push(Sample::mistyped("above-max", "above the maximum float32", "3.5e38"));
         }
     }
 
-    /// The limits of the constraints and the greatest count, with the neighbours beyond them.
+    /// The bounds of the constraints and the maximum count, and the adjacent values beyond them.
     fn ends(&mut self) {
         for constraint in &self.field.constraints {
             let Effect::Narrows { samples, .. } = constraint.kind.effect else { continue };
             for Probe { name, words, number, up } in samples(&constraint.stated, self.scalar) {
-                let number = self.held(number);
+                let number = self.rounded(number);
                 let number = up.map_or(Some(number), |up| self.step(number, up));
                 self.push_outside(name, words, number);
             }
         }
         if let Some(count) = self.restriction.limits.count.map(|count| Number::Int(count.into())) {
-            self.push("full", "as many entries as the array has", count);
-            self.push_outside("above-count", "one entry more than the array has", self.step(count, true));
+            self.push("full", "the length of the array", count);
+            self.push_outside("above-count", "one more than the length of the array", self.step(count, true));
         }
     }
 
-    /// Each documented value, and one that isn't.
+    /// Each documented value, and an undocumented one.
     fn documented(&mut self) {
         let Some(found) = self.field.enumeration.map(|reference| self.schema.enumeration(reference)) else {
             return;
@@ -157,19 +156,19 @@ impl<'s> NumberSamples<'s> {
         }
         if found.is_flags {
             let all = found.members.iter().fold(0, |all, member| all | member.value);
-            self.push("all-flags", "all flags at once", Number::Int(all));
+            self.push("all-flags", "all flags", Number::Int(all));
         }
         let (name, words) = if found.is_flags {
-            ("undocumented-bit", "a bit that isn't documented")
+            ("undocumented-bit", "an undocumented bit")
         } else {
-            ("undocumented", "a value that isn't documented")
+            ("undocumented", "an undocumented value")
         };
         if let Some(number) = self.undocumented(found) {
             self.push(name, words, number);
         }
     }
 
-    /// A value that breaks no rule but that of the enum.
+    /// A value that violates only the enum rule.
     fn undocumented(&self, found: &Enum) -> Option<Number> {
         let values = || found.members.iter().map(|member| member.value);
         let bits = (0..8 * self.scalar.size()).map(|bit| 1_i128 << bit);
@@ -177,10 +176,11 @@ impl<'s> NumberSamples<'s> {
         let neighbours =
             neighbours.chain(values().map(|value| value - 1)).chain(values().map(|value| value + 1));
         let candidates: Vec<i128> = if found.is_flags { bits.collect() } else { neighbours.collect() };
-        let breaks = |number: &Number| {
-            self.restriction.constraint().broken_by(*number) == Some(Rule::Enum) && self.holds(*number)
+        let is_undocumented = |number: &Number| {
+            self.restriction.constraint().violated_by(*number) == Some(Rule::Enum)
+                && self.is_representable(*number)
         };
-        candidates.into_iter().map(Number::Int).find(breaks)
+        candidates.into_iter().map(Number::Int).find(is_undocumented)
     }
 
     fn mistyped(&mut self) {
@@ -195,8 +195,8 @@ impl<'s> NumberSamples<'s> {
     }
 
     fn push(&mut self, name: impl Into<String>, words: impl Into<String>, number: Number) {
-        let number = self.held(number);
-        if self.holds(number) {
+        let number = self.rounded(number);
+        if self.is_representable(number) {
             let sample = Sample::new(name, words, self.json(number), self.verdict(number));
             self.samples.push(sample);
         }
@@ -212,8 +212,8 @@ impl<'s> NumberSamples<'s> {
         Verdict::of(&self.restriction.constraint(), number)
     }
 
-    /// Whether the type has this value and JSON a word for it.
-    fn holds(&self, number: Number) -> bool {
+    /// True if the type contains this value and JSON can represent it.
+    fn is_representable(&self, number: Number) -> bool {
         match (number, self.scalar.integer_bounds()) {
             (Number::Int(value), Some((least, greatest))) => (least..=greatest).contains(&value),
             (Number::Float(value), None) => !value.is_infinite(),
@@ -221,9 +221,9 @@ impl<'s> NumberSamples<'s> {
         }
     }
 
-    /// The value of the type that is nearest.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)] // rounding is what this is about
-    fn held(&self, number: Number) -> Number {
+    /// The nearest value of the type.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)] // rounding is intended
+    fn rounded(&self, number: Number) -> Number {
         match (number, self.scalar) {
             (Number::Float(value), Scalar::Float32) => Number::Float(f64::from(value as f32)),
             (Number::Int(value), Scalar::Float32) => Number::Float(f64::from(value as f32)),
@@ -234,8 +234,8 @@ impl<'s> NumberSamples<'s> {
         }
     }
 
-    /// The next value of the type.
-    #[allow(clippy::cast_possible_truncation)] // it is a float32 already
+    /// The adjacent value of the type.
+    #[allow(clippy::cast_possible_truncation)] // the value is a float32
     fn step(&self, number: Number, up: bool) -> Option<Number> {
         let next = match number {
             Number::Int(value) => Number::Int(if up { value + 1 } else { value - 1 }),
@@ -245,10 +245,10 @@ impl<'s> NumberSamples<'s> {
             }
             Number::Float(value) => Number::Float(if up { value.next_up() } else { value.next_down() }),
         };
-        self.holds(next).then_some(next)
+        self.is_representable(next).then_some(next)
     }
 
-    fn of_bytes(&self, bytes: [u8; 8]) -> Number {
+    fn from_bytes(&self, bytes: [u8; 8]) -> Number {
         let [a, b, c, d, ..] = bytes;
         match self.scalar {
             Scalar::Float32 => Number::Float(f32::from_le_bytes([a, b, c, d]).into()),
@@ -264,7 +264,7 @@ impl<'s> NumberSamples<'s> {
         }
     }
 
-    /// A value in the range, another one for each `turn`.
+    /// A value in the range, which depends on `turn`.
     fn between(&self, turn: u8) -> Option<Number> {
         let count = self.restriction.limits.count.map(|count| Number::Int(count.into()));
         let low = self.restriction.limits.low.or(count.map(|_| Number::Int(0)));
@@ -291,8 +291,8 @@ impl<'s> NumberSamples<'s> {
     }
 }
 
-/// A float in the shortest form that reads back as it; NaN is null.
-#[allow(clippy::cast_possible_truncation)] // it is a float32 already
+/// The shortest JSON that parses to this float. NaN is null.
+#[allow(clippy::cast_possible_truncation)] // the value is a float32
 fn float_json(value: f64, scalar: Scalar) -> String {
     let value = match scalar {
         Scalar::Float32 => (value as f32).to_string().parse().unwrap_or(value),
@@ -301,13 +301,13 @@ fn float_json(value: f64, scalar: Scalar) -> String {
     serde_json::Number::from_f64(value).map_or_else(|| "null".to_owned(), |number| number.to_string())
 }
 
-/// What is tried out in a `bool`.
+/// Samples for a `bool`.
 pub(super) fn booleans() -> Vec<Sample> {
     let odd = Sample::new(
         "byte-153",
-        "a byte of 153, as some firmware sends it",
+        "the byte 153, which some firmware sends",
         "true",
-        Verdict::of_bytes(rule::BOOL),
+        Verdict::invalid_bytes(rule::BOOL),
     );
     vec![
         Sample::new("true", "true", "true", Verdict::VALID),

@@ -2,16 +2,16 @@
 
 use crate::emit::json_schema;
 
-/// How vectors are emitted.
+/// Options of the emitter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Options {
-    /// The absolute address that every `$id` of the schemas starts with, if it isn't the default.
+    /// URL prefix of the `$id` of schemas, or `None` for the default.
     pub base: Option<String>,
 }
 
 impl Options {
-    /// How the schemas are emitted that the vectors refer to.
+    /// The options of the schemas to which the vectors refer.
     pub(super) fn schemas(&self) -> json_schema::Options {
         self.base.clone().map_or_else(json_schema::Options::default, |base| json_schema::Options { base })
     }

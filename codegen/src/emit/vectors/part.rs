@@ -1,16 +1,16 @@
-//! Messages as parts of others.
+//! Messages nested in other messages.
 
 use super::case::Sample;
 use crate::schema::MessageId;
 
-/// All messages that vectors can be made for.
+/// The messages for which vectors can be created, by id.
 pub(super) struct Parts(pub(super) Vec<Option<Part>>);
 
-/// A message as a part of others.
+/// A message nested in other messages.
 pub(super) struct Part {
     /// The valid message nearest to zero.
     pub(super) zero: String,
-    /// What may stand in its place: one value for each rule.
+    /// Sample values: one for each rule.
     pub(super) samples: Vec<Sample>,
 }
 

@@ -1,4 +1,4 @@
-//! Cases as text: a line each, so that a difference between two versions of a file can be read.
+//! Printer for cases, one per line, so that diffs are readable.
 
 use std::fmt::Write as _;
 
@@ -7,18 +7,18 @@ use super::form::FORM;
 use crate::emit::file::notice;
 use crate::emit::json_schema::DRAFT;
 
-/// What the file of a type says of it.
+/// The header of a vector file.
 #[derive(Debug)]
 pub(super) struct Head {
-    /// What else is known of it: name, and value as JSON.
+    /// Facts about the type: names, and values as JSON.
     pub(super) facts: Vec<(&'static str, String)>,
-    /// Its package and name.
+    /// Package and name of the type.
     pub(super) title: String,
-    /// The address of its schema.
+    /// URL of the schema.
     pub(super) schema: String,
 }
 
-/// Cases in the form of this crate.
+/// Prints cases in the format of this crate.
 pub(super) fn vectors(head: &Head, cases: &[Case]) -> String {
     let mut text = String::with_capacity(cases.len() * 1_024);
     let _ = write!(
@@ -68,7 +68,7 @@ fn print(case: &Case, text: &mut String) {
     text.push('}');
 }
 
-/// Cases in the form of the JSON Schema Test Suite; none where there is nothing to test.
+/// Prints cases in the format of the JSON Schema Test Suite. Returns `None` if there are no tests.
 pub(super) fn suite(head: &Head, cases: &[Case]) -> Option<String> {
     let tests: Vec<(&Case, &str, bool)> =
         cases.iter().filter_map(|case| Some((case, case.json.as_deref()?, case.schema_verdict?))).collect();
@@ -101,7 +101,7 @@ fn hex(bytes: &[u8], text: &mut String) {
     text.extend(bytes.iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 0xf)]));
 }
 
-/// `text` as JSON.
+/// Quotes a JSON string.
 pub(super) fn quote(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }

@@ -1,4 +1,4 @@
-//! Values of messages: their zero, and one value for each rule that can be broken in them.
+//! Sample values of messages: the message nearest to zero, and one value for each rule that can be violated.
 
 use std::collections::BTreeSet;
 
@@ -7,16 +7,16 @@ use super::field::FieldSamples;
 use super::part::{Part, Parts};
 use crate::schema::{Element, Message, MessageId, Schema};
 
-/// Deepest nesting of messages that vectors are made for. Readers of JSON give up soon after.
+/// Maximum nesting depth of messages with vectors. JSON readers have slightly higher limits.
 const DEEPEST: usize = 32;
 
-/// The longest message that vectors are made for, in bytes: longer than those that `ULog` can hold.
+/// Maximum length in bytes of messages with vectors, which exceeds the limit of `ULog`.
 const LONGEST: u64 = 1 << 16;
 
-/// A name that no field has, as fields' names start with a letter.
+/// A name that is not a valid field name, because field names start with a letter.
 const FOREIGN: &str = "_extra";
 
-/// All messages that vectors can be made for, as parts of others.
+/// All messages for which vectors can be created.
 pub(super) fn parts(schema: &Schema) -> Parts {
     let mut parts = Parts(schema.messages.iter().map(|_| None).collect());
     for level in levels(schema) {
@@ -30,7 +30,8 @@ pub(super) fn parts(schema: &Schema) -> Parts {
     parts
 }
 
-/// Messages that need only those of the levels before; without those that are too deep or too long.
+/// Groups of messages that depend only on messages of earlier groups, without those that are too long or nested too
+/// deeply.
 fn levels(schema: &Schema) -> Vec<Vec<MessageId>> {
     let mut is_done = vec![false; schema.messages.len()];
     let mut levels = Vec::new();
@@ -58,24 +59,24 @@ fn levels(schema: &Schema) -> Vec<Vec<MessageId>> {
     levels
 }
 
-/// A message, and what is tried out in its fields.
+/// A message with the samples of its fields.
 pub(super) struct MessageSamples<'s> {
     pub(super) message: &'s Message,
-    /// For each field its zero.
+    /// By field, the value nearest to zero.
     zeros: Vec<String>,
-    /// For each field what else it is tried with.
+    /// By field, the samples.
     pub(super) samples: Vec<Vec<Sample>>,
 }
 
 impl<'s> MessageSamples<'s> {
-    /// None where a field has no valid value.
+    /// Returns `None` if a field has no valid value.
     pub(super) fn new(schema: &'s Schema, message: &'s Message, parts: &'s Parts) -> Option<Self> {
         let fields = || message.fields.iter().map(|field| FieldSamples { schema, message, field, parts });
         let zeros: Option<Vec<String>> = fields().map(FieldSamples::zero).collect();
         Some(Self { message, zeros: zeros?, samples: fields().map(FieldSamples::samples).collect() })
     }
 
-    /// The message with all fields zero.
+    /// The message with the value nearest to zero in all fields.
     pub(super) fn zero(&self) -> String {
         self.json(None, |_| None)
     }
@@ -85,12 +86,12 @@ impl<'s> MessageSamples<'s> {
         self.json(None, |index| (index == field).then_some(json))
     }
 
-    /// The message without one of its fields.
+    /// The message without one field.
     pub(super) fn without(&self, field: usize) -> String {
         self.json(Some(field), |_| None)
     }
 
-    /// The message with a field that isn't its own.
+    /// The message with an additional field.
     pub(super) fn extended(&self) -> String {
         let mut json = self.zero();
         json.pop();
@@ -114,10 +115,10 @@ impl<'s> MessageSamples<'s> {
     }
 
     fn part(self) -> Part {
-        let fields = Verdict::misshapen(rule::FIELDS);
+        let fields = Verdict::malformed(rule::FIELDS);
         let mut samples = vec![
             Sample::mistyped("null", "null", "null"),
-            Sample::new("in-extra", "a message with a field that isn't its own", self.extended(), fields),
+            Sample::new("in-extra", "a message with an additional field", self.extended(), fields),
         ];
         if !self.zeros.is_empty() {
             samples.push(Sample::new(

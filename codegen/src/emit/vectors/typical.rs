@@ -1,13 +1,11 @@
-//! Values that are unlike their neighbours: swapped fields, wrong offsets and a wrong order of bytes
-//! all show in them.
+//! Values whose adjacent bytes differ. They reveal swapped fields, wrong offsets and a wrong byte order.
 
 use uavspec_runtime::Scalar;
 
-/// Most elements of a sequence; a sequence within a sequence has one less for each level, so that
-/// nesting doesn't multiply them.
+/// Maximum length of a sequence. It is reduced by one per nesting level to bound the total number of elements.
 const SEQUENCE: u32 = 3;
 
-/// Numbers bytes through from 1 to 255 and again from 1.
+/// A source of values that numbers bytes from 1 to 255 repeatedly.
 #[derive(Debug, Default)]
 pub(super) struct Typical {
     last: u8,
@@ -21,7 +19,7 @@ impl Typical {
         self.last
     }
 
-    /// As many bytes as `scalar` has, and zeros up to eight.
+    /// The next bytes for a scalar, padded with zeros to eight.
     pub(super) fn bytes(&mut self, scalar: Scalar) -> [u8; 8] {
         let mut bytes = [0; 8];
         for byte in bytes.iter_mut().take(scalar.size()) {
@@ -30,18 +28,18 @@ impl Typical {
         bytes
     }
 
-    /// True and false by turns.
+    /// Alternates between true and false.
     pub(super) fn boolean(&mut self) -> bool {
         self.byte() % 2 == 1
     }
 
-    /// Text that leaves room for a NUL.
+    /// The next text, with space for a NUL.
     pub(super) fn text(&mut self, room: u32) -> String {
         let first = self.byte();
         format!("\"{}\"", letters(first, room.saturating_sub(1).max(1).min(room)))
     }
 
-    /// Another string each time.
+    /// The next string, different from the previous one.
     pub(super) fn string(&mut self, bound: Option<u32>) -> String {
         self.strings += 1;
         let text: String = format!("{}é", self.strings);
@@ -63,7 +61,7 @@ impl Typical {
     }
 }
 
-/// Different letters, one after another, from the letter of the alphabet with the number `first` on.
+/// Consecutive letters of the alphabet, starting at index `first`.
 pub(super) fn letters(first: u8, length: u32) -> String {
     ('a'..='z').cycle().skip(first.into()).take(length as usize).collect()
 }

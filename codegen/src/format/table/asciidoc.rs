@@ -1,13 +1,13 @@
-//! `AsciiDoc`.
+//! Formatting of `AsciiDoc` pages.
 
 use super::line::{line_of, line_starts, trimmed};
 use crate::table::asciidoc::has_specifier;
 use crate::table::{Page, Table, error_code, pipe};
 
-/// Attributes of a table that give pipes and lines another meaning.
+/// Table attributes that change the meaning of pipes and lines.
 const OTHER_FORMS: [&str; 2] = ["separator", "format"];
 
-/// The page laid out. `page` was read from `text`; `lines` are its lines without their ends.
+/// Formats a page. `page` was parsed from `text`; `lines` are the lines of `text` without line endings.
 pub(super) fn lay_out(text: &str, lines: &[&str], page: &Page) -> String {
     let mut laid_out: Vec<Vec<String>> = lines.iter().map(|line| vec![trimmed(line).to_owned()]).collect();
     let starts = line_starts(text);
@@ -21,7 +21,7 @@ pub(super) fn lay_out(text: &str, lines: &[&str], page: &Page) -> String {
         laid_out[header] = vec![row_line(&cells(lines[header]))];
         let cells: Vec<&str> = rows.flat_map(|line| cells(lines[line])).collect();
         if let Some(start) = laid_out.get_mut(first) {
-            // A blank line after the header is what makes it one.
+            // The blank line after the first row makes that row the header.
             start.extend(lines[first].trim().is_empty().then(String::new));
             start.extend(cells.chunks(table.header.len()).map(row_line));
         }
@@ -29,7 +29,7 @@ pub(super) fn lay_out(text: &str, lines: &[&str], page: &Page) -> String {
     laid_out.concat().join("\n")
 }
 
-/// Whether `table` is one of error codes whose rows have a cell for each column.
+/// True if `table` contains error codes and every row has one cell per column.
 fn is_plain(table: &Table) -> bool {
     let mut cells = table.header.iter().chain(table.rows.iter().flat_map(|row| &row.cells));
     error_code::code_column(table).is_some()
@@ -37,8 +37,8 @@ fn is_plain(table: &Table) -> bool {
         && cells.all(|cell| !cell.is_merged)
 }
 
-/// The line of the header and those below it, where each line is blank or holds whole cells without
-/// specifiers, and the header has a line of its own.
+/// The header line and the range of body lines. Returns `None` unless the header is on one line and every line is blank
+/// or contains whole cells without specifiers.
 fn body(lines: &[&str], fence: usize, table: &Table) -> Option<(usize, std::ops::Range<usize>)> {
     let is_prelude = |line: &&&str| line.trim().is_empty() || line.starts_with(['[', '.', '/']);
     let mut prelude = lines.get(..fence)?.iter().rev().take_while(is_prelude);
@@ -59,7 +59,7 @@ fn body(lines: &[&str], fence: usize, table: &Table) -> Option<(usize, std::ops:
     is_laid_out_by_line.then_some((header, header + 1..end))
 }
 
-/// The cells that start on a line.
+/// The cells that start on this line.
 fn cells(line: &str) -> Vec<&str> {
     pipe::split(line).into_iter().skip(1).map(|cell| line[cell].trim()).collect()
 }

@@ -1,4 +1,4 @@
-//! Markdown.
+//! Formatting of Markdown pages.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,8 +10,7 @@ use crate::format::aligned::ALIGNED_WITHIN;
 use crate::table::markdown::OPTIONS;
 use crate::table::{Page, error_code, pipe};
 
-/// The page laid out. `written` are the lines of `text`; `page` was read from the same text, but for the ends
-/// of lines.
+/// Formats a page. `written` are the lines of `text`. `page` was parsed from the same text, apart from line endings.
 pub(super) fn lay_out(text: &str, written: &[&str], page: &Page) -> String {
     let structure = Structure::of(text);
     let starts = line_starts(text);
@@ -42,19 +41,19 @@ pub(super) fn lay_out(text: &str, written: &[&str], page: &Page) -> String {
     lines.join("\n")
 }
 
-/// What of a page has to be known before lines are touched.
+/// The structure of a page that formatting depends on.
 #[derive(Default)]
 struct Structure {
-    /// Text whose white space counts: code, HTML, front matter, and blanks that break a line.
+    /// Ranges with significant white space: code, HTML, front matter, and spaces that break a line.
     verbatim: Vec<Range<usize>>,
-    /// All tables in order.
+    /// All tables, in order.
     tables: Vec<Found>,
 }
 
 struct Found {
     range: Range<usize>,
     alignments: Vec<Alignment>,
-    /// Whether its lines hold nothing else, such as the `>` of a quotation.
+    /// True if the table is not nested in a quotation, list or footnote.
     is_outermost: bool,
 }
 
@@ -71,12 +70,12 @@ impl Structure {
                 Event::Start(Tag::CodeBlock(_) | Tag::HtmlBlock | Tag::MetadataBlock(_)) => {
                     structure.verbatim.push(range);
                 }
-                // What follows on the last line isn't part of it any more.
+                // White space after the end of the code or HTML, on its last line, is insignificant.
                 Event::Code(_) | Event::InlineHtml(_) => {
                     let end = text[range.clone()].rfind('\n').unwrap_or(0);
                     structure.verbatim.push(range.start..range.start + end);
                 }
-                // The line that is broken, not the next.
+                // Only the line before the break.
                 Event::HardBreak => structure.verbatim.push(range.start..range.start + 1),
                 Event::Start(Tag::Table(alignments)) => {
                     structure.tables.push(Found { range, alignments, is_outermost: depth == 0 });
@@ -90,12 +89,12 @@ impl Structure {
 
 /// A table of error codes.
 struct Codes<'s> {
-    /// Its first line, from 0. The second divides the header from the rows.
+    /// Index of the first line. The second line separates the header from the rows.
     first: usize,
-    /// The cells of its header, and of all rows.
+    /// The cells of the header, followed by those of all rows.
     rows: Vec<Vec<&'s str>>,
     alignments: &'s [Alignment],
-    /// The column of the codes.
+    /// Index of the column with the codes.
     code: usize,
 }
 
@@ -105,7 +104,7 @@ struct Column {
 }
 
 impl Codes<'_> {
-    /// Codes stand to the right; the other columns as they are, in these widths.
+    /// The alignment and width of each column. Codes are aligned to the right; other columns keep their alignment.
     fn columns(&self, widths: &[usize]) -> Vec<Column> {
         let alignment = |index| if index == self.code { Alignment::Right } else { self.alignments[index] };
         let width = |index| widths.get(index).copied().unwrap_or(1);
@@ -121,8 +120,8 @@ impl Codes<'_> {
     }
 }
 
-/// The widths of columns in all tables with the same header, so that the tables of a page look alike: those of
-/// the widest cell, and for the last column that of the header.
+/// Column widths, shared by all tables of the page with the same header. A column is as wide as its widest cell; the
+/// last column is as wide as its header.
 fn widths<'s>(tables: &[Codes<'s>]) -> BTreeMap<Vec<&'s str>, Vec<usize>> {
     let mut widths = BTreeMap::new();
     for table in tables {

@@ -2,13 +2,14 @@
 
 use crate::source::Span;
 
-/// The flag of an entry whose translation has to be looked at: it isn't used until somebody takes the flag away.
+/// The flag of an entry whose translation needs review. The translation is not used until a translator removes the
+/// flag.
 pub(crate) const FUZZY: &str = "fuzzy";
 
-/// What a catalogue holds.
+/// The parsed form of a PO file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Catalogue {
-    /// Its entries in their order, the header and obsolete ones too.
+    /// All entries in order, including the header and obsolete entries.
     pub entries: Vec<Entry>,
     /// Comments after the last entry.
     pub end: Vec<String>,
@@ -17,45 +18,45 @@ pub struct Catalogue {
 /// An entry: a text and its translation.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Entry {
-    /// Lines that translators wrote, and all others that begin with `#` and mean nothing here; as they stand.
+    /// Comments of translators, and other unrecognized lines that start with `#`, verbatim.
     pub comments: Vec<String>,
-    /// What is told to translators (`#.`), by line.
+    /// Notes for translators (`#.`), by line.
     pub notes: Vec<String>,
-    /// Where the text comes from (`#:`), by line.
+    /// Locations of the text (`#:`), by line.
     pub references: Vec<String>,
     /// Flags (`#,`).
     pub flags: Vec<String>,
-    /// The context and the text that the translation was made of, where they have changed since (`#|`).
+    /// The previous context, if it changed after the translation (`#|`).
     pub previous_context: Option<String>,
-    /// See there.
+    /// The previous text, if it changed after the translation (`#|`).
     pub previous_id: Option<String>,
-    /// What the text belongs to (`msgctxt`): the key of the thing.
+    /// The key of the text (`msgctxt`).
     pub context: Option<String>,
-    /// The text (`msgid`); that of the header is empty.
+    /// The text (`msgid`). It is empty in the header.
     pub id: String,
-    /// The translation (`msgstr`); empty where there is none yet.
+    /// The translation (`msgstr`). It is empty if there is none yet.
     pub translation: String,
-    /// Whether nothing has such a text any more (`#~`).
+    /// True if the text no longer exists (`#~`).
     pub is_obsolete: bool,
 }
 
 impl Entry {
-    /// Whether it tells of the catalogue itself.
+    /// True if this is the header of the catalogue.
     pub fn is_header(&self) -> bool {
         self.context.is_none() && self.id.is_empty() && !self.is_obsolete
     }
 
-    /// Whether there is any translation, be it a good one or not. White space is none.
+    /// True if there is a translation, reviewed or not. White space doesn't count.
     pub fn is_translated(&self) -> bool {
         !self.translation.trim().is_empty()
     }
 
-    /// Whether somebody has to look at it.
+    /// True if the translation needs review.
     pub fn is_fuzzy(&self) -> bool {
         self.flags.iter().any(|flag| flag == FUZZY)
     }
 
-    /// A line of the header, `Name: value`.
+    /// The value of a field of the header (`Name: value`).
     pub fn header_field(&self, name: &str) -> Option<&str> {
         self.translation.lines().find_map(|line| {
             let (found, value) = line.split_once(':')?;
@@ -65,19 +66,19 @@ impl Entry {
 }
 
 impl Catalogue {
-    /// What the catalogue tells of itself.
+    /// The header of the catalogue.
     pub fn header(&self) -> Option<&Entry> {
         self.entries.first().filter(|entry| entry.is_header())
     }
 }
 
-/// Where the parts of an entry stand.
+/// Locations of the parts of an entry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Places {
-    /// The strings of its context; those of its text, where it has none.
+    /// Location of the context, or of the text if there is no context.
     pub context: Span,
-    /// The strings of its text.
+    /// Location of the text.
     pub id: Span,
-    /// The strings of its translation.
+    /// Location of the translation.
     pub translation: Span,
 }

@@ -1,4 +1,4 @@
-//! Reads catalogues, line by line.
+//! Line-based parser for catalogues.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use super::entry::{Catalogue, Entry, Places};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::{SourceId, SourceMap, Span};
 
-/// Reads a catalogue: its entries, the place of each, and what is wrong with it. What can't be read is left out.
+/// Parses a catalogue into its entries, their locations, and the problems found. Unreadable entries are skipped.
 pub(crate) fn parse(sources: &SourceMap, id: SourceId) -> (Catalogue, Vec<Places>, Vec<Diagnostic>) {
     let mut parser = Parser::default();
     let whole = sources.span(id);
@@ -30,7 +30,7 @@ enum Part {
     Translation,
 }
 
-/// What introduces a string, and what part of an entry that is.
+/// Keywords and the parts that they introduce.
 const KEYWORDS: [(&str, Part); 3] =
     [("msgctxt", Part::Context), ("msgid", Part::Id), ("msgstr", Part::Translation)];
 
@@ -41,15 +41,15 @@ struct Parser {
     diagnostics: Vec<Diagnostic>,
     entry: Entry,
     place: Places,
-    /// The last part that was begun, to which a line with nothing but a string adds.
+    /// The current part. A line with only a string is appended to it.
     part: Option<Part>,
-    /// Whether the entry has its `msgid`.
+    /// True if the entry has its `msgid`.
     has_id: bool,
-    /// Whether the entry has its `msgstr`: it ends with that.
+    /// True if the entry has its `msgstr`, which is the last part.
     has_translation: bool,
-    /// Whether any of it couldn't be read.
-    is_broken: bool,
-    /// The line with the last keyword.
+    /// True if part of the entry is unreadable.
+    is_invalid: bool,
+    /// The line of the last keyword.
     keyword: Span,
 }
 
@@ -91,14 +91,14 @@ impl Parser {
         }
     }
 
-    /// A keyword and a string, or a string alone.
+    /// Parses a keyword with a string, or a string alone.
     fn strings(&mut self, text: &str, span: Span, is_obsolete: bool, is_previous: bool) {
         let rest = text.trim_start();
         let word = rest.split(|character: char| character == '"' || character.is_whitespace()).next();
         let word = word.unwrap_or_default();
         let string = rest[word.len()..].trim_start();
         if word.starts_with("msgid_plural") || word.starts_with("msgstr[") {
-            let hint = "texts of definitions have one form: give it one `msgid` and one `msgstr`";
+            let hint = "plural forms are not supported; write one `msgid` and one `msgstr`";
             self.refuse("an entry with plural forms", span, hint);
             self.has_translation |= word.starts_with("msgstr");
             self.part = None;
@@ -113,13 +113,13 @@ impl Parser {
         };
         let Some(part) = part else {
             let hint =
-                "write `msgctxt`, `msgid` or `msgstr` and a string between quotes; comments begin with `#`";
-            return self.refuse("a line that is no part of an entry", span, hint);
+                "write `msgctxt`, `msgid` or `msgstr` and a quoted string, or start a comment with `#`";
+            return self.refuse("an unrecognized line", span, hint);
         };
         if !word.is_empty() {
             self.begin(part, span, is_obsolete);
         }
-        // The strings of a part may go on for several lines.
+        // A part may consist of strings on several lines.
         let place = span.part(span_len(span) - string.len()..span_len(span));
         match unquote(string) {
             Ok(text) => self.add(part, &text, place),
@@ -140,8 +140,8 @@ impl Parser {
             Part::Id => self.has_id,
         };
         if is_out_of_order {
-            let hint = "an entry is `msgctxt`, `msgid` and `msgstr`, in this order, each of them once";
-            self.refuse("an entry whose parts are not in their order", span, hint);
+            let hint = "write `msgctxt`, `msgid` and `msgstr` once each, in this order";
+            self.refuse("an entry with its parts out of order", span, hint);
         }
         self.keyword = span;
         self.part = Some(part);
@@ -172,15 +172,15 @@ impl Parser {
     fn end_entry(&mut self) {
         let mut entry = std::mem::take(&mut self.entry);
         let mut place = std::mem::take(&mut self.place);
-        let is_whole = self.has_id && self.has_translation && !self.is_broken;
-        (self.part, self.has_id, self.has_translation, self.is_broken) = (None, false, false, false);
+        let is_whole = self.has_id && self.has_translation && !self.is_invalid;
+        (self.part, self.has_id, self.has_translation, self.is_invalid) = (None, false, false, false);
         if !is_whole {
             return;
         }
         if entry.context.is_none() {
             place.context = place.id;
         }
-        // Each flag stands once, whatever was merged.
+        // Merge tools may repeat a flag.
         let mut known = BTreeSet::new();
         entry.flags.retain(|flag| known.insert(flag.clone()));
         self.catalogue.entries.push(entry);
@@ -190,8 +190,8 @@ impl Parser {
     fn finish(mut self) -> (Catalogue, Vec<Places>, Vec<Diagnostic>) {
         let has_part = self.has_id || self.entry.context.is_some() || self.entry.previous_id.is_some();
         if has_part && !self.has_translation {
-            let hint = "give it a `msgstr`, with an empty string where it isn't translated yet";
-            self.refuse("an entry that isn't complete", self.keyword, hint);
+            let hint = "add a `msgstr`, with an empty string if there is no translation yet";
+            self.refuse("an incomplete entry", self.keyword, hint);
         }
         if self.has_translation {
             self.end_entry();
@@ -201,9 +201,9 @@ impl Parser {
         (self.catalogue, self.places, self.diagnostics)
     }
 
-    /// Reports what is wrong with an entry; what comes of that is not reported.
+    /// Reports a problem of an entry, unless one was already reported for it.
     fn refuse(&mut self, what: &'static str, span: Span, hint: &str) {
-        if std::mem::replace(&mut self.is_broken, true) {
+        if std::mem::replace(&mut self.is_invalid, true) {
             return;
         }
         let problem = Problem::MalformedCatalogue { what };
@@ -215,27 +215,28 @@ fn span_len(span: Span) -> usize {
     (span.end - span.start) as usize
 }
 
-/// What is wrong with a string, and what to do about it.
+/// The problem of a string, and a hint.
 type Refusal = (&'static str, &'static str);
 
-/// The text that a string between quotes stands for.
+/// Unquotes and unescapes a string.
 fn unquote(string: &str) -> Result<String, Refusal> {
-    let inner = string.strip_prefix('"').ok_or(("no string", "write it between quotes: `\"…\"`"))?;
+    let inner =
+        string.strip_prefix('"').ok_or(("an unquoted text", "enclose the text in quotes: `\"…\"`"))?;
     let mut text = String::with_capacity(inner.len());
     let mut characters = inner.chars();
     loop {
         match characters.next() {
             None => {
                 return Err((
-                    "a string that isn't closed",
-                    "close it in the same line; a string may go on in the next line with another `\"…\"`",
+                    "an unterminated string",
+                    "close the string on the same line; continue a long text with another `\"…\"` on the next line",
                 ));
             }
             Some('"') if characters.as_str().is_empty() => return Ok(text),
             Some('"') => {
                 return Err((
                     "text after a string",
-                    "end the line after the string; a quote within it is `\\\"`",
+                    "end the line after the string; write a quote inside the string as `\\\"`",
                 ));
             }
             Some('\\') => text.push(match characters.next() {
@@ -245,8 +246,8 @@ fn unquote(string: &str) -> Result<String, Refusal> {
                 Some(character @ ('"' | '\\')) => character,
                 _ => {
                     return Err((
-                        "an escape that isn't known",
-                        "known are `\\n`, `\\t`, `\\r`, `\\\"` and `\\\\`",
+                        "an unknown escape sequence",
+                        "valid escape sequences are `\\n`, `\\t`, `\\r`, `\\\"` and `\\\\`",
                     ));
                 }
             }),

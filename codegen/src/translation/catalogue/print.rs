@@ -1,9 +1,9 @@
-//! Writes catalogues. Lines are not broken, except where the text itself has a line end: tools break them
-//! differently, and whoever compares two states would see that instead of what has changed.
+//! Printer for catalogues. It never wraps lines except at line ends of the text. Wrapping differs between tools and
+//! would cause spurious diffs.
 
 use super::entry::{Catalogue, Entry};
 
-/// A catalogue as text, which gives the same catalogue when it is read.
+/// Prints a catalogue as text that parses to the same catalogue.
 pub(crate) fn print(catalogue: &Catalogue) -> String {
     let mut text = String::new();
     for (index, entry) in catalogue.entries.iter().enumerate() {
@@ -41,7 +41,7 @@ fn print_entry(entry: &Entry, text: &mut String) {
     }
 }
 
-/// A string: in one line, or with a line for each of its own.
+/// Prints a string on one line, or one line per line of the text.
 fn strings(text: &mut String, mark: &str, keyword: &str, string: &str) {
     let parts: Vec<&str> = string.split_inclusive('\n').collect();
     if parts.len() <= 1 && !string.ends_with('\n') {
@@ -132,7 +132,7 @@ mod tests {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
         #[test]
-        fn what_is_written_is_read_again(entries in prop::collection::vec(entry(), 0..5), end in words("# ")) {
+        fn parses_printed_catalogues(entries in prop::collection::vec(entry(), 0..5), end in words("# ")) {
             let catalogue = Catalogue { entries, end };
             let text = print(&catalogue);
             prop_assert_eq!(&read(&text), &catalogue, "{}", text);
@@ -140,7 +140,7 @@ mod tests {
         }
 
         #[test]
-        fn any_text_is_read_without_panicking(text in r#"(#[~|,.:]?|msgid|msgstr|msgctxt| |"|\\|n|\n|ї|[|]){0,40}"#) {
+        fn does_not_panic_on_any_text(text in r#"(#[~|,.:]?|msgid|msgstr|msgctxt| |"|\\|n|\n|ї|[|]){0,40}"#) {
             let mut sources = SourceMap::default();
             let id = sources.add("uk.po", text.into_bytes()).expect("a text");
             parse(&sources, id);
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn strings_go_on_in_further_lines() {
+    fn joins_strings_on_consecutive_lines() {
         let catalogue = read("msgid \"\"\n\"a\\n\"\n  \"b\"\nmsgstr\t\"c\"\r\n\"d\"\n");
         assert_eq!(
             (catalogue.entries[0].id.as_str(), catalogue.entries[0].translation.as_str()),

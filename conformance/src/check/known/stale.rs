@@ -178,9 +178,8 @@ impl Lists {
             }
             StaleReason::FailsOtherwise { found, .. } => {
                 let expected = entry.message.as_deref()?;
-                let message = format!(
-                    "the message differs: expected one that starts with {expected:?}, found {found:?}"
-                );
+                let message =
+                    format!("the message differs: expected {expected:?} at the start, found {found:?}");
                 let help = "investigate the failure; if it is known as well, update the message";
                 ("known-fails-otherwise", spans.message?, message, help)
             }

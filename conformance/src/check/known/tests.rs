@@ -114,7 +114,7 @@ fn an_entry_is_stale_if_the_message_differs() {
     assert_eq!(
         list.render(&stale, Level::Error, false),
         "\
-error[known-fails-otherwise]: the message differs: expected one that starts with \"/flaps/0: expected NaN\", found \"/flaps/0: expected 1, got 0\"
+error[known-fails-otherwise]: the message differs: expected \"/flaps/0: expected NaN\" at the start, found \"/flaps/0: expected 1, got 0\"
  --> known.toml:4:11
   |
 4 | message = \"/flaps/0: expected NaN\"

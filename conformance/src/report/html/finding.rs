@@ -1,4 +1,4 @@
-//! A finding: what, where, what should have been, and who says so.
+//! A finding as HTML.
 
 use maud::{Markup, html};
 
@@ -28,7 +28,7 @@ pub(super) fn article(finding: &Finding) -> Markup {
             }
             @if !others.is_empty() {
                 details {
-                    summary { "Where else" }
+                    summary { "Other locations" }
                     ul {
                         @for other in others {
                             li {
@@ -54,7 +54,7 @@ fn evidence(example: &Example) -> Markup {
     }
 }
 
-/// The line of the definition that says what should be.
+/// The line of the definition.
 pub(super) fn definition(definition: Option<&Definition>) -> Markup {
     html! {
         @if let Some(definition) = definition {
@@ -67,7 +67,7 @@ pub(super) fn definition(definition: Option<&Definition>) -> Markup {
     }
 }
 
-/// Why something is let stand. Only addresses of the web are followed.
+/// The entry of a list of known failures. Only HTTP and HTTPS links can be clicked.
 pub(super) fn known(known: Option<&Known>) -> Markup {
     html! {
         @if let Some(known) = known {
@@ -87,11 +87,11 @@ pub(super) fn known(known: Option<&Known>) -> Markup {
     }
 }
 
-/// The command that finds something again.
-pub(super) fn again(command: &str) -> Markup {
+/// The command that reproduces a finding.
+pub(super) fn reproduce(command: &str) -> Markup {
     html! {
         details {
-            summary { "How to see this again" }
+            summary { "Reproduce" }
             pre { code { (shown(command)) } }
         }
     }

@@ -1,4 +1,4 @@
-//! What came of a subject.
+//! The section of a subject.
 
 use maud::{Markup, html};
 use uavspec_codegen::emit::docs::markdown::plural;
@@ -6,17 +6,17 @@ use uavspec_codegen::emit::docs::markdown::plural;
 use super::finding;
 use super::{badge, class, shown, testee, with_code};
 use crate::check::Line;
-use crate::report::{About, Finding, Report, RuleVerdict, Subject, Verdict};
+use crate::report::{About, Finding, OutcomeKind, Report, RuleVerdict, Subject, Verdict};
 use crate::rules::px4;
 use crate::text::Grouped;
 
-/// How many findings of a rule, places of damage and formats stand open; more can be opened.
+/// The number of visible items of a list. The user can expand the rest.
 const MAX_OPEN: usize = 4;
 
-/// How many of each are told at all; the JSON report has more.
+/// The maximum number of items in the expanded part. The JSON report has more.
 const MAX_LISTED_ITEMS: usize = 50;
 
-/// All subjects, a row each.
+/// The table of subjects.
 pub(super) fn list(report: &Report) -> Markup {
     html! {
         section aria-labelledby="files" {
@@ -24,7 +24,7 @@ pub(super) fn list(report: &Report) -> Markup {
             table.files role="table" {
                 thead role="rowgroup" {
                     tr role="row" {
-                        th scope="col" role="columnheader" { "Conclusion" }
+                        th scope="col" role="columnheader" { "Outcome" }
                         th scope="col" role="columnheader" { "File" }
                         th.number scope="col" role="columnheader" { "Messages" }
                     }
@@ -33,7 +33,10 @@ pub(super) fn list(report: &Report) -> Markup {
                     @for unreadable in &report.unreadable {
                         tr role="row" {
                             td role="cell" { span.badge.fail { "unreadable" } }
-                            td role="cell" { code.path { (shown(&unreadable.path)) } p { (shown(&unreadable.message)) } }
+                            td role="cell" {
+                                code.path { (shown(&unreadable.path)) }
+                                p { (shown(&unreadable.message)) }
+                            }
                             td.number role="cell" {}
                         }
                     }
@@ -52,20 +55,22 @@ pub(super) fn list(report: &Report) -> Markup {
 
 fn outcome(subject: &Subject) -> Markup {
     let outcome = subject.outcome.kind;
-    let word = match class(outcome) {
-        "pass" => "conforms",
-        "fail" => "fails",
-        _ => "nothing",
+    let word = match outcome {
+        OutcomeKind::Conforms => "conforms",
+        OutcomeKind::DoesNotConform => "fails",
+        OutcomeKind::Incomplete => "incomplete",
+        OutcomeKind::Nothing => "not checked",
+        OutcomeKind::Stale => "out of date",
     };
     html! { span.badge.(class(outcome)) { (word) } }
 }
 
-/// Whether there is more to say of a subject than a row holds.
+/// True if the subject needs a section in addition to its row.
 pub(super) fn has_details(subject: &Subject) -> bool {
     !subject.findings.is_empty() || !subject.corruption.is_empty() || subject.is_testee()
 }
 
-/// All that is to be told of a subject. The index tells its anchors from those of others.
+/// The section of a subject. The index makes its anchors unique.
 pub(super) fn section(subject: &Subject, index: usize) -> Markup {
     let anchor = anchor(index);
     html! {
@@ -77,7 +82,7 @@ pub(super) fn section(subject: &Subject, index: usize) -> Markup {
                 About::Testee(testee) => (testee::section(testee)),
             }
             (corruption(subject))
-            (notes("What happened", &subject.notes))
+            (notes(&subject.notes))
             (findings(subject, &anchor))
         }
     }
@@ -98,7 +103,7 @@ fn facts(subject: &Subject) -> Markup {
     }
 }
 
-/// A line of a summary with its lists, in full.
+/// A line of a summary with its complete lists.
 fn summary_line(line: &Line) -> Markup {
     let details: Vec<&String> = line.details.iter().collect();
     html! {
@@ -111,12 +116,12 @@ fn summary_line(line: &Line) -> Markup {
     }
 }
 
-fn notes(title: &str, notes: &[String]) -> Markup {
+fn notes(notes: &[String]) -> Markup {
     let notes: Vec<&String> = notes.iter().collect();
     html! {
         @if !notes.is_empty() {
-            h3 { (title) }
-            (folded(&notes, "other", |note| html! { li { (shown(note)) } }))
+            h3 { "Notes" }
+            (folded(&notes, "note", |note| html! { li { (shown(note)) } }))
         }
     }
 }
@@ -125,16 +130,16 @@ fn corruption(subject: &Subject) -> Markup {
     let corruption: Vec<_> = subject.corruption.iter().collect();
     html! {
         @if !corruption.is_empty() {
-            h3 { "Damage" }
-            (folded(&corruption, "place", |corruption| html! {
+            h3 { "Corrupt or unreadable parts" }
+            (folded(&corruption, "part", |corruption| html! {
                 li { span.place { (corruption.location) } ": " (shown(&corruption.message)) }
             }))
-            @if subject.more_corruption > 0 { p.more { "… and " (Grouped(subject.more_corruption)) " more places" } }
+            @if subject.more_corruption > 0 { p.more { "… and " (Grouped(subject.more_corruption)) " more parts" } }
         }
     }
 }
 
-/// A list of which the first are seen and the others can be opened.
+/// A list of which the first items are visible, and the user can expand the rest.
 fn folded<T>(items: &[T], noun: &str, item: impl Fn(&T) -> Markup) -> Markup {
     let (open, rest) = items.split_at(items.len().min(MAX_OPEN));
     let listed = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
@@ -150,7 +155,7 @@ fn folded<T>(items: &[T], noun: &str, item: impl Fn(&T) -> Markup) -> Markup {
     }
 }
 
-/// Findings rule by rule, the gravest first.
+/// The findings by rule, most severe first.
 fn findings(subject: &Subject, anchor: &str) -> Markup {
     let mut rules: Vec<&RuleVerdict> = subject.rules.iter().filter(|rule| has_own_section(rule)).collect();
     rules.sort_by_key(|rule| std::cmp::Reverse(rule.verdict));
@@ -158,22 +163,22 @@ fn findings(subject: &Subject, anchor: &str) -> Markup {
         @if let Some(first) = subject.findings.first().filter(|_| !rules.is_empty()) {
             h3 { "Findings" }
             @for rule in rules { (rule_section(subject, rule, anchor)) }
-            (finding::again(&first.reproduce))
+            (finding::reproduce(&first.reproduce))
         }
     }
 }
 
-/// Whether findings of a rule are told. Formats that differ stand elsewhere already, unless they count.
+/// True if the findings of a rule are listed. Formats that differ are in the summary, unless they are failures.
 fn has_own_section(rule: &RuleVerdict) -> bool {
     rule.findings > 0 && (rule.id != px4::FMT_01.rule.id || rule.verdict == Verdict::Fail)
 }
 
-/// Where the findings of a rule stand that a subject has.
+/// The anchor of the findings of a rule in a subject.
 pub(super) fn rule_anchor(subject: &Subject, index: usize, rule: &str) -> Option<String> {
-    // Failures of a testee stand case by case.
-    let is_there =
+    // Failures of a testee are listed by case.
+    let has_anchor =
         !subject.is_testee() && subject.rules.iter().any(|found| found.id == rule && has_own_section(found));
-    is_there.then(|| format!("{}-{rule}", anchor(index)))
+    has_anchor.then(|| format!("{}-{rule}", anchor(index)))
 }
 
 fn anchor(index: usize) -> String {
@@ -182,7 +187,7 @@ fn anchor(index: usize) -> String {
 
 fn rule_section(subject: &Subject, rule: &RuleVerdict, anchor: &str) -> Markup {
     let found: Vec<&Finding> = subject.findings.iter().filter(|finding| finding.rule == rule.id).collect();
-    // What was only shown is of interest to few.
+    // Findings for information are collapsed.
     let is_open = rule.verdict > Verdict::Shown;
     let (open, rest) = found.split_at(if is_open { found.len().min(MAX_OPEN) } else { 0 });
     let listed = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
@@ -201,7 +206,9 @@ fn rule_section(subject: &Subject, rule: &RuleVerdict, anchor: &str) -> Markup {
             @for finding in open { (finding::article(finding)) }
             @if !rest.is_empty() {
                 details.rest {
-                    summary { (rest.len()) @if is_open { " more" } @if rest.len() == 1 { " place" } @else { " places" } }
+                    summary {
+                        (rest.len()) @if is_open { " more" } " finding" @if rest.len() > 1 { "s" }
+                    }
                     @for finding in listed { (finding::article(finding)) }
                     @if listed.len() < rest.len() { p.more { "… and " (rest.len() - listed.len()) " more" } }
                 }

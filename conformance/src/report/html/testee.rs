@@ -1,4 +1,4 @@
-//! What a testee answered.
+//! The results of a testee as HTML.
 
 use maud::{Markup, html};
 
@@ -6,10 +6,10 @@ use super::{fact, finding, shown};
 use crate::report::{Case, Counts, Testee};
 use crate::text::Grouped;
 
-/// How many failures stand open; more can be opened.
+/// The number of visible failures. The user can expand the rest.
 const MAX_OPEN: usize = 8;
 
-/// How many failures are told at all; the JSON report has more.
+/// The maximum number of failures in the expanded part. The JSON report has more.
 const MAX_LISTED_ITEMS: usize = 200;
 
 pub(super) fn section(testee: &Testee) -> Markup {
@@ -17,7 +17,7 @@ pub(super) fn section(testee: &Testee) -> Markup {
     let (open, rest) = failures.split_at(failures.len().min(MAX_OPEN));
     let listed = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
     html! {
-        @if let Some(why) = &testee.gave_up { p.what { "The run ended early: " (shown(why)) } }
+        @if let Some(reason) = &testee.gave_up { p.what { "The run ended early: " (shown(reason)) } }
         (protocol_remarks(testee))
         @if !failures.is_empty() {
             h3 { "Failures" }
@@ -37,7 +37,7 @@ pub(super) fn section(testee: &Testee) -> Markup {
 fn protocol_remarks(testee: &Testee) -> Markup {
     html! {
         @if !testee.protocol_remarks.is_empty() {
-            h3 { "Against the protocol" }
+            h3 { "Protocol violations" }
             ul {
                 @for remark in &testee.protocol_remarks {
                     li { (shown(&remark.message)) @if remark.count > 1 { ", " (Grouped(remark.count)) " times" } }
@@ -48,19 +48,19 @@ fn protocol_remarks(testee: &Testee) -> Markup {
     }
 }
 
-/// Types down, what was asked about each below it: so it fits a narrow screen too.
+/// The counts of each type and operation.
 fn table(testee: &Testee) -> Markup {
     html! {
-        h3 { "What was asked" }
+        h3 { "Cases" }
         table.counts role="table" {
             thead role="rowgroup" {
                 tr role="row" {
-                    th scope="col" role="columnheader" { "Question" }
+                    th scope="col" role="columnheader" { "Type" }
                     th.number scope="col" role="columnheader" { "Pass" }
                     th.number scope="col" role="columnheader" { "Fail" }
                     th.number scope="col" role="columnheader" { "Known" }
                     th.number scope="col" role="columnheader" { abbr title="unsupported" { "Uns." } }
-                    th.number scope="col" role="columnheader" { abbr title="not asked" { "Not" } }
+                    th.number scope="col" role="columnheader" { abbr title="not run" { "Not" } }
                 }
             }
             tbody role="rowgroup" {
@@ -80,7 +80,7 @@ fn table(testee: &Testee) -> Markup {
     }
 }
 
-/// A number, of which none is no more than a mark.
+/// A number; a dash for 0.
 fn number(number: u64) -> Markup {
     html! { @if number > 0 { (Grouped(number)) } @else { span.aside { "–" } } }
 }
@@ -99,17 +99,17 @@ fn article(case: &Case) -> Markup {
                 (fact("At", &case.path))
                 (fact("Expected", &case.expected))
                 (fact("Got", &case.actual))
-                (fact("What happened", &case.message))
+                (fact("Result", &case.message))
                 (finding::definition(case.definition.as_ref()))
                 (finding::known(case.known.as_ref()))
             }
             @if !case.stderr.is_empty() {
                 details {
-                    summary { "What it said on standard error" }
+                    summary { "Standard error" }
                     pre { code { @for line in case.stderr.lines() { (shown(line)) "\n" } } }
                 }
             }
-            (finding::again(&case.reproduce))
+            (finding::reproduce(&case.reproduce))
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What came of asking a testee.
+//! The results of a testee, as text.
 
 use std::fmt::{self, Write as _};
 
@@ -6,7 +6,7 @@ use super::{FAIL, PASS, WARN};
 use crate::report::{Case, CaseVerdict, Counts, OutcomeKind, Subject, Testee};
 use crate::text::shown;
 
-/// How many failures are shown to people, and how many lines of standard error.
+/// The maximum number of failures, and of lines of standard error.
 const MAX_SHOWN: usize = 20;
 
 pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fmt::Result {
@@ -26,14 +26,14 @@ pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fm
     }
     let more = known().count().saturating_sub(MAX_SHOWN);
     if more > 0 {
-        writeln!(text, "… and {more} more that are known")?;
+        writeln!(text, "… and {more} more known failures")?;
     }
     for remark in &testee.protocol_remarks {
         let times = if remark.count > 1 { format!(" ({} times)", remark.count) } else { String::new() };
-        writeln!(text, "{WARN}manners{WARN:#} {}{times}", shown(&remark.message))?;
+        writeln!(text, "{WARN}protocol{WARN:#} {}{times}", shown(&remark.message))?;
     }
     if testee.more_protocol_remarks > 0 {
-        writeln!(text, "{WARN}manners{WARN:#} … and {} more", testee.more_protocol_remarks)?;
+        writeln!(text, "{WARN}protocol{WARN:#} … and {} more", testee.more_protocol_remarks)?;
     }
     writeln!(text, "\n{:<18} {:<32} {:>6} {:>6} {:>11}", "op", "type", "pass", "fail", "unsupported")?;
     for row in &testee.table {
@@ -51,29 +51,19 @@ pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fm
         "\n{pass} passed, {fail} failed,{known} {unsupported} unsupported, {not_run} not run, {} restarts",
         testee.restarts
     )?;
-    outcome(subject, testee, text)
-}
-
-fn outcome(subject: &Subject, testee: &Testee, text: &mut String) -> fmt::Result {
-    match (subject.outcome.kind, &testee.gave_up) {
-        (_, Some(why)) => writeln!(text, "{FAIL}broken{FAIL:#}: {}", shown(why)),
-        (OutcomeKind::DoesNotConform, _) if testee.counts.fail == 0 => {
-            writeln!(text, "{FAIL}breaks the protocol{FAIL:#}")
-        }
-        (OutcomeKind::Conforms, _) => writeln!(text, "{PASS}conforms{PASS:#}"),
-        (OutcomeKind::Nothing, _) => writeln!(text, "{WARN}nothing was checked{WARN:#}"),
-        (OutcomeKind::Stale, _) => writeln!(text, "{WARN}the list of known failures is stale{WARN:#}"),
-        (OutcomeKind::DoesNotConform | OutcomeKind::Incomplete, _) => {
-            writeln!(text, "{FAIL}does not conform{FAIL:#}")
-        }
-    }
+    let style = match subject.outcome.kind {
+        OutcomeKind::Conforms => PASS,
+        OutcomeKind::Nothing | OutcomeKind::Stale => WARN,
+        OutcomeKind::DoesNotConform | OutcomeKind::Incomplete => FAIL,
+    };
+    writeln!(text, "{style}{}{style:#}", shown(&subject.outcome.last_line()))
 }
 
 fn failure(case: &Case, text: &mut String) -> fmt::Result {
     let (verdict, name) = (case.verdict.name(), shown(&case.name));
     writeln!(text, "{FAIL}{verdict}{FAIL:#} {name}: {}", shown(&case.description))?;
     if case.verdict == CaseVerdict::Fail {
-        let location = if case.path.is_empty() { "the answer".to_owned() } else { shown(&case.path) };
+        let location = if case.path.is_empty() { "the response".to_owned() } else { shown(&case.path) };
         writeln!(text, "  at       {location}")?;
         writeln!(text, "  expected {}\n  got      {}", shown(&case.expected), shown(&case.actual))?;
     } else {

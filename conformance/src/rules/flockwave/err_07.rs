@@ -25,7 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Message(check)],
     covers: &[],
     bug: Bug::message("Two low-battery codes are sent together.", |out| {
-        out.set_in_state("errors", json!([66, 134]))
+        out.set_in_state("errors", json!([66, 134]));
     }),
     trial: None,
     mutants: &[

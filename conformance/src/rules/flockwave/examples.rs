@@ -1,8 +1,10 @@
 //! Tests of the examples: each must violate its rule.
 //!
-//! An example is one message of the server, or a transcript. Lines of a transcript start with `→` for the client and `←`
-//! for the server. A line that starts with two spaces continues the previous one, and lines in parentheses are remarks.
-//! Messages may consist of their body only.
+//! An example is one message of the server, or a transcript. Lines of a transcript start with `→` for the client and
+//! `←` for the server. A line that starts with two spaces continues the previous one, and lines in parentheses are
+//! remarks. Messages may consist of their body only.
+
+use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use uavspec_codegen::schema::json_type::Direction;
@@ -190,6 +192,7 @@ impl<'d> Recording<'d> {
             _ => "tcp#1",
         };
         let members = object.strip_prefix('{').expect("an object");
-        self.text += &format!("{{\"t\":{},\"conn\":\"{connection}\",{members}\n", self.time);
+        // Writing to a string cannot fail.
+        let _ = writeln!(self.text, "{{\"t\":{},\"conn\":\"{connection}\",{members}", self.time);
     }
 }

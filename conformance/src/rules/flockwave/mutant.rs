@@ -52,7 +52,7 @@ pub(super) fn unanswered(connection: &'static str, rule: &Rule) -> Option<Vec<u8
 pub(super) fn refused(connection: &'static str, rule: &Rule) -> Option<Vec<u8>> {
     let refusal = json!({ "type": "ACK-NAK", "reason": "Too windy" });
     over(connection, |session| {
-        session.tries_and_receives(rule, "refused", json!({ "type": "SYS-PING" }), refusal)
+        session.tries_and_receives(rule, "refused", json!({ "type": "SYS-PING" }), refusal);
     })
 }
 

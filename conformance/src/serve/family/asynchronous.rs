@@ -1,4 +1,4 @@
-//! ASYNC: operations that are under way (`definitions/flockwave/async.md`).
+//! ASYNC: pending operations (`definitions/flockwave/async.md`).
 
 use uavspec::flockwave::json::{Request, async_cancel, async_resume};
 
@@ -21,7 +21,7 @@ fn cancel(hub: &mut Hub, session: SessionId, request: async_cancel::Request) -> 
     let outcomes = Outcomes::collect(request.ids, |receipt| {
         match hub.operation(session, receipt) {
             Some(operation) if !is_forgetting => operation.cancel(),
-            None if !is_pretending => return Err("no such operation is under way".to_owned()),
+            None if !is_pretending => return Err("no such operation".to_owned()),
             _ => {}
         }
         Ok(())
@@ -36,7 +36,7 @@ fn resume(hub: &mut Hub, session: SessionId, request: async_resume::Request) -> 
         match hub.operation(session, receipt).map(Operation::resume) {
             Some(was_suspended) if was_suspended || is_lenient => Ok(()),
             Some(_) => Err("the operation isn't suspended".to_owned()),
-            None => Err("no such operation is under way".to_owned()),
+            None => Err("no such operation".to_owned()),
         }
     })?;
     let (success, error) = outcomes.into_list();

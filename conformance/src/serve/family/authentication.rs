@@ -1,4 +1,4 @@
-//! AUTH: who is at the other end (`definitions/flockwave/auth.md`).
+//! AUTH: authentication (`definitions/flockwave/auth.md`).
 
 use data_encoding::BASE64;
 use uavspec::flockwave::json::{AuthenticationMethod, Request, auth_inf, auth_req, auth_resp, auth_whoami};
@@ -31,10 +31,10 @@ fn log_in(hub: &mut Hub, session: SessionId, request: &auth_req::Request) -> aut
         ..auth_resp::Response::default()
     };
     let Some((name, password)) = hub.options.login.clone() else {
-        return failed("nobody needs to log in here");
+        return failed("this server requires no login");
     };
     if request.method != AuthenticationMethod::Basic {
-        return failed("the only method is basic");
+        return failed("unsupported method, expected basic");
     }
     let given = BASE64.decode(request.data.as_bytes()).unwrap_or_default();
     if given != format!("{name}:{password}").into_bytes() {

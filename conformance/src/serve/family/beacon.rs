@@ -10,10 +10,10 @@ use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::{Outcome, Outcomes};
 use crate::serve::world::FIXTURES;
 
-/// Where the first beacon stands; the others stand north of it.
+/// The position of the first beacon; the others are north of it.
 const POSITION: (Latitude, Longitude) = (Latitude(504_975_000), Longitude(99_510_000));
 
-/// How far they are apart, in 1e-7 degrees of latitude.
+/// The distance between beacons, in 1e-7 degrees of latitude.
 const DISTANCE: i64 = 30_000;
 
 pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
@@ -40,7 +40,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
 fn find(id: &str) -> Result<(i64, &'static str), String> {
     let mut beacons = FIXTURES.iter().filter(|fixture| fixture.kind == ObjectType::Beacon).zip(0..);
     let found = beacons.find(|(fixture, _)| fixture.id == id);
-    let (fixture, number) = found.ok_or("there is no such beacon")?;
+    let (fixture, number) = found.ok_or("no such beacon")?;
     Ok((number, fixture.name))
 }
 

@@ -9,7 +9,7 @@ use crate::serve::message::Outcomes;
 /// The clock of the server.
 pub(super) const SYSTEM: &str = "system";
 
-/// The clocks that there are: that of the server, and one that counts the seconds of the simulation.
+/// All clocks: the server clock and a simulated clock.
 const CLOCKS: [&str; 2] = [SYSTEM, "simulation"];
 
 pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
@@ -19,7 +19,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
             let outcomes = Outcomes::collect(request.ids, |id| match id {
                 SYSTEM => Ok(system(hub)),
                 "simulation" => Ok(simulation(hub)),
-                _ => Err("there is no such clock".to_owned()),
+                _ => Err("no such clock".to_owned()),
             })?;
             let (status, error) = outcomes.into_maps();
             Ok(clk_inf::Response { status, error }.into())
@@ -31,7 +31,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
 /// The state of the server's clock.
 pub(super) fn system(hub: &Hub) -> ClockInfo {
     let now = hub.timestamp();
-    #[expect(clippy::cast_precision_loss, reason = "the time fits for longer than the server runs")]
+    #[expect(clippy::cast_precision_loss, reason = "times are exact for longer than the server runs")]
     let ticks = now.0 as f64;
     ClockInfo {
         id: SYSTEM.into(),

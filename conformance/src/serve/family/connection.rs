@@ -1,4 +1,4 @@
-//! CONN: connections of the server to things other than clients (`definitions/flockwave/conn.md`).
+//! CONN: connections of the server to devices (`definitions/flockwave/conn.md`).
 
 use uavspec::flockwave::json::{
     ConnectionId, ConnectionInfo, ConnectionPurpose, ConnectionStatus, Request, conn_inf, conn_list,
@@ -11,7 +11,7 @@ use crate::serve::message::Outcomes;
 /// The radio link to the UAVs.
 const RADIO: &str = "radio-1";
 
-/// The connection that corrections come in by.
+/// The connection to the source of RTK corrections.
 pub(super) const CORRECTIONS: &str = "base-1";
 
 pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
@@ -23,7 +23,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
             let outcomes = Outcomes::collect(request.ids, |id| match id {
                 RADIO => Ok(radio(hub)),
                 CORRECTIONS => Ok(corrections(hub)),
-                _ => Err("there is no such connection".to_owned()),
+                _ => Err("no such connection".to_owned()),
             })?;
             let (status, error) = outcomes.into_maps();
             Ok(conn_inf::Response { status, error }.into())
@@ -42,7 +42,7 @@ fn radio(hub: &Hub) -> ConnectionInfo {
     )
 }
 
-/// The state of the connection that corrections come in by.
+/// The state of the connection to the source of RTK corrections.
 pub(super) fn corrections(hub: &Hub) -> ConnectionInfo {
     let is_used = hub.world.preset.is_some();
     let status = if is_used { ConnectionStatus::Connected } else { ConnectionStatus::Disconnected };

@@ -12,7 +12,7 @@ use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::Outcomes;
 use crate::serve::request::each_once;
 
-/// How many subscriptions a client may have.
+/// The maximum number of subscriptions per client.
 const SUBSCRIPTION_LIMIT: usize = 10_000;
 
 pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
@@ -41,11 +41,11 @@ pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Ans
 /// The device tree of an object.
 fn tree(hub: &Hub, id: &str) -> Result<DeviceTreeNode, String> {
     let kind = hub.world.objects().find(|(known, _)| *known == id).map(|(_, kind)| kind);
-    let children = (kind.ok_or("there is no such object")? == ObjectType::Uav).then(devices);
+    let children = (kind.ok_or("no such object")? == ObjectType::Uav).then(devices);
     Ok(DeviceTreeNode { children, ..node(DeviceTreeNodeType::Object) })
 }
 
-/// The devices of a UAV. What values there are, [`World`](crate::serve::world::World) says.
+/// The devices of a UAV. [`World`](crate::serve::world::World) provides their values.
 fn devices() -> BTreeMap<String, DeviceTreeNode> {
     let battery = [
         ("voltage", channel(ChannelType::Number, Some("V"))),
@@ -70,7 +70,7 @@ fn channel(kind: ChannelType, unit: Option<&str>) -> DeviceTreeNode {
     }
 }
 
-/// A node that says no more than what it stands for.
+/// A node with a type only.
 fn node(kind: DeviceTreeNodeType) -> DeviceTreeNode {
     DeviceTreeNode { r#type: kind, sub_type: None, class: None, children: None, operations: None, unit: None }
 }
@@ -98,7 +98,7 @@ fn unsubscribe(hub: &mut Hub, session: SessionId, request: dev_unsub::Request) -
         let is_meant = |known: &&String| **known == path || has_subtrees && is_below(known, &path);
         let found: Vec<String> = session.subscriptions.keys().filter(is_meant).cloned().collect();
         if found.is_empty() {
-            outcomes.put(path, Err("there is no such subscription".to_owned()));
+            outcomes.put(path, Err("no such subscription".to_owned()));
         }
         for path in found {
             let left = session.subscriptions.get_mut(&path).map_or(0, |count| {
@@ -126,13 +126,13 @@ fn subscriptions(hub: &mut Hub, session: SessionId, request: dev_listsub::Reques
         });
         paths.extend(std::iter::repeat_n(DeviceTreePath::from(path.as_str()), count * fits));
         if paths.len() > SUBSCRIPTION_LIMIT {
-            return Err("the filters fit too many subscriptions".to_owned());
+            return Err("the filters match too many subscriptions".to_owned());
         }
     }
     Ok(dev_listsub::Response { paths: Some(paths) }.into())
 }
 
-/// Whether a path lies below another.
+/// True if a path is below another.
 fn is_below(path: &str, above: &str) -> bool {
     let above = above.strip_suffix('/').unwrap_or(above);
     path.strip_prefix(above).is_some_and(|rest| rest.starts_with('/'))

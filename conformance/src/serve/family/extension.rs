@@ -13,7 +13,7 @@ use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::{Outcomes, text};
 use crate::serve::world::Extension;
 
-/// The longest configuration that is kept, in characters of JSON.
+/// The maximum length of a configuration, in characters of JSON.
 const CONFIGURATION_LIMIT: usize = 4096;
 
 pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
@@ -40,7 +40,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
         }
         Request::ExtUnload(request) => {
             let outcomes = Outcomes::collect(request.ids, |id| match id {
-                "simulation" => Err("the server can't do without it".to_owned()),
+                "simulation" => Err("the server requires this extension".to_owned()),
                 _ => load(find(hub, id)?, false),
             })?;
             let (status, error) = outcomes.into_maps();
@@ -49,7 +49,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
         Request::ExtReload(request) => {
             let outcomes = Outcomes::collect(request.ids, |id| {
                 let is_loaded = find(hub, id)?.is_loaded;
-                is_loaded.then(BTreeMap::new).ok_or_else(|| "it isn't loaded".to_owned())
+                is_loaded.then(BTreeMap::new).ok_or_else(|| "the extension isn't loaded".to_owned())
             })?;
             let (status, error) = outcomes.into_maps();
             Ok(ext_reload::Response { status, error }.into())
@@ -60,23 +60,24 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
 }
 
 fn list(hub: &Hub) -> ext_list::Response {
-    let of = |is_loaded: bool| -> Vec<ExtensionId> {
+    let ids = |is_loaded: bool| -> Vec<ExtensionId> {
         let extensions = hub.world.extensions.iter();
         extensions
             .filter(|(_, extension)| extension.is_loaded == is_loaded)
             .map(|(id, _)| ExtensionId::from(*id))
             .collect()
     };
-    ext_list::Response { loaded: of(true), available: of(false) }
+    ext_list::Response { loaded: ids(true), available: ids(false) }
 }
 
 fn find<'h>(hub: &'h mut Hub, id: &str) -> Result<&'h mut Extension, String> {
-    hub.world.extensions.get_mut(id).ok_or_else(|| "there is no such extension".to_owned())
+    hub.world.extensions.get_mut(id).ok_or_else(|| "no such extension".to_owned())
 }
 
 fn load(extension: &mut Extension, is_loaded: bool) -> Result<BTreeMap<String, Value>, String> {
     if extension.is_loaded == is_loaded {
-        return Err(if is_loaded { "it is loaded" } else { "it isn't loaded" }.to_owned());
+        return Err(if is_loaded { "the extension is already loaded" } else { "the extension isn't loaded" }
+            .to_owned());
     }
     extension.is_loaded = is_loaded;
     Ok(BTreeMap::new())
@@ -87,7 +88,9 @@ fn configure(hub: &mut Hub, request: ext_setcfg::Request) -> ext_setcfg::Respons
     for (id, configuration) in request.ids {
         let is_long = text(&configuration).len() > CONFIGURATION_LIMIT;
         let outcome = match find(hub, &id) {
-            Ok(_) if is_long => Err(format!("more than {CONFIGURATION_LIMIT} characters")),
+            Ok(_) if is_long => {
+                Err(format!("the configuration has more than {CONFIGURATION_LIMIT} characters"))
+            }
             Ok(extension) => {
                 extension.configuration = configuration;
                 Ok(BTreeMap::new())

@@ -9,13 +9,13 @@ use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::{Outcome, Outcomes, value};
 use crate::serve::operation::Operation;
 
-/// The one log that each UAV has.
+/// The id of the only log of each UAV.
 const LOG: &str = "1";
 
-/// What is in it.
+/// The content of the log.
 const TEXT: &str = "took off\nlanded\n";
 
-/// How long it takes to fetch a log, in seconds.
+/// The time to fetch a log, in seconds.
 const FETCHING: f64 = 2.0;
 
 pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
@@ -40,20 +40,20 @@ pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Ans
 }
 
 fn no_such_uav() -> String {
-    "there is no such UAV".to_owned()
+    "no such UAV".to_owned()
 }
 
 fn metadata() -> FlightLogMetadata {
-    #[expect(clippy::cast_precision_loss, reason = "it is short")]
+    #[expect(clippy::cast_precision_loss, reason = "the length is small")]
     let size = TEXT.len() as f64;
     FlightLogMetadata { id: LOG.into(), kind: "text".to_owned(), timestamp: None, size: Some(size) }
 }
 
-/// Begins to fetch a log; the receipt.
+/// Starts to fetch a log, and returns the receipt.
 fn fetch(hub: &mut Hub, session: SessionId, request: &log_data::Request) -> Result<String, String> {
     hub.uav(&request.uav_id.0).ok_or_else(no_such_uav)?;
     if request.log_id.0 != LOG {
-        return Err("there is no such log".to_owned());
+        return Err("no such log".to_owned());
     }
     let FlightLogMetadata { id, kind, timestamp, size } = metadata();
     let log = FlightLog { id, kind, body: FlightLogBody::String(TEXT.to_owned()), timestamp, size };

@@ -1,4 +1,4 @@
-//! OBJ: whatever the server keeps track of (`definitions/flockwave/obj.md`).
+//! OBJ: all objects of the server (`definitions/flockwave/obj.md`).
 
 use serde_json::{Value, json};
 use uavspec::flockwave::ErrorCode;
@@ -27,7 +27,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
 fn list(hub: &Hub, filter: Option<&[ObjectType]>) -> Answer {
     let has_unknown = filter.is_some_and(|kinds| kinds.iter().any(|kind| !kind.is_known()));
     if has_unknown && hub.has_bug(&obj_list_03::RULE) {
-        return Err("there is no such type".to_owned());
+        return Err("no such type".to_owned());
     }
     let is_wanted = |kind: &ObjectType| match filter {
         None => *kind == ObjectType::Uav || !hub.has_bug(&obj_list_04::RULE),
@@ -47,11 +47,11 @@ fn command(hub: &mut Hub, request: obj_cmd::Request) -> Answer {
         let text = match hub.uav(id) {
             Some(_) if command == "lose" => {
                 lost.push(id.to_owned());
-                "nothing will be heard of it".to_owned()
+                "the UAV is lost".to_owned()
             }
             Some(uav) => obey(uav, command, &arguments)?,
-            None if is_fixture => return Err("it takes no commands".to_owned()),
-            None => return Err("there is no such object".to_owned()),
+            None if is_fixture => return Err("the object accepts no commands".to_owned()),
+            None => return Err("no such object".to_owned()),
         };
         Ok(Outcome::Value(ResponseResult::CommandResponse(CommandResponse {
             r#type: CommandResponseType::Plain,
@@ -72,7 +72,7 @@ fn obey(uav: &mut Uav, command: &str, arguments: &[Value]) -> Result<String, Str
         "error" => {
             let code = |value: &Value| value.as_u64().and_then(|code| u16::try_from(code).ok());
             let codes =
-                arguments.iter().map(|value| code(value).ok_or("an error code is a number up to 65535"));
+                arguments.iter().map(|value| code(value).ok_or("expected an error code from 0 to 65535"));
             let codes: Vec<u16> = codes.collect::<Result<_, _>>()?;
             let codes: Vec<ErrorCode> = codes.into_iter().map(settable).collect::<Result<_, _>>()?;
             uav.set_errors(&codes);
@@ -80,10 +80,11 @@ fn obey(uav: &mut Uav, command: &str, arguments: &[Value]) -> Result<String, Str
             Ok(format!("error codes: {}", codes.join(", ")))
         }
         "battery" => {
-            let percent = arguments.first().and_then(Value::as_f64).ok_or("say the charge in percent")?;
+            let percent =
+                arguments.first().and_then(Value::as_f64).ok_or("expected the charge in percent")?;
             uav.set_charge(percent);
             Ok(format!("charged to {} %", uav.percentage()))
         }
-        _ => Err("there are the commands error, battery and lose".to_owned()),
+        _ => Err("unknown command, expected error, battery or lose".to_owned()),
     }
 }

@@ -36,15 +36,12 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
     }
 }
 
-/// The name and the usual value of a parameter of a UAV.
+/// The name and the default of a parameter.
 fn parameter(hub: &mut Hub, id: &str, name: &str) -> Result<(&'static str, i64), String> {
     if hub.uav(id).is_none() {
-        return Err("there is no such UAV".to_owned());
+        return Err("no such UAV".to_owned());
     }
-    PARAMETERS
-        .into_iter()
-        .find(|(known, _)| *known == name)
-        .ok_or_else(|| "there is no such parameter".to_owned())
+    PARAMETERS.into_iter().find(|(known, _)| *known == name).ok_or_else(|| "no such parameter".to_owned())
 }
 
 fn get(hub: &mut Hub, id: &str, name: &str) -> Result<Value, String> {
@@ -56,7 +53,7 @@ fn get(hub: &mut Hub, id: &str, name: &str) -> Result<Value, String> {
 fn set(hub: &mut Hub, id: &str, name: &str, value: &Value) -> Result<(), String> {
     let (name, _) = parameter(hub, id, name)?;
     if !value.is_number() {
-        return Err("its value is a number".to_owned());
+        return Err("expected a number".to_owned());
     }
     hub.world.parameters.insert((id.to_owned(), name), value.clone());
     Ok(())
@@ -64,7 +61,7 @@ fn set(hub: &mut Hub, id: &str, name: &str, value: &Value) -> Result<(), String>
 
 fn set_many(hub: &mut Hub, id: &str, values: &BTreeMap<String, Value>) -> Result<ParameterOutcome, String> {
     if hub.uav(id).is_none() {
-        return Err("there is no such UAV".to_owned());
+        return Err("no such UAV".to_owned());
     }
     let is_refused = |(name, value): &(&String, &Value)| set(hub, id, name, value).is_err();
     let failed: Vec<String> = values.iter().filter(is_refused).map(|(name, _)| name.clone()).collect();

@@ -1,4 +1,4 @@
-//! RTK: corrections (`definitions/flockwave/rtk.md`).
+//! RTK: real-time kinematic corrections (`definitions/flockwave/rtk.md`).
 
 use std::collections::BTreeMap;
 
@@ -14,16 +14,16 @@ use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::{Outcomes, acknowledgment};
 use crate::serve::world::{PRESETS, Preset};
 
-/// What the observations of messages of a type are: how old the last is in milliseconds, and bits a second.
+/// A message type, the age of its last message in milliseconds, and its rate in bits per second.
 type Observations = (&'static str, i64, f64);
 
-/// What comes in.
+/// The received corrections.
 const RECEIVED: [Observations; 2] = [("rtcm3/1005", 480, 160.0), ("rtcm3/1077", 120, 2400.0)];
 
-/// What goes out to the UAVs.
+/// The corrections sent to the UAVs.
 const SENT: [Observations; 1] = [("rtcm3/1077", 150, 2400.0)];
 
-/// How well satellites are heard.
+/// The signal-to-noise ratios of satellites.
 const RATIOS: [(&str, f64); 3] = [("G04", 44.5), ("G17", 39.0), ("E11", 41.0)];
 
 pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
@@ -54,7 +54,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
 }
 
 fn find(id: &str) -> Result<&'static Preset, String> {
-    PRESETS.iter().find(|preset| preset.id == id).ok_or_else(|| "there is no such preset".to_owned())
+    PRESETS.iter().find(|preset| preset.id == id).ok_or_else(|| "no such preset".to_owned())
 }
 
 fn describe(preset: &Preset) -> RTKConfigurationPreset {
@@ -66,7 +66,7 @@ fn describe(preset: &Preset) -> RTKConfigurationPreset {
     }
 }
 
-/// Takes a preset into use, or none.
+/// Selects a preset, or none.
 fn choose(hub: &mut Hub, id: Option<&str>) -> Answer {
     let chosen = id.map(find).transpose()?;
     let has_changed = hub.world.preset.is_some() != chosen.is_some();

@@ -9,7 +9,7 @@ use crate::rules::flockwave::sys_time_03;
 use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::acknowledgment;
 
-/// The furthest that the clock can be put forward in all, in milliseconds: a hundred years.
+/// The maximum total adjustment of the clock, in milliseconds: a hundred years.
 const ADJUSTMENT_LIMIT: u64 = 100 * 365 * 86_400_000;
 
 pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
@@ -38,17 +38,13 @@ fn adjust(hub: &mut Hub, adjustment: f64) -> Result<(), String> {
         hub.adjustment += 3_600_000;
     }
     if adjustment < 0.0 {
-        // Timestamps of UAVs would lie in the future, or go back.
-        return Err("the clock is put forward only".to_owned());
+        // A negative adjustment would move timestamps of UAVs into the future or back.
+        return Err("a negative adjustment isn't supported".to_owned());
     }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a cast takes the closest there is"
-    )]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates")]
     let adjusted = hub.adjustment.saturating_add(adjustment.round() as u64);
     if adjusted > ADJUSTMENT_LIMIT {
-        return Err("that is too far".to_owned());
+        return Err("the adjustment is too large".to_owned());
     }
     if adjusted != hub.adjustment {
         hub.adjustment = adjusted;

@@ -19,18 +19,18 @@ use crate::serve::operation::Operation;
 use crate::serve::request::each_once;
 use crate::serve::uav::{Altitude, Command, Target, Uav};
 
-/// How long operations take, in seconds.
+/// The durations of operations, in seconds.
 const CALIBRATION: f64 = 4.0;
 const TEST: f64 = 2.0;
 const RESTART: f64 = 3.0;
 
-/// How long a UAV draws attention where nobody says it, in seconds.
-const USUAL_SIGNAL: f64 = 5.0;
+/// The default duration of a signal, in seconds.
+const DEFAULT_SIGNAL: f64 = 5.0;
 
-/// What becomes of a request for each UAV; mostly whether it has done what it was told.
-type Obeyed<T = bool> = Result<Outcomes<Outcome<T>>, String>;
+/// The results of a command for each UAV; usually true for success.
+type CommandResults<T = bool> = Result<Outcomes<Outcome<T>>, String>;
 
-/// The response to a command: all have the same three maps.
+/// Builds the response to a command. All these responses have the same three maps.
 macro_rules! respond {
     ($body:ident, $outcomes:expr) => {{
         let (result, error, receipt) = $outcomes?.into_maps_with_receipts();
@@ -41,42 +41,59 @@ macro_rules! respond {
 pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
     match request {
         Request::UavTakeoff(requested) => {
-            respond!(uav_takeoff, obey(hub, session, requested.ids, Command::TakeOff))
+            respond!(uav_takeoff, execute(hub, session, requested.ids, Command::TakeOff))
         }
-        Request::UavLand(requested) => respond!(uav_land, obey(hub, session, requested.ids, Command::Land)),
+        Request::UavLand(requested) => {
+            respond!(uav_land, execute(hub, session, requested.ids, Command::Land))
+        }
         Request::UavRth(requested) => {
-            respond!(uav_rth, obey(hub, session, requested.ids, Command::ReturnHome))
+            respond!(uav_rth, execute(hub, session, requested.ids, Command::ReturnHome))
         }
         Request::UavHover(requested) => {
-            respond!(uav_hover, obey(hub, session, requested.ids, Command::Hover))
+            respond!(uav_hover, execute(hub, session, requested.ids, Command::Hover))
         }
-        Request::UavHalt(requested) => respond!(uav_halt, obey(hub, session, requested.ids, Command::Halt)),
+        Request::UavHalt(requested) => {
+            respond!(uav_halt, execute(hub, session, requested.ids, Command::Halt))
+        }
         Request::UavSleep(requested) => {
-            respond!(uav_sleep, obey(hub, session, requested.ids, Command::Sleep))
+            respond!(uav_sleep, execute(hub, session, requested.ids, Command::Sleep))
         }
         Request::UavWakeup(requested) => {
-            respond!(uav_wakeup, obey(hub, session, requested.ids, Command::WakeUp))
+            respond!(uav_wakeup, execute(hub, session, requested.ids, Command::WakeUp))
         }
         Request::UavFly(requested) => {
-            respond!(uav_fly, obey(hub, session, requested.ids, Command::FlyTo(target(&requested.target)?)))
+            respond!(
+                uav_fly,
+                execute(hub, session, requested.ids, Command::FlyTo(target(&requested.target)?))
+            )
         }
         Request::UavMotor(requested) => {
             let is_forced = requested.force.unwrap_or_default();
             respond!(
                 uav_motor,
-                obey(hub, session, requested.ids, Command::Motors { is_start: requested.start, is_forced })
+                execute(
+                    hub,
+                    session,
+                    requested.ids,
+                    Command::Motors { is_start: requested.start, is_forced }
+                )
             )
         }
         Request::UavSignal(requested) => {
             respond!(
                 uav_signal,
-                obey(hub, session, requested.ids, Command::Signal { seconds: signal(requested.duration)? })
+                execute(
+                    hub,
+                    session,
+                    requested.ids,
+                    Command::Signal { seconds: signal(requested.duration)? }
+                )
             )
         }
         Request::UavCalib(requested) => {
             let component = requested.component.as_ref();
             let is_there = component.is_none_or(CalibrationComponent::is_known);
-            // Somebody has to turn the UAV while its compass is calibrated.
+            // The UAV must be turned by hand while its compass is calibrated.
             let is_suspending = component == Some(&CalibrationComponent::Compass);
             let kind = if is_suspending { Operation::suspending } else { Operation::lasting };
             respond!(
@@ -118,12 +135,12 @@ fn list(hub: &Hub) -> uav_list::Response {
 }
 
 fn no_such() -> String {
-    "there is no such UAV".to_owned()
+    "no such UAV".to_owned()
 }
 
 fn state(hub: &mut Hub, ids: Vec<ObjectId>) -> Answer {
     if hub.has_bug(&uav_inf_07::RULE) && (ids.is_empty() || each_once(ids.clone())?.len() != ids.len()) {
-        return Err("the ids are empty or not unique".to_owned());
+        return Err("the ids must be unique and not empty".to_owned());
     }
     if hub.has_bug(&uav_inf_06::RULE) && ids.iter().any(|id| hub.uav(&id.0).is_none()) {
         return Err(no_such());
@@ -133,7 +150,7 @@ fn state(hub: &mut Hub, ids: Vec<ObjectId>) -> Answer {
     Ok(uav_inf::Response { status, error }.into())
 }
 
-/// The checks of a UAV before flight.
+/// The preflight checks of a UAV.
 fn checks(uav: &Uav) -> PreflightCheckInfo {
     use PreflightCheckResult::{Failure, Pass, Warning};
     let has_code = |class| uav.codes().iter().any(|code| code.class() == class);
@@ -161,14 +178,18 @@ fn checks(uav: &Uav) -> PreflightCheckInfo {
     }
 }
 
-fn versions(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>) -> Obeyed<BTreeMap<String, String>> {
+fn versions(
+    hub: &mut Hub,
+    session: SessionId,
+    ids: Vec<ObjectId>,
+) -> CommandResults<BTreeMap<String, String>> {
     let version = BTreeMap::from([("simulation".to_owned(), env!("CARGO_PKG_VERSION").to_owned())]);
-    Outcomes::collect(ids, |id| reach(hub, session, id, |_| Ok(version.clone())))
+    Outcomes::collect(ids, |id| call(hub, session, id, |_| Ok(version.clone())))
 }
 
-/// Tells a UAV something, or asks it. Nothing is heard of one that sleeps: then this is the receipt under which that
-/// will show.
-fn reach<T>(
+/// Calls a function for a UAV. A sleeping UAV doesn't respond, so the result is the receipt of an operation that times
+/// out.
+fn call<T>(
     hub: &mut Hub,
     session: SessionId,
     id: &str,
@@ -181,15 +202,15 @@ fn reach<T>(
     apply(uav).map(Outcome::Value)
 }
 
-/// Starts an operation of each UAV that can be told to.
+/// Starts an operation for each UAV that accepts it.
 fn start_each(
     hub: &mut Hub,
     session: SessionId,
     ids: Vec<ObjectId>,
     apply: impl Fn(&mut Uav) -> Result<(), String>,
     operation: impl Fn(String) -> Operation,
-) -> Obeyed {
-    Outcomes::collect(ids, |id| match reach(hub, session, id, &apply)? {
+) -> CommandResults {
+    Outcomes::collect(ids, |id| match call(hub, session, id, &apply)? {
         Outcome::Value(()) => hub.start(session, &operation).map(Outcome::Receipt),
         Outcome::Receipt(receipt) => Ok(Outcome::Receipt(receipt)),
     })
@@ -202,49 +223,41 @@ fn examine(
     ids: Vec<ObjectId>,
     is_there: bool,
     operation: impl Fn(String) -> Operation,
-) -> Obeyed {
-    let can = |_: &mut Uav| if is_there { Ok(()) } else { Err("it has no such component".to_owned()) };
+) -> CommandResults {
+    let can = |_: &mut Uav| if is_there { Ok(()) } else { Err("no such component".to_owned()) };
     start_each(hub, session, ids, can, operation)
 }
 
-fn restart(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, is_whole: bool) -> Obeyed {
+fn restart(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, is_whole: bool) -> CommandResults {
     let apply = |uav: &mut Uav| {
-        if is_whole {
-            uav.command(Command::Restart)
-        } else {
-            Err("it has no components that can be restarted".to_owned())
-        }
+        if is_whole { uav.command(Command::Restart) } else { Err("no component can be restarted".to_owned()) }
     };
     start_each(hub, session, ids, apply, |receipt| Operation::lasting(receipt, RESTART, json!(true)))
 }
 
-/// Gives a command that UAVs confirm at once.
-fn obey(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, command: Command) -> Obeyed {
-    // A UAV that sleeps hears these all the same.
+/// Executes a command that UAVs confirm immediately.
+fn execute(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, command: Command) -> CommandResults {
+    // Sleeping UAVs receive these commands as well.
     let is_always_received = matches!(command, Command::Sleep | Command::WakeUp);
     let apply = |uav: &mut Uav| uav.command(command).map(|()| true);
     Outcomes::collect(ids, |id| match hub.uav(id) {
         Some(uav) if is_always_received => apply(uav).map(Outcome::Value),
-        _ => reach(hub, session, id, apply),
+        _ => call(hub, session, id, apply),
     })
 }
 
-/// How many seconds a UAV is to draw attention for.
+/// The duration of a signal in seconds.
 fn signal(milliseconds: Option<f64>) -> Result<f64, String> {
-    let Some(duration) = milliseconds else { return Ok(USUAL_SIGNAL) };
+    let Some(duration) = milliseconds else { return Ok(DEFAULT_SIGNAL) };
     let is_possible = (0.0..=3_600_000.0).contains(&duration);
-    if is_possible {
-        Ok(duration / 1000.0)
-    } else {
-        Err("duration is no number from 0 to 3600000".to_owned())
-    }
+    if is_possible { Ok(duration / 1000.0) } else { Err("expected a duration from 0 to 3600000".to_owned()) }
 }
 
 fn target(target: &GPSCoordinate) -> Result<Target, String> {
     if !target.latitude.is_in_range() || !target.longitude.is_in_range() {
-        return Err("target is no place on Earth".to_owned());
+        return Err("expected a valid latitude and longitude in target".to_owned());
     }
-    // The ground is flat where the fleet flies.
+    // The terrain of the simulation is flat.
     let above_home = target.ahl.or(target.agl).map(Altitude::AboveHome);
     Ok(Target {
         latitude: target.latitude.0,

@@ -9,7 +9,7 @@ use super::unknown;
 use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::Outcomes;
 
-/// The one station that there is.
+/// The id of the only weather station.
 const STATION: &str = "wind-1";
 
 pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
@@ -19,7 +19,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
         Request::WthInf(request) => {
             let outcomes = Outcomes::collect(request.ids, |id| match id {
                 STATION => Ok(weather(hub)),
-                _ => Err("there is no such station".to_owned()),
+                _ => Err("no such station".to_owned()),
             })?;
             let (status, error) = outcomes.into_maps();
             Ok(wth_inf::Response { status, error }.into())
@@ -28,7 +28,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
     }
 }
 
-/// The weather, which is always fine.
+/// The weather, which is always fair.
 fn weather(hub: &Hub) -> Weather {
     Weather {
         position: GPSCoordinate {

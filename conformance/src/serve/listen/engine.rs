@@ -1,4 +1,4 @@
-//! Socket.IO: sessions of Engine.IO, over a WebSocket and by long polling, in both revisions.
+//! Socket.IO: Engine.IO sessions over WebSocket and long polling, in revisions 3 and 4.
 
 mod session;
 
@@ -19,19 +19,19 @@ use crate::flockwave::transport::http::{Connection, Request, Response, is_silenc
 use crate::rules::flockwave::sio_02;
 use crate::serve::outbox::Taken;
 
-/// How many sessions there may be at a time.
+/// The maximum number of concurrent sessions.
 const SESSION_LIMIT: usize = 1024;
 
-/// How many packets a response to a poll has: some clients take no more.
+/// The maximum number of packets per poll response, since some clients accept no more.
 const PACKETS_AT_ONCE: usize = 16;
 
-/// How long a poll stays open where nothing happens. Pings come more often.
+/// The maximum duration of a poll without packets. Pings are more frequent.
 const POLL_LIMIT: Duration = Duration::from_secs(60);
 
-/// How long a WebSocket is read from before it is seen whether something is to be sent.
+/// The read timeout of a WebSocket, after which queued packets are sent.
 const READ_TIMEOUT: Duration = Duration::from_millis(10);
 
-/// All sessions, by their ids.
+/// All sessions, by id.
 #[derive(Default)]
 pub(super) struct Sessions(Mutex<BTreeMap<String, Arc<Session>>>);
 
@@ -44,22 +44,22 @@ impl Sessions {
         self.all().get(sid).cloned()
     }
 
-    /// Asks for signs of life, and drops sessions that gave none.
+    /// Sends pings, and ends sessions that didn't respond to them.
     pub(super) fn tend(&self, shared: &Shared) {
-        let mut gone = Vec::new();
+        let mut expired = Vec::new();
         self.all().retain(|_, session| {
-            let is_there = session.tend();
-            if !is_there {
-                gone.push(Arc::clone(session));
+            let is_alive = session.tend();
+            if !is_alive {
+                expired.push(Arc::clone(session));
             }
-            is_there
+            is_alive
         });
-        for session in gone {
+        for session in expired {
             session.end(shared);
         }
     }
 
-    /// Lets nothing more be sent, also to clients that joined nothing.
+    /// Closes all outboxes, including those of clients that joined no namespace.
     pub(super) fn end(&self) {
         for session in self.all().values() {
             session.outbox().close();
@@ -80,55 +80,55 @@ fn refused(reason: &str) -> Response {
     Response::refusal("400 Bad Request", reason)
 }
 
-/// What a request is about: a session that is there, or a new one.
+/// The session of a request, which is created if the request has no session id.
 fn session(shared: &Shared, request: &Request) -> Result<Arc<Session>, Response> {
     let revision = request.field("EIO").and_then(Revision::from_number);
     let revision = revision.ok_or_else(|| refused("EIO must be 3 or 4"))?;
     match request.field("sid") {
         Some(sid) => {
-            let session = shared.sessions.find(sid).ok_or_else(|| refused("there is no such session"))?;
+            let session = shared.sessions.find(sid).ok_or_else(|| refused("unknown session"))?;
             let is_same = session.revision() == revision;
-            if is_same { Ok(session) } else { Err(refused("the session is of another revision")) }
+            if is_same { Ok(session) } else { Err(refused("the session uses another revision")) }
         }
         None if request.method == "GET" => {
             let opened = shared.sessions.open(shared, revision);
             opened
                 .map(|(_, session)| session)
-                .ok_or_else(|| Response::refusal("503 Service Unavailable", "there are too many sessions"))
+                .ok_or_else(|| Response::refusal("503 Service Unavailable", "too many sessions"))
         }
-        None => Err(refused("a session is opened with GET")),
+        None => Err(refused("use GET to open a session")),
     }
 }
 
-/// Answers a request of long polling.
+/// Answers a long-polling request.
 pub(super) fn by_polling(shared: &Shared, request: &Request) -> Response {
     if request.field("transport") != Some("polling") {
         return refused("transport must be polling or websocket");
     }
     if request.field("j").is_some() {
-        return refused("JSONP isn't served");
+        return refused("JSONP isn't supported");
     }
     if shared.has_bug(&sio_02::RULE) {
-        return refused("long polling isn't served");
+        return refused("long polling isn't supported");
     }
     let session = match session(shared, request) {
         Ok(session) => session,
         Err(response) => return response,
     };
     if session.is_upgraded() {
-        return refused("the session has moved to a WebSocket");
+        return refused("the session has been upgraded to a WebSocket");
     }
     match request.method.as_str() {
         "GET" => poll(&session),
         "POST" => take(shared, &session, &request.body),
-        _ => Response::refusal("405 Method Not Allowed", "there are GET and POST").with("Allow", "GET, POST"),
+        _ => Response::refusal("405 Method Not Allowed", "use GET or POST").with("Allow", "GET, POST"),
     }
 }
 
 fn poll(session: &Session) -> Response {
     let Some(_polling) = session.start_poll() else {
-        // Two at once would take packets from each other.
-        return refused("a poll of this session is open");
+        // Two concurrent polls would divide the packets between them.
+        return refused("another poll of this session is pending");
     };
     let texts = match session.outbox().take(PACKETS_AT_ONCE, Instant::now() + POLL_LIMIT) {
         Taken::Texts(texts) => texts,
@@ -150,7 +150,7 @@ fn take(shared: &Shared, session: &Session, payload: &[u8]) -> Response {
     Response::new("200 OK", "text/html", "ok")
 }
 
-/// Serves a connection that becomes a WebSocket.
+/// Serves a connection after its upgrade to a WebSocket.
 pub(super) fn over_web_socket(
     shared: &Shared,
     mut connection: Connection,
@@ -160,7 +160,7 @@ pub(super) fn over_web_socket(
         request.header("sec-websocket-key").filter(|_| request.header("sec-websocket-version") == Some("13"));
     let session = match key {
         Some(_) if request.field("transport") == Some("websocket") => session(shared, request),
-        _ => Err(refused("no WebSocket of version 13 with transport=websocket")),
+        _ => Err(refused("expected WebSocket version 13 and transport=websocket")),
     };
     let (key, session) = match (key, session) {
         (Some(key), Ok(session)) => (key, session),
@@ -194,13 +194,13 @@ pub(super) fn over_web_socket(
     }
 }
 
-/// Reads and writes in turn, until either side ends.
+/// Reads and writes alternately, until either side ends.
 fn serve_connection(
     shared: &Shared,
     session: &Session,
     mut socket: WebSocket<std::net::TcpStream>,
 ) -> Result<(), Error> {
-    let probed = Instant::now() + SEND_LIMIT;
+    let upgrade_deadline = Instant::now() + SEND_LIMIT;
     loop {
         if session.is_upgraded() {
             match session.outbox().take(PACKETS_AT_ONCE, Instant::now()) {
@@ -208,20 +208,20 @@ fn serve_connection(
                     for text in texts {
                         socket.send(Message::text(text))?;
                     }
-                    continue_reading(&mut socket, Duration::from_millis(1))?;
+                    set_read_timeout(&mut socket, Duration::from_millis(1))?;
                 }
-                Taken::Nothing => continue_reading(&mut socket, READ_TIMEOUT)?,
+                Taken::Nothing => set_read_timeout(&mut socket, READ_TIMEOUT)?,
                 Taken::End => {
                     socket.close(None)?;
-                    return farewell(&mut socket);
+                    return await_close(&mut socket);
                 }
             }
-        } else if Instant::now() > probed || shared.is_ending() {
+        } else if Instant::now() > upgrade_deadline || shared.is_ending() {
             return Ok(());
         }
         let text = match socket.read() {
             Ok(Message::Text(text)) => text,
-            // It has been answered; the client closes the connection.
+            // The library has answered the close frame; the client closes the connection.
             Ok(Message::Close(_)) => return Ok(()),
             Ok(_) => continue,
             Err(Error::Io(error)) if is_silence(&error) => continue,
@@ -240,14 +240,14 @@ fn serve_connection(
     }
 }
 
-/// How long the next reading may wait.
-fn continue_reading(socket: &mut WebSocket<std::net::TcpStream>, wait: Duration) -> Result<(), Error> {
+/// Sets the timeout of the next read.
+fn set_read_timeout(socket: &mut WebSocket<std::net::TcpStream>, wait: Duration) -> Result<(), Error> {
     Ok(socket.get_ref().set_read_timeout(Some(wait))?)
 }
 
-/// Waits for the client to close as well, but not for long.
-fn farewell(socket: &mut WebSocket<std::net::TcpStream>) -> Result<(), Error> {
-    continue_reading(socket, POLL_INTERVAL)?;
+/// Waits briefly for the client to close the connection as well.
+fn await_close(socket: &mut WebSocket<std::net::TcpStream>) -> Result<(), Error> {
+    set_read_timeout(socket, POLL_INTERVAL)?;
     let until = Instant::now() + POLL_INTERVAL * 5;
     while Instant::now() < until {
         match socket.read() {

@@ -1,8 +1,8 @@
-//! HTTP one-shots: a POST is a request, its response the answer.
+//! HTTP one-shot requests: the body of a POST is a request, and the body of the HTTP response contains the answer.
 //!
-//! The specification doesn't know this transport; the path, and that operations are waited for, are as in the
-//! protocol's reference server. There, the answer is always a body without its envelope. Here it has one where the
-//! request had one, so that rules on envelopes can be tried over this transport, too.
+//! The specification doesn't define this transport. The path and the wait for operations follow the protocol's
+//! reference server, which always answers without an envelope. This server adds an envelope if the request has one, so
+//! that rules on envelopes can be tested over HTTP as well.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -18,10 +18,10 @@ use crate::serve::message::{envelope, value};
 use crate::serve::outbox::{Outbox, Taken};
 use crate::serve::request::Incoming;
 
-/// How long operations are waited for.
+/// The maximum time to wait for operations.
 const OPERATION_TIMEOUT: Duration = Duration::from_secs(20);
 
-/// The id of requests that came without an envelope.
+/// The id of requests without an envelope.
 const DEFAULT_ID: &str = "http";
 
 struct BoxSink(Arc<Outbox>);
@@ -45,7 +45,9 @@ pub(super) fn answer(shared: &Shared, request: &Request) -> Response {
     }
     let message: Value = match serde_json::from_slice(&request.body) {
         Ok(message) => message,
-        Err(error) => return Response::refusal("400 Bad Request", format!("the body is no JSON: {error}")),
+        Err(error) => {
+            return Response::refusal("400 Bad Request", format!("the body is not valid JSON: {error}"));
+        }
     };
     let has_envelope = message.get("body").is_some() || message.get("$fw.version").is_some();
     let message = if has_envelope { message } else { envelope(DEFAULT_ID, None, message) };
@@ -67,19 +69,16 @@ fn exchange(
     if let Some(credentials) = request.header("authorization")
         && !is_logged_in(shared, session, outbox, credentials)
     {
-        return Response::refusal("403 Forbidden", "these aren't the name and password");
+        return Response::refusal("403 Forbidden", "wrong name or password");
     }
     let incoming = Incoming::from_value(message);
     if incoming == Incoming::Ignored {
-        return Response::refusal(
-            "400 Bad Request",
-            "the body is no request: an object with a text as its id",
-        );
+        return Response::refusal("400 Bad Request", "the body must be an object with a string as its id");
     }
     let is_open = shared.hub().options.login.is_none() || request.header("authorization").is_some();
     shared.hub().take(session, incoming);
     let Some(mut answer) = next(outbox, Instant::now()) else {
-        return Response::refusal("500 Internal Server Error", "there is no answer");
+        return Response::refusal("500 Internal Server Error", "no answer");
     };
     await_operations(outbox, &mut answer);
     let text = if has_envelope { answer.text() } else { answer.message["body"].to_string() };
@@ -100,30 +99,30 @@ fn is_logged_in(shared: &Shared, session: SessionId, outbox: &Outbox, credential
     next(outbox, Instant::now()).is_some_and(|answer| answer.message["body"]["result"] == json!(true))
 }
 
-/// An answer, as it was written and as it is read.
-struct Answered {
+/// An answer, as text and as parsed JSON.
+struct ParsedAnswer {
     written: String,
     message: Value,
     has_changed: bool,
 }
 
-impl Answered {
-    /// The answer as it was written, as far as nothing came later.
+impl ParsedAnswer {
+    /// The text, which stays as received unless an operation changed the answer.
     fn text(&self) -> String {
         if self.has_changed { self.message.to_string() } else { self.written.clone() }
     }
 }
 
-fn next(outbox: &Outbox, until: Instant) -> Option<Answered> {
+fn next(outbox: &Outbox, until: Instant) -> Option<ParsedAnswer> {
     let Taken::Texts(texts) = outbox.take(1, until) else { return None };
     let written = texts.into_iter().next()?;
     let message = serde_json::from_str(&written).unwrap_or(Value::Null);
-    Some(Answered { written, message, has_changed: false })
+    Some(ParsedAnswer { written, message, has_changed: false })
 }
 
-/// Waits for operations, and puts what came of them where it would stand if it had come at once.
-fn await_operations(outbox: &Outbox, answer: &mut Answered) {
-    let mut open: BTreeMap<String, Option<String>> = match answer.message["body"].get("receipt") {
+/// Waits for operations, and adds their results to the answer as if they were available immediately.
+fn await_operations(outbox: &Outbox, answer: &mut ParsedAnswer) {
+    let mut pending: BTreeMap<String, Option<String>> = match answer.message["body"].get("receipt") {
         Some(Value::String(receipt)) => BTreeMap::from([(receipt.clone(), None)]),
         Some(Value::Object(receipts)) => {
             let text = |receipt: &Value| receipt.as_str().unwrap_or_default().to_owned();
@@ -133,41 +132,42 @@ fn await_operations(outbox: &Outbox, answer: &mut Answered) {
     };
     let until = Instant::now() + OPERATION_TIMEOUT;
     let body = &mut answer.message["body"];
-    let mut settle = |open: &mut BTreeMap<String, Option<String>>,
+    let mut settle = |pending: &mut BTreeMap<String, Option<String>>,
                       receipt: &str,
                       name: &str,
-                      value: Value| match open.remove(receipt) {
+                      value: Value| match pending.remove(receipt) {
         Some(Some(id)) => body[name][id] = value,
         Some(None) => body[name] = value,
         None => {}
     };
-    while !open.is_empty() {
-        let Some(news) = next(outbox, until) else { break };
-        let news = &news.message["body"];
-        let receipt = news["id"].as_str().unwrap_or_default();
-        match news["type"].as_str().unwrap_or_default() {
+    while !pending.is_empty() {
+        let Some(notification) = next(outbox, until) else { break };
+        let notification = &notification.message["body"];
+        let receipt = notification["id"].as_str().unwrap_or_default();
+        match notification["type"].as_str().unwrap_or_default() {
             "ASYNC-RESP" => {
-                let name = if news.get("result").is_some() { "result" } else { "error" };
-                settle(&mut open, receipt, name, news[name].clone());
+                let name = if notification.get("result").is_some() { "result" } else { "error" };
+                settle(&mut pending, receipt, name, notification[name].clone());
             }
-            "ASYNC-ST" if news["suspended"] == json!(true) => {
+            "ASYNC-ST" if notification["suspended"] == json!(true) => {
                 settle(
-                    &mut open,
+                    &mut pending,
                     receipt,
                     "error",
-                    json!("it waits for the client, which has to be connected"),
+                    json!("the operation waits for the client; connect over TCP to resume it"),
                 );
             }
             "ASYNC-TIMEOUT" => {
-                for receipt in news["ids"].as_array().into_iter().flatten().filter_map(Value::as_str) {
-                    settle(&mut open, receipt, "error", json!("nothing was heard of it"));
+                for receipt in notification["ids"].as_array().into_iter().flatten().filter_map(Value::as_str)
+                {
+                    settle(&mut pending, receipt, "error", json!("the UAV doesn't respond"));
                 }
             }
             _ => {}
         }
     }
-    for receipt in open.clone().into_keys() {
-        settle(&mut open, &receipt, "error", json!("it takes too long"));
+    for receipt in pending.clone().into_keys() {
+        settle(&mut pending, &receipt, "error", json!("timeout"));
     }
     if let Some(body) = answer.message["body"].as_object_mut() {
         body.remove("receipt");

@@ -1,4 +1,4 @@
-//! TCP: a message a line.
+//! TCP: one message per line.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{Shutdown, TcpStream};
@@ -16,13 +16,13 @@ use crate::rules::flockwave::{env_25, tcp_01, tcp_02, tcp_03, tcp_04};
 use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::outbox::{Outbox, Taken};
 
-/// How many messages are written at once.
+/// The maximum number of messages per write.
 const BATCH: usize = 64;
 
-/// Puts messages into lines.
+/// Sends messages as lines.
 struct LineSink {
     outbox: Arc<Outbox>,
-    /// FW-TCP-01: notifications take several lines.
+    /// The bug of FW-TCP-01: splits notifications into several lines.
     is_spread: bool,
 }
 
@@ -37,32 +37,32 @@ impl Sink for LineSink {
     }
 }
 
-/// A notification in several lines.
+/// A notification with line breaks.
 fn spread(text: &str) -> Option<String> {
     let message: Value = serde_json::from_str(text).ok()?;
     if message.get("refs").is_some() { None } else { serde_json::to_string_pretty(&message).ok() }
 }
 
-/// Serves a connection to its end.
+/// Serves a connection until it ends.
 pub(super) fn serve_connection(shared: &Arc<Shared>, mut stream: TcpStream) -> io::Result<()> {
     stream.set_nodelay(true)?;
     stream.set_read_timeout(Some(POLL_INTERVAL))?;
     stream.set_write_timeout(Some(SEND_LIMIT))?;
     let outbox = Arc::new(Outbox::default());
-    let own = stream.try_clone()?;
-    let taken = Arc::clone(&outbox);
-    let writer = thread::spawn(move || write(own, &taken));
+    let output = stream.try_clone()?;
+    let queue = Arc::clone(&outbox);
+    let writer = thread::spawn(move || write(output, &queue));
     let sink = LineSink { outbox: Arc::clone(&outbox), is_spread: shared.has_bug(&tcp_01::RULE) };
     let id = shared.open(ConnectionKind::Persistent, Arc::new(sink));
     let ending = read(shared, id, &mut stream, &writer);
     shared.close(id);
-    // What was asked before the client had said all is still answered.
+    // Requests that precede the end of the input still get responses.
     outbox.close();
     let _ = writer.join();
     ending
 }
 
-/// Writes until the box is closed and empty, and ends the connection then.
+/// Writes messages until the outbox is closed and empty, and then closes the connection.
 fn write(mut stream: TcpStream, outbox: &Outbox) {
     loop {
         match outbox.take(BATCH, Instant::now() + SEND_LIMIT) {
@@ -76,11 +76,11 @@ fn write(mut stream: TcpStream, outbox: &Outbox) {
         }
     }
     outbox.close();
-    // It may have ended by itself.
+    // The connection may be closed already.
     let _ = stream.shutdown(Shutdown::Both);
 }
 
-/// Reads until the client has said all, or nothing more can be sent to it.
+/// Reads until the client closes the connection, or nothing more can be sent to it.
 fn read(
     shared: &Shared,
     id: SessionId,
@@ -101,7 +101,7 @@ fn read(
             taken.reverse();
         }
         for line in taken {
-            // Of a line that is too long nobody knows what it asked.
+            // A line over the length limit is dropped, because its request is unknown.
             let Line::Whole(line) = line else { continue };
             if shared.has_bug(&tcp_03::RULE) && serde_json::from_slice::<IgnoredAny>(&line).is_err() {
                 return Ok(());

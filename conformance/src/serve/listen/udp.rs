@@ -1,4 +1,4 @@
-//! UDP: a message a datagram. Whoever sent one hears notifications for a minute.
+//! UDP: one message per datagram. A client receives notifications for a minute after its last datagram.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -16,20 +16,20 @@ use crate::rules::flockwave::{udp_01, udp_02, udp_03};
 use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::message::{enveloped, refusal, text};
 
-/// The longest message that fits into a datagram.
+/// The maximum length of a message in a datagram.
 const DATAGRAM_LIMIT: usize = 65_507;
 
-/// How long a client counts as there after its last datagram: the time that the specification advises.
+/// The time after which a silent client counts as disconnected, as the specification recommends.
 const CLIENT_TIMEOUT: Duration = Duration::from_secs(60);
 
-/// How many clients there may be at a time.
+/// The maximum number of concurrent clients.
 const CLIENT_LIMIT: usize = 1024;
 
 /// Sends datagrams to a client.
 struct DatagramSink {
     socket: UdpSocket,
     client: SocketAddr,
-    /// FW-UDP-01: notifications are twice in their datagrams.
+    /// The bug of FW-UDP-01: sends each notification twice in one datagram.
     is_doubling: bool,
 }
 
@@ -40,7 +40,7 @@ impl Sink for DatagramSink {
         let text = if is_doubled { format!("{text}\n{text}") } else { text.to_owned() };
         let text = if text.len() <= DATAGRAM_LIMIT { Some(text) } else { shortened(&text) };
         if let Some(text) = text {
-            // Nobody knows whether datagrams arrive.
+            // Datagrams may get lost anyway.
             let _ = self.socket.send_to(text.as_bytes(), self.client);
         }
     }
@@ -48,11 +48,11 @@ impl Sink for DatagramSink {
     fn close(&self) {}
 }
 
-/// What is said instead of an answer that doesn't fit into a datagram.
+/// The response to send if the actual one doesn't fit into a datagram.
 fn shortened(long: &str) -> Option<String> {
     let message: Value = serde_json::from_str(long).ok()?;
     let (id, refs) = (message["id"].as_str()?, message["refs"].as_str()?);
-    let why = "the answer doesn't fit into a datagram: ask for less at once";
+    let why = "the response doesn't fit into a datagram; request fewer items";
     let answer = enveloped(id, Some(refs), &text(&refusal(why.to_owned())));
     Some(answer).filter(|text| text.len() <= DATAGRAM_LIMIT)
 }
@@ -69,10 +69,10 @@ pub(super) fn serve(shared: &Arc<Shared>, socket: &UdpSocket) {
     while !shared.is_ending() {
         let received =
             socket.set_read_timeout(Some(POLL_INTERVAL)).and_then(|()| socket.recv_from(&mut datagram));
-        drop_silent(shared, &mut peers);
+        close_expired(shared, &mut peers);
         let (length, client) = match received {
             Ok(received) => received,
-            // Some systems say here that an earlier datagram didn't arrive.
+            // Some systems report here that an earlier datagram was not delivered.
             Err(error) if is_silence(&error) || error.kind() == io::ErrorKind::ConnectionReset => continue,
             Err(_) => {
                 thread::sleep(POLL_INTERVAL);
@@ -89,7 +89,7 @@ pub(super) fn serve(shared: &Arc<Shared>, socket: &UdpSocket) {
     }
 }
 
-/// The session of a client, which is a new one where it wasn't heard of for long.
+/// The session of a client, created if the client is new or its session has expired.
 fn session(
     shared: &Shared,
     socket: &UdpSocket,
@@ -103,23 +103,23 @@ fn session(
     if peers.len() >= CLIENT_LIMIT {
         return None;
     }
-    let mut answered = client;
+    let mut address = client;
     if shared.has_bug(&udp_02::RULE) {
-        answered.set_port(client.port() ^ 1);
+        address.set_port(client.port() ^ 1);
     }
     let is_doubling = shared.has_bug(&udp_01::RULE);
-    let sink = DatagramSink { socket: socket.try_clone().ok()?, client: answered, is_doubling };
+    let sink = DatagramSink { socket: socket.try_clone().ok()?, client: address, is_doubling };
     let session = shared.open(ConnectionKind::Datagrams, Arc::new(sink));
     peers.insert(client, Peer { session, last_received: Instant::now() });
     Some(session)
 }
 
-fn drop_silent(shared: &Shared, peers: &mut BTreeMap<SocketAddr, Peer>) {
+fn close_expired(shared: &Shared, peers: &mut BTreeMap<SocketAddr, Peer>) {
     peers.retain(|_, peer| {
-        let is_there = peer.last_received.elapsed() < CLIENT_TIMEOUT;
-        if !is_there {
+        let is_active = peer.last_received.elapsed() < CLIENT_TIMEOUT;
+        if !is_active {
             shared.close(peer.session);
         }
-        is_there
+        is_active
     });
 }

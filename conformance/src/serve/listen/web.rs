@@ -1,4 +1,4 @@
-//! HTTP: which request goes where, and what browsers want to hear before they let a page read the answer.
+//! HTTP: dispatches requests by path, and adds CORS headers for browsers.
 
 use std::io;
 use std::net::TcpStream;
@@ -8,10 +8,10 @@ use super::{Shared, engine, one_shot};
 use crate::flockwave::transport::http::{Connection, Incoming, Request, Response};
 use crate::flockwave::transport::{ONE_SHOT_PATH, SOCKET_IO_PATH};
 
-/// Serves a connection. One-shots and Socket.IO have the same port, where a client expects them so.
+/// Serves a connection. One-shot requests and Socket.IO share a port, as clients expect.
 pub(super) fn serve_connection(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<()> {
     let mut connection = Connection::new(stream)?;
-    let is_wanted = || !shared.has_ended();
+    let is_wanted = || !shared.is_drained();
     loop {
         let request = match connection.next(&is_wanted)? {
             Incoming::Request(request) => request,
@@ -26,33 +26,32 @@ pub(super) fn serve_connection(shared: &Arc<Shared>, stream: TcpStream) -> io::R
             return engine::over_web_socket(shared, connection, &request);
         }
         let response = match request.method.as_str() {
-            // Browsers ask so whether a page may ask.
+            // A CORS preflight request.
             "OPTIONS" => Response::new("200 OK", "text/plain", ""),
             _ if is_socket_io => engine::by_polling(shared, &request),
             "POST" if is_at(&request, ONE_SHOT_PATH) => one_shot::answer(shared, &request),
             _ if is_at(&request, ONE_SHOT_PATH) => {
-                Response::refusal("405 Method Not Allowed", "messages are sent with POST")
-                    .with("Allow", "POST")
+                Response::refusal("405 Method Not Allowed", "send messages with POST").with("Allow", "POST")
             }
             _ => {
                 let location =
-                    format!("messages go to {ONE_SHOT_PATH}, and Socket.IO is served at {SOCKET_IO_PATH}");
+                    format!("send messages to {ONE_SHOT_PATH}, or use Socket.IO at {SOCKET_IO_PATH}");
                 Response::refusal("404 Not Found", location)
             }
         };
-        if !connection.respond(Some(&request), &for_browsers(&request, response))? {
+        if !connection.respond(Some(&request), &with_cors_headers(&request, response))? {
             return Ok(());
         }
     }
 }
 
-/// Whether a request is for a path, with or without a slash at its end.
+/// True if a request is for this path, with or without a trailing slash.
 fn is_at(request: &Request, path: &str) -> bool {
     request.path.trim_end_matches('/') == path.trim_end_matches('/')
 }
 
-/// Lets pages of any origin read the response, as clients in browsers are mostly served from elsewhere.
-fn for_browsers(request: &Request, response: Response) -> Response {
+/// Adds CORS headers, since clients in browsers usually have another origin.
+fn with_cors_headers(request: &Request, response: Response) -> Response {
     let Some(origin) = request.header("origin") else { return response };
     response
         .with("Access-Control-Allow-Origin", origin)

@@ -1,4 +1,4 @@
-//! What a UAV tells of itself.
+//! The status of a UAV, as reported to clients.
 
 use uavspec::flockwave::ErrorCode;
 use uavspec::flockwave::json::{
@@ -7,14 +7,14 @@ use uavspec::flockwave::json::{
 };
 
 use super::{Activity, DEGREE, ORIGIN, ORIGIN_ALTITUDE, Uav};
-use crate::serve::error_code::{BATTERY, settle};
+use crate::serve::error_code::{BATTERY, normalize};
 
-/// Volts of a battery that is full, and of one that is empty.
+/// The voltages of a full and of an empty battery.
 const FULL: f64 = 12.6;
 const EMPTY: f64 = 9.9;
 
 impl Uav {
-    /// The code that the battery has.
+    /// The error code for the battery charge.
     pub(super) fn battery_code(&self) -> Option<ErrorCode> {
         BATTERY.iter().find(|(limit, _)| self.charge < *limit).map(|(_, code)| *code)
     }
@@ -32,11 +32,11 @@ impl Uav {
         };
         let mut codes: Vec<ErrorCode> =
             self.errors.iter().copied().chain(state).chain(self.battery_code()).collect();
-        settle(&mut codes, self.is_flying());
+        normalize(&mut codes, self.is_flying());
         codes
     }
 
-    /// Its mode as messages have it.
+    /// The flight mode in messages.
     pub(super) fn mode(&self) -> FlightMode {
         match self.activity {
             Activity::Sleeping => FlightMode::Unknown,
@@ -50,22 +50,22 @@ impl Uav {
         }
     }
 
-    /// Its voltage in tenths of volts.
+    /// The voltage in tenths of volts.
     pub(in crate::serve) fn voltage(&self) -> i64 {
         rounded((EMPTY + (FULL - EMPTY) * self.charge / 100.0) * 10.0)
     }
 
-    /// Its charge in percent.
+    /// The charge in percent.
     pub(in crate::serve) fn percentage(&self) -> i64 {
         rounded(self.charge)
     }
 
-    /// How many satellites it receives.
+    /// The number of visible satellites.
     pub(in crate::serve) fn satellites(&self) -> i64 {
-        if self.is_sleeping() { 0 } else { 14 + self.wobble(3) }
+        if self.is_sleeping() { 0 } else { 14 + self.variation(3) }
     }
 
-    /// Where it is: latitude and longitude in 1e-7 degrees, altitudes in millimetres.
+    /// The position: latitude and longitude in 1e-7 degrees, altitudes in millimeters.
     pub(in crate::serve) fn coordinates(&self) -> [i64; 5] {
         let north_degrees = self.position[0] / DEGREE;
         let east_degrees = self.position[1] / (DEGREE * ORIGIN[0].to_radians().cos());
@@ -79,18 +79,18 @@ impl Uav {
         ]
     }
 
-    /// A value that wavers a little from moment to moment, from 0 up to below `span`.
-    fn wobble(&self, span: u64) -> i64 {
+    /// A slightly varying value, at least 0 and below `span`.
+    fn variation(&self, span: u64) -> i64 {
         (self.random.at(self.last_received / 500) % span).cast_signed()
     }
 
-    /// Its state as messages have it.
+    /// The status in messages.
     pub(in crate::serve) fn status(&self) -> UAVStatusInfo {
         let [north, east, up] = self.velocity.map(|speed| rounded(speed * 1000.0));
         let [x, y, z] = self.position.map(|distance| rounded(distance * 1000.0));
         let heading = Heading(rounded(self.heading * 10.0).rem_euclid(3600));
         let tilt = rounded(self.velocity[0].hypot(self.velocity[1]) * 15.0);
-        // White, or a green that is easily told from it while it draws attention.
+        // White, or green while the UAV signals.
         let light = ColorRGB565(if self.signal > 0.0 { 0x07E0 } else { 0xFFFF });
         UAVStatusInfo {
             id: self.id.as_str().into(),
@@ -101,7 +101,7 @@ impl Uav {
             gps: Some(self.fix()),
             heading: Some(heading),
             attitude: Some(Attitude {
-                roll: SignedAngle(self.wobble(5) - 2),
+                roll: SignedAngle(self.variation(5) - 2),
                 pitch: SignedAngle(-tilt),
                 yaw: heading,
             }),
@@ -113,7 +113,7 @@ impl Uav {
                 charging: None,
             }),
             light: Some(light),
-            rssi: Some(vec![Rssi(80 + self.wobble(20))]),
+            rssi: Some(vec![Rssi(80 + self.variation(20))]),
             errors: Some(self.codes()),
             debug: Some(Base64(data_encoding::BASE64.encode(self.mode().as_str().as_bytes()))),
         }
@@ -131,7 +131,7 @@ impl Uav {
     }
 
     fn fix(&self) -> GPSFix {
-        // No fix yet, or one with altitude that corrections have improved.
+        // No fix, or a fix with altitude and corrections.
         let kind = if self.is_sleeping() { GPSFixType::Value1 } else { GPSFixType::Value4 };
         GPSFix {
             r#type: kind,
@@ -142,7 +142,7 @@ impl Uav {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "what is simulated stays far below the limits of an i64")]
+#[expect(clippy::cast_possible_truncation, reason = "simulated values are far below the limits of an i64")]
 fn rounded(value: f64) -> i64 {
     value.round() as i64
 }

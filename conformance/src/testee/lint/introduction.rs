@@ -1,4 +1,4 @@
-//! How it introduces itself.
+//! Checks the hello of a testee.
 
 use std::collections::BTreeSet;
 
@@ -11,23 +11,23 @@ use crate::testee::protocol::{Format, Hello, Op};
 
 pub(super) const INTRODUCTION: Check = Check {
     id: "introduction",
-    statement: "it introduces itself in time, by a hello that can be read",
-    help: "answer {\"op\":\"hello\",\"protocol\":1} with one line of JSON, and flush the output after every line",
+    statement: "the testee sends a valid hello in time",
+    help: "respond to {\"op\":\"hello\",\"protocol\":1} with one line of JSON, and flush the output after every line",
     attempt: introduction,
 };
 
 pub(super) const HELLO_MEMBERS: Check = Check {
     id: "hello-members",
-    statement: "the hello has a name, a version, known ops and formats, and types as PACKAGE/NAME",
-    help: "say e.g. {\"op\":\"hello\",\"protocol\":1,\"name\":\"my-codec\",\"version\":\"1.2\",\"ops\":[\"decode\"],\
+    statement: "the hello has a name, a version, known ops and formats, and types such as px4/Event",
+    help: "send for example {\"op\":\"hello\",\"protocol\":1,\"name\":\"my-codec\",\"version\":\"1.2\",\"ops\":[\"decode\"],\
            \"formats\":[\"uorb\"],\"types\":[\"px4/Event\"]}",
     attempt: hello_members,
 };
 
 pub(super) const SECOND_HELLO: Check = Check {
     id: "second-hello",
-    statement: "a second hello is answered as the first was, or refused, and questions go on",
-    help: "answer every hello in the same way, wherever it comes",
+    statement: "a second hello gets the same response or an error, and requests still work",
+    help: "respond to every hello in the same way",
     attempt: second_hello,
 };
 
@@ -36,28 +36,28 @@ fn introduction(bench: &mut Bench<'_>) -> CheckOutcome {
     match opened.and_then(|mut link| link.introduction(bench.options)) {
         Ok(introduced) => {
             bench.introduced = Some(introduced);
-            CheckOutcome::Good
+            CheckOutcome::Pass
         }
-        Err(wrong) => CheckOutcome::Bad(wrong),
+        Err(wrong) => CheckOutcome::Fail(wrong),
     }
 }
 
 fn hello_members(bench: &mut Bench<'_>) -> CheckOutcome {
-    let Some((hello, line)) = &bench.introduced else { return CheckOutcome::Good };
-    // It was read before, so this is JSON.
+    let Some((hello, line)) = &bench.introduced else { return CheckOutcome::Pass };
+    // `Hello::read` accepted the line, so it is valid JSON.
     let value: Value = serde_json::from_slice(line).unwrap_or_default();
     let wrong = [
         hello.name.is_empty().then(|| "\"name\" is empty".to_owned()),
-        hello.version.is_empty().then(|| "no \"version\", or it is no string".to_owned()),
+        hello.version.is_empty().then(|| "\"version\" is missing or not a string".to_owned()),
         wrong_list(&value, "ops", |name| Op::ALL.iter().any(|op| op.name() == name)),
         wrong_list(&value, "formats", |name| Format::ALL.iter().any(|format| format.name() == name)),
         wrong_list(&value, "types", is_type_name),
     ];
     let wrong: Vec<String> = wrong.into_iter().flatten().collect();
-    if wrong.is_empty() { CheckOutcome::Good } else { CheckOutcome::Bad(wrong.join("; ")) }
+    if wrong.is_empty() { CheckOutcome::Pass } else { CheckOutcome::Fail(wrong.join("; ")) }
 }
 
-/// What is wrong with a list of names. One that is absent was let through, so it may be.
+/// The first problem of a list of names. A missing list is no problem here: `Hello::read` rejects required ones.
 fn wrong_list(hello: &Value, member: &str, is_known: impl Fn(&str) -> bool) -> Option<String> {
     let names: Vec<&str> = hello.get(member)?.as_array()?.iter().filter_map(Value::as_str).collect();
     if names.is_empty() {
@@ -66,7 +66,7 @@ fn wrong_list(hello: &Value, member: &str, is_known: impl Fn(&str) -> bool) -> O
     let mut seen = BTreeSet::new();
     let wrong = names.iter().find_map(|name| {
         if !is_known(name) {
-            Some(format!("{name:?}, which is none"))
+            Some(format!("the unknown name {name:?}"))
         } else if !seen.insert(name) {
             Some(format!("{name:?} twice"))
         } else {
@@ -76,7 +76,7 @@ fn wrong_list(hello: &Value, member: &str, is_known: impl Fn(&str) -> bool) -> O
     wrong.map(|wrong| format!("\"{member}\" lists {wrong}"))
 }
 
-/// Bodies of messages are called by their type and direction: `flockwave/UAV-INF.response`.
+/// True if a name has the form `PACKAGE/NAME`, such as `px4/Event` or `flockwave/UAV-INF.response`.
 fn is_type_name(name: &str) -> bool {
     let is_of = |word: &str, more: &[char]| {
         let is_known = |it: char| it.is_ascii_alphanumeric() || it == '_' || more.contains(&it);
@@ -86,14 +86,14 @@ fn is_type_name(name: &str) -> bool {
 }
 
 fn second_hello(bench: &mut Bench<'_>) -> CheckOutcome {
-    bench.attempt(|bench, session| {
+    bench.run(|bench, session| {
         let case = bench.plain_case()?;
-        session.survive(case)?;
+        session.check_alive(case)?;
         session.send_hello();
-        session.survive(case)?;
+        session.check_alive(case)?;
         let first = bench.introduced.as_ref().map(|(hello, _)| hello);
         match session.received().hellos.iter().find(|line| Hello::read(line).ok().as_ref() != first) {
-            Some(line) => Err(format!("the second hello says something else: {}", excerpt(line))),
+            Some(line) => Err(format!("the second hello differs from the first: {}", excerpt(line))),
             None => Ok(()),
         }
     })

@@ -1,25 +1,25 @@
-//! That a damaged line is survived.
+//! Checks that a testee continues after a malformed line.
 
 use super::{Bench, Check, CheckOutcome};
 
 pub(super) const EMPTY_LINE: Check = Check {
     id: "empty-line",
-    statement: "an empty line is survived",
-    help: "pass over lines without anything but white space",
+    statement: "the testee continues after an empty line",
+    help: "skip lines that contain only white space",
     attempt: empty_line,
 };
 
 pub(super) const NOT_JSON: Check = Check {
     id: "not-json",
-    statement: "a line that is no JSON, or no object, is survived",
-    help: "catch what the reader of JSON raises, and read the next line; what has no id needs no answer",
+    statement: "the testee continues after a line that is not a JSON object",
+    help: "catch errors of the JSON parser, and read the next line; lines without an id need no response",
     attempt: not_json,
 };
 
 pub(super) const NOT_UTF8: Check = Check {
     id: "not-utf8",
-    statement: "a line that is no UTF-8 is survived",
-    help: "read lines as bytes and decode them one by one, so that one which can't be decoded ends nothing",
+    statement: "the testee continues after invalid UTF-8",
+    help: "read lines as bytes, decode each line separately, and skip lines that can't be decoded",
     attempt: not_utf8,
 };
 
@@ -34,24 +34,24 @@ fn not_json(bench: &mut Bench<'_>) -> CheckOutcome {
 }
 
 fn not_utf8(bench: &mut Bench<'_>) -> CheckOutcome {
-    // Some readers replace the byte, and find a question: it may be answered.
-    let manner = bench.attempt(|bench, session| {
+    // Some testees replace the invalid byte and see a valid request, so they may respond.
+    let outcome = bench.run(|bench, session| {
         let case = bench.plain_case()?;
         let id = session.fresh_id();
         let line = format!("{{\"id\":{id},\"op\":\"decode\",\"type\":\"");
         session.send_malformed(Some(id), &[line.as_bytes(), b"\xff\"}"].concat());
-        session.survive(case)
+        session.check_alive(case)
     });
-    if manner == CheckOutcome::Good { survives(bench, &[b"\xff\xfe{\x00}\x00", b"\xc3"]) } else { manner }
+    if outcome == CheckOutcome::Pass { survives(bench, &[b"\xff\xfe{\x00}\x00", b"\xc3"]) } else { outcome }
 }
 
-/// Sends lines that are no questions, each followed by a question.
+/// Sends malformed lines, each followed by a request that must get a response.
 fn survives(bench: &mut Bench<'_>, lines: &[&[u8]]) -> CheckOutcome {
-    bench.attempt(|bench, session| {
+    bench.run(|bench, session| {
         let case = bench.plain_case()?;
         lines.iter().try_for_each(|line| {
             session.send_malformed(None, line);
-            session.survive(case).map_err(|wrong| format!("after `{}`: {wrong}", line.escape_ascii()))
+            session.check_alive(case).map_err(|wrong| format!("after `{}`: {wrong}", line.escape_ascii()))
         })
     })
 }

@@ -1,10 +1,10 @@
-//! That numbers travel so that no reader of JSON loses them.
+//! Checks that a testee reads and writes tagged numbers, which JSON parsers preserve.
 
 use serde_json::Value;
 
 use super::{Bench, Check, CheckOutcome};
-use crate::testee::case::{Case, ExpectedAnswer, Input};
-use crate::testee::protocol::{Answer, Op};
+use crate::testee::case::{Case, ExpectedResponse, Input};
+use crate::testee::protocol::{Op, Response};
 use crate::testee::wire::{has_tag, to_wire};
 
 /// The tags of integers.
@@ -13,27 +13,27 @@ const INTEGERS: &[&str] = &["$u64", "$i64"];
 /// The tag of floats.
 const FLOATS: &[&str] = &["$f"];
 
-/// How many cases are asked for each check.
+/// The maximum number of cases per check.
 const NUM_CASES: usize = 16;
 
 pub(super) const TAGGED_INTEGERS: Check = Check {
     id: "tagged-integers",
-    statement: "integers beyond ±2^53 are understood and come back as {\"$u64\":\"…\"} or {\"$i64\":\"…\"}",
-    help: "write such integers as strings under the tag, and read them so: JSON itself lets readers round them",
+    statement: "integers beyond ±2^53 are read and written as {\"$u64\":\"…\"} or {\"$i64\":\"…\"}",
+    help: "read and write these integers as strings with a tag; many JSON parsers round numbers",
     attempt: |bench| tagged(bench, INTEGERS),
 };
 
 pub(super) const TAGGED_FLOATS: Check = Check {
     id: "tagged-floats",
-    statement: "NaN and the infinities are understood and come back as {\"$f\":\"NaN\"}, \"inf\" or \"-inf\"",
-    help: "write {\"$f\":\"NaN\"} where the number is none, and read it so: JSON has no word for it",
+    statement: "NaN and the infinities are read and written as {\"$f\":\"NaN\"}, \"inf\" or \"-inf\"",
+    help: "read and write {\"$f\":\"NaN\"} for NaN; JSON has no such number",
     attempt: |bench| tagged(bench, FLOATS),
 };
 
 fn tagged(bench: &mut Bench<'_>, tags: &[&str]) -> CheckOutcome {
     let is_right = |case: &&Case| case.rule.is_none() && !case.expected.rejection;
     let wanted = |case: &Case| match (&case.op, &case.expected.ok) {
-        (Op::Decode, ExpectedAnswer::Message(value)) => {
+        (Op::Decode, ExpectedResponse::Message(value)) => {
             let message = case.type_name.split_once('/');
             let message = message.and_then(|(package, name)| bench.types.find(package, name));
             Some(to_wire(value, message)).filter(|wire| has(wire, tags))
@@ -50,31 +50,31 @@ fn tagged(bench: &mut Bench<'_>, tags: &[&str]) -> CheckOutcome {
     let sent: Vec<Case> =
         bench.known_cases().filter(is_right).filter(sends).take(NUM_CASES).cloned().collect();
     if decoded.is_empty() && sent.is_empty() {
-        return CheckOutcome::NotApplicable("none of the types that it knows holds such numbers".to_owned());
+        return CheckOutcome::NotApplicable("no supported type contains such numbers".to_owned());
     }
-    bench.attempt(|_, session| {
+    bench.run(|_, session| {
         for (case, wanted) in &decoded {
             let id = session.send_case(case);
             session.receive()?;
-            // Whether it decodes at all is for `uavspec test`.
-            if let Some(Answer::Ok(actual)) = session.answer(id)
+            // A failure to decode is reported by `uavspec test`.
+            if let Some(Response::Ok(actual)) = session.answer(id)
                 && let Some(location) = untagged(wanted, actual, tags, "")
             {
-                return Err(format!("{} gives {location}", case.name()));
+                return Err(format!("{}: {location}", case.name()));
             }
         }
         for case in &sent {
             let id = session.send_case(case);
             session.receive()?;
-            if let Some(Answer::Rejected(reason) | Answer::Error(reason)) = session.answer(id) {
-                return Err(format!("{} is not understood: {reason}", case.name()));
+            if let Some(Response::Rejected(reason) | Response::Error(reason)) = session.answer(id) {
+                return Err(format!("{}: expected \"ok\", got: {reason}", case.name()));
             }
         }
         Ok(())
     })
 }
 
-/// Whether a value has one of the tags anywhere.
+/// True if a value contains one of the tags at any depth.
 fn has(value: &Value, tags: &[&str]) -> bool {
     has_tag(value, tags)
         || match value {
@@ -84,10 +84,10 @@ fn has(value: &Value, tags: &[&str]) -> bool {
         }
 }
 
-/// The first place where a tag should be and is none, with what is there; what is absent is for `uavspec test`.
+/// Describes the first value without an expected tag. Missing values are reported by `uavspec test`.
 fn untagged(wanted: &Value, actual: &Value, tags: &[&str], path: &str) -> Option<String> {
     if has_tag(wanted, tags) {
-        return (!has_tag(actual, tags)).then(|| format!("{actual} at {path} instead of {wanted}"));
+        return (!has_tag(actual, tags)).then(|| format!("expected {wanted} at {path}, found {actual}"));
     }
     match wanted {
         Value::Array(items) => items.iter().enumerate().find_map(|(index, wanted)| {

@@ -1,4 +1,4 @@
-//! A conversation with a testee, in which what it may say is known.
+//! A session with a testee that records all received lines.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::thread;
@@ -9,46 +9,46 @@ use serde_json::Value;
 use crate::testee::case::Case;
 use crate::testee::link::{Link, Received, remaining_stderr};
 use crate::testee::options::{Options, excerpt};
-use crate::testee::protocol::{Answer, Hello};
+use crate::testee::protocol::{Hello, Response};
 
-/// The first id of questions that no check chose.
+/// The first id of requests for which the check doesn't choose one.
 const FIRST_ID: i64 = 1_000;
 
-/// How long is waited between the parts of a line, so that they come apart.
+/// The delay between the parts of a line, so that they are sent separately.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// A conversation with a testee that has introduced itself.
+/// A session with a testee that has sent its hello.
 pub(super) struct Session<'o> {
     link: Link,
     options: &'o Options,
     next_id: i64,
-    received: ReceivedAnswers,
+    received: ReceivedResponses,
 }
 
-/// What was heard, and what may still come.
+/// The received lines, and the responses that may still come.
 #[derive(Default)]
-pub(super) struct ReceivedAnswers {
-    /// Questions without an answer.
-    open: BTreeSet<i64>,
-    /// Questions that need no answer, but may have one.
+pub(super) struct ReceivedResponses {
+    /// Requests without a response.
+    pending: BTreeSet<i64>,
+    /// Requests for which a response is optional.
     optional: BTreeSet<i64>,
-    /// What was answered.
-    answers: BTreeMap<i64, Answer>,
-    /// How many lines with `error` and without an id may come: as many as there were lines without an id.
+    /// The received responses.
+    responses: BTreeMap<i64, Response>,
+    /// The number of responses with `error` but no id that may still come: one per line without an id.
     refusals: usize,
-    /// How many more times it may introduce itself.
+    /// The number of hellos that may still come.
     hellos_due: usize,
-    /// The lines in which it did so again.
+    /// The lines of repeated hellos.
     pub(super) hellos: Vec<Vec<u8>>,
-    /// The id of the first answer that belongs to no question.
+    /// The first id of a response without a request.
     pub(super) foreign: Option<i64>,
-    /// The first id that was answered more than once.
+    /// The first id with more than one response.
     pub(super) repeated: Option<i64>,
-    /// Lines that are neither an answer nor a hello.
+    /// Lines that are neither a response nor a hello.
     pub(super) strays: Strays,
 }
 
-/// Lines that answer nothing: the first few, since a testee may say much.
+/// Unexpected lines. Only the first few are stored.
 #[derive(Default)]
 pub(super) struct Strays {
     first: Vec<String>,
@@ -56,24 +56,24 @@ pub(super) struct Strays {
 }
 
 impl Strays {
-    /// Most that are kept.
-    const MAX_KEPT: usize = 5;
+    /// The maximum number of stored lines.
+    const MAX_LINES: usize = 5;
 
     fn push(&mut self, what: String) {
-        if self.first.len() < Self::MAX_KEPT {
+        if self.first.len() < Self::MAX_LINES {
             self.first.push(what);
         } else {
             self.more += 1;
         }
     }
 
-    /// Takes those of a session.
+    /// Adds the lines of another session.
     pub(super) fn append(&mut self, others: Self) {
         others.first.into_iter().for_each(|what| self.push(what));
         self.more += others.more;
     }
 
-    /// All of it in words; none where there is nothing.
+    /// A description of all lines; `None` if there are none.
     pub(super) fn summary(&self) -> Option<String> {
         let more = if self.more > 0 { format!("; and {} more", self.more) } else { String::new() };
         (!self.first.is_empty()).then(|| self.first.join("; ") + &more)
@@ -83,40 +83,40 @@ impl Strays {
 impl<'o> Session<'o> {
     pub(super) fn start(options: &'o Options) -> Result<Self, String> {
         let mut link = Link::open(options, true)?;
-        link.introduction(options).map_err(|wrong| format!("it doesn't introduce itself again: {wrong}"))?;
-        Ok(Self { link, options, next_id: FIRST_ID, received: ReceivedAnswers::default() })
+        link.introduction(options).map_err(|wrong| format!("no valid hello in a new session: {wrong}"))?;
+        Ok(Self { link, options, next_id: FIRST_ID, received: ReceivedResponses::default() })
     }
 
-    /// An id that no question has.
+    /// Returns an unused id.
     pub(super) fn fresh_id(&mut self) -> i64 {
         self.next_id += 1;
         self.next_id
     }
 
-    /// A line that asks a case, and its id.
-    pub(super) fn question(&mut self, case: &Case) -> (i64, Value) {
+    /// Returns a request for a case, and its id.
+    pub(super) fn request(&mut self, case: &Case) -> (i64, Value) {
         let id = self.fresh_id();
-        let mut question = case.request(0);
-        question["id"] = id.into();
-        (id, question)
+        let mut request = case.request(0);
+        request["id"] = id.into();
+        (id, request)
     }
 
-    /// Sends a question that must be answered.
-    pub(super) fn send(&mut self, id: i64, question: &Value) {
+    /// Sends a request that must get a response.
+    pub(super) fn send(&mut self, id: i64, request: &Value) {
         self.expect(id);
-        self.link.send(question.to_string());
+        self.link.send(request.to_string());
     }
 
-    /// Asks a case.
+    /// Sends a request for a case, and returns its id.
     pub(super) fn send_case(&mut self, case: &Case) -> i64 {
-        let (id, question) = self.question(case);
-        self.send(id, &question);
+        let (id, request) = self.request(case);
+        self.send(id, &request);
         id
     }
 
-    /// Notes a question that is sent by other means.
+    /// Registers a request that is sent by other means.
     pub(super) fn expect(&mut self, id: i64) {
-        self.received.open.insert(id);
+        self.received.pending.insert(id);
     }
 
     /// Sends bytes with one write.
@@ -124,7 +124,7 @@ impl<'o> Session<'o> {
         self.link.send_bytes(bytes);
     }
 
-    /// Sends bytes in parts that come apart.
+    /// Sends each part with a separate write.
     pub(super) fn send_parts<'p>(&self, parts: impl IntoIterator<Item = &'p [u8]>) {
         for part in parts {
             self.link.send_bytes(part.to_vec());
@@ -132,27 +132,27 @@ impl<'o> Session<'o> {
         }
     }
 
-    /// Sends a line that is no question: it may be answered under the id, or refused without one, or passed over.
+    /// Sends a malformed line. A response with the id, an error without an id, or no response are valid.
     pub(super) fn send_malformed(&mut self, id: Option<i64>, line: &[u8]) {
         self.received.optional.extend(id);
         self.received.refusals += 1;
         self.link.send_bytes([line, b"\n"].concat());
     }
 
-    /// Asks for one more hello, which may be given, refused or passed over.
+    /// Requests another hello. A hello, an error or no response are valid.
     pub(super) fn send_hello(&mut self) {
         self.received.hellos_due += 1;
         self.received.refusals += 1;
         self.link.send(Hello::request());
     }
 
-    /// Waits until all questions have their answers.
+    /// Waits until all requests have responses.
     pub(super) fn receive(&mut self) -> Result<(), String> {
         let mut until = Instant::now() + self.options.timeout;
         while !self.is_answered() {
             let wrong = match self.link.receive(until) {
                 Received::Line(line) => {
-                    // Lines that are no answers don't win time.
+                    // Lines other than responses don't extend the time limit.
                     if self.received.take(&line) {
                         until = Instant::now() + self.options.timeout;
                     }
@@ -160,76 +160,76 @@ impl<'o> Session<'o> {
                 }
                 Received::Nothing => {
                     let after = self.options.timeout.as_secs_f32();
-                    format!("no answer to {} within {after} s", self.missing())
+                    format!("no response to {} within {after} s", self.missing())
                 }
                 Received::TooLong => {
-                    let what = format!("a line of more than {} bytes", self.options.line_limit);
+                    let what = format!("a line longer than {} bytes", self.options.line_limit);
                     self.received.strays.push(what.clone());
                     what
                 }
                 Received::Closed => {
-                    format!("{}, without an answer to {}", self.link.ending(until), self.missing())
+                    format!("{}; no response to {}", self.link.ending(until), self.missing())
                 }
-                Received::Lost(how) => format!("{how}, without an answer to {}", self.missing()),
+                Received::Lost(how) => format!("{how}; no response to {}", self.missing()),
             };
             return Err(wrong + &remaining_stderr(&self.link.kill()));
         }
         Ok(())
     }
 
-    /// Asks a case, and waits for the answer: whatever came before has been seen, and survived.
-    pub(super) fn survive(&mut self, case: &Case) -> Result<(), String> {
+    /// Sends a case and waits for its response, which shows that the testee has survived everything sent before.
+    pub(super) fn check_alive(&mut self, case: &Case) -> Result<(), String> {
         self.send_case(case);
         self.receive()
     }
 
-    /// Closes the input of the testee, and hears it out.
-    pub(super) fn part(&mut self) -> Result<(), String> {
+    /// Closes the input of the testee, and reads its remaining output.
+    pub(super) fn finish(&mut self) -> Result<(), String> {
         let received = &mut self.received;
-        let parted = self.link.part(self.options.timeout, |line| {
+        let finished = self.link.finish(self.options.timeout, |line| {
             received.take(line);
         });
-        parted.map_err(|wrong| wrong + &remaining_stderr(&self.link.kill()))
+        finished.map_err(|wrong| wrong + &remaining_stderr(&self.link.kill()))
     }
 
-    /// The answer to a question.
-    pub(super) fn answer(&self, id: i64) -> Option<&Answer> {
-        self.received.answers.get(&id)
+    /// The response to a request.
+    pub(super) fn answer(&self, id: i64) -> Option<&Response> {
+        self.received.responses.get(&id)
     }
 
-    /// The questions without an answer, in words; the first few, where there are many.
+    /// The requests without a response; only the first few if there are many.
     pub(super) fn missing(&self) -> String {
-        let ids: Vec<String> = self.received.open.iter().take(3).map(|id| format!("id {id}")).collect();
-        let more = self.received.open.len() - ids.len();
+        let ids: Vec<String> = self.received.pending.iter().take(3).map(|id| id.to_string()).collect();
+        let more = self.received.pending.len() - ids.len();
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        ids.join(", ") + &more
+        format!("request{} {}{more}", if self.received.pending.len() == 1 { "" } else { "s" }, ids.join(", "))
     }
 
-    /// Whether all questions have answers.
+    /// True if all requests have responses.
     pub(super) fn is_answered(&self) -> bool {
-        self.received.open.is_empty()
+        self.received.pending.is_empty()
     }
 
-    /// What was heard so far.
-    pub(super) const fn received(&self) -> &ReceivedAnswers {
+    /// The lines received so far.
+    pub(super) const fn received(&self) -> &ReceivedResponses {
         &self.received
     }
 
-    /// What was said that answers nothing.
+    /// The unexpected lines of the session.
     pub(super) fn into_strays(self) -> Strays {
         self.received.strays
     }
 }
 
-impl ReceivedAnswers {
-    /// Takes a line; whether it is the answer to a question that needs one.
+impl ReceivedResponses {
+    /// Processes a line. Returns true if it is a required response.
     fn take(&mut self, line: &[u8]) -> bool {
-        match Answer::read(line.trim_ascii()) {
+        match Response::read(line.trim_ascii()) {
             Ok((id, answer)) => {
-                let is_awaited = self.open.remove(&id);
+                let is_awaited = self.pending.remove(&id);
                 if is_awaited || self.optional.remove(&id) {
-                    self.answers.insert(id, answer);
-                } else if self.answers.contains_key(&id) {
+                    self.responses.insert(id, answer);
+                } else if self.responses.contains_key(&id) {
                     self.repeated.get_or_insert(id);
                 } else {
                     self.foreign.get_or_insert(id);
@@ -247,7 +247,7 @@ impl ReceivedAnswers {
     }
 }
 
-/// Whether a line is what a question without an id may be answered with.
+/// True if a line is a valid response to a line without an id.
 fn is_refusal(line: &[u8]) -> bool {
     serde_json::from_slice(line).is_ok_and(|value: Value| {
         value.get("id").is_none_or(Value::is_null)

@@ -1,68 +1,66 @@
-//! That what it doesn't know, or can't understand, is answered as that.
+//! Checks the responses to requests that a testee doesn't support or can't understand.
 
 use serde_json::Value;
 
 use super::session::Session;
 use super::{Bench, Check, CheckOutcome};
 use crate::testee::case::Case;
-use crate::testee::protocol::Answer;
+use crate::testee::protocol::Response;
 
 pub(super) const UNKNOWN_OP: Check = Check {
     id: "unknown-op",
-    statement: "an op that it doesn't know is `unsupported`, or an `error`",
-    help: "answer {\"id\":…,\"unsupported\":true} to ops that aren't in the hello: later versions may have more",
+    statement: "an unknown op gets `unsupported` or `error`",
+    help: "respond with {\"id\":…,\"unsupported\":true} to ops that aren't in the hello; later versions may add ops",
     attempt: unknown_op,
 };
 
 pub(super) const UNKNOWN_TYPE: Check = Check {
     id: "unknown-type",
-    statement: "a type that it doesn't know is `unsupported`, or an `error`",
-    help: "answer {\"id\":…,\"unsupported\":true} to types that aren't in the hello",
+    statement: "an unknown type gets `unsupported` or `error`",
+    help: "respond with {\"id\":…,\"unsupported\":true} to types that aren't in the hello",
     attempt: unknown_type,
 };
 
 pub(super) const UNKNOWN_FORMAT: Check = Check {
     id: "unknown-format",
-    statement: "a format that it doesn't know is `unsupported`, or an `error`",
-    help: "compare \"format\" with the names that you know, and take none for the one that is left",
+    statement: "an unknown format gets `unsupported` or `error`",
+    help: "compare \"format\" with each known name; don't treat all other names as the last known one",
     attempt: unknown_format,
 };
 
 pub(super) const MISSING_MEMBER: Check = Check {
     id: "missing-member",
-    statement: "a question that lacks a member is `unsupported`, or an `error`",
-    help: "answer {\"id\":…,\"error\":\"no bytes\"}; \"rejected\" is for what a question asks about, not for itself",
+    statement: "a request without a required member gets `unsupported` or `error`",
+    help: "respond with {\"id\":…,\"error\":\"no bytes\"}; \"rejected\" is for invalid input, not for invalid requests",
     attempt: missing_member,
 };
 
 fn unknown_op(bench: &mut Bench<'_>) -> CheckOutcome {
-    bench.attempt(|bench, session| {
+    bench.run(|bench, session| {
         let case = bench.plain_case()?;
         refuses(session, case, &["op"], Some(&"levitate".into()))
     })
 }
 
 fn unknown_type(bench: &mut Bench<'_>) -> CheckOutcome {
-    bench.attempt(|bench, session| {
+    bench.run(|bench, session| {
         let case = bench.plain_case()?;
         let other = case.type_name.clone() + "ThatNobodyKnows";
         refuses(session, case, &["type"], Some(&other.into()))?;
-        // Without a package, it is no name of a type.
+        // A name without a package isn't a valid type name.
         refuses(session, case, &["type"], Some(&"levitate".into()))
     })
 }
 
 fn unknown_format(bench: &mut Bench<'_>) -> CheckOutcome {
     let Some(case) = bench.known_case(|case| case.format.is_some()).cloned() else {
-        return CheckOutcome::NotApplicable(
-            "none of its ops on types of the definitions has a format".to_owned(),
-        );
+        return CheckOutcome::NotApplicable("no supported op has a format for a supported type".to_owned());
     };
-    bench.attempt(|_, session| refuses(session, &case, &["format"], Some(&"morse".into())))
+    bench.run(|_, session| refuses(session, &case, &["format"], Some(&"morse".into())))
 }
 
 fn missing_member(bench: &mut Bench<'_>) -> CheckOutcome {
-    // One case of each op, since each has members of its own.
+    // One case of each op, since the ops have different members.
     let mut cases: Vec<Case> = Vec::new();
     for case in bench.known_cases().filter(|case| case.rule.is_none()) {
         if cases.iter().all(|other| other.op != case.op) {
@@ -70,9 +68,9 @@ fn missing_member(bench: &mut Bench<'_>) -> CheckOutcome {
         }
     }
     if cases.is_empty() {
-        return CheckOutcome::NotApplicable("it knows no type of the definitions".to_owned());
+        return CheckOutcome::NotApplicable("the testee supports no type of the definitions".to_owned());
     }
-    bench.attempt(|_, session| {
+    bench.run(|_, session| {
         cases.iter().try_for_each(|case| {
             let members = ["op", "type", "format", "bytes", "value"];
             let request = case.request(0);
@@ -83,8 +81,8 @@ fn missing_member(bench: &mut Bench<'_>) -> CheckOutcome {
     })
 }
 
-/// Asks the case once for each of the members, with another value there or without the member. Every answer has to say
-/// that this can't be answered, and the case itself must be answered afterwards.
+/// Sends the case once per member, with the member replaced by `value`, or removed if there is no value. Each response
+/// must be `unsupported` or `error`. Afterwards, the unchanged case must get a response.
 fn refuses(
     session: &mut Session<'_>,
     case: &Case,
@@ -92,24 +90,24 @@ fn refuses(
     value: Option<&Value>,
 ) -> Result<(), String> {
     for member in members {
-        let (id, mut question) = session.question(case);
-        if let (None, Some(members)) = (value, question.as_object_mut()) {
+        let (id, mut request) = session.request(case);
+        if let (None, Some(members)) = (value, request.as_object_mut()) {
             members.shift_remove(*member);
         } else if let Some(value) = value {
-            question[*member] = value.clone();
+            request[*member] = value.clone();
         }
-        session.send(id, &question);
+        session.send(id, &request);
         let what = match value {
             Some(value) => format!("{} with \"{member}\":{value}", case.action()),
             None => format!("{} without \"{member}\"", case.action()),
         };
         session.receive().map_err(|wrong| format!("{what}: {wrong}"))?;
         let wrong = match session.answer(id) {
-            Some(Answer::Ok(_)) => "ok",
-            Some(Answer::Rejected(_)) => "rejected",
-            Some(Answer::Unsupported | Answer::Error(_)) | None => continue,
+            Some(Response::Ok(_)) => "ok",
+            Some(Response::Rejected(_)) => "rejected",
+            Some(Response::Unsupported | Response::Error(_)) | None => continue,
         };
-        return Err(format!("{what} is answered with \"{wrong}\""));
+        return Err(format!("the response to {what} is \"{wrong}\", expected \"unsupported\" or \"error\""));
     }
-    session.survive(case)
+    session.check_alive(case)
 }

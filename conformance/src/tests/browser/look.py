@@ -1,4 +1,4 @@
-"""Opens pages in headless Chromium, measures them and takes pictures. Needs Python alone.
+"""Opens pages in headless Chromium, measures them and takes screenshots. Requires only the standard library.
 
     look.py CHROMIUM PAGE FOLDER
 
@@ -18,10 +18,10 @@ import tempfile
 SCREENS = [(1280, 900), (390, 844)]
 SCHEMES = ["light", "dark"]
 
-# Browsers take no picture of a page of more than some 16,000 pixels; what is below this is measured all the same.
+# Chromium takes no screenshots of more than about 16,000 pixels. Measurements include the rest of the page.
 HIGHEST = 8000
 
-# The elements that reach beyond the window, the colour of the page, and its headings.
+# The elements that extend beyond the window, the color of the page, and its headings.
 MEASURE = """JSON.stringify({
   content: document.documentElement.scrollWidth,
   height: document.documentElement.scrollHeight,
@@ -37,7 +37,7 @@ MEASURE = """JSON.stringify({
 
 class Browser:
     def __init__(self, program, profile):
-        # Over the pipe the browser reads from 3 and writes to 4.
+        # The browser reads from file descriptor 3 and writes to 4.
         to_read, self.to = os.pipe()
         self.of, to_write = os.pipe()
         command = [
@@ -100,7 +100,7 @@ def look(browser, page, folder, width, height, scheme):
     told = [event["params"] for event in browser.events if event.get("method") == "Log.entryAdded"]
     asked = [event for event in browser.events if event.get("method") == "Network.requestWillBeSent"]
     measures = {}
-    # What can be opened must fit, too: the picture is taken of the page as it opens.
+    # Collapsed elements must fit as well; the screenshot shows the page in its initial state.
     for name, before in [("closed", ""), ("open", "document.querySelectorAll('details').forEach(d => d.open = true);")]:
         result = browser.ask("Runtime.evaluate", {"expression": before + MEASURE})["result"]
         measures[name] = json.loads(result["value"])

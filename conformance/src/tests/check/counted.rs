@@ -1,4 +1,4 @@
-//! Arrays of which a field says how many entries are in use.
+//! Tests of arrays with a field that counts the elements in use.
 
 use std::fs;
 
@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use super::{FORMAT, Glider, MARK_FORMAT, PERIOD, run_check, violated};
 use crate::tests::support::Writer;
 
-/// A log of a glider with so many marks, of which so many are in use.
+/// A log of a glider whose array has a number of marks, and a number in use.
 fn glider_of(marks: usize, num_marks: u8) -> Writer {
     let mut log = Writer::with_flags();
     log.format(&format!("glider:{}", FORMAT.replace("mark[3]", &format!("mark[{marks}]"))));
@@ -21,22 +21,22 @@ fn glider_of(marks: usize, num_marks: u8) -> Writer {
     log
 }
 
-/// Firmware may have a longer array than the definition, or a shorter one.
+/// An array of the firmware may be longer or shorter than in the definition.
 #[test]
-fn a_count_is_held_to_the_array_that_the_log_has() {
+fn checks_counts_against_the_array_in_the_log() {
     for (marks, num_marks, is_violating) in
         [(8, 7, false), (8, 8, false), (8, 9, true), (2, 2, false), (2, 3, true)]
     {
         let found = violated(&run_check(&glider_of(marks, num_marks)));
         let found: Vec<_> = found.into_iter().filter(|(rule, _)| *rule != "PX-FMT-01").collect();
         let message =
-            ("PX-LEN-01", format!("glider.num_marks: {num_marks} entries in use of an array of {marks}"));
+            ("PX-LEN-01", format!("glider.num_marks: {num_marks} exceeds the array length {marks}"));
         assert_eq!(found, if is_violating { vec![message] } else { vec![] }, "{num_marks} of {marks}");
     }
 }
 
 #[test]
-fn a_count_of_an_array_that_the_log_lacks_may_be_any() {
+fn accepts_any_count_of_a_missing_array() {
     let mut log = Writer::with_flags();
     log.format("glider:uint64_t timestamp;uint8_t num_marks;uint8_t[7] _padding0;");
     log.subscribe(5, 0, "glider");
@@ -70,7 +70,7 @@ fn tow() -> (TempDir, Definitions) {
     (folder, definitions)
 }
 
-/// A message of the tow: its ropes and how many there are, and the same of knots, each with its turns.
+/// Checks a message with ropes and knots, each with a count; a knot has turns with a count.
 fn check_tow(ropes: (u8, [u8; 4]), num_knots: i8, knots: [(u8, [u8; 3], u8); 2]) -> CaptureResult {
     let mut log = Writer::with_flags();
     log.format(
@@ -97,7 +97,7 @@ fn check_tow(ropes: (u8, [u8; 4]), num_knots: i8, knots: [(u8, [u8; 3], u8); 2])
 }
 
 #[test]
-fn entries_that_are_not_in_use_are_ignored() {
+fn ignores_unused_array_elements() {
     let knot = (3, [1, 2, 3], 1);
     let firm = [knot, knot];
     for (ropes, num_knots, knots, path) in [
@@ -109,7 +109,7 @@ fn entries_that_are_not_in_use_are_ignored() {
         ((4, [10; 4]), 2, [knot, (1, [1, 0, 0], 1)], ""),
         ((4, [10; 4]), 2, [knot, (2, [1, 0, 0], 1)], "knots[1].turns[1]"),
         ((4, [10; 4]), 2, [knot, (3, [1, 1, 1], 153)], "knots[1].is_firm"),
-        // A count that makes no sense says nothing of what is in use.
+        // With an invalid count, all elements are checked.
         ((4, [10; 4]), -1, [knot, (1, [0; 3], 1)], "knots[1].turns[0]"),
     ] {
         let result = check_tow(ropes, num_knots, knots);

@@ -1,4 +1,4 @@
-//! The rules on messages over time: from where on something is a breach, to the microsecond.
+//! Tests of the exact limits of rules on timing.
 
 use std::fs;
 
@@ -9,17 +9,17 @@ use crate::rules::rule;
 use super::{Glider, PERIOD, run_check, start, violated};
 use crate::tests::support::Writer;
 
-/// When the first message comes. It is no multiple of the period, as a flight controller is up before it logs.
+/// The time of the first message. It isn't a multiple of the period, since logging starts later than the system.
 const FIRST: u64 = 1_234_567;
 
-/// Adds messages of the glider at these times.
+/// Adds glider messages at these times.
 fn at(log: &mut Writer, times: impl IntoIterator<Item = u64>) {
     for time in times {
         log.data(5, &Glider::at(time).bytes());
     }
 }
 
-/// A log with so many messages, a period apart, and the time of the last.
+/// A log with a number of regular messages, and the time of the last.
 fn regular(messages: u64) -> (Writer, u64) {
     let mut log = start();
     at(&mut log, (0..messages).map(|number| FIRST + number * PERIOD));
@@ -30,7 +30,7 @@ fn covered(result: &CaptureResult, id: &str) -> u64 {
     result.findings.covered(rule(id).expect("a rule"))
 }
 
-/// Nothing is found when a message comes at this time, and a pause when it comes a microsecond later.
+/// Asserts that a message at this time has no finding, and that one a microsecond later is reported as a gap.
 fn check_longest(log: &Writer, last: u64) {
     for (time, is_pause) in [(last, false), (last + 1, true)] {
         let mut log = log.clone();
@@ -41,7 +41,7 @@ fn check_longest(log: &Writer, last: u64) {
 }
 
 #[test]
-fn a_pause_is_longer_than_ten_periods() {
+fn reports_gaps_of_more_than_ten_periods() {
     let (mut log, last) = regular(40);
     check_longest(&log, last + 10 * PERIOD);
     at(&mut log, [last + 11 * PERIOD]);
@@ -63,9 +63,9 @@ fn reports_no_gap_before_the_period_is_learned() {
     }
 }
 
-/// A log begins with the latest message of each topic, whenever that was; and several may come at once.
+/// A log starts with the latest message of each topic, which may be old, and several may have the same time.
 #[test]
-fn a_beginning_that_is_out_of_time_makes_no_pauses() {
+fn reports_no_gap_after_an_old_first_message() {
     for first in [FIRST - 1, FIRST - 100, FIRST - 500_000] {
         let mut log = start();
         at(&mut log, [first]);
@@ -80,9 +80,9 @@ fn a_beginning_that_is_out_of_time_makes_no_pauses() {
     assert_eq!(detail.message, "no message for 300 µs, but the period is 20 µs");
 }
 
-/// One interval that is out of time moves the period a little, and no further than to itself.
+/// One irregular interval changes the learned period only slightly.
 #[test]
-fn a_rhythm_is_learned_in_small_steps() {
+fn learns_the_period_in_small_steps() {
     for (interval, period) in [(180_000, 21_250), (20_500, 20_500), (19_500, 19_500), (5_000, 18_750)] {
         let (mut log, last) = regular(40);
         at(&mut log, [last + interval]);
@@ -91,7 +91,7 @@ fn a_rhythm_is_learned_in_small_steps() {
 }
 
 #[test]
-fn messages_of_one_time_and_those_without_any_have_no_part_in_the_rhythm() {
+fn ignores_equal_and_missing_times_when_learning_the_period() {
     let mut log = start();
     at(&mut log, (0..80).map(|number| FIRST + number / 2 * PERIOD));
     check_longest(&log, FIRST + 49 * PERIOD);
@@ -103,7 +103,7 @@ fn messages_of_one_time_and_those_without_any_have_no_part_in_the_rhythm() {
 }
 
 #[test]
-fn a_dropout_is_a_reason_for_as_long_as_it_took_and_a_second_more() {
+fn a_dropout_excuses_gaps_for_its_duration_and_one_second() {
     for (messages, is_excused) in [(70, true), (71, false)] {
         let (mut log, last) = regular(40);
         log.dropout(400);
@@ -126,7 +126,7 @@ fn checks_impossible_times_like_others() {
 }
 
 #[test]
-fn one_time_that_is_wrong_is_one_finding() {
+fn reports_one_finding_per_wrong_time() {
     let count = |times: &[u64]| {
         let mut log = start();
         at(&mut log, times.iter().copied());
@@ -138,16 +138,16 @@ fn one_time_that_is_wrong_is_one_finding() {
     let [second, third, fourth] = [2, 3, 4].map(|number| FIRST + number * PERIOD);
     assert_eq!(count(&[FIRST, second, third]), 0);
     assert_eq!(count(&[1 << 60, FIRST, second, third]), 1, "the first is wrong");
-    assert_eq!(count(&[FIRST, third, second, fourth]), 1, "one comes too late");
-    assert_eq!(count(&[third, fourth, FIRST, second]), 1, "the flight controller starts again");
-    assert_eq!(count(&[third, second, FIRST]), 2, "each goes back");
-    assert_eq!(count(&[third, 0, second]), 1, "what has no time isn't between them");
+    assert_eq!(count(&[FIRST, third, second, fourth]), 1, "one is late");
+    assert_eq!(count(&[third, fourth, FIRST, second]), 1, "the flight controller restarts");
+    assert_eq!(count(&[third, second, FIRST]), 2, "both go back");
+    assert_eq!(count(&[third, 0, second]), 1, "a message without a time is ignored");
     assert_eq!(count(&[FIRST, 0, second]), 0);
 }
 
-/// What an id meant before counts no more, even if it is the same topic.
+/// A new subscription of the same id starts over, even for the same topic.
 #[test]
-fn who_subscribes_again_begins_anew() {
+fn a_new_subscription_starts_over() {
     let (mut log, last) = regular(40);
     log.subscribe(5, 0, "glider");
     let mut pause = log.clone();
@@ -158,10 +158,10 @@ fn who_subscribes_again_begins_anew() {
 }
 
 #[test]
-fn a_queue_may_be_filled_and_is_too_full_once() {
+fn reports_a_queue_overflow_once() {
     for (messages, found) in [(1, 0), (2, 0), (3, 1), (9, 1)] {
         let (mut log, last) = regular(40);
-        // What was never published has no time, so it isn't of one.
+        // Unpublished instances have no time and don't count.
         at(&mut log, [0; 5]);
         at(&mut log, vec![last + PERIOD; messages]);
         at(&mut log, [last + 2 * PERIOD, last + 2 * PERIOD]);
@@ -183,7 +183,7 @@ uint64 timestamp # [us] Time since system start
 # TOPICS sonde sonde_v8 sonde_v9
 ";
 
-/// A log of a message without a queue, on topics of these names.
+/// Checks a log of a message without a queue, with these topics and times.
 fn check_sonde(topics: &[&str], times: &[u64]) -> CaptureResult {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("Sonde.msg"), SONDE).expect("a file");
@@ -202,7 +202,7 @@ fn check_sonde(topics: &[&str], times: &[u64]) -> CaptureResult {
 }
 
 #[test]
-fn a_topic_without_a_queue_may_repeat_a_time() {
+fn a_topic_without_a_queue_may_repeat_times() {
     let result = check_sonde(&["sonde"], &[FIRST, FIRST, FIRST, FIRST + 1]);
     assert_eq!(violated(&result), []);
     assert_eq!(covered(&result, "PX-QUEUE-01"), 4);

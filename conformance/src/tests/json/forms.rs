@@ -1,4 +1,4 @@
-//! The forms in which messages come, and what their numbers are.
+//! Tests of the forms of JSON messages and of their numbers.
 
 use crate::check::Summary;
 use serde_json::{Value, json};
@@ -7,7 +7,7 @@ use super::{PERIOD, check_bare, check_bytes, corruption, glider, published, sour
 use crate::tests::support::Writer;
 
 #[test]
-fn messages_come_in_several_forms() {
+fn reads_several_forms_of_messages() {
     let (one, two) = (glider(PERIOD), glider(2 * PERIOD));
     let pretty = |value: &Value| serde_json::to_string_pretty(value).expect("JSON");
     for (text, lines) in [
@@ -43,9 +43,9 @@ fn messages_come_in_several_forms() {
     assert_eq!(found.undefined.iter().collect::<Vec<_>>(), ["/fmu/out/kite"]);
 }
 
-/// What rosbridge says of the type of a topic counts more than what the topic is called.
+/// The type advertised by rosbridge has priority over the topic name.
 #[test]
-fn topics_have_the_type_that_was_advertised() {
+fn uses_the_advertised_type_of_a_topic() {
     let topics = [
         ("/any", "px4_msgs/msg/Glider", true),
         ("/glider", "px4_msgs/Glider", true),
@@ -70,9 +70,9 @@ fn topics_have_the_type_that_was_advertised() {
     assert_eq!(source(&result).skipped, 5);
 }
 
-/// A topic is known by its name with the number of its instance, as it is in MCAP.
+/// A topic name with an instance number refers to the same type, as in MCAP.
 #[test]
-fn instances_of_a_topic_are_of_its_type() {
+fn instances_of_a_topic_have_its_type() {
     let lines: Vec<String> = ["/fmu/out/glider/1", "/glider_1", "/glider.01", "/glider_v2_0", "/glider/"]
         .iter()
         .map(|topic| published(topic, &glider(PERIOD)))
@@ -87,7 +87,7 @@ fn instances_of_a_topic_are_of_its_type() {
 }
 
 #[test]
-fn what_rosbridge_writes_is_understood_and_named() {
+fn reads_and_names_the_dialect_of_rosbridge() {
     let mut message = glider(PERIOD);
     message["raw"] = json!("AQIDBAU=");
     let numbers = published("/glider", &{
@@ -106,7 +106,7 @@ fn what_rosbridge_writes_is_understood_and_named() {
 }
 
 #[test]
-fn integers_of_64_bits_are_exact() {
+fn reads_64_bit_integers_exactly() {
     let mut message = glider(u64::MAX);
     message["serial"] = json!(i64::MAX);
     let result = check_bare(&message.to_string());
@@ -118,7 +118,7 @@ fn integers_of_64_bits_are_exact() {
 }
 
 #[test]
-fn logs_are_still_known_by_their_magic() {
+fn detects_logs_by_their_magic() {
     let result = check_bytes(&Writer::with_flags().bytes);
     assert!(matches!(result.summary, Summary::Log(_)));
     assert!(matches!(check_bytes(b"").summary, Summary::Json(_)));

@@ -1,4 +1,4 @@
-//! Whatever bytes come, they are told with their line, and reading goes on.
+//! Tests of arbitrary bytes: errors are reported with their line, and reading continues.
 
 use std::io::{self, Read};
 
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 use super::{PERIOD, check_bare, check_bytes, corruption, definitions, glider, source, typed, violated};
 
-/// Something that can't be read, between two messages that can, and what is said of it.
+/// An unreadable line between two readable ones, with the expected message.
 #[test]
 fn reports_unreadable_lines_and_continues() {
     let good = typed(&glider(PERIOD));
@@ -23,9 +23,9 @@ fn reports_unreadable_lines_and_continues() {
         (b"{\"message\":{}}", "line 2: unknown message type"),
         (b"{\"op\":\"publish\"}", "line 2: rosbridge `publish` without"),
         (b"{\"op\":1}", "line 2: `op`: expected a string"),
-        (b"{\"type\":\"a\",\"type\":\"b\",\"message\":{}}", "line 2: a key that says what message"),
+        (b"{\"type\":\"a\",\"type\":\"b\",\"message\":{}}", "line 2: duplicate key"),
         (b"\xef\xbb\xbf{}", "line 2: invalid JSON: expected a value at byte 0"),
-        (long.as_bytes(), "line 2: 20971530 bytes, where at most 16777216 are read"),
+        (long.as_bytes(), "line 2: skipped a value of 20971530 bytes"),
     ];
     for (bytes, message) in cases {
         let input = [good.as_bytes(), b"\n", bytes, b"\n", good.as_bytes(), b"\n"].concat();
@@ -82,7 +82,7 @@ fn reports_malformed_arrays() {
     assert_eq!(result.checked, 2);
 }
 
-/// Gives at most so many bytes at a time.
+/// A reader that returns a limited number of bytes at a time.
 struct Slow<'b>(&'b [u8], usize);
 
 impl Read for Slow<'_> {
@@ -95,7 +95,7 @@ impl Read for Slow<'_> {
     }
 }
 
-/// Whatever comes, in whatever pieces.
+/// The events and the size of bytes that arrive in pieces.
 fn events(bytes: &[u8], piece: usize) -> (Vec<String>, u64) {
     let mut reader = Reader::new(Slow(bytes, piece));
     let mut events = Vec::new();
@@ -131,10 +131,10 @@ proptest! {
     }
 }
 
-/// A line without an end is read and forgotten.
+/// An endless line is skipped without storing it.
 #[test]
-fn a_line_without_an_end_takes_no_room() {
-    /// Counts what is asked for, which is what the reader has room for.
+fn skips_an_endless_line_in_constant_memory() {
+    /// A reader that records the largest read, which is the free space of the buffer.
     struct Endless {
         left: u64,
         most: usize,
@@ -156,9 +156,9 @@ fn a_line_without_an_end_takes_no_room() {
     assert!(endless.most <= MAX_LENGTH, "{}", endless.most);
 }
 
-/// A name that is as long as a line isn't kept, nor shown; control characters don't reach a terminal.
+/// Long names aren't stored or shown, and control characters are escaped.
 #[test]
-fn names_are_bounded_and_shown_harmlessly() {
+fn limits_and_escapes_names() {
     let named = |ty: &str| format!("{}\n", serde_json::json!({"type": ty, "message": {}}));
     let result = check_bytes(format!("{}{}", named(&"x".repeat(300)), named("x/\u{1b}[31m")).as_bytes());
     assert_eq!(corruption(&result), ["line 1: the name of the topic or type is longer than 256 bytes"]);

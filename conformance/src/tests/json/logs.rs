@@ -1,4 +1,4 @@
-//! Real logs, written as JSON, are judged as the logs are.
+//! Tests that real logs converted to JSON have the same findings.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -12,7 +12,7 @@ use uavspec_codegen::dynamic::Types;
 use super::{corruption, source};
 use crate::tests::support::shared;
 
-/// The messages of a log as rosbridge would publish them, where their format is that of the definition.
+/// The messages of a log in rosbridge form, if their format matches the definition.
 fn as_json(bytes: &[u8], definitions: &Definitions, types: &Types) -> (String, Vec<String>) {
     let (mut reader, mut log) = (Reader::new(bytes), Log::default());
     let (mut lines, mut topics) = (String::new(), Vec::new());
@@ -23,10 +23,10 @@ fn as_json(bytes: &[u8], definitions: &Definitions, types: &Types) -> (String, V
         if !defined.is_some_and(|defined| compare(record.message_type, defined) == Comparison::Equal) {
             continue;
         }
-        // Infinity has no JSON.
+        // JSON can't represent infinity.
         let view = record.message_type.view_uorb(record.payload).expect("a payload");
         let Ok(message) = view.to_json_text() else { continue };
-        // Padding has names in logs, and none in JSON.
+        // Padding fields exist in logs only.
         let mut message: serde_json::Value = serde_json::from_str(&message).expect("JSON");
         unpad(&mut message);
         let instance = record.subscription.multi_id;
@@ -50,7 +50,7 @@ fn unpad(value: &mut serde_json::Value) {
     }
 }
 
-/// What both kinds of sources can break, in these topics.
+/// The findings of rules that apply to both kinds of captures, for these topics.
 fn findings(result: &CaptureResult, topics: &[String]) -> Vec<(&'static str, String, u64, Vec<String>)> {
     let of_both =
         ["PX-ENUM-01", "PX-LEN-01", "PX-NAN-01", "PX-QUEUE-01", "PX-RANGE-01", "PX-STR-01", "PX-TIME-01"];
@@ -68,7 +68,7 @@ fn findings(result: &CaptureResult, topics: &[String]) -> Vec<(&'static str, Str
 }
 
 #[test]
-fn real_logs_as_json_have_the_same_results() {
+fn real_logs_have_the_same_findings_as_json() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
     let definitions = Definitions::load(&corpus.join("1.15")).expect("definitions");
     let types = Types::new(&definitions.schema);

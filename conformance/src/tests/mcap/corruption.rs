@@ -1,4 +1,4 @@
-//! Files that are broken: what is sound in them is judged, and what isn't is told with its place.
+//! Tests of corrupt files: readable parts are checked, and unreadable parts are reported with their location.
 
 use std::io::{self, Read};
 
@@ -19,13 +19,13 @@ fn glider(number: u64) -> Vec<u8> {
     message(3, &Glider::at(number * PERIOD).cdr())
 }
 
-/// Messages of these numbers.
+/// Messages with these numbers.
 fn gliders(numbers: std::ops::RangeInclusive<u64>) -> Vec<u8> {
     numbers.flat_map(glider).collect()
 }
 
-/// What a file of these parts says of its damage, and how many messages are judged. `{}` in what is expected is the
-/// place of the part with that number.
+/// Asserts the reported corruption and the number of checked messages of a file with these parts. `{}` in an expected
+/// text stands for the offset of the part with that number.
 fn assert_corruption(parts: &[Vec<u8>], expected: &[(usize, &str)], checked_count: u64) {
     let result = checked(&parts.concat());
     let offset = |part: usize| parts[..part].iter().map(|part| part.len() as u64).sum();
@@ -38,7 +38,7 @@ fn assert_corruption(parts: &[Vec<u8>], expected: &[(usize, &str)], checked_coun
 }
 
 #[test]
-fn a_record_that_is_none_is_passed_over() {
+fn skips_invalid_records() {
     let rest = [gliders(3..=4), end()].concat();
     let before = [start(), declarations(), gliders(1..=2)].concat();
     let huge = |opcode: u8| [&[opcode][..], &(1_u64 << 60).to_le_bytes(), &[7; 30]].concat();
@@ -68,7 +68,7 @@ fn a_record_that_is_none_is_passed_over() {
 }
 
 #[test]
-fn what_later_versions_add_is_passed_over() {
+fn ignores_additions_of_later_versions() {
     let mut longer = declarations();
     let added = channel(4, 0, "/other", "cdr", &[]);
     let body = [&added[9..], b"more"].concat();
@@ -139,7 +139,7 @@ fn skips_corrupt_chunks() {
 }
 
 #[test]
-fn a_chunk_without_end_is_read_as_far_as_it_goes() {
+fn reads_a_truncated_chunk_to_its_end() {
     let mut endless = raw_chunk("", 1 << 60, 0, 1 << 60, &gliders(1..=5));
     endless[1..9].copy_from_slice(&((1_u64 << 60) + 40).to_le_bytes());
     let missing = (1_u64 << 60) - gliders(1..=5).len() as u64;
@@ -196,7 +196,7 @@ fn reports_contradicting_declarations() {
 }
 
 #[test]
-fn where_a_file_begins_and_ends_is_looked_at() {
+fn reports_missing_headers_and_footers() {
     let body = [declarations(), glider(1)].concat();
     let ends_early = "the file ends without a footer: it is truncated, or its writer didn't finish";
     assert_corruption(&[start(), body.clone()], &[(2, ends_early)], 1);
@@ -231,7 +231,7 @@ fn where_a_file_begins_and_ends_is_looked_at() {
     assert_corruption(&[MAGIC.to_vec(), header("")], &[(2, ends_early)], 0);
 }
 
-/// Cut off anywhere, the messages before the cut are judged, or those of whole blocks of a packed chunk.
+/// Messages before any truncation are checked; in a compressed chunk, those in complete blocks.
 #[test]
 fn checks_truncated_files_to_their_end() {
     for form in FORMS {
@@ -254,7 +254,7 @@ fn checks_truncated_files_to_their_end() {
     }
 }
 
-/// A flipped bit costs a few messages, or a chunk. Where a checksum covers it, it is told.
+/// A flipped bit loses a few messages or a chunk. Under a checksum, it is always reported.
 #[test]
 fn flipped_bits_lose_few_messages_and_fail_checksums() {
     let mut random = Random(11);
@@ -271,7 +271,7 @@ fn flipped_bits_lose_few_messages_and_fail_checksums() {
             for (location, message) in &result.corruption {
                 assert!(*location <= Location::Byte(whole.len() as u64), "{form:?} {at} {message}");
             }
-            // Within a chunk, all that is packed or stored has a checksum.
+            // Within a chunk, all data is covered by a checksum.
             let is_covered = form != Form::Unchunked && !violated(&result).is_empty();
             assert!(!is_covered || !result.corruption.is_empty(), "{form:?} {at} {:?}", violated(&result));
         }
@@ -285,7 +285,7 @@ fn noise_after_the_magic_is_corruption_only() {
         let length = random.index(5_000);
         let mut noise = random.bytes(length);
         if round % 2 == 0 {
-            // Small numbers make lengths that can be believed.
+            // Small numbers result in plausible lengths.
             for byte in &mut noise {
                 *byte = if *byte < 128 { 0 } else { *byte % 16 };
             }
@@ -296,9 +296,9 @@ fn noise_after_the_magic_is_corruption_only() {
     }
 }
 
-/// However the bytes come, the same is read.
+/// The result doesn't depend on how the input is split.
 #[test]
-fn the_pieces_in_which_bytes_come_do_not_matter() {
+fn reads_the_same_from_any_split_of_the_input() {
     for form in FORMS {
         let mut whole = file(&chunked(form, &records_with(&good().cdr())));
         whole.truncate(whole.len() - 60);
@@ -317,7 +317,7 @@ fn the_pieces_in_which_bytes_come_do_not_matter() {
     }
 }
 
-/// A start, and then the same bytes again and again; it counts how many are asked for at once.
+/// A reader that returns some bytes and then repeats a pattern. It records the largest read.
 struct Endless {
     start: Vec<u8>,
     pattern: Vec<u8>,
@@ -340,9 +340,9 @@ impl Read for &mut Endless {
     }
 }
 
-/// What is no record to be lent is never held, and no length is believed before its bytes are there.
+/// Skipped records aren't stored, and no memory is allocated for a length before its bytes have arrived.
 #[test]
-fn memory_does_not_grow_with_what_is_passed_over() {
+fn skips_records_in_constant_memory() {
     let length = |opcode: u8, length: u64| [&[opcode][..], &length.to_le_bytes()].concat();
     let data: u64 = 1 << 50;
     let attachment =
@@ -357,10 +357,10 @@ fn memory_does_not_grow_with_what_is_passed_over() {
         (length(5, 1 << 40), zeros.clone(), 1 << 18),
         (plain, messages.clone(), 1 << 17),
         (vec![], messages, 1 << 17),
-        // A message as long as one can be is held, and no more.
+        // A message of the maximum length is stored.
         (length(5, Reader::<&[u8]>::MAX_RECORD), zeros, 3 * (64 << 20)),
     ] {
-        // More than is held at most, or enough to fill the buffer many times.
+        // More than the maximum that is stored, or enough to fill the buffer many times.
         let size = if largest > 1 << 20 { 80 << 20 } else { 8 << 20 };
         let start = [start(), declarations(), head].concat();
         let mut input = Endless { start, pattern, position: 0, size, largest_request: 0 };
@@ -375,7 +375,7 @@ fn memory_does_not_grow_with_what_is_passed_over() {
     }
 }
 
-/// Plans take room and time; beyond a limit, channels are told and not judged.
+/// Channels beyond a limit are reported but not checked, since each needs memory and time.
 #[test]
 fn does_not_check_channels_beyond_the_limit() {
     let marks = "Mark[3000] more\nMark[3] marks\nbool[3] flags\n";

@@ -1,4 +1,4 @@
-//! Writes files of MCAP, also such as nobody should write.
+//! Writes MCAP files, including invalid ones.
 
 use std::io::Write as _;
 
@@ -7,7 +7,7 @@ use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
 pub(crate) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
-/// A record: its kind, its length, and what it holds.
+/// A record with its kind, length and content.
 pub(crate) fn record(opcode: u8, parts: &[&[u8]]) -> Vec<u8> {
     let body = parts.concat();
     [&[opcode][..], &(body.len() as u64).to_le_bytes(), &body].concat()
@@ -42,7 +42,7 @@ pub(crate) fn message(channel: u16, payload: &[u8]) -> Vec<u8> {
     record(5, &[&channel.to_le_bytes(), &[0; 4], &7_u64.to_le_bytes(), &7_u64.to_le_bytes(), payload])
 }
 
-/// How records are put into a file.
+/// How records are stored in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Form {
     Unchunked,
@@ -53,7 +53,7 @@ pub(crate) enum Form {
 
 pub(crate) const FORMS: [Form; 4] = [Form::Unchunked, Form::Plain, Form::Zstd, Form::Lz4];
 
-/// Records in a form: each chunk holds those of one element.
+/// Records in this form, with one chunk per element.
 pub(crate) fn chunked(form: Form, chunks: &[Vec<u8>]) -> Vec<u8> {
     chunks
         .iter()
@@ -79,7 +79,7 @@ pub(crate) fn raw_chunk(packing: &str, size: u64, checksum: u32, packed_size: u6
     record(6, &[&head, &text(packing.as_bytes()), &packed_size.to_le_bytes(), packed])
 }
 
-/// A whole file around records.
+/// A complete file with these records.
 pub(crate) fn file(records: &[u8]) -> Vec<u8> {
     [start(), records.to_vec(), end()].concat()
 }

@@ -1,4 +1,4 @@
-//! What a file says of its types, beside the definitions.
+//! Tests of schemas in files that differ from the definitions.
 
 use std::fs;
 
@@ -11,7 +11,7 @@ use super::file::{channel, file, message, schema};
 use super::{GLIDER, Glider, PERIOD, checked, corrupt_count, equal, good, ros, ros2msg, source, violated};
 use crate::tests::support::shared;
 
-/// What the only channel of a file is judged by.
+/// The basis on which the only channel of a file is checked.
 fn basis(result: &CaptureResult) -> &Basis {
     match &source(result).channels[0].status {
         CheckStatus::Checked(basis) => basis,
@@ -23,7 +23,7 @@ fn differences(result: &CaptureResult) -> &Differences {
     source(result).channels[0].status.differences().expect("the schema differs")
 }
 
-/// Gliders whose schema has another field before the others.
+/// Glider messages with an additional first field.
 fn longer(change: impl Fn(&mut Glider)) -> Vec<u8> {
     let (name, hash) = ros("Glider");
     let text = ros2msg(&GLIDER.replace("uint64 timestamp ", "uint64 number\nuint64 timestamp "));
@@ -69,9 +69,9 @@ fn reads_differing_schemas_and_checks_common_fields() {
     assert_eq!(ids, expected.map(|(id, text)| (id, text.to_owned())));
 }
 
-/// A file may have a longer array than the definition, or a shorter one.
+/// An array in a file may be longer or shorter than in the definition.
 #[test]
-fn a_count_is_held_to_the_array_that_the_schema_has() {
+fn checks_counts_against_the_array_in_the_schema() {
     let (name, _) = ros("Glider");
     for (marks, num_marks, is_violating) in [(8, 7, false), (8, 9, true), (2, 2, false), (2, 3, true)] {
         let text = format!("uint64 timestamp\nuint8 num_marks\nuint8[{marks}] marks\n");
@@ -84,14 +84,14 @@ fn a_count_is_held_to_the_array_that_the_schema_has() {
         let found = violated(&checked(&file(&records.concat())));
         let found: Vec<_> = found.into_iter().filter(|(rule, _)| *rule != "PX-FMT-01").collect();
         let message =
-            ("PX-LEN-01", format!("glider.num_marks: {num_marks} entries in use of an array of {marks}"));
+            ("PX-LEN-01", format!("glider.num_marks: {num_marks} exceeds the array length {marks}"));
         assert_eq!(found, if is_violating { vec![message] } else { vec![] }, "{num_marks} of {marks}");
     }
 }
 
-/// The version behind a topic is that of the type that the file brings, whatever the definition's is.
+/// The version of a topic must match the type in the file, regardless of the definition.
 #[test]
-fn a_topic_has_the_version_of_its_own_schema() {
+fn compares_the_topic_version_with_the_schema_in_the_file() {
     let (name, _) = ros("Glider");
     let of_version =
         |number: u32| GLIDER.replace("MESSAGE_VERSION = 2", &format!("MESSAGE_VERSION = {number}"));
@@ -132,7 +132,7 @@ fn a_topic_has_the_version_of_its_own_schema() {
 }
 
 #[test]
-fn the_order_of_fields_counts_and_comments_and_constants_do_not() {
+fn compares_field_order_but_not_comments_and_constants() {
     let (name, _) = ros("Glider");
     let with = |text: &str| {
         let records = [schema(1, &name, "ros2msg", text.as_bytes()), channel(3, 1, "/glider", "cdr", &[])];
@@ -151,7 +151,7 @@ fn the_order_of_fields_counts_and_comments_and_constants_do_not() {
         basis(&with(&ros2msg(&GLIDER.replace("uint8 MODE_THERMAL = 7", "uint8 MODE_WAVE = 9")))),
         equal
     );
-    // ROS 2 knows both as the same.
+    // These are the same type in ROS 2.
     assert_eq!(basis(&with(&ros2msg(&GLIDER.replace("char[4]", "uint8[4]")))), equal);
     let retyped = with(&ros2msg(&GLIDER.replace("char[4]", "char[5]")));
     assert_eq!(differences(&retyped).retyped, ["name (char[5], defined as char[4])"]);
@@ -189,7 +189,7 @@ fn checks_incomparable_schemas_by_name() {
 }
 
 #[test]
-fn schemas_of_json_are_compared_where_they_say_something() {
+fn compares_the_declared_parts_of_json_schemas() {
     let (name, _) = ros("Glider");
     let with = |schema_text: &str| {
         let records =
@@ -234,9 +234,9 @@ fn schemas_of_json_are_compared_where_they_say_something() {
     assert!(matches!(basis(&with(&"[".repeat(100_000))), Basis::Unreadable(_)));
 }
 
-/// All messages of PX4, each with what it nests, are read from their own texts as ROS 2 would carry them.
+/// All PX4 messages, with their nested types, can be read from the texts that ROS 2 would use.
 #[test]
-fn definitions_of_real_releases_equal_themselves() {
+fn definitions_of_real_releases_match_themselves() {
     let Some(corpus) = shared("corpus/px4") else { return };
     let mut compared = 0;
     for release in ["1.15", "1.16", "main"] {
@@ -253,7 +253,7 @@ fn definitions_of_real_releases_equal_themselves() {
             .collect();
         let line = "=".repeat(80);
         for (name, text) in &texts {
-            // What isn't nested does no harm, and who nests what isn't for a test to find out.
+            // The text contains all other types, so that the test doesn't need to find the nested ones.
             let others: String = texts
                 .iter()
                 .filter(|(other, _)| other != name && text.contains(other.as_str()))

@@ -1,4 +1,4 @@
-//! Messages of ROS 2 whose size varies: strings and sequences.
+//! Tests of ROS 2 messages with variable size: strings and sequences.
 
 use std::fs;
 use std::sync::LazyLock;
@@ -55,7 +55,7 @@ fn checked(payload: &[u8]) -> CaptureResult {
 }
 
 #[test]
-fn what_conforms_breaks_nothing() {
+fn conforming_messages_have_no_findings() {
     let result = checked(&cdr(&rope()));
     assert_eq!((violated(&result), corrupt_count(&result), result.checked), (vec![], vec![], 1));
     let status = &source(&result).channels[0].status;
@@ -63,14 +63,14 @@ fn what_conforms_breaks_nothing() {
 }
 
 #[test]
-fn each_mutant_breaks_its_rule() {
+fn each_mutant_violates_its_rule() {
     let value = |path: &str, to: Value| {
         let mut rope = rope();
         *rope.pointer_mut(path).expect("a place") = to;
         cdr(&rope)
     };
     let good = cdr(&rope());
-    // The name follows its length, behind the header and the time.
+    // The characters of the name follow its length, after the header and the time.
     let name = 4 + 8 + 4;
     assert_eq!(&good[name..name + 5], b"long\0");
     let knots = (name + 5).next_multiple_of(4) + 4;

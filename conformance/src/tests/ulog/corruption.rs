@@ -1,4 +1,4 @@
-//! Damaged logs: what was before the damage is read, what comes after it is found again.
+//! Tests of corrupt logs: all messages before the corruption and most messages after it are read.
 
 use std::collections::HashSet;
 use std::fs;
@@ -14,12 +14,12 @@ fn messages(bytes: &[u8]) -> Vec<Seen> {
     read(bytes).into_iter().filter(Seen::is_message).collect()
 }
 
-/// Where messages end, one after the other.
+/// The offsets at which messages end.
 fn ends(bytes: &[u8], messages: &[Seen]) -> Vec<u64> {
     messages.iter().skip(1).map(|message| message.offset).chain([bytes.len() as u64]).collect()
 }
 
-/// The messages that both have; those of `after` lie `shift` bytes later.
+/// The number of common messages; those of `after` are `shift` bytes later.
 fn shared(before: &[Seen], after: &[Seen], shift: u64) -> usize {
     let after: HashSet<(u64, u64)> = after.iter().map(|seen| (seen.offset, seen.digest)).collect();
     before.iter().filter(|seen| after.contains(&(seen.offset + shift, seen.digest))).count()
@@ -42,7 +42,7 @@ fn reads_a_truncated_log_to_its_end() {
             (None, 0) => {}
             (Some(Problem::EndsInHeader { found }), 1..3) => assert_eq!(*found as u64, left),
             (Some(Problem::EndsInPayload { found, .. }), _) => assert_eq!(*found as u64 + 3, left),
-            // Without flag bits there is no other message that says where the first one starts.
+            // Without flag bits, only the first message itself shows where messages start.
             (Some(Problem::NoFlagBits { .. }), _) if complete == 0 => {}
             other => panic!("cut at {cut}: {other:?}"),
         }
@@ -51,7 +51,7 @@ fn reads_a_truncated_log_to_its_end() {
 }
 
 #[test]
-fn after_a_flipped_bit_all_but_few_messages_are_found() {
+fn finds_most_messages_after_a_flipped_bit() {
     let log = typical(12);
     let whole = messages(&log);
     let ends = ends(&log, &whole);
@@ -63,12 +63,12 @@ fn after_a_flipped_bit_all_but_few_messages_are_found() {
         corrupt[at] ^= 1 << random.below(8);
         let found = messages(&corrupt);
         let before = ends.iter().take_while(|end| **end <= at as u64).count();
-        // The message before the damage may be doubted, but no other.
-        let sure = before.saturating_sub(1);
-        assert_eq!(found[..sure], whole[..sure], "flipped at {at}");
+        // The message before the corruption may be uncertain.
+        let certain = before.saturating_sub(1);
+        assert_eq!(found[..certain], whole[..certain], "flipped at {at}");
         let missing = whole.len() - shared(&whole, &found, 0);
         assert!(missing >= 1, "flipped at {at}");
-        assert!(missing <= 12, "flipped at {at}: {missing} messages are missing");
+        assert!(missing <= 12, "flipped at {at}: {missing} messages missing");
         lost += missing;
         problems(&corrupt);
     }
@@ -76,14 +76,13 @@ fn after_a_flipped_bit_all_but_few_messages_are_found() {
 }
 
 #[test]
-fn after_flipped_bits_all_but_few_messages_of_real_logs_are_found() {
+fn finds_most_messages_of_corrupt_real_logs() {
     let Some(logs) = corpus("corpus/ulog") else { return };
     let mut random = Random(25);
     for name in ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"] {
         let log = fs::read(logs.join(format!("{name}.ulg"))).expect("a log");
         let whole = messages(&log);
-        // Forty places in each of which bytes are wrong, the first behind the definitions; each touches one
-        // message or two.
+        // Corrupts forty locations after the definitions, each of which affects one or two messages.
         let first = log.len() / 8;
         let step = (log.len() - first) / 40;
         for round in 0..4 {
@@ -100,7 +99,7 @@ fn after_flipped_bits_all_but_few_messages_of_real_logs_are_found() {
 }
 
 #[test]
-fn after_inserted_bytes_all_but_few_messages_are_found() {
+fn finds_most_messages_after_inserted_bytes() {
     let log = typical(12);
     let whole = messages(&log);
     let mut random = Random(21);
@@ -118,12 +117,12 @@ fn after_inserted_bytes_all_but_few_messages_are_found() {
         lost += whole.len() - kept;
         problems(&corrupt);
     }
-    // Few insertions are between messages; all others tear one apart, which can't be found.
+    // Most insertions split a message, which can't be recovered.
     assert!((280..330).contains(&lost), "{lost} messages were lost by 300 insertions");
 }
 
 #[test]
-fn after_removed_bytes_all_but_few_messages_are_found() {
+fn finds_most_messages_after_removed_bytes() {
     let log = typical(12);
     let whole = messages(&log);
     let mut random = Random(22);
@@ -144,14 +143,14 @@ fn after_removed_bytes_all_but_few_messages_are_found() {
 }
 
 #[test]
-fn sections_in_the_wrong_order_are_read() {
+fn reads_sections_in_the_wrong_order() {
     let log = typical(6);
     let whole = messages(&log);
     let first_data = whole.iter().find(|message| message.kind == "data").expect("data").offset;
     let middle = usize::try_from(first_data).expect("an offset");
     let swapped = [&log[..16], &log[middle..], &log[16..middle]].concat();
     let seen = read(&swapped);
-    // All but the flag bits, which are of no use there, are read as they are.
+    // All messages are read, except for the flag bits, which are only valid at the start.
     assert_eq!(seen.iter().filter(|seen| seen.is_message()).count(), whole.len());
     let odd: Vec<_> = seen.iter().filter_map(|seen| seen.problem.as_ref()).collect();
     assert_eq!(odd, [&Problem::NoFlagBits { version: 1 }, &Problem::FlagBitsNotFirst]);
@@ -162,7 +161,7 @@ fn sections_in_the_wrong_order_are_read() {
 }
 
 #[test]
-fn a_log_in_the_midst_of_noise_is_found() {
+fn finds_a_log_surrounded_by_noise() {
     let log = typical(10);
     let mut random = Random(23);
     for (name, noise) in
@@ -180,9 +179,9 @@ fn a_log_in_the_midst_of_noise_is_found() {
     }
 }
 
-/// Bytes that make a search look at as much as it can, or that make messages doubtful.
+/// Bytes that maximize the work of the search, or that make messages uncertain.
 #[test]
-fn hostile_bytes_take_linear_time() {
+fn reads_hostile_bytes_in_linear_time() {
     const SIZE: usize = 1_000_000;
     let mut doubtful = Writer { bytes: Vec::new() };
     doubtful.message(b'D', &[&vec![b'F'; 60_000]]);
@@ -197,13 +196,13 @@ fn hostile_bytes_take_linear_time() {
     let patterns: [(&str, Vec<u8>); 9] = [
         ("random", Random(24).bytes(10 * SIZE)),
         ("zeros", vec![0; 10 * SIZE]),
-        ("headers of formats in each other", vec![b'F']),
-        ("headers of data in each other", vec![b'D']),
-        ("headers of lines in each other", b"L0".to_vec()),
-        ("small headers in each other", b"\x00\x00D".to_vec()),
-        ("doubtful sizes", doubtful.bytes),
+        ("overlapping headers of formats", vec![b'F']),
+        ("overlapping headers of data", vec![b'D']),
+        ("overlapping headers of lines", b"L0".to_vec()),
+        ("overlapping small headers", b"\x00\x00D".to_vec()),
+        ("uncertain sizes", doubtful.bytes),
         ("unknown kinds", unknown.bytes),
-        ("runs that are too short", violated.bytes),
+        ("sequences that are too short", violated.bytes),
     ];
     for (name, pattern) in patterns {
         let mut bytes = Writer::with_flags().bytes;
@@ -212,7 +211,7 @@ fn hostile_bytes_take_linear_time() {
         let seen = read(&bytes);
         let time = start.elapsed();
         eprintln!("{name}: {} items in {time:?}", seen.len());
-        // Debug builds on a busy machine take up to some seconds; a quadratic search would take hours.
+        // Debug builds on a busy machine take a few seconds; a quadratic search would take hours.
         assert!(time < Duration::from_secs(60), "{name}: {time:?}");
     }
 }

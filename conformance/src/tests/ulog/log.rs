@@ -1,4 +1,4 @@
-//! Each problem with formats, subscriptions and data.
+//! Tests of each problem with formats, subscriptions and data.
 
 use super::problems::{check, definitions};
 use super::seen::problems;
@@ -70,15 +70,15 @@ fn reports_unusable_and_late_formats() {
         &log.bytes,
         &[
             (changed, "format `good` is repeated with other fields; the first one is used"),
-            (own, "format `self` holds itself"),
-            (waits, "format `waits` has a field `a` of type `later`, which has no format"),
+            (own, "format `self` contains itself"),
+            (waits, "format `waits` has a field `a` of the unknown type `later`"),
             (recursive, "data of id 1, whose format is invalid"),
             (waiting, "data of id 2, whose format is invalid"),
             (later, "format `later` appears after the definitions section"),
             (more, "format `more` appears after the definitions section"),
             (recursive_still, "data of id 1, whose format is invalid"),
             (unused, "format `unused` appears after the definitions section"),
-            (unused, "format `unused` has `what is it` where a type and a name are expected"),
+            (unused, "format `unused` has a field `what is it`, expected a type and a name"),
         ],
     );
     assert_eq!(problems(&log.bytes).1, 4);

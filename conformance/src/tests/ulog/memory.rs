@@ -1,4 +1,4 @@
-//! Memory and time don't grow with the log.
+//! Tests that memory doesn't grow with the log.
 
 use std::io::{self, Read};
 
@@ -6,10 +6,10 @@ use crate::capture::ulog::{Event, Log, Problem, Reader};
 
 use crate::tests::support::{Writer, typical};
 
-/// Bytes that a test reads: enough to fill the buffer many times.
+/// The number of bytes that a test reads, which fills the buffer many times.
 const SIZE: u64 = 64 << 20;
 
-/// A start, and then the same bytes again and again, up to `SIZE` bytes.
+/// A reader that returns some bytes and then repeats a pattern, up to `SIZE` bytes.
 struct Endless {
     start: Vec<u8>,
     pattern: Vec<u8>,
@@ -35,7 +35,7 @@ impl Read for &mut Endless {
     }
 }
 
-/// How many messages and problems of another kind than the end of the log are in it.
+/// The number of messages, and the problems other than the end of the log.
 fn count(start: Vec<u8>, pattern: &[u8]) -> (u64, Vec<Problem>) {
     let pattern = pattern.repeat((1 << 20) / pattern.len());
     let mut input = Endless { start, pattern, position: 0, largest_request: 0 };
@@ -55,7 +55,7 @@ fn count(start: Vec<u8>, pattern: &[u8]) -> (u64, Vec<Problem>) {
 }
 
 #[test]
-fn data_without_end_is_read_in_one_buffer() {
+fn reads_endless_data_in_constant_memory() {
     let mut log = Writer::with_flags();
     log.format("block:uint64_t timestamp;uint8_t[992] bytes;");
     log.subscribe(3, 0, "block");
@@ -68,13 +68,13 @@ fn data_without_end_is_read_in_one_buffer() {
 }
 
 #[test]
-fn zeros_without_end_are_searched_in_one_buffer() {
+fn searches_endless_zeros_in_constant_memory() {
     let (records, problems) = count(Writer::with_flags().bytes, &[0; 4096]);
     assert_eq!(records, 0);
     assert!(matches!(problems[..], [Problem::Skipped { to: SIZE, .. }]), "{problems:?}");
 }
 
-/// Fails once every so many bytes, and gives no more than one byte at a time.
+/// A reader that fails at regular intervals, and returns one byte at a time.
 struct Failing<'b> {
     rest: &'b [u8],
     is_failing: bool,
@@ -94,9 +94,9 @@ impl Read for Failing<'_> {
 }
 
 #[test]
-fn reading_goes_on_after_an_error_of_the_input() {
+fn continues_after_an_input_error() {
     let mut log = typical(3);
-    // Bytes that are searched, too.
+    // Bytes that require a search.
     log.extend([0xff; 300]);
     let mut expected = Vec::new();
     let mut reader = Reader::new(&log[..]);
@@ -120,15 +120,15 @@ fn reading_goes_on_after_an_error_of_the_input() {
 }
 
 #[test]
-fn messages_of_a_slow_input_are_not_late() {
+fn returns_messages_of_a_slow_input_without_delay() {
     let log = typical(3);
-    // Fails when more is asked for than the part that has arrived.
+    // The input fails after the bytes that have arrived.
     let arrived = &log[..1_000];
     let mut reader = Reader::new(arrived.chain(Failing { rest: &[], is_failing: false }));
     let mut end = 0;
     while let Ok(Some(item)) = reader.next() {
         end = item.offset;
     }
-    // The last one is lent only when the header behind it is there.
+    // The last message is returned only after the next header has arrived.
     assert!(end > 850, "the last message starts at {end}");
 }

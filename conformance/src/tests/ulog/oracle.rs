@@ -1,4 +1,4 @@
-//! Real logs: all that another tool reads in them.
+//! Tests that real logs have the contents that another tool reads.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -9,7 +9,7 @@ use uavspec_codegen::dynamic::{DynamicView, MessageType, ULOG_PACKAGE, Value};
 
 use crate::tests::support::shared;
 
-/// Logs of the corpus, with the problems that they have.
+/// Logs of the corpus and their problems.
 const LOGS: [(&str, &[Problem]); 3] = [
     ("sample", &[Problem::NoFlagBits { version: 0 }]),
     ("sample_log_small", &[]),
@@ -17,7 +17,7 @@ const LOGS: [(&str, &[Problem]); 3] = [
 ];
 
 #[test]
-fn real_logs_hold_what_another_tool_reads() {
+fn reads_the_same_contents_as_another_tool() {
     let (Some(logs), Some(oracles)) = (shared("corpus/ulog"), shared("oracle/ulog")) else { return };
     for (name, problems) in LOGS {
         let oracle = fs::read_to_string(oracles.join(format!("{name}.json"))).expect("an oracle");
@@ -29,7 +29,7 @@ fn real_logs_hold_what_another_tool_reads() {
     }
 }
 
-/// All of a log.
+/// The contents of a log.
 #[derive(Default)]
 struct Content {
     log: Log,
@@ -39,11 +39,11 @@ struct Content {
     flags: Option<([u8; 8], [u8; 8])>,
     dropout_ms: u64,
     information: Map<String, Json>,
-    /// Per key, the number of parts of each value.
+    /// The number of parts of each value, by key.
     multi: BTreeMap<String, Vec<u64>>,
     initial: Map<String, Json>,
     changed: u64,
-    /// By bit.
+    /// Defaults by bit.
     defaults: BTreeMap<String, Map<String, Json>>,
     lines: Vec<Json>,
     tagged: BTreeMap<String, u64>,
@@ -79,7 +79,7 @@ impl Content {
                     None => counts.push(1),
                 }
             }
-            // Those behind the first data are changes.
+            // Parameters after the first data are changes.
             Event::Parameter { .. } if !self.records.is_empty() => self.changed += 1,
             Event::Parameter { key, ty, value } => {
                 self.initial.insert(key.to_owned(), typed(ty, value));
@@ -140,16 +140,17 @@ impl Content {
         for topic in topics {
             let name = topic["name"].as_str().expect("a name");
             let key = (name.to_owned(), topic["multi_id"].as_u64().expect("a number"));
-            let of = self.log.types().find(ULOG_PACKAGE, name).expect("a type");
-            check_topic(of, &self.records[&key], topic);
+            let message_type = self.log.types().find(ULOG_PACKAGE, name).expect("a type");
+            check_topic(message_type, &self.records[&key], topic);
         }
     }
 }
 
-fn check_topic(of: MessageType<'_>, records: &[Vec<u8>], topic: &Json) {
-    let name = of.name();
+fn check_topic(message_type: MessageType<'_>, records: &[Vec<u8>], topic: &Json) {
+    let name = message_type.name();
     assert_eq!(topic["count"], records.len(), "{name}");
-    let rows: Vec<_> = records.iter().map(|record| flat(of.view_uorb(record).expect("a message"))).collect();
+    let rows: Vec<_> =
+        records.iter().map(|record| flatten(message_type.view_uorb(record).expect("a message"))).collect();
     for (key, row) in [("first", rows.first()), ("last", rows.last())] {
         let found = row.expect("a record").iter().map(|(path, value)| (path.clone(), number(*value)));
         let expected = topic[key].as_object().expect("an object").clone().into_iter();
@@ -162,7 +163,7 @@ fn check_topic(of: MessageType<'_>, records: &[Vec<u8>], topic: &Json) {
 }
 
 /// The values of a message with their paths.
-fn flat(view: DynamicView<'_>) -> Vec<(String, Value<'_>)> {
+fn flatten(view: DynamicView<'_>) -> Vec<(String, Value<'_>)> {
     fn add<'v>(values: &mut Vec<(String, Value<'v>)>, path: String, value: Value<'v>) {
         match value {
             Value::Message(view) => {
@@ -180,7 +181,7 @@ fn flat(view: DynamicView<'_>) -> Vec<(String, Value<'_>)> {
     values
 }
 
-/// As the oracle writes it.
+/// A number in the form of the oracle.
 fn number(value: Value<'_>) -> Json {
     let float = |value: f64| {
         if value.is_infinite() { Json::from(value.to_string()) } else { Json::from(value) }
@@ -195,7 +196,7 @@ fn number(value: Value<'_>) -> Json {
     }
 }
 
-/// The checksum of all values, column after column.
+/// The checksum of all values, column by column.
 fn columns_crc32(rows: &[Vec<(String, Value<'_>)>], fields: &Json) -> u32 {
     let mut crc = u32::MAX;
     let mut add = |bytes: &[u8]| {
@@ -224,7 +225,7 @@ fn columns_crc32(rows: &[Vec<(String, Value<'_>)>], fields: &Json) -> u32 {
     !crc
 }
 
-/// The value of an information or a parameter.
+/// The value of an information message or a parameter.
 fn typed(ty: &str, value: &[u8]) -> Json {
     let mut bytes = [0; 8];
     bytes[..value.len().min(8)].copy_from_slice(&value[..value.len().min(8)]);

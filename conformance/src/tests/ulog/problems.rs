@@ -1,11 +1,11 @@
-//! Each problem, on a log that has it and nothing else.
+//! Tests of each problem, with logs that have only that problem.
 
 use crate::capture::ulog::{Event, Reader};
 
 use super::seen::{problems, read};
 use crate::tests::support::Writer;
 
-/// Definitions of one topic with padding at its end, and one message of it.
+/// A log with definitions of one topic with trailing padding, and one message.
 pub(crate) fn definitions() -> Writer {
     let mut log = Writer::with_flags();
     log.format("wind:uint64_t timestamp;float speed;uint8_t[4] _padding0;");
@@ -13,7 +13,7 @@ pub(crate) fn definitions() -> Writer {
     log
 }
 
-/// Asserts which problems a log has: the offset of each, and its text.
+/// Asserts the problems of a log: their offsets and texts.
 #[track_caller]
 pub(crate) fn check(bytes: &[u8], expected: &[(u64, &str)]) {
     read(bytes);
@@ -22,7 +22,7 @@ pub(crate) fn check(bytes: &[u8], expected: &[(u64, &str)]) {
 }
 
 #[test]
-fn a_log_with_all_kinds_of_messages_is_in_order() {
+fn reads_all_kinds_of_messages_without_problems() {
     let mut log = definitions();
     log.entry(b'I', &[], "char[3] sys_name", b"PX4");
     log.entry(b'M', &[1], "uint8_t[2] parts", &[1, 2]);
@@ -66,7 +66,7 @@ fn a_log_with_all_kinds_of_messages_is_in_order() {
 }
 
 #[test]
-fn headers_that_are_none_end_the_log() {
+fn stops_at_an_invalid_header() {
     check(b"", &[(0, "expected a header of 16 bytes, found 0")]);
     check(&Writer::new(1).bytes[..15], &[(0, "expected a header of 16 bytes, found 15")]);
     check(
@@ -111,7 +111,7 @@ fn reports_or_refuses_unknown_flag_bits() {
 }
 
 #[test]
-fn logs_that_end_within_a_message_say_so() {
+fn reports_a_log_that_ends_within_a_message() {
     let mut log = definitions();
     let last = log.data(1, &[0; 16]);
     let bytes = &log.bytes;
@@ -124,7 +124,7 @@ fn logs_that_end_within_a_message_say_so() {
 }
 
 #[test]
-fn appended_data_is_read_where_it_starts() {
+fn reads_appended_data() {
     let write = |offsets: [u64; 3], flag| {
         let mut log = Writer::new(1);
         log.flag_bits([flag, 0, 0, 0, 0, 0, 0, 0], offsets, 0);
@@ -141,7 +141,7 @@ fn appended_data_is_read_where_it_starts() {
         (log, straddling, first, second)
     };
     let (log, straddling, first, second) = write([0; 3], 0);
-    // Nothing says where data was appended, so a size is wrong.
+    // Without an offset of appended data, the size counts as wrong.
     check(
         &log.bytes,
         &[(straddling, &format!("no valid messages up to byte {first}, where valid messages follow"))],
@@ -207,7 +207,7 @@ fn reports_unknown_kinds_once_with_a_count() {
 }
 
 #[test]
-fn messages_that_mean_nothing_are_dropped() {
+fn drops_malformed_messages() {
     let cases: [(u8, &[u8], &str); 11] = [
         (b'F', b"no colon", "expected a name and a colon"),
         (b'F', b":uint8_t a;", "its name is empty"),
@@ -232,7 +232,7 @@ fn messages_that_mean_nothing_are_dropped() {
 }
 
 #[test]
-fn messages_that_are_odd_are_lent_all_the_same() {
+fn returns_unusual_messages_with_a_problem() {
     let mut log = definitions();
     let value = log.entry(b'I', &[], "int32_t a", b"12345");
     let text = log.entry(b'I', &[], "char[2] a", b"\xff\xfe");
@@ -259,7 +259,7 @@ fn messages_that_are_odd_are_lent_all_the_same() {
 }
 
 #[test]
-fn a_size_that_is_wrong_swallows_nothing() {
+fn loses_no_messages_after_a_wrong_size() {
     let mut log = definitions();
     log.data(1, &[0; 16]);
     let wrong = log.data(1, &[0; 16]);
@@ -268,16 +268,16 @@ fn a_size_that_is_wrong_swallows_nothing() {
         log.data(1, &[0; 16]);
     }
     let at = usize::try_from(wrong).expect("an index");
-    // 18 becomes 4,114: the message claims 195 of those that follow.
+    // 18 becomes 4,114: the message claims to contain the next 195 messages.
     log.bytes[at + 1] ^= 0x10;
     let skipped = format!("no valid messages up to byte {next}, where valid messages follow");
     check(&log.bytes, &[(wrong, &skipped)]);
     assert_eq!(problems(&log.bytes).1, 302);
     log.bytes[at + 1] ^= 0x10;
-    // One more than there are.
+    // One more than the actual size.
     log.bytes[at] += 1;
     check(&log.bytes, &[(wrong, &skipped)]);
-    // One less: the message is followed by a byte of no message.
+    // One less: a byte between messages remains.
     log.bytes[at] -= 2;
     check(
         &log.bytes,
@@ -289,7 +289,7 @@ fn a_size_that_is_wrong_swallows_nothing() {
 }
 
 #[test]
-fn the_largest_messages_are_read() {
+fn reads_the_largest_messages() {
     let mut log = Writer::with_flags();
     log.format("block:uint8_t[65533] bytes;");
     log.subscribe(1, 0, "block");
@@ -300,9 +300,9 @@ fn the_largest_messages_are_read() {
     assert_eq!(problems(&log.bytes).1, 40);
 }
 
-/// A topic's size may change, as of data that is written with its padding or without.
+/// The size of a topic may change, for example if data is written with or without padding.
 #[test]
-fn data_of_another_size_is_doubted_but_lent() {
+fn returns_data_of_another_size_as_uncertain() {
     let mut log = definitions();
     for round in 0..40_usize {
         log.data(1, &[0; 16][..if round / 5 % 2 == 0 { 12 } else { 16 }]);

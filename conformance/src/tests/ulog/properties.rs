@@ -1,4 +1,4 @@
-//! What holds of any bytes.
+//! Properties of the reader with arbitrary bytes.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::seen::{problems, read, read_from};
 use crate::tests::support::{Pieces, Writer, typical};
 
-/// Bytes that are a log in parts.
+/// Bytes that resemble a log.
 fn bytes() -> impl Strategy<Value = Vec<u8>> {
     let part = prop_oneof![
         3 => (vec(any::<u8>(), 0..40), prop::sample::select(b"BFIMPQARDLCSOXz\0".to_vec())).prop_map(|(payload, kind)| {
@@ -30,13 +30,13 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn reads_any_bytes_and_accounts_for_each(bytes in bytes()) {
+    fn accounts_for_each_byte_of_arbitrary_input(bytes in bytes()) {
         read(&bytes);
         problems(&bytes);
     }
 
     #[test]
-    fn bytes_without_structure_are_read_to_their_end(bytes in vec(any::<u8>(), 0..3_000)) {
+    fn reads_random_bytes_to_the_end(bytes in vec(any::<u8>(), 0..3_000)) {
         let mut log = Writer::with_flags();
         log.bytes.extend(bytes);
         read(&log.bytes);
@@ -44,7 +44,7 @@ proptest! {
     }
 
     #[test]
-    fn items_do_not_depend_on_how_the_input_is_split(
+    fn returns_the_same_items_for_any_split_of_the_input(
         bytes in bytes(),
         sizes in vec(prop_oneof![1_usize..9, 1_usize..4_000, Just(0)], 1..8),
     ) {

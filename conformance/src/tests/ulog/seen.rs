@@ -1,17 +1,17 @@
-//! Records of a log as tests see them.
+//! Owned copies of the items of a log, for comparisons.
 
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::io::Read;
 
 use crate::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader};
 
-/// An item of a reader, without what it lends.
+/// An item of a reader, without borrowed data.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Seen {
     pub(crate) offset: u64,
     /// A checksum of the event.
     pub(crate) digest: u64,
-    /// The kind of the event where it is a message.
+    /// The kind of the message, if the event is one.
     pub(crate) kind: &'static str,
     pub(crate) problem: Option<Problem>,
 }
@@ -43,7 +43,7 @@ impl Seen {
     }
 }
 
-/// All items of a log, which must lie one behind the other without a gap.
+/// All items of a log, which must follow each other without gaps.
 pub(crate) fn read(bytes: &[u8]) -> Vec<Seen> {
     let seen = read_from(bytes);
     check_extents(bytes, &seen);
@@ -61,7 +61,7 @@ pub(crate) fn read_from(input: impl Read) -> Vec<Seen> {
     seen
 }
 
-/// All problems of both layers as text, each with its offset; and how many records were typed.
+/// The problems of both layers as texts with offsets, and the number of typed records.
 pub(crate) fn problems(bytes: &[u8]) -> (Vec<String>, usize) {
     let (mut reader, mut log) = (Reader::new(bytes), Log::default());
     let (mut found, mut records) = (Vec::new(), 0);
@@ -79,7 +79,7 @@ pub(crate) fn problems(bytes: &[u8]) -> (Vec<String>, usize) {
     (found, records)
 }
 
-/// Holds items to what the documentation says: every byte behind the header belongs to exactly one of them.
+/// Asserts that every byte after the header belongs to exactly one item, as documented.
 fn check_extents(bytes: &[u8], seen: &[Seen]) {
     let size = bytes.len() as u64;
     let message_end = |offset: u64| {

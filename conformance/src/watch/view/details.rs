@@ -1,4 +1,4 @@
-//! All of one UAV.
+//! The details of one UAV.
 
 use ratatui::text::{Line, Span};
 use uavspec_runtime::Severity;
@@ -12,15 +12,17 @@ use super::super::words::shown_id;
 use super::Scene;
 use super::wrap::wrapped;
 
-/// How many columns the names of fields take.
+/// The width of the column of field names.
 const INDENT: usize = 13;
 
 pub(super) fn lines(scene: &Scene<'_>, id: &str, width: usize) -> Vec<Line<'static>> {
-    let Some(uav) = scene.fleet.get(id) else { return vec![Line::raw(format!("{} is gone", shown_id(id)))] };
+    let Some(uav) = scene.fleet.get(id) else {
+        return vec![Line::raw(format!("{} has left the fleet", shown_id(id)))];
+    };
     let mut lines = vec![Line::styled(shown_id(id), scene.theme().title())];
     let received = age(scene.fleet.age(uav, scene.now));
     let mut fields = vec![(
-        "heard of",
+        "reported",
         if received == MISSING_VALUE { "never".to_owned() } else { format!("{received} ago") },
     )];
     fields.extend(uav.refusal.iter().map(|reason| ("refused", reason.clone())));
@@ -41,7 +43,7 @@ pub(super) fn lines(scene: &Scene<'_>, id: &str, width: usize) -> Vec<Line<'stat
     lines
 }
 
-/// A field in as many lines as it needs.
+/// A field, wrapped into lines.
 fn labelled(name: &str, value: &str, width: usize) -> Vec<Line<'static>> {
     let parts = wrapped(value, width.saturating_sub(INDENT));
     let lines = parts.into_iter().enumerate().map(|(number, part)| {
@@ -52,11 +54,10 @@ fn labelled(name: &str, value: &str, width: usize) -> Vec<Line<'static>> {
 }
 
 fn values(state: &State, id: &str) -> Vec<(&'static str, String)> {
-    let own_id =
-        field(&state.id, |own| if *own == shown_id(id) { "the same".to_owned() } else { own.clone() });
+    let own_id = field(&state.id, |own| if *own == shown_id(id) { "same".to_owned() } else { own.clone() });
     vec![
         ("own id", own_id),
-        ("time stamp", number(&state.timestamp, |time| format!("{time} ms"))),
+        ("timestamp", number(&state.timestamp, |time| format!("{time} ms"))),
         ("mode", field(&state.mode, Clone::clone)),
         ("position", position(&state.position)),
         ("altitudes", altitudes(&state.position)),
@@ -88,23 +89,24 @@ fn altitudes(position: &Field<Position>) -> String {
             (&position.above_home, "home"),
             (&position.above_ground, "ground"),
         ];
-        let heights = heights.map(|(height, what)| format!("{} m above {what}", number(height, metres)));
+        let heights =
+            heights.map(|(height, reference)| format!("{} m above {reference}", number(height, metres)));
         heights.join(", ")
     })
 }
 
-fn vector(vector: &Field<[Field<i64>; 3]>, names: [&str; 3], words: fn(i64) -> String) -> String {
+fn vector(vector: &Field<[Field<i64>; 3]>, names: [&str; 3], format: fn(i64) -> String) -> String {
     field(vector, |values| {
         let parts: Vec<String> = names
             .iter()
             .zip(values)
-            .map(|(name, value)| format!("{name} {}", number(value, words)))
+            .map(|(name, value)| format!("{name} {}", number(value, format)))
             .collect();
         parts.join(", ")
     })
 }
 
-fn whole(value: i64) -> String {
+fn integer(value: i64) -> String {
     value.to_string()
 }
 
@@ -118,27 +120,27 @@ fn speed(value: i64) -> String {
 
 fn gps(gps: &Gps) -> String {
     format!(
-        "fix {}, {} satellites, within {} m along the ground and {} m in altitude",
-        number(&gps.fix, whole),
-        number(&gps.satellites, whole),
+        "fix {}, {} satellites, accuracy {} m horizontal and {} m vertical",
+        number(&gps.fix, integer),
+        number(&gps.satellites, integer),
         number(&gps.horizontal, metres),
         number(&gps.vertical, metres),
     )
 }
 
 fn battery(battery: &Battery) -> String {
-    let left = format!("{} V, {} %", number(&battery.voltage, volts), number(&battery.percent, whole));
+    let charge = format!("{} V, {} %", number(&battery.voltage, volts), number(&battery.percent, integer));
     match battery.is_charging {
-        Field::Absent => left,
-        Field::Odd => format!("{left}, charging: {INVALID_VALUE}"),
-        Field::Known(true) => format!("{left}, charging"),
-        Field::Known(false) => format!("{left}, not charging"),
+        Field::Absent => charge,
+        Field::Invalid => format!("{charge}, charging: {INVALID_VALUE}"),
+        Field::Known(true) => format!("{charge}, charging"),
+        Field::Known(false) => format!("{charge}, not charging"),
     }
 }
 
-/// A colour, as programs for pictures write it.
+/// A colour in hexadecimal notation.
 fn light(colour: i64) -> String {
-    let Ok(colour) = u16::try_from(colour) else { return format!("{colour}, which is no colour") };
+    let Ok(colour) = u16::try_from(colour) else { return format!("{colour} (not a colour)") };
     let widen = |value: u16, bits: u32| u32::from(value) * 255 / ((1 << bits) - 1);
     let [red, green, blue] = [widen(colour >> 11, 5), widen(colour >> 5 & 0x3F, 6), widen(colour & 0x1F, 5)];
     format!("#{red:02x}{green:02x}{blue:02x}")
@@ -150,10 +152,10 @@ fn signals(values: &[Field<i64>]) -> String {
     if parts.is_empty() { MISSING_VALUE.to_owned() } else { parts.join(", ") }
 }
 
-/// Each error code with all that is known of it.
+/// Each error code with its meaning.
 fn describe_errors(scene: &Scene<'_>, errors: &Errors, width: usize) -> Vec<Line<'static>> {
     let mut lines = Vec::new();
-    if errors.codes.is_empty() && errors.odd == 0 {
+    if errors.codes.is_empty() && errors.invalid == 0 {
         lines.extend(labelled("errors", "none", width));
     }
     for code in &errors.codes {
@@ -164,9 +166,8 @@ fn describe_errors(scene: &Scene<'_>, errors: &Errors, width: usize) -> Vec<Line
         let meaning = wrapped(scene.codes.meaning(*code), width.saturating_sub(8));
         lines.extend(meaning.into_iter().map(|part| Line::raw(format!("{:8}{part}", ""))));
     }
-    if errors.odd > 0 || errors.more > 0 {
-        let text =
-            format!("{INVALID_VALUE}: {} of a wrong type, {} more than are shown", errors.odd, errors.more);
+    if errors.invalid > 0 || errors.more > 0 {
+        let text = format!("{INVALID_VALUE}: {} of a wrong type, {} not shown", errors.invalid, errors.more);
         lines.extend(labelled("errors", &text, width));
     }
     lines

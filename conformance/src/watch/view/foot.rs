@@ -1,4 +1,4 @@
-//! The last line, and the page that tells all keys.
+//! The last line, and the help page.
 
 use ratatui::text::{Line, Span};
 
@@ -7,29 +7,29 @@ use super::theme::Theme;
 use super::wrap::wrapped;
 use super::{Ends, spaced};
 
-/// All keys.
+/// The keys, and an explanation of the columns.
 const KEYS: [(&str, &str); 8] = [
-    ("↑ ↓ j k", "move by one; PgUp, PgDn, Home, End by more"),
-    ("Enter", "all of the UAV that is looked at; Enter or Esc leads back"),
-    ("s", "what comes first: ids in their order, what is gravest, the least charge"),
-    ("/", "show only UAVs whose id has a text in it; Esc shows all again"),
-    ("?", "this page"),
-    ("q", "quit; Esc and Ctrl-C, too"),
+    ("↑ ↓ j k", "move; also PgUp, PgDn, Home, End"),
+    ("Enter", "show details of the selected UAV; Enter or Esc returns"),
+    ("s", "sort by id, severity or charge"),
+    ("/", "filter by id; Esc clears the filter"),
+    ("?", "show this page"),
+    ("q", "quit; also Esc and Ctrl-C"),
     ("", ""),
     (
         "",
-        "A dash stands for what a UAV doesn't tell, ? for a value of a wrong type. A plus behind the charge says \
-          that the battery is charging. AMSL, AHL and AGL are altitudes in metres: above mean sea level, the home \
-          position and the ground. AGE is how long ago the UAV was heard of; from 10 seconds on it is shown faintly. \
-          The letters F, E, W and i say that the gravest error code is fatal, an error, a warning or mere \
-          information; behind the codes stands what the gravest means.",
+        "A dash means that the UAV doesn't report the value, and ? that the value has a wrong type. A plus after \
+          the charge means that the battery is charging. AMSL, AHL and AGL are altitudes in metres above mean sea \
+          level, the home position and the ground. AGE is the time since the last state; UAVs are dimmed after 10 \
+          seconds. F, E, W and i are the severity of the most severe error code: fatal, error, warning or info. \
+          The meaning of this code follows the codes.",
     ),
 ];
 
-/// The keys of a page, those first that matter most.
+/// The most important keys of a page.
 pub(super) fn line<'l>(screen: &Screen, theme: Theme, width: u16) -> Ends<'l> {
     if screen.page == Page::Filter {
-        return Ends::new(format!("/{}_", screen.filter), "Enter keep  Esc clear");
+        return Ends::new(format!("/{}_", screen.filter), "Enter apply  Esc clear");
     }
     let order = format!("sort: {}", screen.order.name());
     let keys = match screen.page {
@@ -44,11 +44,11 @@ pub(super) fn line<'l>(screen: &Screen, theme: Theme, width: u16) -> Ends<'l> {
         Page::Details => vec![("q", "quit"), ("Esc", "back"), ("↑↓", "scroll"), ("?", "help")],
         Page::Help => vec![("q", "quit"), ("Esc", "back"), ("↑↓", "scroll")],
     };
-    let mut left = usize::from(width);
-    let shown = keys.into_iter().map(|(key, what)| format!("{key} {what}")).take_while(|text| {
-        let wide = Span::raw(text).width() + 2;
-        let fits = wide <= left + 2;
-        left = left.saturating_sub(wide);
+    let mut free = usize::from(width);
+    let shown = keys.into_iter().map(|(key, action)| format!("{key} {action}")).take_while(|text| {
+        let needed = Span::raw(text).width() + 2;
+        let fits = needed <= free + 2;
+        free = free.saturating_sub(needed);
         fits
     });
     let shown: Vec<Span<'_>> = shown.map(|text| Span::styled(text, theme.faint())).collect();
@@ -56,12 +56,12 @@ pub(super) fn line<'l>(screen: &Screen, theme: Theme, width: u16) -> Ends<'l> {
     Ends::new(spaced(shown), Line::styled(filter, theme.title()))
 }
 
-/// The page that tells all keys.
+/// The help page.
 pub(super) fn help(width: u16) -> Vec<Line<'static>> {
     let indent = 9;
     let width = usize::from(width).saturating_sub(indent);
-    let lines = KEYS.iter().flat_map(|(key, what)| {
-        wrapped(what, width).into_iter().enumerate().map(move |(number, part)| {
+    let lines = KEYS.iter().flat_map(|(key, text)| {
+        wrapped(text, width).into_iter().enumerate().map(move |(number, part)| {
             let key = if number == 0 { *key } else { "" };
             Line::raw(format!("{key:indent$}{part}"))
         })

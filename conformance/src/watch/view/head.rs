@@ -1,4 +1,4 @@
-//! The lines above the fleet: the server, how many UAVs there are, and what is wrong with them.
+//! The lines above the fleet: the server, and the number of UAVs by severity.
 
 use ratatui::text::{Line, Span};
 use uavspec_runtime::Severity;
@@ -40,14 +40,14 @@ fn link(scene: &Scene<'_>) -> String {
         Link::Connecting => "connecting".to_owned(),
         Link::Connected => "connected".to_owned(),
         Link::Lost { again, .. } => {
-            // The second that has begun counts.
+            // Rounded up to the next second.
             let left = again.saturating_duration_since(scene.now).as_millis().div_ceil(1000);
-            if left == 0 { "lost, trying again".to_owned() } else { format!("lost, again in {left} s") }
+            if left == 0 { "lost, reconnecting".to_owned() } else { format!("lost, retry in {left} s") }
         }
     }
 }
 
-/// How many UAVs there are, and how many with which severity.
+/// The number of UAVs, in total and by severity.
 fn counts<'s>(scene: &Scene<'_>, name: fn(Severity) -> &'static str) -> Line<'s> {
     let count = scene.fleet.len();
     let uavs = format!("{} {}", Grouped(count as u64), if count == 1 { "UAV" } else { "UAVs" });
@@ -60,7 +60,7 @@ fn counts<'s>(scene: &Scene<'_>, name: fn(Severity) -> &'static str) -> Line<'s>
     spaced([Span::raw(uavs)].into_iter().chain(by_severity))
 }
 
-/// What is wrong with the server.
+/// Errors and remarks about the server.
 fn server_errors(scene: &Scene<'_>) -> Vec<String> {
     let fleet = scene.fleet;
     let mut server_errors = Vec::new();
@@ -70,10 +70,10 @@ fn server_errors(scene: &Scene<'_>) -> Vec<String> {
     server_errors.extend(fleet.remark.clone());
     if fleet.unreadable > 0 {
         let messages = if fleet.unreadable == 1 { "message" } else { "messages" };
-        server_errors.push(format!("{} {messages} that can't be read", Grouped(fleet.unreadable)));
+        server_errors.push(format!("{} unreadable {messages}", Grouped(fleet.unreadable)));
     }
     if fleet.is_overfull {
-        server_errors.push("the server has more UAVs than are shown".to_owned());
+        server_errors.push("the server has more UAVs than can be shown".to_owned());
     }
     server_errors
 }

@@ -1,4 +1,4 @@
-//! The fleet as a table, of as many columns as there is room for.
+//! The table of the fleet, with the columns that fit the screen.
 
 use std::time::Duration;
 
@@ -19,13 +19,13 @@ use super::super::words::shown_id;
 use super::wrap::clipped;
 use super::{MIDDLE_WIDTH, Scene};
 
-/// From how many columns on there is room for everything.
+/// The minimum width for the wide layout.
 const WIDE_WIDTH: u16 = 130;
 
-/// From when on it is no longer certain that a UAV is as it was.
+/// The age from which a state counts as stale.
 const STALE: Duration = Duration::from_secs(10);
 
-/// What a column shows.
+/// The content of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Id,
@@ -49,7 +49,7 @@ struct Column {
     kind: Kind,
     title: &'static str,
     width: u16,
-    /// Whether numbers stand in it, which are read from their end.
+    /// True if the column has numbers, which are aligned right.
     has_numbers: bool,
 }
 
@@ -61,8 +61,8 @@ const fn number(kind: Kind, title: &'static str, width: u16) -> Column {
     Column { kind, title, width, has_numbers: true }
 }
 
-/// The columns of narrow screens, of usual ones, and of wide ones. The first is as wide as the ids need, at most as
-/// wide as it stands here; the last takes what is left.
+/// The columns of narrow screens. The first column is as wide as the longest id, up to the given width. The last one
+/// uses the remaining space.
 const NARROW_COLUMNS: [Column; 6] = [
     text(Kind::Id, "ID", 12),
     text(Kind::Mark, "", 1),
@@ -72,6 +72,7 @@ const NARROW_COLUMNS: [Column; 6] = [
     text(Kind::Errors, "ERRORS", 0),
 ];
 
+/// The columns of screens of medium width.
 const MEDIUM_COLUMNS: [Column; 10] = [
     text(Kind::Id, "ID", 16),
     text(Kind::Mark, "", 1),
@@ -85,6 +86,7 @@ const MEDIUM_COLUMNS: [Column; 10] = [
     text(Kind::Errors, "ERRORS", 0),
 ];
 
+/// The columns of wide screens.
 const WIDE_COLUMNS: [Column; 12] = [
     text(Kind::Id, "ID", 24),
     text(Kind::Severity, "SEVERITY", 8),
@@ -155,7 +157,7 @@ fn is_stale(scene: &Scene<'_>, uav: &Uav) -> bool {
 fn cell<'c>(scene: &Scene<'_>, id: &str, uav: &Uav, kind: Kind) -> Line<'c> {
     let state = uav.state.as_ref();
     let (position, battery) = (state.map(|state| &state.position), state.map(|state| &state.battery));
-    // Of degrees, the fifth decimal is about a metre.
+    // The fifth decimal is about a metre.
     let [latitude, longitude] = coordinates(position, 5);
     let text = match kind {
         Kind::Id => shown_id(id),
@@ -176,14 +178,14 @@ fn cell<'c>(scene: &Scene<'_>, id: &str, uav: &Uav, kind: Kind) -> Line<'c> {
     Line::raw(text)
 }
 
-/// The gravest severity, as a letter or as a word.
+/// The highest severity, as a letter or a word.
 fn severity<'c>(scene: &Scene<'_>, uav: &Uav, is_letter: bool) -> Line<'c> {
     let Some(severity) = uav.worst() else { return Line::default() };
     let name = if is_letter { severity_letter(severity) } else { severity_name(severity) };
     Line::styled(name, scene.theme().severity(severity))
 }
 
-/// The error codes of a UAV in short, and what the gravest means, as far as there is room.
+/// The abbreviated error codes of a UAV, and the meaning of the most severe one.
 fn errors<'c>(scene: &Scene<'_>, uav: &Uav) -> Line<'c> {
     if let Some(reason) = &uav.refusal {
         return Line::raw(format!("refused: {reason}"));
@@ -197,7 +199,7 @@ fn errors<'c>(scene: &Scene<'_>, uav: &Uav) -> Line<'c> {
         }
         spans.push(Span::styled(scene.codes.short(*code), scene.theme().severity(Severity::of(*code))));
     }
-    if errors.and_then(|errors| errors.known()).is_some_and(|errors| errors.odd > 0) {
+    if errors.and_then(|errors| errors.known()).is_some_and(|errors| errors.invalid > 0) {
         spans.push(Span::raw(format!(" {INVALID_VALUE}")));
     }
     if let Some(code) = uav.codes().first() {
@@ -207,7 +209,7 @@ fn errors<'c>(scene: &Scene<'_>, uav: &Uav) -> Line<'c> {
     Line::from(spans)
 }
 
-/// An error code with all that is to be known of it on one line.
+/// An error code with its severity and meaning, on one line.
 pub(super) fn describe_code<'l>(scene: &Scene<'_>, code: u32) -> Line<'l> {
     let severity = Severity::of(code);
     let name = Span::styled(

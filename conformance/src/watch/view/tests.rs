@@ -1,4 +1,4 @@
-//! What is seen on screens of several sizes.
+//! Tests of the screen in several sizes.
 
 use std::sync::LazyLock;
 use std::time::Duration;
@@ -27,7 +27,7 @@ const FLEET: &str = r#"{"body": {"type": "UAV-INF", "status": {
         "position": [-1, -1799999999, null, null, 1500], "battery": [101, 7]}
 }}}"#;
 
-/// A picture: the characters, and what they look like.
+/// A drawn frame: the characters with their style.
 struct Picture {
     buffer: Buffer,
 }
@@ -39,12 +39,12 @@ impl Picture {
         rows.map(|row| row.iter().map(Cell::symbol).collect::<String>().trim_end().to_owned()).collect()
     }
 
-    /// The colour and the look of the place where a text begins.
-    fn look(&self, text: &str) -> (Color, Modifier) {
+    /// The colour and the modifiers at the start of a text.
+    fn style_of(&self, text: &str) -> (Color, Modifier) {
         let lines = self.lines();
         let (row, line) =
-            lines.iter().enumerate().find(|(_, line)| line.contains(text)).expect("it is there");
-        let column = line.find(text).map(|at| line[..at].chars().count()).expect("it is there");
+            lines.iter().enumerate().find(|(_, line)| line.contains(text)).expect("the text is visible");
+        let column = line.find(text).map(|at| line[..at].chars().count()).expect("the text is visible");
         let cell = &self.buffer[(u16::try_from(column).expect("narrow"), u16::try_from(row).expect("low"))];
         (cell.fg, cell.modifier)
     }
@@ -100,7 +100,7 @@ impl Watched {
 }
 
 #[test]
-fn narrow_screens_show_what_matters_most() {
+fn narrow_screens_show_the_most_important_columns() {
     let lines = Watched::new().lines(40, 16);
     assert_eq!(
         lines,
@@ -126,7 +126,7 @@ fn narrow_screens_show_what_matters_most() {
 }
 
 #[test]
-fn usual_screens_show_where_uavs_are() {
+fn medium_screens_show_positions() {
     let mut watched = Watched::new();
     watched.draw(80, 16, true, 2);
     watched.press(&[KeyCode::Down]);
@@ -154,7 +154,7 @@ fn usual_screens_show_where_uavs_are() {
 }
 
 #[test]
-fn wide_screens_show_all_and_what_it_means() {
+fn wide_screens_show_all_columns_and_the_meaning_of_errors() {
     let lines = Watched::new().lines(140, 8);
     assert_eq!(
         lines,
@@ -184,14 +184,14 @@ fn shows_all_details_of_a_uav() {
     let lines = watched.lines(80, 40);
     for line in [
         "glider-2",
-        "heard of     3s ago",
+        "reported     3s ago",
         "own id       kite",
-        "time stamp   59000 ms",
+        "timestamp    59000 ms",
         "mode         ?",
         "position     latitude 50.4980424°, longitude ?°",
         "altitudes    - m above mean sea level, - m above home, - m above ground",
         "position XYZ -",
-        "GPS          fix 4, 14 satellites, within 0.9 m along the ground and - m in",
+        "GPS          fix 4, 14 satellites, accuracy 0.9 m horizontal and - m vertical",
         "heading      45.0°",
         "attitude     roll -0.2°, pitch 0.0°, yaw 359.9°",
         "velocity     north 0.0 m/s, east -1.5 m/s, down -",
@@ -202,27 +202,27 @@ fn shows_all_details_of_a_uav() {
         "fatal   193 MAG",
         "        Magnetometer fault.",
         "info    1 GROUND",
-        "errors       ?: 1 of a wrong type, 0 more than are shown",
+        "errors       ?: 1 of a wrong type, 0 not shown",
         "q quit  Esc back  ↑↓ scroll  ? help",
     ] {
         assert!(lines.iter().any(|shown| shown == line), "{line}\n{}", lines.join("\n"));
     }
     watched.press(&[KeyCode::PageDown, KeyCode::PageDown, KeyCode::PageDown]);
     let end = watched.lines(40, 12);
-    assert_eq!(end[10], "             more than are shown", "{}", end.join("\n"));
+    assert_eq!(end[10], "             shown", "{}", end.join("\n"));
     watched.receive(r#"{"type": "OBJ-DEL", "ids": ["glider-2"]}"#);
-    assert!(watched.draw(80, 40, true, 2).has("glider-2 is gone"));
+    assert!(watched.draw(80, 40, true, 2).has("glider-2 has left the fleet"));
 }
 
 #[test]
-fn colours_say_how_grave_it_is_and_nothing_by_themselves() {
+fn colours_show_the_severity_but_are_not_required() {
     let mut watched = Watched::new();
     let picture = watched.draw(80, 10, true, 2);
-    assert_eq!(picture.look("MAG"), (Color::LightRed, Modifier::BOLD | Modifier::UNDERLINED));
-    assert_eq!(picture.look("LOWBAT").0, Color::Yellow);
-    assert_eq!(picture.look("connected").0, Color::Green);
-    assert!(picture.look("glider-1 ").1.contains(Modifier::REVERSED));
-    assert!(picture.look("glider-10").1.contains(Modifier::DIM), "nothing was heard of it for long");
+    assert_eq!(picture.style_of("MAG"), (Color::LightRed, Modifier::BOLD | Modifier::UNDERLINED));
+    assert_eq!(picture.style_of("LOWBAT").0, Color::Yellow);
+    assert_eq!(picture.style_of("connected").0, Color::Green);
+    assert!(picture.style_of("glider-1 ").1.contains(Modifier::REVERSED));
+    assert!(picture.style_of("glider-10").1.contains(Modifier::DIM), "its state is stale");
     let plain = watched.draw(80, 10, false, 2);
     assert_eq!(plain.lines(), picture.lines());
     assert!(plain.buffer.content.iter().all(|cell| cell.fg == Color::Reset && cell.bg == Color::Reset));
@@ -232,39 +232,39 @@ fn colours_say_how_grave_it_is_and_nothing_by_themselves() {
 fn shows_server_errors_and_keeps_known_states() {
     let mut watched = Watched::empty();
     let picture = watched.draw(80, 10, true, 0);
-    assert!(picture.has("connecting") && picture.has("no UAV is known yet"));
+    assert!(picture.has("connecting") && picture.has("no UAVs yet"));
     watched.receive(FLEET);
     watched.receive("glider");
     watched.receive(r#"{"type": "ACK-NAK", "reason": "log in\u0007 first"}"#);
-    let reason = "it went\u{1b}[0m away".to_owned();
+    let reason = "reset\u{1b}[0m by peer".to_owned();
     watched.fleet.take(Event::Lost { reason, pause: Duration::from_secs(4) }, watched.start);
     let picture = watched.draw(80, 12, true, 1);
     for text in [
-        "lost, again in 3 s",
-        "it went\\u{1b}[0m away",
+        "lost, retry in 3 s",
+        "reset\\u{1b}[0m by peer",
         "the server refuses: log in\\u{7} first",
-        "1 message that can't be read",
+        "1 unreadable message",
         "glider-1",
     ] {
         assert!(picture.has(text), "{text}\n{}", picture.lines().join("\n"));
     }
-    assert!(picture.look("glider-1").1.contains(Modifier::DIM | Modifier::REVERSED));
-    assert!(picture.look("glider-2").1.contains(Modifier::DIM));
-    assert!(watched.draw(80, 12, true, 4).has("lost, trying again"));
+    assert!(picture.style_of("glider-1").1.contains(Modifier::DIM | Modifier::REVERSED));
+    assert!(picture.style_of("glider-2").1.contains(Modifier::DIM));
+    assert!(watched.draw(80, 12, true, 4).has("lost, reconnecting"));
     watched.press(&[KeyCode::Char('/'), KeyCode::Char('x')]);
     let picture = watched.draw(80, 12, true, 1);
-    assert!(picture.has("no id has this in it") && picture.has("/x_"));
+    assert!(picture.has("no id contains this text") && picture.has("/x_"));
 }
 
 #[test]
-fn the_keys_can_be_looked_up() {
+fn shows_a_page_of_all_keys() {
     let mut watched = Watched::new();
     watched.press(&[KeyCode::Char('?')]);
     let lines = watched.lines(40, 40);
-    assert!(lines.iter().any(|line| line.starts_with("q        quit; Esc and Ctrl-C")), "{lines:?}");
+    assert!(lines.iter().any(|line| line.starts_with("q        quit; also Esc and Ctrl-C")), "{lines:?}");
     watched.press(&[KeyCode::End]);
     let end = watched.lines(40, 12);
-    assert!(end[10].ends_with("means."), "{end:?}");
+    assert!(end[10].ends_with("codes."), "{end:?}");
     assert!(lines.iter().any(|line| line == "q quit  Esc back  ↑↓ scroll"), "{lines:?}");
 }
 
@@ -272,7 +272,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn every_screen_can_be_drawn(
+    fn draws_any_state_at_any_size(
         width in 1..200_u16,
         height in 1..50_u16,
         keys in "[jks/?\n]{0,4}",

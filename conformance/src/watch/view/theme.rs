@@ -1,11 +1,11 @@
-//! What things look like. Whatever a colour says, something else says too: a word, or bold letters.
+//! Styles. A colour is never the only sign: there is also a word, or bold text.
 
 use ratatui::style::{Color, Modifier, Style};
 use uavspec_runtime::Severity;
 
 use super::super::fleet::Link;
 
-/// What things look like.
+/// The styles of the screen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Theme {
     pub(super) is_coloured: bool,
@@ -30,7 +30,7 @@ impl Theme {
         }
     }
 
-    /// Of what is wrong with the server.
+    /// The style of errors of the server.
     pub(super) fn server_error(self) -> Style {
         self.colour(Color::LightRed).add_modifier(Modifier::BOLD)
     }
@@ -39,12 +39,12 @@ impl Theme {
         self.colour(Color::Reset).add_modifier(Modifier::BOLD)
     }
 
-    /// Of what is less important, or no longer certain.
+    /// The style of less important or stale texts.
     pub(super) fn faint(self) -> Style {
         self.colour(Color::Reset).add_modifier(Modifier::DIM)
     }
 
-    /// Of the row that is looked at.
+    /// The style of the selected row.
     pub(super) fn selected(self) -> Style {
         self.colour(Color::Reset).add_modifier(Modifier::REVERSED)
     }

@@ -1,8 +1,8 @@
-//! Texts that are longer than there is room for.
+//! Clips and wraps long texts.
 
 use ratatui::text::{Line, Span};
 
-/// A line, cut where it is too long, with a sign that it was.
+/// Clips a line to a width. A clipped line ends in an ellipsis.
 pub(super) fn clipped(line: Line<'_>, width: usize) -> Line<'_> {
     if line.width() <= width {
         return line;
@@ -11,14 +11,14 @@ pub(super) fn clipped(line: Line<'_>, width: usize) -> Line<'_> {
     let mut spans = Vec::new();
     let mut left = width;
     for span in line.spans {
-        let wide = span.width();
-        // One column is for the sign.
-        if wide < left {
-            left -= wide;
+        let needed = span.width();
+        // One column is for the ellipsis.
+        if needed < left {
+            left -= needed;
             spans.push(span);
             continue;
         }
-        spans.push(Span::styled(with_sign(&span.content, left), span.style));
+        spans.push(Span::styled(with_ellipsis(&span.content, left), span.style));
         break;
     }
     let mut line = Line::from(spans).style(style);
@@ -26,8 +26,8 @@ pub(super) fn clipped(line: Line<'_>, width: usize) -> Line<'_> {
     line
 }
 
-/// As much of the start of a text as there is room for, with a sign that something follows.
-fn with_sign(text: &str, width: usize) -> String {
+/// The start of a text that fits into a width, with an ellipsis.
+fn with_ellipsis(text: &str, width: usize) -> String {
     let Some(room) = width.checked_sub(1) else { return String::new() };
     let mut taken = 0;
     let end = text.char_indices().find_map(|(at, character)| {
@@ -37,7 +37,7 @@ fn with_sign(text: &str, width: usize) -> String {
     format!("{}…", &text[..end.unwrap_or(text.len())])
 }
 
-/// A text in lines of at most so many columns, broken between words where that can be.
+/// Wraps a text into lines of at most `width` columns, between words if possible.
 pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
     let width = width.max(1);
     let mut lines = Vec::new();
@@ -48,7 +48,7 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
             lines.push(std::mem::take(&mut line));
         }
         while Span::raw(word).width() > width {
-            let (start, rest) = word.split_at(fitting(word, width));
+            let (start, rest) = word.split_at(fitting_length(word, width));
             lines.push(start.to_owned());
             word = rest;
         }
@@ -61,8 +61,8 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// How many bytes of a word fit into so many columns: those of one character at least.
-fn fitting(word: &str, width: usize) -> usize {
+/// The number of bytes of a word that fit into a width; at least one character.
+fn fitting_length(word: &str, width: usize) -> usize {
     let mut taken = 0;
     let mut end = 0;
     for character in word.chars() {
@@ -109,7 +109,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn nothing_is_wider_than_there_is_room(text in ".{0,40}", width in 2..20_usize) {
+        fn lines_never_exceed_the_width(text in ".{0,40}", width in 2..20_usize) {
             prop_assert!(clipped(Line::raw(text.clone()), width).width() <= width);
             for line in wrapped(&text, width) {
                 prop_assert!(Span::raw(line).width() <= width);

@@ -1,4 +1,4 @@
-//! Answers by the codecs of `uavspec-codegen`.
+//! Processes requests with the codecs of `uavspec-codegen`.
 
 use serde_json::{Value, json};
 use uavspec_codegen::dynamic::{DynamicMessage, Error, MessageType, Types};
@@ -9,27 +9,27 @@ use uavspec_conformance::testee::{PROTOCOL, from_base64, from_wire, to_base64, t
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::{ErrorClass, Severity};
 
-/// The types of error codes.
+/// The type of error codes.
 const CODE: &str = "flockwave/ErrorCode";
 const LIST: &str = "flockwave/ErrorList";
 
-/// Why there is nothing in `ok`.
+/// Why a request has no result.
 enum CodecError {
-    /// What was asked about isn't right.
+    /// The input is invalid.
     Input(String),
-    /// The question itself isn't.
-    Question(&'static str),
-    /// It is about something that isn't known here.
+    /// The request itself is invalid.
+    Request(&'static str),
+    /// The type, op or format isn't supported.
     Unknown,
 }
 
-/// Answers about all types of the definitions.
+/// A codec for all types of the definitions.
 pub(crate) struct Codec<'s> {
     /// The definitions.
     pub(crate) schema: &'s Schema,
-    /// Their types.
+    /// The message types.
     pub(crate) types: &'s Types,
-    /// The shapes of what is JSON by definition.
+    /// The schemas of JSON types.
     pub(crate) body_schemas: &'s DefinedSchemas,
 }
 
@@ -47,37 +47,37 @@ impl Codec<'_> {
         })
     }
 
-    /// What is said to a line; nothing to what has no id.
-    pub(crate) fn reply(&self, question: &Value) -> Option<Value> {
-        if question["op"] == "hello" {
+    /// Returns the response to a request. A line without an id gets none.
+    pub(crate) fn reply(&self, request: &Value) -> Option<Value> {
+        if request["op"] == "hello" {
             return Some(self.hello());
         }
-        let id = question.get("id")?.clone();
-        let mut answer = self.answer(question).unwrap_or_else(|wrong| match wrong {
+        let id = request.get("id")?.clone();
+        let mut answer = self.answer(request).unwrap_or_else(|wrong| match wrong {
             CodecError::Input(reason) => json!({ "rejected": reason }),
-            CodecError::Question(what) => json!({ "error": what }),
+            CodecError::Request(what) => json!({ "error": what }),
             CodecError::Unknown => json!({ "unsupported": true }),
         });
         answer["id"] = id;
         Some(answer)
     }
 
-    fn answer(&self, question: &Value) -> Result<Value, CodecError> {
-        let name = question["type"].as_str().ok_or(CodecError::Question("no type"))?;
-        let op = question["op"].as_str().ok_or(CodecError::Question("no op"))?;
+    fn answer(&self, request: &Value) -> Result<Value, CodecError> {
+        let name = request["type"].as_str().ok_or(CodecError::Request("type is missing"))?;
+        let op = request["op"].as_str().ok_or(CodecError::Request("op is missing"))?;
         let ok = match (name, op) {
-            (CODE, "validate") => Self::code(value_of(question)?).map(|_| Value::Null)?,
+            (CODE, "validate") => Self::code(value_of(request)?).map(|_| Value::Null)?,
             (CODE, "severity") => {
-                let code = Self::code(value_of(question)?)?;
+                let code = Self::code(value_of(request)?)?;
                 json!({ "class": ErrorClass::of(code).name(), "severity": Severity::of(code).name() })
             }
             (_, "validate") if self.body_schemas.has_schema(name) => {
-                self.check_body(name, value_of(question)?)?
+                self.check_body(name, value_of(request)?)?
             }
-            (LIST, "validate") => self.list(value_of(question)?).map(|()| Value::Null)?,
+            (LIST, "validate") => self.list(value_of(request)?).map(|()| Value::Null)?,
             _ => {
                 let (message, of) = self.find(name).ok_or(CodecError::Unknown)?;
-                answer(op, question, message, of)?
+                answer(op, request, message, of)?
             }
         };
         Ok(json!({ "ok": ok }))
@@ -90,7 +90,7 @@ impl Codec<'_> {
         Some((self.schema.message(*id), self.types.get(*id)))
     }
 
-    /// Whether a value has the shape of this name.
+    /// Checks a value against the schema with this name.
     fn check_body(&self, name: &str, value: &Value) -> Result<Value, CodecError> {
         let text = from_wire(value).to_string();
         let tree = Tree::read(&text).map_err(|error| CodecError::Input(error.to_string()))?;
@@ -105,47 +105,59 @@ impl Codec<'_> {
 
     fn code(value: &Value) -> Result<u32, CodecError> {
         let code = value.as_u64().and_then(|code| u32::try_from(code).ok());
-        code.ok_or_else(|| CodecError::Input("no code".to_owned()))
+        code.ok_or_else(|| CodecError::Input("not an error code".to_owned()))
     }
 
     fn list(&self, value: &Value) -> Result<(), CodecError> {
-        let items = value.as_array().ok_or_else(|| CodecError::Input("no list".to_owned()))?;
+        let items = value.as_array().ok_or_else(|| CodecError::Input("not a list".to_owned()))?;
         let known = || self.schema.packages.iter().flat_map(|it| &it.error_tables).flat_map(|it| &it.codes);
         for item in items {
             if Self::code(item)? == 0 {
-                return Err(CodecError::Input("0 is no error".to_owned()));
+                return Err(CodecError::Input("error code 0 means no error".to_owned()));
             }
             let alternatives = known().filter(|code| *item == code.code).flat_map(|code| &code.alternatives);
             if let Some(other) =
                 alternatives.into_iter().find(|other| items.iter().any(|item| item == *other))
             {
-                return Err(CodecError::Input(format!("{item} and {other} are alternatives")));
+                return Err(CodecError::Input(format!("{item} and {other} are mutually exclusive")));
             }
         }
         Ok(())
     }
 }
 
-fn answer(op: &str, question: &Value, message: &Message, of: MessageType<'_>) -> Result<Value, CodecError> {
-    let said = |error: Error| CodecError::Input(error.to_string());
-    let is_cdr = || match question["format"].as_str() {
+fn answer(
+    op: &str,
+    request: &Value,
+    message: &Message,
+    message_type: MessageType<'_>,
+) -> Result<Value, CodecError> {
+    let invalid = |error: Error| CodecError::Input(error.to_string());
+    let is_cdr = || match request["format"].as_str() {
         Some("cdr") => Ok(true),
         Some("uorb") => Ok(false),
         Some(_) => Err(CodecError::Unknown),
-        None => Err(CodecError::Question("no format")),
+        None => Err(CodecError::Request("format is missing")),
     };
     let decode = || -> Result<DynamicMessage<'_>, CodecError> {
-        let bytes =
-            question["bytes"].as_str().and_then(from_base64).ok_or(CodecError::Question("no base64"))?;
-        if is_cdr()? { of.decode_cdr_strict(&bytes) } else { of.decode_uorb_strict(&bytes) }.map_err(said)
+        let bytes = request["bytes"]
+            .as_str()
+            .and_then(from_base64)
+            .ok_or(CodecError::Request("bytes is not base64"))?;
+        if is_cdr()? {
+            message_type.decode_cdr_strict(&bytes)
+        } else {
+            message_type.decode_uorb_strict(&bytes)
+        }
+        .map_err(invalid)
     };
     let encode = |message: &DynamicMessage<'_>| -> Result<Value, CodecError> {
         let bytes = if is_cdr()? { message.to_cdr(ByteOrder::LittleEndian) } else { message.to_uorb() };
-        bytes.map(|bytes| to_base64(&bytes).into()).map_err(said)
+        bytes.map(|bytes| to_base64(&bytes).into()).map_err(invalid)
     };
-    let read = || of.from_json(&from_wire(value_of(question)?)).map_err(said);
+    let read = || message_type.from_json(&from_wire(value_of(request)?)).map_err(invalid);
     match op {
-        "decode" => Ok(to_wire(&decode()?.to_json().map_err(said)?, Some(of))),
+        "decode" => Ok(to_wire(&decode()?.to_json().map_err(invalid)?, Some(message_type))),
         "encode" => encode(&read()?),
         "roundtrip" => encode(&decode()?),
         "validate" => match read()?.validate().first() {
@@ -156,8 +168,8 @@ fn answer(op: &str, question: &Value, message: &Message, of: MessageType<'_>) ->
         "hash" => Ok(message.hash.into()),
         "layout" if is_cdr()? => Err(CodecError::Unknown),
         "layout" => {
-            let size = of.size().ok_or_else(|| CodecError::Input("its size varies".to_owned()))?;
-            let offsets = of.layout().map(|field| (field.name.to_owned(), field.offset.into()));
+            let size = message_type.size().ok_or_else(|| CodecError::Input("the size varies".to_owned()))?;
+            let offsets = message_type.layout().map(|field| (field.name.to_owned(), field.offset.into()));
             let offsets: serde_json::Map<String, Value> = offsets.collect();
             Ok(json!({ "size": size.padded, "size_no_padding": size.no_padding, "offsets": offsets }))
         }
@@ -165,6 +177,6 @@ fn answer(op: &str, question: &Value, message: &Message, of: MessageType<'_>) ->
     }
 }
 
-fn value_of(question: &Value) -> Result<&Value, CodecError> {
-    question.get("value").ok_or(CodecError::Question("no value"))
+fn value_of(request: &Value) -> Result<&Value, CodecError> {
+    request.get("value").ok_or(CodecError::Request("value is missing"))
 }

@@ -1,11 +1,11 @@
-//! The reference testee: the codecs and checks of `uavspec-codegen`, behind the protocol of `uavspec test`.
+//! The reference testee: the codecs and checks of `uavspec-codegen`, with the protocol of `uavspec test`.
 //!
 //! ```text
 //! cargo build --package uavspec-testee
 //! uavspec test -- target/debug/uavspec-testee
 //! ```
 //!
-//! `--definitions PATH` makes it know other types than those of this repository.
+//! `--definitions PATH` replaces the definitions of this repository.
 
 mod codec;
 
@@ -28,12 +28,12 @@ fn main() -> io::Result<()> {
     let types = definitions.types();
     let codec = Codec { schema: &definitions.schema, types, body_schemas: definitions.defined_schemas() };
     let mut output = io::stdout().lock();
-    // As bytes: a line that is no UTF-8 must not be the end.
+    // Lines are read as bytes, so that invalid UTF-8 doesn't end the program.
     for line in io::stdin().lock().split(b'\n') {
-        // What is no JSON has no id that could be answered.
-        let Ok(question) = serde_json::from_slice(&line?) else { continue };
-        if let Some(reply) = codec.reply(&question) {
-            writeln!(output, "{reply}")?;
+        // A line that isn't JSON has no id to respond to.
+        let Ok(request) = serde_json::from_slice(&line?) else { continue };
+        if let Some(response) = codec.reply(&request) {
+            writeln!(output, "{response}")?;
             output.flush()?;
         }
     }

@@ -1,4 +1,4 @@
-//! Payloads of CDR. The first byte says of which message.
+//! Fuzzes CDR payloads. The first byte selects the message.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -11,7 +11,8 @@ fuzz_target!(|data: &[u8]| {
     dispatch!(data, check; Sample, Point, Empty, ArmingCheckReply, BatteryStatus);
 });
 
-/// What is read can be written in both byte orders and read again; strict reading agrees where it reads.
+/// Checks that a decoded message survives encoding in both byte orders, and that strict decoding differs only for
+/// invalid bools.
 fn check<T: Message>(payload: &[u8]) {
     match T::from_cdr(payload) {
         Err(error) => {

@@ -1,4 +1,4 @@
-//! Payloads of uORB. The first byte says of which message.
+//! Fuzzes uORB payloads. The first byte selects the message.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -10,7 +10,8 @@ fuzz_target!(|data: &[u8]| {
     dispatch!(data, check; ArmingCheckReply, BatteryStatus, FailsafeFlags, RegisterExtComponentReply);
 });
 
-/// What is read can be written; strict reading agrees where it reads; a view agrees.
+/// Checks that the view and strict decoding agree with lenient decoding. Strict decoding may fail for invalid bools
+/// only.
 fn check<T: UorbMessage>(payload: &[u8]) {
     match T::from_uorb(payload) {
         Err(error) => {

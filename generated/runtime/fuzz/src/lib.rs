@@ -1,8 +1,8 @@
-//! What the targets share: which message the first byte names, and messages whose size varies.
+//! Code that the fuzz targets share: the selection of a message, and messages of variable size.
 
 use uavspec_runtime::{Definition, Message};
 
-/// Calls a generic function with the message that the first byte names, and the other bytes.
+/// Calls a generic function with the message type that the first byte selects, and the other bytes.
 #[macro_export]
 macro_rules! dispatch {
     ($data:expr, $check:ident; $($type:ty),* $(,)?) => {
@@ -15,7 +15,7 @@ macro_rules! dispatch {
 
 macro_rules! sample {
     ($type:ident { $($field:ident: $field_type:ty),* }) => {
-        /// A message whose size varies, as the generator would write it.
+        /// A message of variable size, written like generated code.
         #[derive(Clone, Debug, Default, PartialEq)]
         #[allow(missing_docs)]
         pub struct $type {

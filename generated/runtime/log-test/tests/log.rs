@@ -1,7 +1,7 @@
-//! What a device logs with defmt is read by the host: values go through a program of its own, whose output
-//! and texts the decoder of defmt puts together.
+//! Tests that the defmt decoder can read logs of messages. A separate program logs values like a device. The decoder
+//! combines the output of the program with its format strings.
 
-// Elsewhere linkers know other scripts.
+// Linkers of other systems need other scripts.
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 
 use std::fs;
@@ -13,9 +13,9 @@ use defmt_decoder::Table;
 const TARGET: &str = "x86_64-unknown-linux-gnu";
 
 #[test]
-fn a_log_shows_names_and_values() {
+fn the_decoder_displays_names_and_values() {
     let (program, frames) = run();
-    let table = Table::parse(&program).expect("texts that defmt knows").expect("a section of texts");
+    let table = Table::parse(&program).expect("valid format strings").expect("a section of format strings");
     let mut decoder = table.new_stream_decoder();
     decoder.received(&frames);
     let mut lines = Vec::new();
@@ -41,7 +41,7 @@ fn a_log_shows_names_and_values() {
     assert_eq!(lines[5], "199 LOWBAT 65602 fatal");
 }
 
-/// The program and what it writes.
+/// Builds and runs the program. Returns its executable and its output.
 fn run() -> (Vec<u8>, Vec<u8>) {
     let repository = fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..")).expect("a path");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("log");
@@ -59,7 +59,7 @@ fn run() -> (Vec<u8>, Vec<u8>) {
     fs::write(folder.join("src/main.rs"), include_str!("log/device.rs")).expect("a file");
     fs::write(folder.join("build.rs"), include_str!("log/build.rs")).expect("a file");
     fs::write(folder.join("host.x"), include_str!("log/host.x")).expect("a file");
-    // With a target named, the flags are not for build scripts and macros.
+    // With an explicit target, the flags don't apply to build scripts and macros.
     let output = Command::new(env!("CARGO"))
         .args(["build", "--quiet", "--target", TARGET])
         .current_dir(&folder)

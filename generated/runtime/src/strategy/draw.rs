@@ -1,4 +1,4 @@
-//! Draws the values of a message from its description.
+//! Draws the values of a message according to its descriptor.
 
 use std::format;
 use std::vec::Vec;
@@ -8,15 +8,15 @@ use proptest::test_runner::Reason;
 use super::fault;
 use super::number::Leaf;
 use super::random::Random;
-use super::tree::{Form, Node};
+use super::tree::{ListKind, Node};
 use crate::Rule;
 use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 
-/// How many elements and characters a case may have beyond those that its types demand.
+/// The maximum number of optional elements and characters in a case.
 const ROOM: usize = 1024;
 
-/// Characters that are likely to be treated wrongly: of two, three and four bytes, controls and the like.
-const STRANGE: [char; 14] = [
+/// Characters that programs often mishandle: multi-byte characters, control characters and similar.
+const UNUSUAL: [char; 14] = [
     'é',
     'µ',
     'ß',
@@ -33,7 +33,7 @@ const STRANGE: [char; 14] = [
     '\\',
 ];
 
-/// Bytes that end no text in UTF-8.
+/// Bytes that make a text invalid UTF-8 at its end.
 const BAD_BYTES: [u8; 4] = [0xff, 0x80, 0xc3, 0xf0];
 
 pub(super) struct Draw {
@@ -46,7 +46,7 @@ impl Draw {
         Self { random, room: ROOM }
     }
 
-    /// A message, with the fault of this number among those that [`fault::count`] counts.
+    /// Draws a message. `fault` is an index into the faults that [`fault::count`] counts.
     pub(super) fn message(
         &mut self,
         message: &'static MessageDescriptor,
@@ -54,9 +54,9 @@ impl Draw {
     ) -> Result<Node, Reason> {
         let mut parts = Vec::with_capacity(message.fields.len());
         for field in message.fields {
-            let (own, later) = split(fault, || fault::in_field(field));
+            let (in_field, later) = split(fault, || fault::in_field(field));
             fault = later;
-            parts.push(self.field(field, own)?);
+            parts.push(self.field(field, in_field)?);
         }
         Ok(Node::group(parts))
     }
@@ -73,8 +73,8 @@ impl Draw {
                 let bound = field.shape.bound();
                 let least = usize::from(fault.is_some());
                 let (length, least) = self.length(bound, least, too_long.is_some());
-                let list = Node::list(self.elements(field, length, fault)?, Form::Sequence, least);
-                Ok(if too_long.is_some() { list.breaking(Rule::Bound) } else { list })
+                let list = Node::list(self.elements(field, length, fault)?, ListKind::Sequence, least);
+                Ok(if too_long.is_some() { list.violating(Rule::Bound) } else { list })
             }
         }
     }
@@ -85,8 +85,8 @@ impl Draw {
         length: usize,
         fault: Option<usize>,
     ) -> Result<Vec<Node>, Reason> {
-        let broken = fault.map(|_| self.random.below(length));
-        let element = |index| self.element(field, fault.filter(|_| Some(index) == broken));
+        let invalid = fault.map(|_| self.random.below(length));
+        let element = |index| self.element(field, fault.filter(|_| Some(index) == invalid));
         (0..length).map(element).collect()
     }
 
@@ -96,11 +96,11 @@ impl Draw {
                 let constraint = fault::restriction(field);
                 let rule = fault.and_then(|fault| fault::rules(scalar, constraint).nth(fault));
                 let leaf = match rule {
-                    Some(rule) => Leaf::broken(scalar, constraint, rule, &mut self.random),
+                    Some(rule) => Leaf::invalid(scalar, constraint, rule, &mut self.random),
                     None => Leaf::valid(scalar, constraint, &mut self.random),
                 };
                 let leaf = leaf.ok_or_else(|| {
-                    Reason::from(format!("no value of {} keeps to its definition", field.name))
+                    Reason::from(format!("no value of {} conforms to its definition", field.name))
                 })?;
                 Ok(Node { fault: rule, ..Node::from(leaf) })
             }
@@ -108,14 +108,14 @@ impl Draw {
             Element::String { bound, .. } => {
                 let (length, least) = self.length(bound, 0, fault.is_some());
                 let characters = (0..length).map(|_| Leaf::character(self.character()).into()).collect();
-                let string = Node::list(characters, Form::String, least);
-                Ok(if fault.is_some() { string.breaking(Rule::Bound) } else { string })
+                let string = Node::list(characters, ListKind::String, least);
+                Ok(if fault.is_some() { string.violating(Rule::Bound) } else { string })
             }
             Element::Message(nested) => self.message(nested, fault),
         }
     }
 
-    /// The length of a sequence or string, and the least that it may be simplified to.
+    /// Draws the length of a sequence or string. Also returns the minimum length during simplification.
     fn length(&mut self, bound: Option<u32>, least: usize, is_too_long: bool) -> (usize, usize) {
         let bound = bound.map_or(usize::MAX, |bound| bound as usize);
         if is_too_long {
@@ -133,7 +133,7 @@ impl Draw {
         (length, least)
     }
 
-    /// Text of at most `room` bytes; a bad one ends with a byte that makes it so.
+    /// Draws text of at most `room` bytes. Bad text ends with a byte that makes it invalid UTF-8.
     fn text(&mut self, room: usize, is_bad: bool) -> Node {
         let bad_byte = is_bad.then(|| self.random.pick(&BAD_BYTES).copied().unwrap_or(0xff));
         let most = room.saturating_sub(usize::from(is_bad));
@@ -149,15 +149,15 @@ impl Draw {
             left -= character.len_utf8();
             characters.push(Leaf::character(character).into());
         }
-        let text = Node::list(characters, Form::Text { room, bad_byte }, 0);
-        if is_bad { text.breaking(Rule::Text) } else { text }
+        let text = Node::list(characters, ListKind::Text { room, bad_byte }, 0);
+        if is_bad { text.violating(Rule::Text) } else { text }
     }
 
-    /// Any character but NUL, which would end a text.
+    /// Draws any character but NUL, which would end a text.
     fn character(&mut self) -> char {
         match self.random.below(16) {
-            0 | 1 => self.random.pick(&STRANGE).copied().unwrap_or('é'),
-            // Numbers between 0xd800 and 0xdfff are no characters.
+            0 | 1 => self.random.pick(&UNUSUAL).copied().unwrap_or('é'),
+            // Surrogates, 0xd800 to 0xdfff, are not characters.
             #[allow(clippy::cast_possible_truncation)] // 20 bits
             2 => char::from_u32((self.random.bits() >> 44) as u32 | 1).unwrap_or('~'),
             #[allow(clippy::cast_possible_truncation)] // under 95
@@ -166,7 +166,8 @@ impl Draw {
     }
 }
 
-/// Whether the fault is among the next `count`, and what number it has among those after them.
+/// Splits a fault index: into the index if it is among the next `count` faults, or into the index among the later
+/// faults.
 fn split(fault: Option<usize>, count: impl FnOnce() -> usize) -> (Option<usize>, Option<usize>) {
     let Some(fault) = fault else { return (None, None) };
     match fault.checked_sub(count()) {

@@ -1,8 +1,8 @@
-//! The ways in which a message can break a rule.
+//! Faults: the possible violations in a message.
 //!
-//! They are counted over the description of a message: each rule that a field, or an element of it, can
-//! break is one, whatever the number of elements. [`Draw`](super::draw::Draw) finds the chosen one by
-//! counting in the same order.
+//! A message descriptor determines the number of faults. Each rule that a field or its elements can violate is one
+//! fault, regardless of the number of elements. [`Draw`](super::draw::Draw) counts in the same order to find the fault
+//! with a given index.
 
 use std::vec::Vec;
 
@@ -11,21 +11,21 @@ use super::tree::Node;
 use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 use crate::{Constraint, Number, Path, Rule, Scalar};
 
-/// The greatest bound that is exceeded: more elements than that would take too long to make.
+/// The maximum bound that a fault exceeds. More elements would take too long to generate.
 const GREATEST_BOUND: u32 = 4096;
 
-/// In how many ways a message can be broken.
+/// The number of faults in a message.
 pub(super) fn count(message: &MessageDescriptor) -> usize {
     message.fields.iter().map(in_field).sum()
 }
 
-/// In how many ways a field can be broken: first by its length, then by its elements.
+/// The number of faults in a field: first those of its length, then those of its elements.
 pub(super) fn in_field(field: &FieldDescriptor) -> usize {
     let is_empty = matches!(field.shape, Shape::Array(0) | Shape::Bounded(0));
     in_length(field.shape) + if is_empty { 0 } else { in_element(field) }
 }
 
-/// In how many ways the length of a field can be broken.
+/// The number of faults in the length of a field.
 pub(super) fn in_length(shape: Shape) -> usize {
     match shape {
         Shape::Bounded(bound) => usize::from(bound <= GREATEST_BOUND),
@@ -42,17 +42,17 @@ fn in_element(field: &FieldDescriptor) -> usize {
     }
 }
 
-/// What the numbers of a field may be.
+/// The constraint on the numbers of a field.
 pub(super) fn restriction(field: &FieldDescriptor) -> &'static Constraint<'static> {
     field.constraint.unwrap_or(&Constraint::NONE)
 }
 
-/// The rules that a number can break.
+/// The rules that a number can violate.
 pub(super) fn rules(scalar: Scalar, constraint: &'static Constraint<'static>) -> impl Iterator<Item = Rule> {
     Rule::ALL.into_iter().filter(move |rule| !values(scalar, constraint, *rule).is_empty())
 }
 
-/// Numbers of a type that break `rule`, those first that do so by the least.
+/// Numbers of a type that violate `rule`, starting with those closest to the valid range.
 pub(super) fn values(scalar: Scalar, constraint: &Constraint<'_>, rule: Rule) -> Vec<Number> {
     let allowed = Allowed { scalar, constraint };
     let candidates: Vec<Number> = if scalar.is_float() {
@@ -60,24 +60,24 @@ pub(super) fn values(scalar: Scalar, constraint: &Constraint<'_>, rule: Rule) ->
     } else {
         integers(allowed).into_iter().filter(|value| fits(scalar, *value)).map(Number::Int).collect()
     };
-    candidates.into_iter().filter(|value| constraint.broken_by(*value) == Some(rule)).collect()
+    candidates.into_iter().filter(|value| constraint.violated_by(*value) == Some(rule)).collect()
 }
 
-/// Whether a field of a type can hold an integer.
+/// True if a field of the type can contain the integer.
 pub(super) fn fits(scalar: Scalar, value: i128) -> bool {
     scalar.integer_bounds().is_some_and(|(least, most)| (least..=most).contains(&value))
 }
 
-/// Integers next to what is allowed, and the extremes of the type.
+/// Integers next to the allowed ones, and the extremes of the type.
 fn integers(allowed: Allowed<'_>) -> Vec<i128> {
-    /// More documented values than these have their neighbours among them.
+    /// Number of documented values whose neighbours are tried.
     const NEIGHBOURS: usize = 32;
     let Some((least, most)) = allowed.scalar.integer_bounds() else { return Vec::new() };
     let (low, high) = allowed.integers().unwrap_or((least, most));
     let mut values = Vec::from([high + 1, low - 1]);
     if let Some(known) = allowed.constraint.known {
         if allowed.constraint.is_flags {
-            // The top bit of a signed number makes it negative.
+            // In a signed number, the top bit makes the number negative.
             values.extend(
                 (0..8 * allowed.scalar.size()).map(|bit| 1 << bit).map(
                     |bit: i128| {
@@ -96,8 +96,8 @@ fn integers(allowed: Allowed<'_>) -> Vec<i128> {
     values
 }
 
-/// Floats next to what is allowed, and the extremes of the type, none of them infinite; and NaN.
-#[allow(clippy::cast_possible_truncation)] // floats of 32 bits stay what they are
+/// NaN, finite floats next to the allowed ones, and the finite extremes of the type.
+#[allow(clippy::cast_possible_truncation)] // 32-bit floats don't change
 fn floats(allowed: Allowed<'_>) -> Vec<f64> {
     let is_single = allowed.scalar == Scalar::Float32;
     let Some((low, high)) = allowed.floats() else { return Vec::from([f64::NAN]) };
@@ -113,12 +113,12 @@ fn floats(allowed: Allowed<'_>) -> Vec<f64> {
     finite.chain([f64::NAN]).collect()
 }
 
-/// Goes to the place where the message that `root` makes is broken, and returns the rule.
+/// Finds the fault in the message of `root`. Extends `path` to its location and returns the violated rule.
 pub(super) fn locate(message: &'static MessageDescriptor, root: &Node, path: &mut Path) -> Rule {
     let parts = root.parts().iter().enumerate();
-    let broken = parts.zip(message.fields).find(|((_, part), _)| part.fault.is_some());
-    // A tree is drawn with one fault, and none is dropped while it is simplified.
-    let Some(((index, mut part), field)) = broken else { return root.fault.unwrap_or(Rule::Range) };
+    let faulty = parts.zip(message.fields).find(|((_, part), _)| part.fault.is_some());
+    // The tree has one fault, which simplification preserves.
+    let Some(((index, mut part), field)) = faulty else { return root.fault.unwrap_or(Rule::Range) };
     path.enter(index);
     let is_list = field.shape != Shape::Single && field.element != Element::Text;
     if is_list {

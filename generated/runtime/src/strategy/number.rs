@@ -1,4 +1,4 @@
-//! Numbers and characters: which are drawn, and which are simpler.
+//! Draws and simplifies numbers and characters.
 
 use std::boxed::Box;
 use std::vec;
@@ -9,11 +9,11 @@ use super::random::Random;
 use super::search::{Domain, Floats, Search};
 use crate::{Constraint, Number, Rule, Scalar};
 
-/// A number, or a character as its number.
+/// A number, or a character as its code point.
 pub(super) struct Leaf {
     kind: Kind,
     value: Number,
-    /// The search for a simpler one, once it has begun.
+    /// The state of the search for a simpler value, once it has started.
     progress: Option<Box<Progress>>,
 }
 
@@ -25,17 +25,17 @@ enum Kind {
 
 enum Progress {
     Search(Search),
-    /// Flags are dropped one by one.
+    /// Removes one flag at a time.
     Flags {
         /// Index of the next mask to try.
         next: usize,
-        /// The value before the last one was dropped.
+        /// The value before the last flag was removed.
         before: Option<i128>,
     },
 }
 
 impl Leaf {
-    /// A number that breaks no rule; none where there is no such number.
+    /// Draws a number that violates no rule, or `None` if there is no such number.
     pub(super) fn valid(
         scalar: Scalar,
         constraint: &'static Constraint<'static>,
@@ -45,8 +45,8 @@ impl Leaf {
         Some(Self { kind: Kind::Number(scalar, constraint), value, progress: None })
     }
 
-    /// A number that breaks `rule`; none where there is no such number.
-    pub(super) fn broken(
+    /// Draws a number that violates `rule`, or `None` if there is no such number.
+    pub(super) fn invalid(
         scalar: Scalar,
         constraint: &'static Constraint<'static>,
         rule: Rule,
@@ -54,9 +54,9 @@ impl Leaf {
     ) -> Option<Self> {
         let mut values = fault::values(scalar, constraint, rule);
         if random.once_in(2) {
-            // Far from the neighbours too, where chance finds such a number.
-            let whole = Allowed { scalar, constraint: &Constraint::NONE };
-            let far = whole.draw(random).filter(|value| constraint.broken_by(*value) == Some(rule));
+            // Adds a random number that violates the rule, if the draw finds one.
+            let any_number = Allowed { scalar, constraint: &Constraint::NONE };
+            let far = any_number.draw(random).filter(|value| constraint.violated_by(*value) == Some(rule));
             values.extend(far);
         } else {
             values.truncate(random.below(values.len()) + 1);
@@ -66,13 +66,13 @@ impl Leaf {
         Some(Self { kind: Kind::Number(scalar, constraint), value, progress })
     }
 
-    /// A character.
+    /// A leaf for a character.
     pub(super) fn character(character: char) -> Self {
         Self { kind: Kind::Character, value: Number::Int(u32::from(character).into()), progress: None }
     }
 
-    /// Its bits, as a field of its type holds them.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // the type of the field has no more
+    /// The bits of the value in a field of its type.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // the value fits the type of the field
     pub(super) fn bits(&self) -> u64 {
         match (self.value, self.kind) {
             (Number::Int(value), _) => value as u64,
@@ -81,7 +81,7 @@ impl Leaf {
         }
     }
 
-    /// The character that it stands for.
+    /// The value as a character.
     pub(super) fn as_char(&self) -> char {
         u32::try_from(self.bits()).ok().and_then(char::from_u32).unwrap_or_default()
     }
@@ -95,9 +95,9 @@ impl Leaf {
                 next_valid(kind, value, next, search)
             }
             (Progress::Flags { next, before }, Kind::Number(_, constraint), Number::Int(value)) => {
-                let dropped = drop_flag(constraint, value, next);
-                *before = dropped.map(|_| value);
-                dropped.map(Number::Int)
+                let reduced = remove_flag(constraint, value, next);
+                *before = reduced.map(|_| value);
+                reduced.map(Number::Int)
             }
             (Progress::Flags { .. }, ..) => None,
         };
@@ -122,24 +122,24 @@ impl Leaf {
     }
 }
 
-/// The first of the next values of a search that is valid, if `value` is.
+/// Skips invalid values of a search if `value` is valid.
 fn next_valid(kind: Kind, value: Number, mut next: Option<Number>, search: &mut Search) -> Option<Number> {
     let Kind::Number(_, constraint) = kind else { return next };
-    if constraint.broken_by(value).is_none() {
-        while next.is_some_and(|next| constraint.broken_by(next).is_some()) {
+    if constraint.violated_by(value).is_none() {
+        while next.is_some_and(|next| constraint.violated_by(next).is_some()) {
             next = search.complicate();
         }
     }
     next
 }
 
-/// The value without the next of its flags.
-fn drop_flag(constraint: &Constraint<'_>, value: i128, next: &mut usize) -> Option<i128> {
+/// The value without its next flag that can be removed.
+fn remove_flag(constraint: &Constraint<'_>, value: i128, next: &mut usize) -> Option<i128> {
     let known = constraint.known.unwrap_or_default();
     while let Some(mask) = known.get(*next) {
         *next += 1;
         let without = value & !mask;
-        if without != value && constraint.broken_by(Number::Int(without)).is_none() {
+        if without != value && constraint.violated_by(Number::Int(without)).is_none() {
             return Some(without);
         }
     }
@@ -161,7 +161,7 @@ fn start(kind: Kind, drawn: Number) -> Progress {
     }
 }
 
-/// The numbers of a type that break no rule.
+/// The numbers of a type that violate no rule.
 #[derive(Clone, Copy)]
 pub(super) struct Allowed<'k> {
     pub(super) scalar: Scalar,
@@ -170,9 +170,9 @@ pub(super) struct Allowed<'k> {
 
 impl Allowed<'_> {
     fn draw(self, random: &mut Random) -> Option<Number> {
-        /// The bounds of a constraint are met by each draw, and its other demands by some.
+        /// Maximum number of attempts. Every draw is within the bounds of the constraint, but not every draw is valid.
         const DRAWS: usize = 64;
-        let is_valid = |drawn: &Number| self.constraint.broken_by(*drawn).is_none();
+        let is_valid = |drawn: &Number| self.constraint.violated_by(*drawn).is_none();
         (0..DRAWS).find_map(|_| self.draw_once(random).filter(is_valid))
     }
 
@@ -190,16 +190,21 @@ impl Allowed<'_> {
         drawn.or_else(|| self.special(random))
     }
 
-    /// A value that means that there is no data, if JSON can carry it.
+    /// A value that means "no data", if JSON can represent it.
     fn special(self, random: &mut Random) -> Option<Number> {
         let nan = (!self.constraint.forbids_nan && self.scalar.is_float()).then_some(Number::Float(f64::NAN));
-        let values: Vec<Number> =
-            self.constraint.special.iter().filter_map(|value| self.held(*value)).chain(nan).collect();
+        let values: Vec<Number> = self
+            .constraint
+            .special
+            .iter()
+            .filter_map(|value| self.representable(*value))
+            .chain(nan)
+            .collect();
         random.pick(&values).copied()
     }
 
-    /// A value as a field of the type holds it, if that can.
-    fn held(self, value: Number) -> Option<Number> {
+    /// The value in a field of the type, or `None` if it doesn't fit.
+    fn representable(self, value: Number) -> Option<Number> {
         if !self.scalar.is_float() {
             return matches!(value, Number::Int(value) if fault::fits(self.scalar, value)).then_some(value);
         }
@@ -208,11 +213,11 @@ impl Allowed<'_> {
         (value.is_nan() || value.abs() <= most).then_some(Number::Float(value))
     }
 
-    /// Least and greatest, without special and undocumented values; none where nothing lies between.
+    /// Minimum and maximum, without special values, or `None` if the range is empty.
     pub(super) fn integers(self) -> Option<(i128, i128)> {
         let (least, most) =
             if self.scalar == Scalar::Bool { (0, 1) } else { self.scalar.integer_bounds()? };
-        #[allow(clippy::cast_possible_truncation)] // saturates, and the type has no more
+        #[allow(clippy::cast_possible_truncation)] // saturates, and the type has a smaller range
         let low = self.constraint.low.map_or(least, |low| match low {
             Number::Int(low) => low,
             Number::Float(low) => low.ceil() as i128,
@@ -237,7 +242,7 @@ impl Allowed<'_> {
         allowed().nth(random.below(allowed().count())).copied()
     }
 
-    /// None of the flags, one, all, or any set of them.
+    /// Draws no flag, one flag, all flags, or any combination.
     fn flags(self, known: &[i128], (low, high): (i128, i128), random: &mut Random) -> Option<i128> {
         let all = known.iter().fold(0, |all, mask| all | mask);
         let (least, most) = self.scalar.integer_bounds()?;
@@ -247,12 +252,12 @@ impl Allowed<'_> {
             2 | 3 => random.pick(known).copied().unwrap_or_default(),
             _ => random.between(least, most) & all,
         });
-        let mut all_alone = drawn.chain([0, all]).chain(known.iter().copied());
-        all_alone.find(|value| (low..=high).contains(value))
+        let mut candidates = drawn.chain([0, all]).chain(known.iter().copied());
+        candidates.find(|value| (low..=high).contains(value))
     }
 
-    /// Least and greatest, without special values; none where nothing lies between.
-    #[allow(clippy::cast_possible_truncation)] // rounding is what this is about
+    /// Minimum and maximum, without special values, or `None` if the range is empty.
+    #[allow(clippy::cast_possible_truncation)] // rounding is intended
     pub(super) fn floats(self) -> Option<(f64, f64)> {
         let number = |number: Option<Number>| number.map(Number::as_f64);
         let count = self.constraint.count.map(f64::from);
@@ -273,14 +278,14 @@ impl Allowed<'_> {
         let (low, high) = self.floats()?;
         let drawn = match random.below(8) {
             0 | 1 => self.remarkable_float(low, high, random),
-            // Any exponent is as likely as any other.
+            // All exponents are equally likely.
             2 | 3 => self.round(f64::from_bits(random.bits()), random),
-            // Numbers as people write them.
+            // Numbers with one decimal digit, as people write them.
             #[allow(clippy::cast_precision_loss)] // small numbers
             4 => self.round((random.below(20_001) as f64 - 10_000.0) / 10.0, random),
             _ => self.uniform(low, high, random),
         };
-        // A range that lies far off is hit by nothing but numbers made for it.
+        // Other draws almost never hit a narrow range, so falls back to a number within the range.
         let is_allowed = |value: &f64| *value >= low && *value <= high;
         Some(drawn).filter(is_allowed).or_else(|| Some(self.uniform(low, high, random).clamp(low, high)))
     }
@@ -311,12 +316,12 @@ impl Allowed<'_> {
     fn uniform(self, low: f64, high: f64, random: &mut Random) -> f64 {
         #[allow(clippy::cast_precision_loss)] // 53 bits are exact
         let share = (random.bits() >> 11) as f64 / (1_u64 << 53) as f64;
-        // Between the extremes of its type the width of the range is infinite, its halves are not.
+        // `high - low` could overflow to infinity, the two products can't.
         self.round(low * (1.0 - share) + high * share, random)
     }
 
-    /// As a field of its type holds it; of bits that are no number of the type, others.
-    #[allow(clippy::cast_possible_truncation)] // rounding is what this is about
+    /// Rounds the value to the type of the field. If the result is infinite or underflows to zero, draws another value.
+    #[allow(clippy::cast_possible_truncation)] // rounding is intended
     fn round(self, value: f64, random: &mut Random) -> f64 {
         if self.scalar != Scalar::Float32 {
             return value;
@@ -326,7 +331,7 @@ impl Allowed<'_> {
         if is_beyond { f32::from_bits((random.bits() >> 32) as u32).into() } else { single.into() }
     }
 
-    /// The way from the simplest integer to `drawn`.
+    /// The integers from the simplest one to `drawn`.
     fn integers_to(self, drawn: i128) -> Domain {
         let range = self.integers();
         let Some(known) = self.constraint.known else {
@@ -346,7 +351,7 @@ impl Allowed<'_> {
         Domain::Listed(values.into_iter().chain([drawn]).map(Number::Int).collect())
     }
 
-    /// The way from the simplest float to `drawn`.
+    /// The floats from the simplest one to `drawn`.
     fn floats_to(self, drawn: f64) -> Domain {
         let Some((low, high)) = self.floats() else { return Domain::Listed(vec![Number::Float(drawn)]) };
         let simplest = 0_f64.clamp(low, high);
@@ -365,7 +370,7 @@ fn plain_integer(low: i128, high: i128, random: &mut Random) -> i128 {
         0 => low,
         1 => high,
         2 => random.pick(&[0, 1, -1, low + 1, high - 1]).copied().unwrap_or(low),
-        // Any number of digits is as likely as any other.
+        // All bit lengths are equally likely.
         3 | 4 => {
             let magnitude = i128::from(random.bits() >> random.below(64));
             if random.once_in(2) { magnitude } else { -magnitude }

@@ -1,11 +1,11 @@
-//! Where chance comes from.
+//! The random number generator of the strategies.
 
 use proptest::num::u64::ANY;
 use proptest::strategy::{Strategy as _, ValueTree as _};
 use proptest::test_runner::{Reason, TestRunner};
 
-/// `SplitMix64`, seeded by the runner once a case: a message may need thousands of numbers, and proptest's
-/// own generator takes longer for each.
+/// `SplitMix64`, seeded by the runner once per case. It is faster than proptest's generator, and a message may need
+/// thousands of numbers.
 pub(super) struct Random(u64);
 
 impl Random {
@@ -13,7 +13,7 @@ impl Random {
         Ok(Self(ANY.new_tree(runner)?.current()))
     }
 
-    /// Any 64 bits.
+    /// 64 random bits.
     pub(super) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -21,7 +21,7 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// A number under `end`; 0 where that is 0.
+    /// A number less than `end`, or 0 if `end` is 0.
     pub(super) fn below(&mut self, end: usize) -> usize {
         let product = u128::from(self.bits()) * end as u128;
         #[allow(clippy::cast_possible_truncation)] // less than `end`
@@ -29,17 +29,17 @@ impl Random {
         index
     }
 
-    /// Once in `times`.
+    /// True with a probability of 1 in `times`.
     pub(super) fn once_in(&mut self, times: usize) -> bool {
         self.below(times) == 0
     }
 
-    /// An integer from `low` to `high`, which are integers of 64 bits, signed or not.
+    /// An integer from `low` to `high`. Both must fit a signed or unsigned 64-bit integer.
     pub(super) fn between(&mut self, low: i128, high: i128) -> i128 {
         let span = u128::try_from(high - low).unwrap_or_default() + 1;
         let (upper, lower) = (span >> 64, span & u128::from(u64::MAX));
         let bits = u128::from(self.bits());
-        // `span * bits / 2^64`, in two parts so that it can't overflow.
+        // `span * bits / 2^64`, in two parts to avoid overflow.
         low + (upper * bits + ((lower * bits) >> 64)).cast_signed()
     }
 

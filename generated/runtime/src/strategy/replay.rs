@@ -1,4 +1,4 @@
-//! Reads a message from the values that were drawn for it.
+//! Decodes a message from the drawn values.
 
 use std::mem;
 use std::string::String;
@@ -8,15 +8,15 @@ use super::tree::Node;
 use crate::descriptor::{MessageDescriptor, Shape};
 use crate::record::{FieldSource, Primitive, Record, Source, Value};
 
-/// All values of a message in declared order, as they are going to be asked for.
+/// All values of a message, in the order in which the message reads them.
 #[derive(Default)]
 pub(super) struct Script {
-    /// The bits of each number, the length of each sequence, each byte of text.
+    /// The bits of each number, the length of each sequence, and each byte of text.
     pub(super) numbers: Vec<u64>,
     pub(super) strings: Vec<String>,
 }
 
-/// The source of a message from a [`Script`]. Unlike codecs it keeps to no bounds.
+/// Reads a message from a [`Script`]. Unlike codecs, it doesn't enforce bounds.
 pub(super) struct Replay {
     /// The message whose fields are read.
     message: &'static MessageDescriptor,
@@ -71,5 +71,5 @@ impl Source for Replay {
         false
     }
 
-    fn blame(&mut self, _: usize) {}
+    fn locate_fault(&mut self, _: usize) {}
 }

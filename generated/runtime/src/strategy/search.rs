@@ -4,20 +4,21 @@ use std::vec::Vec;
 
 use crate::Number;
 
-/// Values in the order of their simplicity; the last is the one that was drawn.
+/// Values in order of simplicity, simplest first. The last value is the drawn one.
 pub(super) enum Domain {
-    /// These.
+    /// The listed values.
     Listed(Vec<Number>),
-    /// The integers from one to the other.
+    /// The integers from `simplest` to `drawn`.
     Integers { simplest: i128, drawn: i128 },
-    /// Floats of one sign from one to another of greater magnitude.
+    /// Floats of one sign, in order of magnitude.
     Floats(Floats),
 }
 
-/// First the whole numbers on the way, then, from the last of them, all floats up to the one that was drawn.
+/// The whole numbers between two magnitudes, followed by all floats from the last whole number to the drawn float.
 pub(super) struct Floats {
-    /// Magnitudes.
+    /// The magnitude of the simplest float.
     simplest: f64,
+    /// The magnitude of the drawn float.
     drawn: f64,
     is_negative: bool,
     is_single: bool,
@@ -33,28 +34,28 @@ impl Floats {
         }
     }
 
-    /// How many whole numbers there are, and the first. Large floats are all whole: none is counted then.
+    /// The number of whole numbers, and the first one. The number is 0 for large floats, which are all whole.
     fn whole(&self) -> (u64, f64) {
         let limit = if self.is_single { 1_u64 << 24 } else { 1 << 53 };
         let first = self.simplest.floor() + 1.0;
         let count = self.drawn.trunc() - first + 1.0;
-        // In either case less than 2^53.
+        // Both are less than 2^53.
         #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         if count >= 1.0 && self.drawn < limit as f64 { (count as u64, first) } else { (0, self.simplest) }
     }
 
-    /// The magnitude that all floats follow: the last of the whole ones.
+    /// The magnitude that precedes the sequence of all floats: the last whole number.
     fn base(&self) -> f64 {
         if self.whole().0 == 0 { self.simplest } else { self.drawn.trunc() }
     }
 
-    #[allow(clippy::cast_possible_truncation)] // a float of 32 bits already
+    #[allow(clippy::cast_possible_truncation)] // a 32-bit float already
     fn key(&self, magnitude: f64) -> u64 {
         if self.is_single { (magnitude as f32).to_bits().into() } else { magnitude.to_bits() }
     }
 
-    #[allow(clippy::cast_possible_truncation)] // keys of floats of 32 bits have no more
-    fn of_key(&self, key: u64) -> f64 {
+    #[allow(clippy::cast_possible_truncation)] // keys of 32-bit floats have 32 bits
+    fn from_key(&self, key: u64) -> f64 {
         if self.is_single { f32::from_bits(key as u32).into() } else { f64::from_bits(key) }
     }
 
@@ -68,14 +69,14 @@ impl Floats {
         let magnitude = match rank {
             0 => self.simplest,
             rank if rank <= count => first + (rank - 1) as f64,
-            rank => self.of_key(self.key(self.base()) + (rank - count)),
+            rank => self.from_key(self.key(self.base()) + (rank - count)),
         };
         if self.is_negative && rank > 0 { -magnitude } else { magnitude }
     }
 }
 
 impl Domain {
-    /// The rank of the value that was drawn.
+    /// The rank of the drawn value.
     fn top(&self) -> u64 {
         match self {
             Self::Listed(values) => values.len().saturating_sub(1) as u64,
@@ -98,14 +99,14 @@ impl Domain {
     }
 }
 
-/// A binary search by rank that starts with the simplest value of all.
+/// A binary search by rank. It tries the simplest value first.
 pub(super) struct Search {
     domain: Domain,
-    /// All below are known, or taken, to pass.
+    /// All lower ranks are known or assumed to pass.
     low: u64,
-    /// Known to fail.
+    /// A rank that is known to fail.
     high: u64,
-    /// What is being tried.
+    /// The rank that is being tried.
     rank: u64,
 }
 
@@ -115,13 +116,13 @@ impl Search {
         Self { domain, low: 0, high: top, rank: top }
     }
 
-    /// The next value to try, now that the one being tried is known to fail.
+    /// The next value to try after the current one failed.
     pub(super) fn simplify(&mut self) -> Option<Number> {
         self.high = self.rank;
         (self.low < self.high).then(|| self.next())?
     }
 
-    /// The next value to try, now that the one being tried is known to pass.
+    /// The next value to try after the current one passed.
     pub(super) fn complicate(&mut self) -> Option<Number> {
         if self.rank == self.high {
             return None;
@@ -140,7 +141,7 @@ impl Search {
 mod tests {
     use super::*;
 
-    /// What the search ends with where everything from `limit` on fails.
+    /// The result of the search if all values from `limit` upwards fail.
     fn least(domain: Domain, limit: f64) -> Option<Number> {
         let fails = |value: Number| match value {
             #[allow(clippy::cast_precision_loss)] // small numbers
@@ -162,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_failing_value_is_found() {
+    fn finds_the_smallest_failing_value() {
         let floats = |drawn, is_single| Domain::Floats(Floats::new(0.0, drawn, is_single));
         assert_eq!(least(floats(153.7, true), 100.5), Some(Number::Float(101.0)));
         assert_eq!(least(floats(1e300, false), 0.0), Some(Number::Float(0.0)));
@@ -175,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_simplest_already_stays() {
+    fn finds_nothing_simpler_than_the_simplest_value() {
         assert_eq!(least(Domain::Integers { simplest: -3, drawn: -3 }, -10.0), None);
         assert_eq!(least(Domain::Floats(Floats::new(0.5, 0.5, true)), 0.0), None);
     }

@@ -1,4 +1,4 @@
-//! The values of a message as a tree, and how it is simplified leaf by leaf.
+//! The values of a message as a tree, which is simplified leaf by leaf.
 
 use std::string::String;
 use std::vec::Vec;
@@ -7,9 +7,9 @@ use super::number::Leaf;
 use super::replay::Script;
 use crate::Rule;
 
-/// A value of a field, or a message.
+/// A field value or a message.
 pub(super) struct Node {
-    /// The rule that is broken in it.
+    /// The rule that the value violates.
     pub(super) fault: Option<Rule>,
     pub(super) kind: Kind,
 }
@@ -22,32 +22,32 @@ pub(super) enum Kind {
     List(List),
 }
 
-/// Parts of which none can be left out.
+/// A fixed number of parts.
 pub(super) struct Group {
     parts: Vec<Node>,
     /// The part that is being simplified.
     at: usize,
 }
 
-/// Parts that can be left out down to a least number.
+/// Parts that can be removed, down to a minimum number.
 pub(super) struct List {
     group: Group,
-    form: Form,
+    kind: ListKind,
     least: usize,
-    /// How many parts are tried to be left out at a time; fewer with each round, at last 0.
-    share: usize,
-    /// Parts from here on have been tried in this round.
+    /// Number of parts to remove in one step. Halved in each round, down to 0.
+    chunk_size: usize,
+    /// Index of the first part that has been tried in this round.
     end: usize,
-    /// What was left out last, and where.
-    left_out: Option<(usize, Vec<Node>)>,
+    /// The parts that were removed last, and their index.
+    removed: Option<(usize, Vec<Node>)>,
 }
 
-/// What a list becomes in a message.
+/// The type of a list in a message.
 #[derive(Clone, Copy)]
-pub(super) enum Form {
+pub(super) enum ListKind {
     Sequence,
     String,
-    /// Text in as many bytes, perhaps followed by a byte that makes it no UTF-8.
+    /// Text in a field of `room` bytes. A `bad_byte` at its end makes it invalid UTF-8.
     Text {
         room: usize,
         bad_byte: Option<u8>,
@@ -61,26 +61,26 @@ impl From<Leaf> for Node {
 }
 
 impl Node {
-    /// A message or an array; broken where a part is.
+    /// A message or an array. A fault in a part is a fault of the node.
     pub(super) fn group(parts: Vec<Self>) -> Self {
         let fault = parts.iter().find_map(|part| part.fault);
         Self { fault, kind: Kind::Group(Group { parts, at: 0 }) }
     }
 
-    /// A list; broken where a part is.
-    pub(super) fn list(parts: Vec<Self>, form: Form, least: usize) -> Self {
+    /// A list. A fault in a part is a fault of the node.
+    pub(super) fn list(parts: Vec<Self>, kind: ListKind, least: usize) -> Self {
         let fault = parts.iter().find_map(|part| part.fault);
-        let (share, end) = (parts.len(), parts.len());
-        let list = List { group: Group { parts, at: 0 }, form, least, share, end, left_out: None };
+        let (chunk_size, end) = (parts.len(), parts.len());
+        let list = List { group: Group { parts, at: 0 }, kind, least, chunk_size, end, removed: None };
         Self { fault, kind: Kind::List(list) }
     }
 
-    /// The same, as a value that breaks `rule`.
-    pub(super) fn breaking(self, rule: Rule) -> Self {
+    /// Marks the node as violating `rule`.
+    pub(super) fn violating(self, rule: Rule) -> Self {
         Self { fault: Some(rule), ..self }
     }
 
-    /// What it consists of.
+    /// The parts of the node.
     pub(super) fn parts(&self) -> &[Self] {
         match &self.kind {
             Kind::Leaf(_) => &[],
@@ -139,13 +139,13 @@ impl List {
             };
             self.group.parts.iter().filter_map(leaf).collect()
         };
-        match self.form {
-            Form::Sequence => {
+        match self.kind {
+            ListKind::Sequence => {
                 script.numbers.push(self.group.parts.len() as u64);
                 self.group.parts.iter().for_each(|part| part.write(script));
             }
-            Form::String => script.strings.push(characters()),
-            Form::Text { room, bad_byte } => {
+            ListKind::String => script.strings.push(characters()),
+            ListKind::Text { room, bad_byte } => {
                 let end = script.numbers.len() + room;
                 script.numbers.extend(characters().into_bytes().into_iter().chain(bad_byte).map(u64::from));
                 script.numbers.resize(end, 0);
@@ -153,37 +153,37 @@ impl List {
         }
     }
 
-    /// Leaves out all parts, then halves, quarters and so on, then simplifies those that are left.
+    /// Removes all parts, then halves, quarters and so on, then simplifies the remaining parts.
     fn simplify(&mut self) -> bool {
-        self.left_out = None;
-        while self.share > 0 {
-            if self.leave_out() {
+        self.removed = None;
+        while self.chunk_size > 0 {
+            if self.remove_chunk() {
                 return true;
             }
         }
         self.group.simplify()
     }
 
-    fn leave_out(&mut self) -> bool {
-        let start = self.end.saturating_sub(self.share);
+    fn remove_chunk(&mut self) -> bool {
+        let start = self.end.saturating_sub(self.chunk_size);
         let parts = &mut self.group.parts;
         let range = start..self.end;
         let is_needed = parts.len() - range.len() < self.least
             || parts[range.clone()].iter().any(|part| part.fault.is_some());
         self.end = start;
         if !range.is_empty() && !is_needed {
-            self.left_out = Some((start, parts.drain(range).collect()));
+            self.removed = Some((start, parts.drain(range).collect()));
             return true;
         }
         if start == 0 {
-            self.share /= 2;
+            self.chunk_size /= 2;
             self.end = parts.len();
         }
         false
     }
 
     fn complicate(&mut self) -> bool {
-        match self.left_out.take() {
+        match self.removed.take() {
             Some((start, parts)) => {
                 self.group.parts.splice(start..start, parts);
                 true

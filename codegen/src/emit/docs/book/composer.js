@@ -1,8 +1,8 @@
-// Composes a message: controls for its fields, and what comes of them as JSON and as bytes of uORB.
+// A form that composes a message and shows it as JSON and as uORB bytes.
 (() => {
   "use strict";
 
-  // By type: size in bytes, how a value is put into memory, and for integers the least and the greatest one.
+  // By type: the size in bytes, a function that writes a value to memory, and the bounds of integers.
   const SCALARS = {
     bool: { size: 1, put: (view, at, value) => view.setUint8(at, value ? 1 : 0) },
     float32: { size: 4, put: (view, at, value) => view.setFloat32(at, value, true) },
@@ -21,10 +21,10 @@
   SCALARS.byte = SCALARS.uint8;
   SCALARS.char = SCALARS.uint8;
 
-  // What somebody wrote that can't be a value of the field.
-  class Unfit extends Error {}
+  // Input that is not a valid value of the field.
+  class InvalidValue extends Error {}
 
-  // What is said on the page, in its language.
+  // Texts of the user interface, in the language of the page.
   let words = {};
 
   let controls = 0;
@@ -34,19 +34,19 @@
   }
 
   function element(name, properties = {}, children = []) {
-    const made = Object.assign(document.createElement(name), properties);
-    made.append(...children);
-    return made;
+    const created = Object.assign(document.createElement(name), properties);
+    created.append(...children);
+    return created;
   }
 
   function integer(text, { low, high }) {
     if (!/^[+-]?(\d+|0x[0-9a-f]+)$/i.test(text)) {
-      throw new Unfit(fill(words.expectedInteger, { low, high }));
+      throw new InvalidValue(fill(words.expectedInteger, { low, high }));
     }
     const digits = text.replace(/^[+-]/, "");
     const value = text.startsWith("-") ? -BigInt(digits) : BigInt(digits);
     if (value < low || value > high) {
-      throw new Unfit(fill(words.outOfRange, { value: text, low, high }));
+      throw new InvalidValue(fill(words.outOfRange, { value: text, low, high }));
     }
     return value;
   }
@@ -56,12 +56,12 @@
       return NaN;
     }
     if (!/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(text)) {
-      throw new Unfit(words.expectedNumber);
+      throw new InvalidValue(words.expectedNumber);
     }
     const value = type === "float32" ? Math.fround(Number(text)) : Number(text);
     if (!Number.isFinite(value)) {
       const most = type === "float32" ? 3.4028234663852886e38 : Number.MAX_VALUE;
-      throw new Unfit(fill(words.outOfRange, { value: text, low: -most, high: most }));
+      throw new InvalidValue(fill(words.outOfRange, { value: text, low: -most, high: most }));
     }
     return value;
   }
@@ -71,7 +71,7 @@
     return SCALARS[type].high === undefined ? float(trimmed, type) : integer(trimmed, SCALARS[type]);
   }
 
-  // The shortest text that reads as the same value; JSON has no word for NaN, and null stands for it.
+  // The shortest text that parses to the same value. NaN is written as null.
   function json(value, type) {
     if (typeof value !== "number") {
       return String(value);
@@ -92,16 +92,16 @@
     return String(shortest);
   }
 
-  // A control has an element to be shown, and reads what was chosen: as JSON, and into memory.
+  // A control has an element to show, and a function that reads its value for JSON and for memory.
 
   function caption(field) {
-    // An empty `lang` would say that the language is unknown.
+    // An empty `lang` would mean an unknown language.
     const language = field.lang ? { lang: field.lang } : {};
     const label = field.label ? [element("span", { textContent: field.label, ...language }), " "] : [];
     return [...label, element("code", { textContent: field.name })];
   }
 
-  // The frame of a control: its words, its input, and room for what is wrong with what was written.
+  // The frame of a control: label, input, hint and error message.
   function framed(field, input, hint) {
     controls += 1;
     input.id = `composer-${controls}`;
@@ -109,23 +109,23 @@
     const wrong = element("span", { className: "composer-wrong", id: `${input.id}-wrong` });
     input.setAttribute("aria-describedby", `${note.id} ${wrong.id}`);
     const label = element("label", { htmlFor: input.id }, caption(field));
-    const tell = (message) => {
+    const report = (message) => {
       wrong.textContent = message;
       input.setAttribute("aria-invalid", String(message !== ""));
     };
-    return { frame: element("div", { className: "composer-field" }, [label, input, note, wrong]), tell };
+    return { frame: element("div", { className: "composer-field" }, [label, input, note, wrong]), report };
   }
 
-  // Reads by `read`, and shows beside the control why that can't be done.
-  function told(tell, read) {
+  // Wraps `read` to show its error next to the control.
+  function reporting(report, read) {
     return () => {
       try {
         const value = read();
-        tell("");
+        report("");
         return value;
       } catch (error) {
-        if (error instanceof Unfit) {
-          tell(error.message);
+        if (error instanceof InvalidValue) {
+          report(error.message);
         }
         throw error;
       }
@@ -155,8 +155,8 @@
 
   function number(field) {
     const input = element("input", { type: "text", defaultValue: "0", autocomplete: "off", spellcheck: false });
-    const { frame, tell } = framed(field, input, [field.type, field.unit].filter(Boolean).join(", "));
-    return single(field, frame, told(tell, () => parse(input.value, field.type)));
+    const { frame, report } = framed(field, input, [field.type, field.unit].filter(Boolean).join(", "));
+    return single(field, frame, reporting(report, () => parse(input.value, field.type)));
   }
 
   function choice(field) {
@@ -172,33 +172,33 @@
     select.addEventListener("input", () => {
       other.hidden = select.value !== "";
     });
-    const { frame, tell } = framed(field, select, field.type);
+    const { frame, report } = framed(field, select, field.type);
     select.after(other);
     other.setAttribute("aria-describedby", select.getAttribute("aria-describedby"));
     const text = () => (select.value === "" ? other.value : select.value);
-    return single(field, frame, told(tell, () => parse(text(), field.type)));
+    return single(field, frame, reporting(report, () => parse(text(), field.type)));
   }
 
   function flags(field) {
     const boxes = field.flags.map(([value, name, description]) => {
       const box = element("input", { type: "checkbox", value });
-      const told = [element("code", { textContent: name }), description ? ` ${description}` : ""];
-      return { box, label: element("label", {}, [box, element("span", {}, told)]) };
+      const parts = [element("code", { textContent: name }), description ? ` ${description}` : ""];
+      return { box, label: element("label", {}, [box, element("span", {}, parts)]) };
     });
     const legend = element("legend", {}, caption(field));
     const shown = element("fieldset", { className: "composer-flags" }, [legend, ...boxes.map(({ label }) => label)]);
-    // Without a bound, so that a mask with the sign of its type makes a value with that sign.
+    // The sum has no upper bound, so a mask with a sign bit becomes a negative value.
     const chosen = () => boxes.filter(({ box }) => box.checked).reduce((all, { box }) => all | BigInt(box.value), 0n);
     return single(field, shown, chosen);
   }
 
   function text(field) {
     const input = element("input", { type: "text", autocomplete: "off", spellcheck: false });
-    const { frame, tell } = framed(field, input, fill(words.upToBytes, { most: field.count }));
-    const read = told(tell, () => {
+    const { frame, report } = framed(field, input, fill(words.upToBytes, { most: field.count }));
+    const read = reporting(report, () => {
       const bytes = new TextEncoder().encode(input.value);
       if (bytes.length > field.count) {
-        throw new Unfit(fill(words.tooManyBytes, { count: bytes.length, most: field.count }));
+        throw new InvalidValue(fill(words.tooManyBytes, { count: bytes.length, most: field.count }));
       }
       return bytes;
     });
@@ -218,22 +218,22 @@
 
   function list(field) {
     const input = element("input", { type: "text", autocomplete: "off", spellcheck: false, placeholder: "0" });
-    const { frame, tell } = framed(field, input, fill(words.upToValues, { type: field.type, most: field.count }));
+    const { frame, report } = framed(field, input, fill(words.upToValues, { type: field.type, most: field.count }));
     const { size, put } = SCALARS[field.type];
     const one = (text) => {
       if (field.type !== "bool") {
         return parse(text, field.type);
       }
       if (!["true", "false", "1", "0"].includes(text)) {
-        throw new Unfit(words.expectedBool);
+        throw new InvalidValue(words.expectedBool);
       }
       return text === "true" || text === "1";
     };
     const zero = field.type === "bool" ? false : parse("0", field.type);
-    const read = told(tell, () => {
+    const read = reporting(report, () => {
       const texts = input.value.split(/[\s,;]+/).filter(Boolean);
       if (texts.length > field.count) {
-        throw new Unfit(fill(words.tooManyValues, { count: texts.length, most: field.count }));
+        throw new InvalidValue(fill(words.tooManyValues, { count: texts.length, most: field.count }));
       }
       return Array.from({ length: field.count }, (_, index) => (index < texts.length ? one(texts[index]) : zero));
     });
@@ -250,19 +250,19 @@
     };
   }
 
-  // All of several: a value that is unfit doesn't keep the others from being looked at.
+  // Reads all parts, even if one of them is invalid.
   function readAll(parts) {
     const values = [];
-    let unfit;
+    let invalid;
     for (const part of parts) {
       try {
         values.push(part.read());
       } catch (error) {
-        unfit = error;
+        invalid = error;
       }
     }
-    if (unfit) {
-      throw unfit;
+    if (invalid) {
+      throw invalid;
     }
     return values;
   }
@@ -356,7 +356,7 @@
 
   const hex = (byte) => byte.toString(16).padStart(2, "0");
 
-  // Rows of eight bytes, as in the picture of the layout; each byte says which field it belongs to.
+  // Rows of eight bytes, as in the picture of the layout. Each byte has the name of its field as its title.
   function dump(bytes, before, places) {
     const names = new Array(bytes.length).fill(words.padding);
     for (const { field, at, size, of } of places) {
@@ -375,11 +375,11 @@
     return rows;
   }
 
-  // What changed, in a sentence for those who listen.
+  // Describes the change in a sentence for screen readers.
   function change(before, bytes) {
     const changed = [...bytes.keys()].filter((at) => before && before[at] !== bytes[at]);
-    const told = changed.slice(0, 8).map((at) => fill(words.byteIs, { at, value: hex(bytes[at]) }));
-    return told.join(", ") + (changed.length > 8 ? ` ${fill(words.andMore, { count: changed.length - 8 })}` : "");
+    const sentences = changed.slice(0, 8).map((at) => fill(words.byteIs, { at, value: hex(bytes[at]) }));
+    return sentences.join(", ") + (changed.length > 8 ? ` ${fill(words.andMore, { count: changed.length - 8 })}` : "");
   }
 
   function copier(name, content) {
@@ -425,7 +425,7 @@
         bytes = made;
         mayCopy(true);
       } catch (error) {
-        if (!(error instanceof Unfit)) {
+        if (!(error instanceof InvalidValue)) {
           throw error;
         }
         status.textContent = words.notAllFit;
@@ -441,8 +441,8 @@
     });
     const copyJson = copier(words.copyJson, () => shownJson.textContent);
     const copyBytes = copier(words.copyBytes, () => [...bytes].map(hex).join(""));
-    // What is shown while a value is unfit is of before, and nothing to be copied.
-    const mayCopy = (isFit) => [copyJson, copyBytes].forEach((button) => (button.disabled = !isFit));
+    // While a value is invalid, the output is outdated and must not be copied.
+    const mayCopy = (isValid) => [copyJson, copyBytes].forEach((button) => (button.disabled = !isValid));
     const output = element("div", { className: "composer-output" }, [
       element("div", { className: "composer-buttons" }, [clear, copyJson, copyBytes]),
       status,
@@ -453,7 +453,7 @@
     ]);
     form.addEventListener("input", show);
     place.replaceChildren(form, output);
-    // What a browser kept of an earlier visit is no choice of now.
+    // The browser may restore input of an earlier visit; discard it.
     form.reset();
     show();
   }

@@ -1,14 +1,14 @@
-// Above the table of all error codes: a search by number, abbreviation or word, and a box for each severity.
+// A search form above the table of all error codes: by number, abbreviation or word, with a checkbox per severity.
 (() => {
   "use strict";
 
   function element(name, properties = {}, children = []) {
-    const made = Object.assign(document.createElement(name), properties);
-    made.append(...children);
-    return made;
+    const created = Object.assign(document.createElement(name), properties);
+    created.append(...children);
+    return created;
   }
 
-  // Where a number is looked for, it is a code or one of its alternatives; words may stand anywhere, in any order.
+  // A number matches a code or one of its alternatives. Words match anywhere, in any order.
   function matches(row, words) {
     return words.every((word) => (/^\d+$/.test(word) ? row.numbers.includes(word) : row.text.includes(word)));
   }
@@ -22,7 +22,7 @@
       return;
     }
     const words = JSON.parse(place.dataset.words);
-    // A column in which nothing stands is left out of the table, so that columns are known by their headings.
+    // The table omits empty columns, so columns are identified by their headings.
     const headings = [...table.querySelectorAll("thead th")].map((cell) => cell.textContent.trim());
     const [severityColumn, alternativesColumn] = [words.severity, words.alternatives].map((name) => headings.indexOf(name));
     const rows = [...table.querySelectorAll("tbody tr")].map((shown) => {
@@ -46,11 +46,11 @@
     });
 
     function show() {
-      const sought = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+      const terms = search.value.toLowerCase().split(/\s+/).filter(Boolean);
       const chosen = new Set(severities.filter(({ box }) => box.checked).map(({ severity }) => severity));
       let count = 0;
       for (const row of rows) {
-        const isShown = chosen.has(row.severity) && matches(row, sought);
+        const isShown = chosen.has(row.severity) && matches(row, terms);
         row.shown.hidden = !isShown;
         count += isShown ? 1 : 0;
       }

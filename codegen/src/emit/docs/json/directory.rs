@@ -1,4 +1,4 @@
-//! Where types and messages are described, and what holds them.
+//! Index of the types and messages of a package: their pages, and where types are used.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -9,27 +9,27 @@ use crate::emit::file::OutputFile;
 use crate::schema::json_type::{Definition, Direction, Expression, Member};
 use crate::schema::{JsonMessageId, JsonTypeId, Package};
 
-/// Longest text of a cell in an index, in characters.
+/// Maximum length of a cell in an index, in characters.
 const MAX_GIST: usize = 160;
 
-/// Where a field or element is.
+/// The owner of a field or element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Owner {
     Type(JsonTypeId),
     Message(JsonMessageId, Direction),
 }
 
-/// A field or element, or none where a type is but a name for what it holds.
-pub(super) type Holder<'s> = (Owner, Option<&'s Member>);
+/// A use of a type: a field or element, or `None` for an alias of the type.
+pub(super) type User<'s> = (Owner, Option<&'s Member>);
 
-/// The types and messages of a package, and where each is described.
+/// The types and messages of a package with their pages and uses.
 pub(in crate::emit::docs) struct Json<'p, 's> {
     pub(super) site: &'p Site<'s>,
     pub(super) package: &'p Package,
-    /// Where types and messages are described, by name.
+    /// Page paths by name of the type or message.
     paths: HashMap<&'s str, String>,
-    /// What holds each type, by the type: fields and elements, and types that give it a name.
-    holders: BTreeMap<JsonTypeId, Vec<Holder<'s>>>,
+    /// Uses of each type.
+    users: BTreeMap<JsonTypeId, Vec<User<'s>>>,
 }
 
 impl<'p, 's> Json<'p, 's> {
@@ -39,42 +39,41 @@ impl<'p, 's> Json<'p, 's> {
         let types = types.map(|name| (name, format!("{}/types/{}.md", package.name, stem(name))));
         let messages = package.json_messages.iter().map(|id| schema.json_message(*id).name.as_str());
         let messages = messages.map(|name| (name, format!("{}/messages/{}.md", package.name, stem(name))));
-        let mut json =
-            Self { site, package, paths: types.chain(messages).collect(), holders: BTreeMap::new() };
-        json.gather_holders();
+        let mut json = Self { site, package, paths: types.chain(messages).collect(), users: BTreeMap::new() };
+        json.gather_users();
         json
     }
 
-    pub(super) fn gather_holders(&mut self) {
+    pub(super) fn gather_users(&mut self) {
         let schema = self.site.schema;
         for id in &self.package.json_types {
             match &schema.json_type(*id).definition {
-                Definition::Object(object) => self.hold_all(Owner::Type(*id), &object.fields),
-                Definition::Tuple(elements) => self.hold_all(Owner::Type(*id), elements),
-                Definition::Named(typed) => self.hold((Owner::Type(*id), None), &typed.ty),
+                Definition::Object(object) => self.add_users(Owner::Type(*id), &object.fields),
+                Definition::Tuple(elements) => self.add_users(Owner::Type(*id), elements),
+                Definition::Named(typed) => self.add_user((Owner::Type(*id), None), &typed.ty),
                 Definition::Set(_) => {}
             }
         }
         for id in &self.package.json_messages {
             for part in &schema.json_message(*id).parts {
-                self.hold_all(Owner::Message(*id, part.direction), part.fields());
+                self.add_users(Owner::Message(*id, part.direction), part.fields());
             }
         }
     }
 
-    pub(super) fn hold_all(&mut self, owner: Owner, members: &'s [Member]) {
+    pub(super) fn add_users(&mut self, owner: Owner, members: &'s [Member]) {
         for member in members {
-            self.hold((owner, Some(member)), &member.typed.ty);
+            self.add_user((owner, Some(member)), &member.typed.ty);
         }
     }
 
-    pub(super) fn hold(&mut self, holder: Holder<'s>, expression: &Expression) {
+    pub(super) fn add_user(&mut self, user: User<'s>, expression: &Expression) {
         expression.walk(&mut |inner| {
             let Expression::Named(id) = inner else { return };
-            let holders = self.holders.entry(*id).or_default();
-            // An expression may name a type twice.
-            if holders.last() != Some(&holder) {
-                holders.push(holder);
+            let users = self.users.entry(*id).or_default();
+            // An expression may contain a type twice.
+            if users.last() != Some(&user) {
+                users.push(user);
             }
         });
     }
@@ -85,7 +84,7 @@ impl<'p, 's> Json<'p, 's> {
         types.chain(self.package.json_messages.iter().map(|id| self.message_page(*id))).collect()
     }
 
-    /// Names and pages of what the contents list: headings, and what stands under each.
+    /// Names and paths for the table of contents.
     pub(in crate::emit::docs) fn contents(&self) -> Vec<(&'s str, &str)> {
         let schema = self.site.schema;
         let messages = self.package.json_messages.iter().map(|id| schema.json_message(*id).name.as_str());
@@ -93,7 +92,7 @@ impl<'p, 's> Json<'p, 's> {
         messages.chain(types).map(|name| (name, self.path(name))).collect()
     }
 
-    /// All messages, as seen from the page `from`.
+    /// All messages, with links relative to the page `from`.
     pub(in crate::emit::docs) fn message_table(&self, from: &str) -> Table {
         let mut table = Table::new(&[text_column("Type"), text_column("Directions"), text_column("Summary")]);
         for id in &self.package.json_messages {
@@ -108,7 +107,7 @@ impl<'p, 's> Json<'p, 's> {
         table
     }
 
-    /// All types, as seen from the page `from`.
+    /// All types, with links relative to the page `from`.
     pub(in crate::emit::docs) fn type_table(&self, from: &str) -> Table {
         let columns =
             [text_column("Type"), text_column("Kind"), number_column("Used"), text_column("Summary")];
@@ -118,27 +117,27 @@ impl<'p, 's> Json<'p, 's> {
             table.row([
                 self.link(from, &found.name),
                 kind(&found.definition).to_owned(),
-                self.holders(*id).len().to_string(),
+                self.users(*id).len().to_string(),
                 self.inline(from, &gist(&found.docs.summary, MAX_GIST)),
             ]);
         }
         table
     }
 
-    pub(super) fn holders(&self, id: JsonTypeId) -> &[Holder<'s>] {
-        self.holders.get(&id).map_or(&[], Vec::as_slice)
+    pub(super) fn users(&self, id: JsonTypeId) -> &[User<'s>] {
+        self.users.get(&id).map_or(&[], Vec::as_slice)
     }
 
     pub(super) fn path(&self, name: &str) -> &str {
         self.paths.get(name).map_or("", String::as_str)
     }
 
-    /// The name of a type or message, which leads to its page.
+    /// The name of a type or message, linked to its page.
     pub(super) fn link(&self, from: &str, name: &str) -> String {
         self.paths.get(name).map_or_else(|| code(name), |path| link(&code(name), &href(from, path, "")))
     }
 
-    /// A description on one line, in which the names of types and messages are links.
+    /// A description on one line, with links to types and messages.
     pub(super) fn inline(&self, from: &str, text: &str) -> String {
         with_links(text, |_, word| {
             let is_name = word.contains('-') || is_compound(word);
@@ -152,10 +151,10 @@ impl<'p, 's> Json<'p, 's> {
         text.split("\n\n").map(|paragraph| self.inline(from, paragraph)).collect::<Vec<_>>().join("\n\n")
     }
 
-    /// A field or element as a link to where it is described.
-    pub(super) fn holder_link(&self, from: &str, (owner, member): Holder<'_>) -> String {
+    /// A link to a field or element.
+    pub(super) fn user_link(&self, from: &str, (owner, member): User<'_>) -> String {
         let schema = self.site.schema;
-        let (name, of) = match owner {
+        let (name, suffix) = match owner {
             Owner::Type(id) => (schema.json_type(id).name.as_str(), String::new()),
             Owner::Message(id, direction) => {
                 (schema.json_message(id).name.as_str(), format!(", {}", inline(direction.name())))
@@ -163,11 +162,11 @@ impl<'p, 's> Json<'p, 's> {
         };
         let Some(member) = member else { return self.link(from, name) };
         let text = code(&format!("{name}.{}", member.name));
-        link(&text, &href(from, self.path(name), &anchor_of(owner, member))) + &of
+        link(&text, &href(from, self.path(name), &anchor_of(owner, member))) + &suffix
     }
 }
 
-/// Where a field or element stands on the page of its owner.
+/// The anchor of a field or element on the page of its owner.
 pub(super) fn anchor_of(owner: Owner, member: &Member) -> String {
     match owner {
         Owner::Type(_) => format!("field-{}", member.name),
@@ -175,7 +174,7 @@ pub(super) fn anchor_of(owner: Owner, member: &Member) -> String {
     }
 }
 
-/// What a type is, in a word or two.
+/// The kind of a type in one or two words.
 pub(super) fn kind(definition: &Definition) -> &'static str {
     match definition {
         Definition::Object(object) if object.is_closed => "object, closed",

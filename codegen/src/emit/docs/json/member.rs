@@ -1,4 +1,4 @@
-//! Tables of fields and elements, and what types look like in them.
+//! Tables of fields and elements.
 
 use super::directory::{Json, Owner, anchor_of};
 use crate::emit::docs::cell::{range, unit};
@@ -62,7 +62,7 @@ impl Json<'_, '_> {
         ]
     }
 
-    /// A type, in which the names lead to their pages.
+    /// Formats a type with links to the pages of named types.
     pub(super) fn type_cell(&self, from: &str, expression: &Expression) -> String {
         let inner = |inner: &Expression| {
             let text = self.type_cell(from, inner);
@@ -86,19 +86,19 @@ impl Json<'_, '_> {
     }
 }
 
-/// A string as it stands in JSON.
+/// A string as a JSON literal, formatted as code.
 pub(super) fn json_code(text: &str) -> String {
     code(&serde_json::Value::from(text).to_string())
 }
 
-/// What annotations say of values, a line each.
+/// The constraints of a value, one per line.
 pub(super) fn values(limits: &Limits) -> Vec<String> {
     let mut lines = Vec::new();
     lines.extend(limits.range.as_ref().and_then(|bounds| range(ENGLISH, bounds)));
     let int = |value: u32| Value::Int(value.into());
     let length = crate::schema::Range { low: limits.least.map(int), high: limits.most.map(int) };
     lines.extend(range(ENGLISH, &length).map(|length| format!("length {length}")));
-    lines.extend(limits.is_unique.then(|| "each once".to_owned()));
+    lines.extend(limits.is_unique.then(|| "unique elements".to_owned()));
     lines.extend(limits.pattern.as_ref().map(|pattern| format!("pattern {}", code(pattern))));
     lines.extend(limits.format.as_ref().map(|format| inline(format)));
     lines

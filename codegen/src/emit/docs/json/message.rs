@@ -1,4 +1,4 @@
-//! The page of a message: a section for each direction.
+//! The page of a message, with a section for each direction.
 
 use super::directory::{Json, Owner};
 use crate::emit::docs::markdown::{Page, Table, code, inline, text_column, unbroken};
@@ -9,7 +9,7 @@ use crate::emit::json_schema::Target;
 use crate::schema::JsonMessageId;
 
 impl Json<'_, '_> {
-    /// The page of a message.
+    /// Creates the page of a message.
     pub(super) fn message_page(&self, id: JsonMessageId) -> OutputFile {
         let message = self.site.schema.json_message(id);
         let from = self.path(&message.name);
@@ -27,18 +27,18 @@ impl Json<'_, '_> {
             page.block(&self.block(from, &part.docs.text()));
             if !part.answers.is_empty() {
                 let answers: Vec<String> = part.answers.iter().map(|name| self.link(from, name)).collect();
-                page.block(&format!("Answered by {}.", answers.join(", ")));
+                page.block(&format!("Responses: {}.", answers.join(", ")));
             }
             page.block(&self.site.line_of_files(from, Target::JsonPart(id, part.direction)));
             let owner = Owner::Message(id, part.direction);
-            page.block(&format!("The `type` is {}.", code(&message.name)));
+            page.block(&format!("`type`: {}.", code(&message.name)));
             if !part.fields().is_empty() {
                 self.write_fields(&mut page, from, owner, part.fields());
             }
             page.block(match (part.body.is_closed, part.fields().is_empty()) {
-                (true, _) => "There are no other fields.",
+                (true, _) => "Other fields are not allowed.",
                 (false, true) => "",
-                (false, false) => "Further fields are allowed, and mean nothing.",
+                (false, false) => "Other fields are allowed and ignored.",
             });
         }
         page.finish()

@@ -12,7 +12,7 @@ use crate::schema::JsonTypeId;
 use crate::schema::json_type::{Definition, Set, SetValue, SetValues};
 
 impl Json<'_, '_> {
-    /// The page of a type.
+    /// Creates the page of a type.
     pub(super) fn type_page(&self, id: JsonTypeId) -> OutputFile {
         let found = self.site.schema.json_type(id);
         let from = self.path(&found.name);
@@ -25,16 +25,16 @@ impl Json<'_, '_> {
                 page.heading(2, "Fields");
                 self.write_fields(&mut page, from, owner, &object.fields);
                 page.block(if object.is_closed {
-                    "There are no other fields."
+                    "Other fields are not allowed."
                 } else {
-                    "Further fields are allowed, and mean nothing."
+                    "Other fields are allowed and ignored."
                 });
             }
             Definition::Tuple(elements) => {
                 page.heading(2, "Elements");
                 self.write_elements(&mut page, from, owner, elements);
                 if elements.iter().any(|element| !element.is_required) {
-                    page.block("Elements that are not required may be left out at the end.");
+                    page.block("Optional elements at the end may be omitted.");
                 }
             }
             Definition::Set(set) => {
@@ -43,7 +43,7 @@ impl Json<'_, '_> {
             }
             Definition::Named(_) => {}
         }
-        self.write_holders(&mut page, from, id);
+        self.write_users(&mut page, from, id);
         page.finish()
     }
 
@@ -85,18 +85,18 @@ impl Json<'_, '_> {
             }
         }
         page.table(&table);
-        page.block(if set.is_open { "There may be others." } else { "There are no others." });
+        page.block(if set.is_open { "Other values are allowed." } else { "Other values are not allowed." });
     }
 
-    fn write_holders(&self, page: &mut Page, from: &str, id: JsonTypeId) {
-        let holders = self.holders(id);
-        if holders.is_empty() {
+    fn write_users(&self, page: &mut Page, from: &str, id: JsonTypeId) {
+        let users = self.users(id);
+        if users.is_empty() {
             return;
         }
         page.heading(2, "Used by");
         page.gap();
-        for holder in holders {
-            page.item(0, &self.holder_link(from, *holder));
+        for user in users {
+            page.item(0, &self.user_link(from, *user));
         }
     }
 }

@@ -1,19 +1,19 @@
-//! Which bytes are drawn where: rows of eight bytes, without the insides of long fields.
+//! Arrangement of the bytes of a layout in rows of eight, without the middle of long fields.
 
 use std::ops::Range;
 
 use crate::schema::Slot;
 
-/// Bytes in a row: the layout aligns nested messages and its end to as many.
+/// Number of bytes per row. It is the maximum alignment of a layout.
 pub(super) const ROW: usize = 8;
 
-/// Whole rows of a field of scalars that are drawn; of longer ones only the first and the last.
+/// Maximum number of complete rows of a scalar field. For longer fields, only the first and last row are drawn.
 const MAX_ROWS: usize = 7;
 
-/// Most rows of a picture. The longest message of PX4 needs under 100.
+/// Maximum number of lines of a picture. The longest PX4 message needs fewer than 100.
 const MAX_LINES: usize = 256;
 
-/// How a box is coloured: by the size of what it holds.
+/// The colour of a box, by the size of its elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Tint {
     Eight,
@@ -25,7 +25,7 @@ pub(super) enum Tint {
 }
 
 impl Tint {
-    /// Of a scalar of `size` bytes.
+    /// The colour of a scalar of `size` bytes.
     pub(super) fn of_scalar(size: usize) -> Self {
         match size {
             8 => Self::Eight,
@@ -36,7 +36,7 @@ impl Tint {
     }
 }
 
-/// A slot of the layout, and what a picture needs to know of it.
+/// A slot of the layout with the properties needed to draw it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Member<'s> {
     pub(super) slot: &'s Slot,
@@ -50,7 +50,7 @@ impl Member<'_> {
         self.slot.offset..self.slot.offset.saturating_add(self.slot.size)
     }
 
-    /// Rows that are this member's alone.
+    /// Rows that contain only this member.
     fn whole_rows(&self) -> Range<usize> {
         let bytes = self.bytes();
         bytes.start.div_ceil(ROW)..bytes.end / ROW
@@ -67,13 +67,13 @@ impl Member<'_> {
 /// A line of the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Line {
-    /// The bytes from this offset on.
+    /// A row of bytes that starts at this offset.
     Row(usize),
-    /// Something in place of these bytes.
+    /// A gap in place of these bytes.
     Break {
-        /// What is left out.
+        /// The omitted bytes.
         bytes: Range<usize>,
-        /// Whether the paper is torn here. A nested message stays whole: its fields are drawn elsewhere.
+        /// True for a torn edge. A nested message has none, because its fields have a picture on another page.
         is_torn: bool,
     },
 }
@@ -87,25 +87,25 @@ impl Line {
     }
 }
 
-/// The bytes of a member that lie in one line.
+/// The bytes of a member on one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Segment {
     /// Index of the line.
     pub(super) line: usize,
-    /// Bytes, counted from the start of the line.
+    /// Bytes, relative to the start of the line.
     pub(super) columns: Range<usize>,
 }
 
-/// A member with what is drawn of it.
+/// A member with its drawn segments.
 #[derive(Clone, Debug)]
 pub(super) struct Cell<'s> {
     pub(super) member: Member<'s>,
-    /// In the order of their lines.
+    /// Segments in line order.
     pub(super) segments: Vec<Segment>,
 }
 
 impl Cell<'_> {
-    /// The segment that bears the name: the first, unless the second has more room.
+    /// The segment for the name: the first one, unless the second is wider.
     pub(super) fn label(&self) -> Option<&Segment> {
         self.segments
             .iter()
@@ -114,7 +114,7 @@ impl Cell<'_> {
     }
 }
 
-/// What is drawn, and where.
+/// The arranged picture.
 #[derive(Clone, Debug)]
 pub(super) struct Grid<'s> {
     pub(super) lines: Vec<Line>,
@@ -122,7 +122,7 @@ pub(super) struct Grid<'s> {
 }
 
 impl<'s> Grid<'s> {
-    /// Arranges members, which are sorted by their offsets and fill `size` bytes.
+    /// Arranges members. They must be sorted by offset and fill `size` bytes.
     pub(super) fn new(members: &[Member<'s>], size: usize) -> Self {
         let lines = lines(members, size);
         let cells = cells(members, &lines);
@@ -146,7 +146,7 @@ fn lines(members: &[Member<'_>], size: usize) -> Vec<Line> {
     shortened(lines)
 }
 
-/// The lines without their middle, where there are too many to be looked at.
+/// Omits the middle of too many lines.
 fn shortened(mut lines: Vec<Line>) -> Vec<Line> {
     if lines.len() <= MAX_LINES {
         return lines;
@@ -160,8 +160,7 @@ fn shortened(mut lines: Vec<Line>) -> Vec<Line> {
     lines
 }
 
-/// What is drawn of each member. Members and lines are both in the order of their bytes, so one walk
-/// over both finds all.
+/// The drawn segments of each member. Members and lines are both sorted by offset, so one pass suffices.
 fn cells<'s>(members: &[Member<'s>], lines: &[Line]) -> Vec<Cell<'s>> {
     let mut cells = Vec::with_capacity(members.len());
     let mut first = 0;
@@ -210,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn members_share_rows_and_span_them() {
+    fn splits_members_into_rows() {
         let slots = slots(&[4, 8, 4]);
         let grid = grid(&slots);
         assert_eq!(grid.lines, [Line::Row(0), Line::Row(8)]);
@@ -226,16 +225,16 @@ mod tests {
     }
 
     #[test]
-    fn the_inside_of_a_long_member_is_left_out() {
+    fn omits_the_middle_of_a_long_member() {
         let slots = slots(&[4, 1004, 8]);
         let grid = grid(&slots);
-        let inside = Line::Break { bytes: 16..1000, is_torn: true };
-        assert_eq!(grid.lines, [Line::Row(0), Line::Row(8), inside, Line::Row(1000), Line::Row(1008)]);
+        let gap = Line::Break { bytes: 16..1000, is_torn: true };
+        assert_eq!(grid.lines, [Line::Row(0), Line::Row(8), gap, Line::Row(1000), Line::Row(1008)]);
         assert_eq!(grid.cells[1].segments.len(), 3);
     }
 
     #[test]
-    fn many_members_are_cut_in_the_middle() {
+    fn omits_the_middle_of_a_long_layout() {
         let slots = slots(&vec![8; 100_000]);
         let grid = grid(&slots);
         assert_eq!(grid.lines.len(), MAX_LINES + 1);

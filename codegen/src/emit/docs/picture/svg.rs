@@ -1,7 +1,7 @@
-//! Boxes to SVG, small and without anything that a browser would have to fetch.
+//! Small SVG files without external resources.
 //!
-//! The background is the page's, be it light or dark: what stands on it is of a grey that both bear,
-//! and all other text stands on boxes that bring their own colour.
+//! The background is transparent. Text outside boxes is grey, which is legible on light and dark pages. Boxes have
+//! their own background colour.
 
 use std::fmt;
 
@@ -10,31 +10,31 @@ use crate::emit::docs::markdown::notice;
 use crate::emit::docs::markdown::{append, plural, thousands};
 use crate::prose;
 
-/// Room for the offsets of the rows, left of the boxes.
+/// Width of the row offsets, left of the boxes.
 const LEFT: usize = 44;
-/// Width of a byte. Fifteen letters fit.
+/// Width of a byte. It fits fifteen letters.
 const BYTE: usize = 88;
-/// Room for the numbers of the columns.
+/// Height of the column numbers.
 const TOP: usize = 18;
-/// Height of a break: where the paper is torn, and within a box.
-const TORN_BREAK: usize = 30;
-const WHOLE_BREAK: usize = 14;
-/// Height of a row besides its names: offset, type, and the space around.
+/// Height of a break with a torn edge, and of a break within a box.
+const OPEN_BREAK: usize = 30;
+const INNER_BREAK: usize = 14;
+/// Height of a row without its name lines: offset, type and margins.
 const ROW_HEAD: usize = 17;
-/// Height of a row that goes on with what the one above started.
+/// Height of a row without a label.
 const ROW_PLAIN: usize = 15;
-/// Height of a line of a name.
+/// Height of one line of a name.
 const LINE: usize = 11;
-/// Room for a torn edge below a row.
+/// Height of the torn edge below a row.
 const TORN: usize = 4;
-/// Most lines that a name is broken into.
+/// Maximum number of lines of a name.
 const MAX_NAME_LINES: usize = 4;
-/// Room for the legend.
+/// Height of the legend.
 const BOTTOM: usize = 30;
-/// Width of a letter of a name, in tenths: of the usual size, and in boxes with room for more.
+/// Letter width of a name in tenths of a pixel: at the default size, and at the large size.
 const LETTER: usize = 53;
 const WIDE_LETTER: usize = 68;
-/// Space between the edge of a box and its text.
+/// Margin between the edge of a box and its text.
 const INSET: usize = 4;
 
 const STYLE: &str = "text{font:9px ui-monospace,SFMono-Regular,Menlo,Consolas,'Liberation Mono',monospace;fill:#1f2328}\
@@ -44,7 +44,7 @@ const STYLE: &str = "text{font:9px ui-monospace,SFMono-Regular,Menlo,Consolas,'L
 .b{stroke:#6a737d;stroke-width:.75}\
 .d{stroke:#1f2328;stroke-opacity:.22;stroke-width:.75;fill:none}";
 
-/// The tints with their colours and what they stand for.
+/// Colours and legend texts of the tints.
 const TINTS: [(Tint, &str, &str); 6] = [
     (Tint::Eight, "#a9c9f7", "8 bytes"),
     (Tint::Four, "#a6dfb5", "4 bytes"),
@@ -54,7 +54,7 @@ const TINTS: [(Tint, &str, &str); 6] = [
     (Tint::Padding, "url(#p)", "padding"),
 ];
 
-/// The picture of the message `name`.
+/// Draws the layout of the message `name`.
 pub(super) fn draw(grid: &Grid<'_>, name: &str, caption: &str) -> String {
     let names: Vec<Name<'_>> = grid.cells.iter().map(Name::of).collect();
     let rows = Rows::new(grid, &names);
@@ -89,23 +89,23 @@ pub(super) fn draw(grid: &Grid<'_>, name: &str, caption: &str) -> String {
     svg.0
 }
 
-/// A name in lines.
+/// A name split into lines.
 #[derive(Debug, PartialEq, Eq)]
 struct Name<'s> {
     lines: Vec<&'s str>,
-    /// Whether there is more of it than the lines hold.
+    /// True if the name is truncated.
     is_cut: bool,
 }
 
 impl<'s> Name<'s> {
-    /// The name of a cell in lines that fit it.
+    /// Splits the name of a cell into lines that fit into it.
     fn of(cell: &Cell<'s>) -> Self {
         let width = cell.label().map_or(0, |segment| segment.columns.len() * BYTE - 2 * INSET);
-        Self::broken(&cell.member.slot.name, width * 10 / LETTER)
+        Self::wrapped(&cell.member.slot.name, width * 10 / LETTER)
     }
 
-    /// A name in lines of at most `room` letters, broken behind underscores where there are any.
-    fn broken(name: &'s str, room: usize) -> Self {
+    /// Splits a name into lines of at most `room` letters, preferably after underscores.
+    fn wrapped(name: &'s str, room: usize) -> Self {
         let end =
             |text: &str, letters: usize| text.char_indices().nth(letters).map_or(text.len(), |(at, _)| at);
         let mut lines = Vec::new();
@@ -123,7 +123,7 @@ impl<'s> Name<'s> {
     }
 }
 
-/// Where each line of the picture lies.
+/// Vertical positions of the lines.
 struct Rows {
     tops: Vec<usize>,
 }
@@ -135,8 +135,8 @@ impl Rows {
             .iter()
             .map(|line| match line {
                 Line::Row(_) => ROW_PLAIN,
-                Line::Break { is_torn: true, .. } => TORN_BREAK,
-                Line::Break { is_torn: false, .. } => WHOLE_BREAK,
+                Line::Break { is_torn: true, .. } => OPEN_BREAK,
+                Line::Break { is_torn: false, .. } => INNER_BREAK,
             })
             .collect();
         for (cell, name) in grid.cells.iter().zip(names) {
@@ -183,7 +183,7 @@ impl Svg {
         append(&mut self.0, text);
     }
 
-    /// Numbers of columns and rows.
+    /// Writes the numbers of columns and rows.
     fn rulers(&mut self, grid: &Grid<'_>, rows: &Rows) {
         for column in 0..ROW {
             let middle = x(column) + BYTE / 2;
@@ -201,11 +201,11 @@ impl Svg {
         }
     }
 
-    /// What breaks leave out.
+    /// Writes the number of omitted bytes into each break.
     fn breaks(&mut self, grid: &Grid<'_>, rows: &Rows) {
         for (index, line) in grid.lines.iter().enumerate() {
             let Line::Break { bytes, is_torn } = line else { continue };
-            // A whole box brings its own colour, a torn one shows the page.
+            // A break within a box is on its colour; a torn break is on the page background.
             let class = if *is_torn { "o" } else { "s" };
             let y = usize::midpoint(rows.top(index), rows.below(index)) + 3;
             self.put(format_args!(
@@ -271,7 +271,7 @@ impl Svg {
         self.put(format_args!("{}</text>", if name.is_cut { "…" } else { "" }));
     }
 
-    /// The name again, in the part of a cell that stands apart from the one with the label.
+    /// Repeats the name in a segment that doesn't touch the labelled one.
     fn echo(&mut self, name: &str, segment: &Segment, rows: &Rows) {
         let room = (segment.columns.len() * BYTE - 2 * INSET) * 10 / LETTER;
         if name.chars().count() + 2 <= room {
@@ -284,7 +284,7 @@ impl Svg {
         }
     }
 
-    /// The edge of a cell: a polygon for each run of lines without a torn break.
+    /// Draws the outline of a cell: one polygon per run of lines without a torn break.
     fn outline(&mut self, cell: &Cell<'_>, rows: &Rows) {
         let step = if cell.member.tint == Tint::Nested { 2 } else { 1 };
         let belong =
@@ -293,14 +293,14 @@ impl Svg {
         let mut runs = cell.segments.chunk_by(belong).peekable();
         let mut is_torn_above = false;
         while let Some(run) = runs.next() {
-            let is_torn_below = runs.peek().is_some_and(|next| is_broken(run, next));
+            let is_torn_below = runs.peek().is_some_and(|next| is_interrupted(run, next));
             self.polygon(run, rows, is_torn_above, is_torn_below);
             is_torn_above = is_torn_below;
         }
         self.put(format_args!("\"/>"));
     }
 
-    /// A run of segments: only the first may start, and only the last may end within its line.
+    /// Draws a run of segments. Only the first may start, and only the last may end, inside its line.
     fn polygon(&mut self, run: &[Segment], rows: &Rows, is_torn_above: bool, is_torn_below: bool) {
         let (Some(first), Some(last)) = (run.first(), run.last()) else { return };
         let (top, bottom) = (rows.top(first.line), rows.below(last.line));
@@ -327,7 +327,7 @@ impl Svg {
         self.put(format_args!("z"));
     }
 
-    /// A torn edge, to the right or to the left.
+    /// Draws a torn edge, to the right or to the left.
     fn wave(&mut self, width: usize, direction: isize) {
         const HALF: usize = 22;
         let step = direction * 22;
@@ -337,9 +337,9 @@ impl Svg {
         }
     }
 
-    /// Thin lines between the elements of an array.
+    /// Draws thin lines between the elements of an array.
     fn dividers(&mut self, cell: &Cell<'_>, rows: &Rows) {
-        // Scalars are sorted by their sizes, so none straddles a row. What is in messages isn't drawn.
+        // Scalars are sorted by size, so no element spans two rows. Elements of nested messages are not drawn.
         let size = cell.member.element_size;
         if size == 0 || size > ROW || size >= cell.member.slot.size || cell.member.tint == Tint::Nested {
             return;
@@ -383,13 +383,13 @@ impl Svg {
     }
 }
 
-/// Whether two segments in neighbouring lines touch.
+/// True if two segments on adjacent lines touch.
 fn touch(above: &Segment, below: &Segment) -> bool {
     above.columns.start < below.columns.end
 }
 
-/// Whether a break lies between two runs of a member.
-fn is_broken(run: &[Segment], next: &[Segment]) -> bool {
+/// True if there is a break between two runs of a member.
+fn is_interrupted(run: &[Segment], next: &[Segment]) -> bool {
     matches!((run.last(), next.first()), (Some(last), Some(first)) if last.line + 1 < first.line)
 }
 
@@ -398,13 +398,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_break_behind_underscores() {
-        let broken = |name, room| Name::broken(name, room).lines;
-        assert_eq!(broken("local_position_invalid_relaxed", 15), ["local_position_", "invalid_relaxed"]);
-        assert_eq!(broken("short", 15), ["short"]);
-        assert_eq!(broken("abcdefgh", 3), ["abc", "def", "gh"]);
-        let cut = Name::broken("a_b_c_d_e_f", 2);
+    fn breaks_names_after_underscores() {
+        let wrapped = |name, room| Name::wrapped(name, room).lines;
+        assert_eq!(wrapped("local_position_invalid_relaxed", 15), ["local_position_", "invalid_relaxed"]);
+        assert_eq!(wrapped("short", 15), ["short"]);
+        assert_eq!(wrapped("abcdefgh", 3), ["abc", "def", "gh"]);
+        let cut = Name::wrapped("a_b_c_d_e_f", 2);
         assert_eq!(cut, Name { lines: vec!["a_", "b_", "c_", "d"], is_cut: true });
-        assert_eq!(Name::broken("ab", 0), Name { lines: vec!["", "", "", ""], is_cut: true });
+        assert_eq!(Name::wrapped("ab", 0), Name { lines: vec!["", "", "", ""], is_cut: true });
     }
 }

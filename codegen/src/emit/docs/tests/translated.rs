@@ -1,21 +1,21 @@
-//! The same books in other languages.
+//! Tests of translated books.
 
 use pulldown_cmark::{Event, Tag};
 
-use super::{BOATS, anchors, definitions, events, is, links_that_lead_somewhere, targets, text_of};
+use super::{BOATS, anchors, check_links, definitions, events, is, targets, text_of};
 use crate::SourceMap;
 use crate::emit::docs::{Options, emit};
 use crate::emit::file::OutputFile;
 use crate::translation::catalogue::{Catalogue, print};
 use crate::translation::{Text, new_catalogue, resolve, texts, update};
 
-/// The boats in English and in the language `tag`, in which `translate` gives each text, or leaves it out.
+/// The book of boats with translations into `tag`. An empty result of `translate` means no translation.
 fn boats_in(tag: &str, translate: impl Fn(&Text<'_>) -> String) -> Vec<OutputFile> {
     let (mut sources, schema) = definitions(BOATS);
     let texts = texts(&schema);
     let select = texts.iter().map(|text| text.unit.clone()).collect();
     let mut catalogue: Catalogue = update(&new_catalogue(tag), &sources, &texts, &select);
-    // The first is the header.
+    // The first entry is the header.
     for (entry, text) in catalogue.entries.iter_mut().skip(1).zip(&texts) {
         entry.translation = translate(text);
     }
@@ -29,7 +29,7 @@ fn in_quotes(text: &Text<'_>) -> String {
     format!("«{}»", text.text)
 }
 
-/// English pages and those that say the same in another language.
+/// Pairs of an English page and its translation.
 fn pairs<'f>(files: &'f [OutputFile], tag: &str) -> Vec<(&'f OutputFile, &'f OutputFile)> {
     let ending = format!(".{tag}.md");
     let translated = files.iter().filter(|file| file.path.ends_with(&ending));
@@ -43,22 +43,27 @@ fn pairs<'f>(files: &'f [OutputFile], tag: &str) -> Vec<(&'f OutputFile, &'f Out
 }
 
 #[test]
-fn every_page_has_the_places_of_the_english_one() {
+fn keeps_the_anchors_of_the_english_page() {
     let files = boats_in("uk", in_quotes);
-    links_that_lead_somewhere(&files);
+    check_links(&files);
     let targets = targets(&files);
     let pairs = pairs(&files, "uk");
-    assert_eq!(pairs.len(), 9, "all of which anything is said");
+    assert_eq!(pairs.len(), 9, "all pages with translatable texts");
     for (english, translated) in pairs {
-        let (wanted, found) = (&targets[english.path.as_str()], &targets[translated.path.as_str()]);
-        assert!(wanted.is_subset(found), "{}: {:?}", translated.path, wanted.difference(found));
-        let (wanted, found) = (anchors(&english.text), anchors(&translated.text));
-        assert!(wanted.iter().all(|place| found.contains(place)), "{}", translated.path);
+        let (expected_targets, found) = (&targets[english.path.as_str()], &targets[translated.path.as_str()]);
+        assert!(
+            expected_targets.is_subset(found),
+            "{}: {:?}",
+            translated.path,
+            expected_targets.difference(found)
+        );
+        let (expected_targets, found) = (anchors(&english.text), anchors(&translated.text));
+        assert!(expected_targets.iter().all(|place| found.contains(place)), "{}", translated.path);
     }
 }
 
 #[test]
-fn a_page_is_in_its_language_alone() {
+fn writes_a_page_in_one_language() {
     let files = boats_in("uk", in_quotes);
     for (english, translated) in pairs(&files, "uk") {
         let path = &translated.path;
@@ -66,8 +71,9 @@ fn a_page_is_in_its_language_alone() {
         assert!(translated.text.ends_with("\n\n</div>\n"), "{path}");
         assert_eq!(translated.text.matches("lang=\"en\"").count(), 1, "the link to English in {path}");
         let headings = |text| {
-            let of = |event: &Event<'_>| matches!(event, Event::Start(Tag::Heading { .. } | Tag::Table(_)));
-            events(text).iter().filter(|event| of(event)).count()
+            let is_counted =
+                |event: &Event<'_>| matches!(event, Event::Start(Tag::Heading { .. } | Tag::Table(_)));
+            events(text).iter().filter(|event| is_counted(event)).count()
         };
         assert_eq!(headings(&english.text), headings(&translated.text), "{path}");
     }
@@ -89,17 +95,17 @@ fn a_page_is_in_its_language_alone() {
 }
 
 #[test]
-fn what_is_not_translated_is_marked_as_english() {
+fn marks_untranslated_text_as_english() {
     let files =
         boats_in("uk", |text| if text.key == "boats/Boat.hull" { in_quotes(text) } else { String::new() });
     let boat = text_of(&files, "boats/Boat.uk.md");
     assert!(boat.contains(" «Colour» |") && boat.contains(" <span lang=\"en\">Red</span> |"), "{boat}");
     assert_eq!(pairs(&files, "uk").len(), 1);
-    links_that_lead_somewhere(&files);
+    check_links(&files);
 }
 
 #[test]
-fn a_language_without_words_of_the_generator_is_marked_itself() {
+fn marks_translations_in_languages_without_fixed_texts() {
     let files = boats_in("ar", in_quotes);
     let boat = text_of(&files, "boats/Boat.ar.md");
     assert!(
@@ -107,11 +113,11 @@ fn a_language_without_words_of_the_generator_is_marked_itself() {
         "{boat}"
     );
     assert!(boat.contains("<span lang=\"ar\" dir=\"rtl\">«"), "{boat}");
-    links_that_lead_somewhere(&files);
+    check_links(&files);
 }
 
 #[test]
-fn translations_stay_text() {
+fn escapes_translations() {
     let files = boats_in("uk", |_| "<script>[x](y) | {{#include z}} `".to_owned());
     for file in files.iter().filter(|file| is(file, "md")) {
         assert!(!file.text.contains("{{#"), "{}", file.path);

@@ -1,17 +1,17 @@
-//! Which types have a default: those of which nothing has to be chosen.
+//! Decides which types implement `Default`: those whose values involve no choice.
 
 use crate::schema::json_type::{Definition, Expression, Member};
 use crate::schema::{JsonTypeId, Schema};
 
-/// Deeper than this no default is looked for.
+/// Defaults are resolved only to this depth.
 const MAX_DEPTH: usize = 32;
 
-/// Whether `Default` can be derived for a struct of these members.
+/// True if `Default` can be derived for a struct with these members.
 pub(super) fn of_members(schema: &Schema, members: &[Member]) -> bool {
     members_have(schema, members, 0)
 }
 
-/// Whether `Default` can be derived for a newtype over this.
+/// True if `Default` can be derived for a newtype over this expression.
 pub(super) fn of_expression(schema: &Schema, expression: &Expression) -> bool {
     has(schema, expression, 0)
 }

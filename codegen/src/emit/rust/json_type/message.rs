@@ -1,4 +1,4 @@
-//! The messages: a module for each with its bodies, and an enum of all for each direction.
+//! Messages: a module with the bodies of each message, and an enum of all messages for each direction.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
@@ -6,24 +6,24 @@ use quote::quote;
 use super::super::context::Context;
 use super::super::file::{documentation, header_of, inner_documentation, layout_file};
 use super::super::identifier::{Scope, ident, module_name, pascal_case};
-use super::names::{MODULE, Names, TYPES, is_own, text};
+use super::names::{MODULE, Names, TYPES, is_struct_field, text};
 use super::types::Definitions;
 use crate::emit::file::OutputFile;
 use crate::prose;
 use crate::schema::json_type::{Direction, JsonMessage, JsonPart, Member, Object};
 use crate::schema::{JsonMessageId, Package};
 
-/// The variant of messages that no page defines.
+/// Name of the variant for undefined message types.
 const OTHER: &str = "Other";
 
-/// A message and what it is called.
+/// A message with its names.
 struct Place<'s> {
     message: &'s JsonMessage,
     module: String,
     variant: Ident,
 }
 
-/// What stands in the module of the package's JSON, and the files below it.
+/// The content of the module `json`, and the files of the messages.
 pub(super) fn files(
     context: &Context<'_>,
     package: &Package,
@@ -33,7 +33,7 @@ pub(super) fn files(
     let places = places(context, &package.json_messages);
     let modules = places.iter().map(|place| {
         let module = ident(&place.module);
-        let doc = documentation(&format!("The bodies of {}.", prose::code(&place.message.name)));
+        let doc = documentation(&format!("Bodies of {}.", prose::code(&place.message.name)));
         quote!(#doc pub mod #module;)
     });
     let enums = Direction::ALL.map(|direction| direction_tokens(&places, direction));
@@ -61,7 +61,7 @@ fn places<'s>(context: &Context<'s>, ids: &[JsonMessageId]) -> Vec<Place<'s>> {
     ids.iter().map(place).collect()
 }
 
-/// The enum of all messages of a direction; nothing where there are none.
+/// The enum of all messages of a direction, if there are any.
 fn direction_tokens(places: &[Place<'_>], direction: Direction) -> Option<TokenStream> {
     let has_part = |place: &&Place<'_>| place.message.parts.iter().any(|part| part.direction == direction);
     let places: Vec<&Place<'_>> = places.iter().filter(has_part).collect();
@@ -72,7 +72,7 @@ fn direction_tokens(places: &[Place<'_>], direction: Direction) -> Option<TokenS
     let variants = places.iter().map(|place| {
         let (variant, module) = (&place.variant, ident(&place.module));
         let summary = if place.message.docs.summary.is_empty() {
-            format!("The type {}.", prose::code(&place.message.name))
+            format!("Message {}.", prose::code(&place.message.name))
         } else {
             format!("{}: {}", prose::code(&place.message.name), prose::inline(&place.message.docs.summary))
         };
@@ -84,11 +84,11 @@ fn direction_tokens(places: &[Place<'_>], direction: Direction) -> Option<TokenS
         quote!(#variant #module #name;)
     });
     let doc = documentation(match direction {
-        Direction::Request => "A message from a client, which expects an answer.",
-        Direction::Response => "The answer to a request.",
-        Direction::Notification => "A message from a server that wasn't asked.",
+        Direction::Request => "A message from a client that expects a response.",
+        Direction::Response => "A response to a request.",
+        Direction::Notification => "An unsolicited message from a server.",
     });
-    let other = documentation("A message of another type, as it is.");
+    let other = documentation("A message of another type, as JSON.");
     Some(quote! {
         #doc
         #[derive(Clone, Debug, PartialEq)]
@@ -104,13 +104,15 @@ fn direction_tokens(places: &[Place<'_>], direction: Direction) -> Option<TokenS
 
 fn message_tokens(context: &Context<'_>, names: &Names, message: &JsonMessage) -> TokenStream {
     let doc = inner_documentation(&format!(
-        "The bodies of {}.\n\n{}",
+        "Bodies of {}.
+
+        {}",
         prose::code(&message.name),
-        text(&message.docs, "message", &message.name)
+        text(&message.docs, "Message", &message.name)
     ));
     let mut definitions = Definitions::of_message(context, names);
     for part in &message.parts {
-        definitions.give(part.direction.title());
+        definitions.new_name(part.direction.title());
     }
     let parts: Vec<TokenStream> =
         message.parts.iter().map(|part| part_tokens(&mut definitions, message, part)).collect();
@@ -119,19 +121,22 @@ fn message_tokens(context: &Context<'_>, names: &Names, message: &JsonMessage) -
 
 fn part_tokens(definitions: &mut Definitions<'_>, message: &JsonMessage, part: &JsonPart) -> TokenStream {
     let name = ident(part.direction.title());
-    let mut lines = format!("The body of a {} of the type {}.", part.direction, prose::code(&message.name));
-    let said = prose::block(&part.docs.text());
-    if !said.is_empty() {
+    let mut lines = format!("Body of a {} of type {}.", part.direction, prose::code(&message.name));
+    let description = prose::block(&part.docs.text());
+    if !description.is_empty() {
         lines += "\n\n";
-        lines += &said;
+        lines += &description;
     }
     if !part.answers.is_empty() {
         let answers: Vec<String> = part.answers.iter().map(|answer| prose::code(answer)).collect();
-        lines += "\n\nAnswered by ";
+        lines += "
+
+        Responses: ";
         lines += &answers.join(", ");
         lines.push('.');
     }
-    let fields: Vec<Member> = part.body.fields.iter().filter(|field| is_own(field)).cloned().collect();
+    let fields: Vec<Member> =
+        part.body.fields.iter().filter(|field| is_struct_field(field)).cloned().collect();
     let body = Object { fields: Vec::new(), is_closed: part.body.is_closed };
     let tokens = definitions.object(&documentation(&lines), &name, &body, &fields);
     let inner = definitions.take_inner();

@@ -1,4 +1,4 @@
-//! Names of types, modules and fields, and which types hold themselves.
+//! Names of types, modules and fields, and detection of recursive types.
 
 use std::collections::BTreeSet;
 
@@ -10,22 +10,22 @@ use crate::prose;
 use crate::schema::json_type::{Definition, Expression, Member, TYPE_FIELD};
 use crate::schema::{JsonTypeId, Package};
 
-/// The module of a package that has its types and messages.
+/// Name of the module with the types and messages of a package.
 pub(in crate::emit::rust) const MODULE: &str = "json";
 
-/// The module that has the types.
+/// Name of the module with the types.
 pub(super) const TYPES: &str = "types";
 
-/// The names of a package's types, and the rings of types that hold themselves.
+/// Names of a package's types, and groups of mutually recursive types.
 pub(super) struct Names {
     /// The id of the first type.
     first: u32,
-    /// By type.
+    /// Names by type.
     types: Vec<String>,
-    /// All names that are given in the module of the types.
-    pub(super) taken: Vec<String>,
-    /// By type, the number of its ring: types that hold each other without a list or map between them.
-    rings: Vec<usize>,
+    /// All names used in the module of the types.
+    pub(super) used: Vec<String>,
+    /// Group numbers by type. Types of a group contain each other without a list or map in between.
+    groups: Vec<usize>,
 }
 
 impl Names {
@@ -38,25 +38,28 @@ impl Names {
         let types: Vec<String> =
             found.map(|found| scope.unique_type(&identifier::type_name(&found.name))).collect();
         let first = package.json_types.first().map_or(0, |id| id.0);
-        let holds: Vec<BTreeSet<u32>> =
-            package.json_types.iter().map(|id| held(&context.schema.json_type(*id).definition)).collect();
-        let taken = types.clone();
-        Self { first, types, taken, rings: rings(&holds, first) }
+        let contains: Vec<BTreeSet<u32>> = package
+            .json_types
+            .iter()
+            .map(|id| contained(&context.schema.json_type(*id).definition))
+            .collect();
+        let used = types.clone();
+        Self { first, types, used, groups: groups(&contains, first) }
     }
 
     pub(super) fn name(&self, id: JsonTypeId) -> &str {
         &self.types[(id.0 - self.first) as usize]
     }
 
-    /// True if a type and a type within it hold each other, so that neither has a size.
+    /// True if two types contain each other, so that boxing is needed.
     pub(super) fn is_recursive(&self, outer: JsonTypeId, inner: JsonTypeId) -> bool {
-        let ring = |id: JsonTypeId| self.rings[(id.0 - self.first) as usize];
-        ring(outer) == ring(inner)
+        let group = |id: JsonTypeId| self.groups[(id.0 - self.first) as usize];
+        group(outer) == group(inner)
     }
 }
 
-/// The types that a type holds without a list or map between them.
-fn held(definition: &Definition) -> BTreeSet<u32> {
+/// The types that a type contains without a list or map in between.
+fn contained(definition: &Definition) -> BTreeSet<u32> {
     fn collect(expression: &Expression, into: &mut BTreeSet<u32>) {
         match expression {
             Expression::Named(id) => drop(into.insert(id.0)),
@@ -82,36 +85,38 @@ fn held(definition: &Definition) -> BTreeSet<u32> {
     found
 }
 
-/// The number of each type's ring: types of one ring hold each other, directly or not.
+/// Numbers the groups of types that contain each other directly or indirectly.
 ///
-/// Types are numbered by when the search leaves them; going back from the last, what reaches a type makes up its ring.
-fn rings(holds: &[BTreeSet<u32>], first: u32) -> Vec<usize> {
+/// Kosaraju's algorithm: the first search numbers the types in the order in which it leaves them; the second search
+/// follows the reversed edges from the last number on and finds one group per start.
+fn groups(contains: &[BTreeSet<u32>], first: u32) -> Vec<usize> {
     let index = |id: &u32| (*id - first) as usize;
-    let inner: Vec<Vec<usize>> = holds.iter().map(|held| held.iter().map(index).collect()).collect();
-    let mut outer: Vec<Vec<usize>> = vec![Vec::new(); holds.len()];
-    for (at, held) in inner.iter().enumerate() {
-        for held in held {
-            outer[*held].push(at);
+    let inner: Vec<Vec<usize>> =
+        contains.iter().map(|contained| contained.iter().map(index).collect()).collect();
+    let mut outer: Vec<Vec<usize>> = vec![Vec::new(); contains.len()];
+    for (at, contained) in inner.iter().enumerate() {
+        for contained in contained {
+            outer[*contained].push(at);
         }
     }
-    let mut left = Vec::with_capacity(holds.len());
-    let mut is_seen = vec![false; holds.len()];
-    for start in 0..holds.len() {
+    let mut left = Vec::with_capacity(contains.len());
+    let mut is_seen = vec![false; contains.len()];
+    for start in 0..contains.len() {
         visit(&inner, start, &mut is_seen, &mut left);
     }
-    let mut rings = vec![0; holds.len()];
-    let mut is_seen = vec![false; holds.len()];
-    for (ring, start) in left.into_iter().rev().enumerate() {
+    let mut groups = vec![0; contains.len()];
+    let mut is_seen = vec![false; contains.len()];
+    for (group, start) in left.into_iter().rev().enumerate() {
         let mut members = Vec::new();
         visit(&outer, start, &mut is_seen, &mut members);
         for member in members {
-            rings[member] = ring;
+            groups[member] = group;
         }
     }
-    rings
+    groups
 }
 
-/// All that is reached from `start` and hasn't been seen, each after what is reached from it.
+/// Appends all unvisited types reachable from `start` in post-order.
 fn visit(steps: &[Vec<usize>], start: usize, is_seen: &mut [bool], left: &mut Vec<usize>) {
     let mut path = Vec::new();
     if !std::mem::replace(&mut is_seen[start], true) {
@@ -142,10 +147,10 @@ pub(super) fn field_names(members: &[Member]) -> Vec<Ident> {
     members.iter().map(name).collect()
 }
 
-/// The text of a type: its description, or a sentence that there is none.
+/// The documentation of a type: its description, or a default.
 pub(super) fn text(docs: &crate::schema::Docs, what: &str, name: &str) -> String {
     let mut text = if docs.summary.is_empty() {
-        format!("The {what} {}, which its page says no more of.", prose::code(name))
+        format!("{what} {}; the definition has no description.", prose::code(name))
     } else {
         prose::inline(&docs.summary)
     };
@@ -156,7 +161,7 @@ pub(super) fn text(docs: &crate::schema::Docs, what: &str, name: &str) -> String
     text
 }
 
-/// True if a field of a body is a field of its struct: the type of a message is not.
-pub(super) fn is_own(member: &Member) -> bool {
+/// True if a field of a body is a field of its struct. The field `type` is not.
+pub(super) fn is_struct_field(member: &Member) -> bool {
     member.name != TYPE_FIELD
 }

@@ -1,4 +1,4 @@
-//! The types: a struct for each object and tuple, an enum for each set, a newtype for each type with a name.
+//! Types: a struct for each object and tuple, an enum for each set, a newtype for each named type.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
@@ -17,25 +17,25 @@ use crate::schema::{JsonTypeId, Range};
 use crate::unit;
 use crate::value::Value;
 
-/// The variant of what a definition doesn't name. Definitions do name values `other`.
+/// Name of the variant for unnamed values. Definitions use `other` as a name.
 const UNNAMED: &str = "Unnamed";
 
-/// Writes definitions into a module.
+/// The definitions of a module.
 pub(super) struct Definitions<'c> {
     context: &'c Context<'c>,
     names: &'c Names,
-    /// The names of the module.
+    /// Names used in the module.
     scope: Scope,
-    given: Vec<String>,
-    /// How the module refers to the module of the package's JSON; types are written without it.
+    written: Vec<String>,
+    /// Path prefix from this module to the module `json`, which re-exports the types.
     above: TokenStream,
-    /// The type that is being written, if it is one of a page.
+    /// The page type whose definition is being written.
     current: Option<JsonTypeId>,
-    /// Types that have no name in the page, of what is being written.
+    /// Anonymous types inside the definition being written.
     inner: Vec<TokenStream>,
 }
 
-/// How a member of a struct is read and written.
+/// A member of a struct with its Rust type.
 pub(super) struct Place<'m> {
     member: &'m Member,
     ident: Ident,
@@ -44,43 +44,43 @@ pub(super) struct Place<'m> {
 }
 
 impl<'c> Definitions<'c> {
-    /// For the module of the types.
+    /// Starts the module of the types.
     pub(super) fn new(context: &'c Context<'c>, names: &'c Names) -> Self {
         let mut scope = Scope::default();
-        names.taken.iter().for_each(|name| drop(scope.unique_type(name)));
-        let given = names.taken.clone();
-        Self { context, names, scope, given, above: TokenStream::new(), current: None, inner: Vec::new() }
+        names.used.iter().for_each(|name| drop(scope.unique_type(name)));
+        let written = names.used.clone();
+        Self { context, names, scope, written, above: TokenStream::new(), current: None, inner: Vec::new() }
     }
 
-    /// For the module of a message, which has names of its own.
+    /// Starts the module of a message, which has a separate scope.
     pub(super) fn of_message(context: &'c Context<'c>, names: &'c Names) -> Self {
         Self {
             scope: Scope::default(),
-            given: Vec::new(),
+            written: Vec::new(),
             above: quote!(super::),
             ..Self::new(context, names)
         }
     }
 
-    /// The names of all types that were written.
+    /// The names of all types written so far.
     pub(super) fn names(&self) -> &[String] {
-        &self.given
+        &self.written
     }
 
-    /// A name for a type that the page doesn't name.
-    pub(super) fn give(&mut self, name: &str) -> Ident {
+    /// A new name for an anonymous type.
+    pub(super) fn new_name(&mut self, name: &str) -> Ident {
         let name = self.scope.unique_type(name);
         let found = ident(&name);
-        self.given.push(name);
+        self.written.push(name);
         found
     }
 
-    /// A type of a page, and what it is made of.
+    /// Declares a type of a page with its inner types.
     pub(super) fn json_type(&mut self, id: JsonTypeId) -> TokenStream {
         let found = self.context.schema.json_type(id);
         let name = ident(self.names.name(id));
         self.current = Some(id);
-        let doc = documentation(&text(&found.docs, "type", &found.name));
+        let doc = documentation(&text(&found.docs, "Type", &found.name));
         let tokens = match &found.definition {
             Definition::Object(object) => self.object(&doc, &name, object, &object.fields),
             Definition::Tuple(elements) => self.tuple(&doc, &name, elements),
@@ -92,12 +92,12 @@ impl<'c> Definitions<'c> {
         quote!(#tokens #(#inner)*)
     }
 
-    /// The types without a name of what was written last.
+    /// Takes the inner types of the definition written last.
     pub(super) fn take_inner(&mut self) -> Vec<TokenStream> {
         std::mem::take(&mut self.inner)
     }
 
-    /// The struct of an object with these fields, all or some of its own.
+    /// The struct of an object with these fields.
     pub(super) fn object(
         &mut self,
         doc: &TokenStream,
@@ -169,7 +169,7 @@ impl<'c> Definitions<'c> {
         }
     }
 
-    /// A newtype, which knows its range where it has one.
+    /// A newtype, with its range if it has one.
     fn named(
         &mut self,
         docs: &crate::schema::Docs,
@@ -178,7 +178,7 @@ impl<'c> Definitions<'c> {
         typed: &Typed,
     ) -> TokenStream {
         let inner = self.expression(&typed.ty, &format!("{name}Value"), false);
-        let mut text = text(docs, "type", page_name);
+        let mut text = text(docs, "Type", page_name);
         push_facts(&typed.limits, &mut text);
         let doc = documentation(&text);
         let default = default::of_expression(self.context.schema, &typed.ty).then(|| quote!(Default,));
@@ -197,7 +197,7 @@ impl<'c> Definitions<'c> {
             #doc
             #[derive(Clone, #copy Debug, #default PartialEq, #order)]
             pub struct #name(
-                /// The value as it stands in JSON.
+                /// The value in JSON.
                 pub #inner,
             );
 
@@ -213,9 +213,9 @@ impl<'c> Definitions<'c> {
         }
     }
 
-    /// The type that holds the values of an expression. `site` names what has no name, and within a list or map, with
-    /// `is_apart`, a type may hold itself.
-    fn expression(&mut self, expression: &Expression, site: &str, is_apart: bool) -> TokenStream {
+    /// The Rust type of an expression. `site` is the name for an anonymous type. `is_indirect` is true inside a list or
+    /// map, where a recursive type needs no box.
+    fn expression(&mut self, expression: &Expression, site: &str, is_indirect: bool) -> TokenStream {
         let above = &self.above;
         match expression {
             Expression::Any => quote!(::uavspec_runtime::json_type::Json),
@@ -229,7 +229,7 @@ impl<'c> Definitions<'c> {
             Expression::Named(id) => {
                 let name = ident(self.names.name(*id));
                 let is_boxed =
-                    !is_apart && self.current.is_some_and(|current| self.names.is_recursive(current, *id));
+                    !is_indirect && self.current.is_some_and(|current| self.names.is_recursive(current, *id));
                 if is_boxed {
                     quote!(::uavspec_runtime::alloc::boxed::Box<#name>)
                 } else {
@@ -248,39 +248,41 @@ impl<'c> Definitions<'c> {
             Expression::OneOf(constants) => self.one_of(constants, site),
             Expression::Either(alternatives) => match expression.without_null() {
                 Some(plain) if expression.is_nullable() => {
-                    let plain = self.expression(&plain, site, is_apart);
+                    let plain = self.expression(&plain, site, is_indirect);
                     quote!(::core::option::Option<#plain>)
                 }
                 None => quote!(()),
-                Some(_) => self.either(alternatives, site, is_apart),
+                Some(_) => self.either(alternatives, site, is_indirect),
             },
         }
     }
 
     fn one_of(&mut self, constants: &[String], site: &str) -> TokenStream {
-        let name = self.give(site);
+        let name = self.new_name(site);
         let value = |constant: &String| SetValue { value: constant.clone(), description: String::new() };
         let values = SetValues::Strings(constants.iter().map(value).collect());
-        let doc = documentation("The values that this field may have. Closed: there are no others.");
+        let doc = documentation("The values of a field. Other values are not allowed.");
         let tokens = set_body(&doc, &name, &Set { values, is_open: false });
         self.inner.push(tokens);
         quote!(#name)
     }
 
-    fn either(&mut self, alternatives: &[Expression], site: &str, is_apart: bool) -> TokenStream {
-        let name = self.give(site);
+    fn either(&mut self, alternatives: &[Expression], site: &str, is_indirect: bool) -> TokenStream {
+        let name = self.new_name(site);
         let mut scope = Scope::default();
         let mut variants = Vec::with_capacity(alternatives.len());
         for alternative in alternatives {
             let variant = ident(&scope.unique_type(&self.variant_name(alternative)));
-            let inner = self.expression(alternative, &format!("{name}{variant}"), is_apart);
+            let inner = self.expression(alternative, &format!("{name}{variant}"), is_indirect);
             let text = self.context.schema.expression_text(alternative, &str::to_owned);
-            let doc = documentation(&format!("Of the type {}.", prose::code(&text)));
+            let doc = documentation(&format!("A value of type {}.", prose::code(&text)));
             variants.push((doc, variant, inner));
         }
         let declarations = variants.iter().map(|(doc, variant, inner)| quote!(#doc #variant(#inner)));
         let entries = variants.iter().map(|(_, variant, _)| quote!(#variant;));
-        let doc = documentation("One of several types; the first that can read a value has it.");
+        let doc = documentation(
+            "A value of one of several types. Reading uses the first type that accepts the value.",
+        );
         let tokens = quote! {
             #doc
             #[derive(Clone, Debug, PartialEq)]
@@ -312,7 +314,7 @@ impl<'c> Definitions<'c> {
     }
 }
 
-/// Whether an element has to be there, and whether it may be `null`.
+/// The presence of an element: whether it may be absent or null.
 fn tuple_presence(member: &Member) -> &'static str {
     let is_nullable = member.typed.ty.is_nullable() && member.typed.ty.without_null().is_some();
     match (member.is_required, is_nullable) {
@@ -324,18 +326,14 @@ fn tuple_presence(member: &Member) -> &'static str {
 }
 
 fn set_tokens(found: &JsonType, name: &Ident, set: &Set) -> TokenStream {
-    let openness = if set.is_open {
-        "Open: other values are kept as they are."
-    } else {
-        "Closed: there are no other values."
-    };
-    let doc = documentation(&format!("{}\n\n{openness}", text(&found.docs, "set", &found.name)));
+    let openness = if set.is_open { "Other values are preserved." } else { "Other values are not allowed." };
+    let doc = documentation(&format!("{}\n\n{openness}", text(&found.docs, "Set", &found.name)));
     set_body(&doc, name, set)
 }
 
 fn set_body(doc: &TokenStream, name: &Ident, set: &Set) -> TokenStream {
     let openness = ident(if set.is_open { "open" } else { "closed" });
-    let other_doc = documentation("A value that the definition doesn't name.");
+    let other_doc = documentation("A value without a name.");
     match &set.values {
         SetValues::Integers(values) => {
             let names = variant_names(values.iter().map(|found| number_name(found.value)), set.is_open);
@@ -398,7 +396,7 @@ fn declarations<'v, T: ToString>(
     })
 }
 
-/// Names of variants, which differ from each other and from that of all other values.
+/// Unique names of variants, which also differ from the variant for unnamed values.
 fn variant_names(names: impl Iterator<Item = String>, is_open: bool) -> Vec<Ident> {
     let mut scope = Scope::default();
     if is_open {
@@ -416,7 +414,7 @@ fn number_name(value: i64) -> String {
     if value < 0 { format!("Minus{}", value.unsigned_abs()) } else { format!("Value{value}") }
 }
 
-/// The range of a newtype over a number, and whether a value is in it.
+/// The range of a numeric newtype, and a method that checks it.
 fn range_tokens(name: &Ident, ty: &Expression, range: &Range) -> Option<TokenStream> {
     let (number, bounds) = match ty {
         Expression::Integer => (quote!(i64), integer_range(range)),
@@ -425,10 +423,10 @@ fn range_tokens(name: &Ident, ty: &Expression, range: &Range) -> Option<TokenStr
     };
     Some(quote! {
         impl #name {
-            /// The least and the greatest value.
+            /// The minimum and the maximum.
             pub const RANGE: ::core::ops::RangeInclusive<#number> = #bounds;
 
-            /// Whether the value is in its range.
+            /// True if the value is in its range.
             pub fn is_in_range(self) -> bool {
                 Self::RANGE.contains(&self.0)
             }
@@ -445,7 +443,7 @@ fn integer_range(range: &Range) -> TokenStream {
             Err(_) => quote!(i64::MAX),
         },
         #[allow(clippy::cast_possible_truncation)]
-        // a bound of integers; beyond 64 bits it is the last of them
+        // A bound beyond 64 bits becomes the nearest 64-bit integer.
         Some(other) => literals::integer((round(other.as_f64().unwrap_or_default()) as i64).into()),
     };
     let low = bound(range.low.as_ref(), quote!(i64::MIN), f64::ceil);
@@ -465,10 +463,7 @@ fn float_range(range: &Range) -> TokenStream {
 
 fn member_text(member: &Member) -> String {
     let mut text = if member.description.is_empty() {
-        format!(
-            "The field `{}`, which its page says no more of.",
-            prose::code(&member.name).trim_matches('`')
-        )
+        format!("Field `{}`; the definition has no description.", prose::code(&member.name).trim_matches('`'))
     } else {
         prose::block(&member.description)
     };
@@ -476,7 +471,7 @@ fn member_text(member: &Member) -> String {
     text
 }
 
-/// Appends what annotations say as a sentence of its own.
+/// Appends the annotations as a sentence.
 fn push_facts(limits: &Limits, text: &mut String) {
     let facts = facts(limits).join("; ");
     let Some(first) = facts.chars().next() else { return };
@@ -486,7 +481,7 @@ fn push_facts(limits: &Limits, text: &mut String) {
     text.push('.');
 }
 
-/// What annotations say, in words.
+/// The annotations as phrases.
 fn facts(limits: &Limits) -> Vec<String> {
     let mut facts = Vec::new();
     match limits.unit.as_deref() {
@@ -497,12 +492,12 @@ fn facts(limits: &Limits) -> Vec<String> {
         }),
     }
     if let Some(range) = &limits.range {
-        facts.extend(range.to_text().map(|said| format!("range: {said}")));
+        facts.extend(range.to_text().map(|text| format!("range: {text}")));
     }
     let int = |value: u32| Value::Int(value.into());
     let length = Range { low: limits.least.map(int), high: limits.most.map(int) };
-    facts.extend(length.to_text().map(|said| format!("length: {said}")));
-    facts.extend(limits.is_unique.then(|| "no element stands in it twice".to_owned()));
+    facts.extend(length.to_text().map(|text| format!("length: {text}")));
+    facts.extend(limits.is_unique.then(|| "elements are unique".to_owned()));
     facts.extend(limits.pattern.as_ref().map(|pattern| format!("pattern: {}", prose::code(pattern))));
     facts.extend(limits.format.as_ref().map(|format| format!("format: {}", prose::inline(format))));
     facts

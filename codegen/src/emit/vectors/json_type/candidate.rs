@@ -1,4 +1,4 @@
-//! What is worth trying in the place of a value: the ends of what it may be, their neighbours, and other types.
+//! Candidate values: the bounds of a value, adjacent values, and values of other types.
 
 use serde_json::{Map, Value as Json};
 
@@ -7,21 +7,21 @@ use crate::schema::json_type::{Expression, Limits, Set, SetValues};
 use crate::schema::{Range, Schema};
 use crate::value::Value;
 
-/// From here on doubles don't tell an integer from its neighbours.
+/// Integers of at least this magnitude may be equal to an adjacent integer as 64-bit floats.
 const EXACT_WITHIN: u128 = 1 << 53;
 
-/// Longer strings and lists are no cases.
+/// Maximum length of strings and lists in cases.
 const MAX_LENGTH: u32 = 4_096;
 
-/// Texts among which some break most patterns.
+/// Texts, some of which violate most patterns.
 const TEXTS: [&str; 6] = ["", " ", "a", "A", "/", "é!"];
 
-/// A value to try.
+/// A candidate value.
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {
-    /// What tells it from others: the end of an id.
+    /// The end of the id, unique within the field.
     pub(super) name: String,
-    /// What it is, in words.
+    /// Description.
     pub(super) words: String,
     pub(super) value: Json,
 }
@@ -30,7 +30,7 @@ pub(super) fn candidate(name: impl Into<String>, words: impl Into<String>, value
     Candidate { name: name.into(), words: words.into(), value }
 }
 
-/// A value of each kind that JSON has.
+/// A value of each JSON type.
 pub(super) fn kinds() -> Vec<Candidate> {
     vec![
         candidate("null", "null", Json::Null),
@@ -43,9 +43,9 @@ pub(super) fn kinds() -> Vec<Candidate> {
     ]
 }
 
-/// A value beside those of a set.
-pub(super) fn beside(set: &Set) -> Vec<Candidate> {
-    let words = "a value that the page doesn't list";
+/// A value that is not in the set.
+pub(super) fn unlisted(set: &Set) -> Vec<Candidate> {
+    let words = "an unlisted value";
     match &set.values {
         SetValues::Integers(values) => {
             let greatest = values.iter().map(|found| found.value).max().unwrap_or(0);
@@ -56,7 +56,7 @@ pub(super) fn beside(set: &Set) -> Vec<Candidate> {
     }
 }
 
-/// All that is tried in the place of a value of `expression`.
+/// All candidates for a value of `expression`.
 pub(super) fn of(schema: &Schema, expression: &Expression, limits: &Limits) -> Vec<Candidate> {
     let mut found = Vec::new();
     special(schema, expression, limits, &mut found);
@@ -76,7 +76,7 @@ fn special(schema: &Schema, expression: &Expression, limits: &Limits, into: &mut
             into.extend(constants.iter().map(constant));
             into.push(candidate("unlisted", "another string", Json::from("no such value")));
         }
-        Expression::ErrorCode => into.push(candidate("below", "a number below zero", Json::from(-1))),
+        Expression::ErrorCode => into.push(candidate("below", "a negative number", Json::from(-1))),
         Expression::ErrorList => lists(schema, &Expression::ErrorCode, limits, into),
         Expression::List(element) => lists(schema, element, limits, into),
         Expression::Map(value) => {
@@ -95,7 +95,7 @@ fn special(schema: &Schema, expression: &Expression, limits: &Limits, into: &mut
             }
         }
         Expression::Named(_) => {
-            // The type has cases of its own. What its place adds is tried here.
+            // The type has separate cases. These cover the additional restrictions of its use.
             if let Some(plain) = schema.plain(expression).filter(|_| limits.is_restriction()) {
                 special(schema, &plain, limits, into);
             }
@@ -104,7 +104,7 @@ fn special(schema: &Schema, expression: &Expression, limits: &Limits, into: &mut
     }
 }
 
-/// Both ends of a range, and what is beyond each.
+/// Both bounds of a range, and the adjacent values beyond them.
 fn bounds(range: &Range) -> Vec<Candidate> {
     let mut found = Vec::new();
     let mut bound = |value: Option<&Value>, step: i32, at: &str, beyond: &str, words: [&str; 2]| {
@@ -116,18 +116,12 @@ fn bounds(range: &Range) -> Vec<Candidate> {
         found.push(candidate(at, words[0], value));
         found.push(candidate(beyond, words[1], neighbour));
     };
-    bound(range.low.as_ref(), -1, "least", "below-range", ["the least of its range", "below its range"]);
-    bound(
-        range.high.as_ref(),
-        1,
-        "greatest",
-        "above-range",
-        ["the greatest of its range", "above its range"],
-    );
+    bound(range.low.as_ref(), -1, "least", "below-range", ["the minimum of its range", "below its range"]);
+    bound(range.high.as_ref(), 1, "greatest", "above-range", ["the maximum of its range", "above its range"]);
     found
 }
 
-/// Whether readers of doubles tell an integer from both its neighbours.
+/// True if 64-bit floats distinguish an integer from both adjacent integers.
 fn is_exact(value: i128) -> bool {
     value.unsigned_abs() < EXACT_WITHIN
 }
@@ -145,13 +139,17 @@ fn strings(limits: &Limits, into: &mut Vec<Candidate>) {
                 .map(|length| candidate(name, words, text(length).into())),
         );
     };
-    length("shortest", "as short as it may be", limits.least);
-    length("too-short", "a character too short", limits.least.and_then(|least| least.checked_sub(1)));
-    length("longest", "as long as it may be", limits.most);
-    length("too-long", "a character too long", limits.most.and_then(|most| most.checked_add(1)));
+    length("shortest", "the minimum length", limits.least);
+    length("too-short", "one character too short", limits.least.and_then(|least| least.checked_sub(1)));
+    length("longest", "the maximum length", limits.most);
+    length("too-long", "one character too long", limits.most.and_then(|most| most.checked_add(1)));
     if let Some(most) = limits.most.filter(|most| *most > 0 && *most <= MAX_LENGTH) {
-        // Lengths count characters, not bytes and not units of UTF-16.
-        into.push(candidate("longest-wide", "as many wide characters", "🚁".repeat(most as usize).into()));
+        // Lengths count characters, not bytes or UTF-16 code units.
+        into.push(candidate(
+            "longest-wide",
+            "the maximum length in multibyte characters",
+            "🚁".repeat(most as usize).into(),
+        ));
     }
     for (index, text) in TEXTS.iter().enumerate() {
         into.push(candidate(format!("text-{index}"), format!("the text {text:?}"), Json::from(*text)));
@@ -168,10 +166,10 @@ fn lists(schema: &Schema, element: &Expression, limits: &Limits, into: &mut Vec<
         let list = length.filter(|length| *length <= MAX_LENGTH).and_then(&mut filled);
         into.extend(list.map(|list| candidate(name, words, list)));
     };
-    length("shortest", "as short as it may be", limits.least);
-    length("too-short", "an element too short", limits.least.and_then(|least| least.checked_sub(1)));
-    length("longest", "as long as it may be", limits.most);
-    length("too-long", "an element too long", limits.most.and_then(|most| most.checked_add(1)));
+    length("shortest", "the minimum length", limits.least);
+    length("too-short", "one element too short", limits.least.and_then(|least| least.checked_sub(1)));
+    length("longest", "the maximum length", limits.most);
+    length("too-long", "one element too long", limits.most.and_then(|most| most.checked_add(1)));
     let Some(Json::Array(whole)) =
         Typical::new(schema).value(&Expression::List(Box::new(element.clone())), limits)
     else {
@@ -179,7 +177,7 @@ fn lists(schema: &Schema, element: &Expression, limits: &Limits, into: &mut Vec<
     };
     if let Some(first) = whole.first() {
         let twice: Vec<Json> = [first.clone()].into_iter().chain(whole.iter().cloned()).collect();
-        into.push(candidate("twice", "a list that has an element twice", Json::from(twice)));
+        into.push(candidate("twice", "a list with a duplicate element", Json::from(twice)));
         for found in of(schema, element, &within) {
             let mut with = whole.clone();
             with[0] = found.value;

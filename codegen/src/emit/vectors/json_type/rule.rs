@@ -1,18 +1,18 @@
-//! The ids of rules on the shape of JSON.
+//! Ids of rules about body schemas.
 
-/// A value has its type, which may be `null` only where the page says so.
+/// A value has the declared type. It may be `null` only if the page allows it.
 pub(super) const TYPE: &str = "SHAPE-TYPE";
-/// An object has all fields that it may not leave out.
+/// An object has all required fields.
 pub(super) const REQUIRED: &str = "SHAPE-REQUIRED";
-/// An object that is closed has no further fields.
+/// A closed object has no additional fields.
 pub(super) const FURTHER: &str = "SHAPE-FURTHER";
 /// A number is in its range.
 pub(super) const RANGE: &str = "SHAPE-RANGE";
-/// A string, a list or a tuple is neither too short nor too long.
+/// The length of a string, list or tuple is in its range.
 pub(super) const LENGTH: &str = "SHAPE-LENGTH";
-/// No element stands twice in a list that has each once.
+/// The elements of a list are unique if the page requires it.
 pub(super) const UNIQUE: &str = "SHAPE-UNIQUE";
-/// A string has its pattern and its format.
+/// A string matches its pattern and its format.
 pub(super) const PATTERN: &str = "SHAPE-PATTERN";
-/// A value is one of those that are listed, where there are no others.
+/// A value of a closed set is one of the listed values.
 pub(super) const VALUE: &str = "SHAPE-VALUE";

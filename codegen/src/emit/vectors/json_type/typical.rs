@@ -1,4 +1,4 @@
-//! Values that are right and unlike their neighbours.
+//! Typical valid values that differ from each other.
 
 use serde_json::{Map, Value as Json};
 
@@ -8,19 +8,19 @@ use crate::schema::json_type::{Definition, Expression, Limits, Object, SetValues
 use crate::schema::{JsonTypeId, Range, Schema};
 use crate::value::Value;
 
-/// Types within types are whole down to this depth, and below it as short as they can be.
-const WHOLE_WITHIN: usize = 2;
+/// Maximum depth of types with all optional fields. Deeper values are as short as possible.
+const MAX_OPTIONAL_DEPTH: usize = 2;
 
-/// Deeper than this no value is looked for.
+/// Maximum depth of values.
 const MAX_DEPTH: usize = 16;
 
-/// The longest list and string that is made, in elements and characters.
+/// Maximum length of lists and strings.
 const MAX_LENGTH: usize = 1_000;
 
-/// So many values within values are made at most: types that hold several of others have many.
+/// Maximum total number of values. It bounds the size of types with many fields that are nested in each other.
 const MAX_PARTS: usize = 2_000;
 
-/// Makes values one after the other, each of other numbers and texts.
+/// A source of values with distinct numbers and texts.
 pub(super) struct Typical<'s> {
     schema: &'s Schema,
     depth: usize,
@@ -33,16 +33,16 @@ impl<'s> Typical<'s> {
         Self { schema, depth: 0, count: 0, parts: 0 }
     }
 
-    /// A value that breaks nothing; none where none is found.
+    /// A valid value, or `None` if the search fails.
     pub(super) fn value(&mut self, expression: &Expression, limits: &Limits) -> Option<Json> {
         let value = self.any(expression, limits)?;
-        Judge { schema: self.schema }.broken(expression, limits, &value).is_empty().then_some(value)
+        Judge { schema: self.schema }.violations(expression, limits, &value).is_empty().then_some(value)
     }
 
-    /// The fields of an object: all of them, or those that it has to have.
-    pub(super) fn object(&mut self, object: &Object, is_whole: bool) -> Option<Map<String, Json>> {
+    /// The fields of an object: all of them, or only the required ones.
+    pub(super) fn object(&mut self, object: &Object, with_optional: bool) -> Option<Map<String, Json>> {
         let mut fields = Map::new();
-        for field in object.fields.iter().filter(|field| is_whole || field.is_required) {
+        for field in object.fields.iter().filter(|field| with_optional || field.is_required) {
             match self.value(&field.typed.ty, &field.typed.limits) {
                 Some(value) => drop(fields.insert(field.name.clone(), value)),
                 None if field.is_required => return None,
@@ -73,15 +73,15 @@ impl<'s> Typical<'s> {
             Expression::List(element) => self.list(element, limits),
             Expression::Map(inner) => {
                 let mut map = Map::new();
-                if self.depth <= WHOLE_WITHIN {
+                if self.depth <= MAX_OPTIONAL_DEPTH {
                     let key = format!("key{}", self.next());
                     map.extend(self.value(inner, &limits.of_elements()).map(|value| (key, value)));
                 }
                 Some(Json::Object(map))
             }
             Expression::Either(alternatives) => {
-                // Below the depth that is whole, null ends what may go on forever.
-                let is_short = self.depth > WHOLE_WITHIN && expression.is_nullable();
+                // In deep values, null ends recursion.
+                let is_short = self.depth > MAX_OPTIONAL_DEPTH && expression.is_nullable();
                 if is_short {
                     return Some(Json::Null);
                 }
@@ -100,12 +100,12 @@ impl<'s> Typical<'s> {
             return None;
         }
         self.depth += 1;
-        let is_whole = self.depth <= WHOLE_WITHIN;
+        let with_optional = self.depth <= MAX_OPTIONAL_DEPTH;
         let value = match &self.schema.json_type(id).definition {
-            Definition::Object(object) => self.object(object, is_whole).map(Json::Object),
+            Definition::Object(object) => self.object(object, with_optional).map(Json::Object),
             Definition::Tuple(elements) => elements
                 .iter()
-                .filter(|element| is_whole || element.is_required)
+                .filter(|element| with_optional || element.is_required)
                 .map(|element| self.value(&element.typed.ty, &element.typed.limits))
                 .collect(),
             Definition::Set(set) => match &set.values {
@@ -113,7 +113,7 @@ impl<'s> Typical<'s> {
                 SetValues::Strings(values) => values.first().map(|found| Json::from(found.value.as_str())),
             },
             Definition::Named(typed) => {
-                // Both what the type and what its place asks for; the place is narrower, where it asks for anything.
+                // The value must satisfy the limits of the type and of its use.
                 self.any(&typed.ty, &narrower(&typed.limits, limits))
             }
         };
@@ -124,8 +124,8 @@ impl<'s> Typical<'s> {
     fn list(&mut self, element: &Expression, limits: &Limits) -> Option<Json> {
         let least = limits.least.map_or(0, |least| least as usize);
         let most = limits.most.map_or(usize::MAX, |most| most as usize);
-        let wanted = if self.depth <= WHOLE_WITHIN { 2 } else { 0 };
-        let length = wanted.clamp(least, most.max(least));
+        let preferred = if self.depth <= MAX_OPTIONAL_DEPTH { 2 } else { 0 };
+        let length = preferred.clamp(least, most.max(least));
         if length > MAX_LENGTH {
             return None;
         }
@@ -152,7 +152,7 @@ impl<'s> Typical<'s> {
     }
 }
 
-/// The text, made as long as it has to be by its last character.
+/// Repeats the last character until the text has the minimum length.
 fn lengthened(text: &str, limits: &Limits) -> Option<String> {
     let least = limits.least.map_or(0, |least| least as usize);
     let missing = least.saturating_sub(text.chars().count());
@@ -160,11 +160,11 @@ fn lengthened(text: &str, limits: &Limits) -> Option<String> {
     (missing <= MAX_LENGTH).then(|| text.chars().chain(std::iter::repeat_n(filler, missing)).collect())
 }
 
-/// An integer of the range.
+/// An integer in the range.
 fn integer(range: Option<&Range>, count: i64) -> Option<i64> {
     let bound = |value: &Option<Value>, round: fn(f64) -> f64| match value.as_ref()? {
         Value::Int(value) => i64::try_from(*value).ok(),
-        #[allow(clippy::cast_possible_truncation)] // a bound of integers
+        #[allow(clippy::cast_possible_truncation)] // the bound of an integer
         other => other.as_f64().map(|value| round(value) as i64),
     };
     let (low, high) =
@@ -180,9 +180,9 @@ fn integer(range: Option<&Range>, count: i64) -> Option<i64> {
     }
 }
 
-/// A number of the range.
+/// A number in the range.
 fn number(range: Option<&Range>, count: i64) -> Json {
-    #[allow(clippy::cast_precision_loss)] // small
+    #[allow(clippy::cast_precision_loss)] // the count is small
     let step = count as f64 + 0.25;
     let bound = |value: &Option<Value>| value.as_ref().and_then(Value::as_f64);
     let (low, high) = range.map_or((None, None), |range| (bound(&range.low), bound(&range.high)));
@@ -194,7 +194,7 @@ fn number(range: Option<&Range>, count: i64) -> Json {
     })
 }
 
-/// What two limits ask for together, where the second asks for less.
+/// The intersection of two limits. For patterns and formats, the second takes precedence.
 fn narrower(own: &Limits, place: &Limits) -> Limits {
     let range = |own: &Option<Range>, place: &Option<Range>| match (own, place) {
         (Some(own), Some(place)) => Some(Range {

@@ -1,4 +1,4 @@
-//! A session of Engine.IO, with a client of Socket.IO in it.
+//! An Engine.IO session of a Socket.IO client.
 
 use std::hash::{BuildHasher as _, RandomState};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,10 +14,10 @@ use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::listen::Shared;
 use crate::serve::outbox::Outbox;
 
-/// How often signs of life are asked for. These are the times that the libraries of Socket.IO have.
+/// The ping interval, as in the Socket.IO libraries.
 const PING_INTERVAL: Duration = Duration::from_secs(25);
 
-/// How much longer a client may be silent.
+/// The time limit for the response to a ping.
 const PING_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// A session.
@@ -31,15 +31,15 @@ pub(super) struct Session {
 }
 
 struct State {
-    /// The session in the hub, once the client has joined the namespace.
+    /// The session in the hub, after the client has joined the namespace.
     joined: Option<SessionId>,
-    /// Whether it takes no more messages: where it has that bug.
+    /// True after the bug of FW-SIO-03 occurred: the session ignores further messages.
     has_stopped_reading: bool,
     last_received: Instant,
     last_ping: Instant,
 }
 
-/// Puts messages into packets.
+/// Sends messages as packets.
 struct PacketSink {
     outbox: Arc<Outbox>,
     event: &'static str,
@@ -61,21 +61,21 @@ fn push(outbox: &Outbox, kind: Kind, data: String) {
     outbox.push(Packet::new(kind, data).to_text());
 }
 
-/// A poll that is open. Dropping it lets the next one in.
+/// A pending poll. Dropping it allows the next one.
 pub(super) struct Poll<'s>(&'s Session);
 
 impl Drop for Poll<'_> {
     fn drop(&mut self) {
         self.0.is_polled.store(false, Ordering::Release);
-        // While it was open, the client could not have asked for anything else.
+        // A client can't send anything else while it waits for a poll.
         self.0.state().last_received = Instant::now();
     }
 }
 
 impl Session {
-    /// Opens a session; its id.
+    /// Opens a session, and returns its id as well.
     pub(super) fn open(shared: &Shared, revision: Revision) -> (String, Arc<Self>) {
-        // The keys of the hash are random.
+        // `RandomState` has random keys.
         let sid = format!("{:016x}{:016x}", RandomState::new().hash_one(0), RandomState::new().hash_one(1));
         let now = Instant::now();
         let session = Self {
@@ -100,7 +100,7 @@ impl Session {
         });
         push(&session.outbox, Kind::Open, opening.to_string());
         if revision == Revision::Three {
-            // In that revision nobody asks to join the namespace that is always there.
+            // In this revision, clients join the default namespace automatically.
             push(&session.outbox, Kind::Message, "0".to_owned());
             session.join(shared);
         }
@@ -115,28 +115,28 @@ impl Session {
         &self.outbox
     }
 
-    /// Whether packets travel over a WebSocket.
+    /// True if packets are sent over a WebSocket.
     pub(super) fn is_upgraded(&self) -> bool {
         self.is_upgraded.load(Ordering::Acquire)
     }
 
-    /// From now on they do.
+    /// Switches to a WebSocket.
     pub(super) fn upgrade(&self) {
         self.is_upgraded.store(true, Ordering::Release);
     }
 
-    /// Takes the place of the one poll that may be open.
+    /// Registers a poll. Returns `None` if another poll is pending.
     pub(super) fn start_poll(&self) -> Option<Poll<'_>> {
         self.state().last_received = Instant::now();
         (!self.is_polled.swap(true, Ordering::AcqRel)).then(|| Poll(self))
     }
 
-    /// Lets the poll end that is open, so that the client can move to a WebSocket.
+    /// Ends the pending poll, so that the client can switch to a WebSocket.
     pub(super) fn release_poll(&self) {
         push(&self.outbox, Kind::Noop, String::new());
     }
 
-    /// Asks for a sign of life where it is time; whether the session is still there.
+    /// Sends a ping if it is due. Returns true if the client has responded in time.
     pub(super) fn tend(&self) -> bool {
         let mut state = self.state();
         if self.revision == Revision::Four && state.last_ping.elapsed() >= PING_INTERVAL {
@@ -146,7 +146,7 @@ impl Session {
         state.last_received.elapsed() < PING_INTERVAL + PING_TIMEOUT
     }
 
-    /// Takes a packet of the client.
+    /// Processes a packet of the client.
     pub(super) fn take(&self, shared: &Shared, packet: Packet) {
         self.state().last_received = Instant::now();
         match packet.kind {
@@ -177,7 +177,7 @@ impl Session {
             Some(socketio::Packet::Connect { namespace }) if namespace == "/" => {
                 let answer = match self.revision {
                     Revision::Three => "0".to_owned(),
-                    // The client gets another id than the session has, which not everybody shall know.
+                    // A new id, since the session id must stay secret.
                     Revision::Four => {
                         format!("0{}", json!({ "sid": format!("{:016x}", RandomState::new().hash_one(2)) }))
                     }
@@ -206,7 +206,7 @@ impl Session {
         }
     }
 
-    /// Lets the client into the hub, unless it is there.
+    /// Opens a session in the hub, if there is none.
     fn join(&self, shared: &Shared) {
         let mut state = self.state();
         if state.joined.is_none() {

@@ -1,4 +1,4 @@
-//! Links with the section of defmt, at fixed addresses: a number of 16 bits is cut from each.
+//! Links the program with the section of defmt at fixed addresses, because defmt truncates addresses to 16 bits.
 
 fn main() {
     println!("cargo:rerun-if-changed=host.x");

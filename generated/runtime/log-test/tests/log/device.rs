@@ -1,4 +1,4 @@
-//! Logs a few values to the standard output, in the form that a device sends.
+//! Logs a few values to the standard output, in the binary format of a device.
 
 use std::io::Write as _;
 
@@ -10,7 +10,7 @@ use uavspec_runtime::{Severity, Text};
 #[defmt::global_logger]
 struct Logger;
 
-// There is one thread.
+// The program has a single thread.
 unsafe impl defmt::Logger for Logger {
     fn acquire() {}
 
@@ -19,7 +19,7 @@ unsafe impl defmt::Logger for Logger {
     unsafe fn release() {}
 
     unsafe fn write(bytes: &[u8]) {
-        std::io::stdout().write_all(bytes).expect("the output takes it");
+        std::io::stdout().write_all(bytes).expect("standard output is writable");
     }
 }
 

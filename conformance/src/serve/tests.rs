@@ -1,4 +1,4 @@
-//! A conversation with the hub alone, at times that are given: what the server says with each bug, and without.
+//! Tests of the hub with a simulated clock, without and with each bug.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -15,9 +15,9 @@ use crate::rules::flockwave::{
     udp_02, udp_03,
 };
 
-/// Rules whose bugs don't show to a single client that asks one thing after the other: those of transports and of
-/// requests that come at once, which `tests/live_matrix.rs` looks at, and that of logins, which has a test of its own.
-static ELSEWHERE: [&Rule; 12] = [
+/// Rules with a bug that a single client with consecutive requests can't observe. `tests/live_matrix.rs` covers the
+/// bugs of transports and concurrent requests, and another test below the bug of logins.
+static NOT_OBSERVABLE: [&Rule; 12] = [
     &ack_06::RULE.rule,
     &env_25::RULE.rule,
     &sio_01::RULE.rule,
@@ -45,14 +45,14 @@ impl Sink for RecordingSink {
     }
 }
 
-struct Rehearsal {
+struct TestSession {
     hub: Hub,
     session: SessionId,
     received: Arc<RecordingSink>,
     time: Duration,
 }
 
-impl Rehearsal {
+impl TestSession {
     fn new(bug: Option<&'static FlockwaveRule>, login: Option<(String, String)>) -> Self {
         let errors = vec![("glider-5".to_owned(), 193)];
         let mut hub = Hub::new(
@@ -80,16 +80,16 @@ impl Rehearsal {
         self.raw(&json!({ "$fw.version": "1.0", "id": id, "body": body }).to_string());
     }
 
-    /// What was said since this was asked last.
+    /// Returns the messages received since the last call.
     fn take_received(&mut self) -> Vec<String> {
         std::mem::take(&mut *self.received.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
-/// Requests that let each rule show, and what is said to them.
+/// The messages of a session whose requests exercise all rules.
 fn transcript(bug: Option<&'static FlockwaveRule>) -> Vec<String> {
-    let mut stage = Rehearsal::new(bug, None);
-    let both = ["glider-1", "nobody-1"];
+    let mut session = TestSession::new(bug, None);
+    let both = ["glider-1", "missing-1"];
     let requests = [
         json!({ "type": "SYS-PING" }),
         json!({ "type": "SYS-VER" }),
@@ -111,16 +111,16 @@ fn transcript(bug: Option<&'static FlockwaveRule>) -> Vec<String> {
         json!({ "type": "AUTH-INF" }),
         json!({ "type": "AUTH-REQ", "method": "basic", "data": "YTpi" }),
         json!({ "type": "CONN-LIST" }),
-        json!({ "type": "CONN-INF", "ids": ["radio-1", "nobody-1"] }),
-        json!({ "type": "BCN-INF", "ids": ["mark-1", "nobody-1"] }),
-        json!({ "type": "CLK-INF", "ids": ["system", "nobody-1"] }),
-        json!({ "type": "WTH-INF", "ids": ["wind-1", "nobody-1"] }),
+        json!({ "type": "CONN-INF", "ids": ["radio-1", "missing-1"] }),
+        json!({ "type": "BCN-INF", "ids": ["mark-1", "missing-1"] }),
+        json!({ "type": "CLK-INF", "ids": ["system", "missing-1"] }),
+        json!({ "type": "WTH-INF", "ids": ["wind-1", "missing-1"] }),
         json!({ "type": "WTH-AT", "position": [504_980_000, 99_520_000] }),
         json!({ "type": "RTK-LIST" }),
         json!({ "type": "RTK-SOURCE", "id": "base" }),
         json!({ "type": "EXT-LIST" }),
         json!({ "type": "DEV-LIST", "ids": both }),
-        json!({ "type": "DEV-INF", "paths": ["/glider-1/battery", "/nobody-1"] }),
+        json!({ "type": "DEV-INF", "paths": ["/glider-1/battery", "/missing-1"] }),
         json!({ "type": "DEV-SUB", "paths": ["/glider-1/gps/satellites"] }),
         json!({ "type": "PRM-SET-MANY", "ids": both, "parameters": { "CRUISE_SPEED": 7, "COLOUR": 1 } }),
         json!({ "type": "LOG-DATA", "uavId": "glider-1", "logId": "1" }),
@@ -128,26 +128,26 @@ fn transcript(bug: Option<&'static FlockwaveRule>) -> Vec<String> {
         json!({ "type": "UAV-TEST", "ids": both, "component": "led" }),
         json!({ "type": "UAV-CALIB", "ids": ["glider-2"], "component": "compass" }),
         json!({ "type": "UAV-CALIB", "ids": ["glider-3"], "component": "baro" }),
-        json!({ "type": "ASYNC-RESUME", "ids": ["r3", "nobody-1"] }),
+        json!({ "type": "ASYNC-RESUME", "ids": ["r3", "missing-1"] }),
         json!({ "type": "UAV-SLEEP", "ids": ["glider-4"] }),
         json!({ "type": "UAV-SIGNAL", "ids": ["glider-4"] }),
     ];
     for (number, body) in requests.iter().enumerate() {
-        stage.send_request(&format!("höh {number}"), body);
+        session.send_request(&format!("höh {number}"), body);
     }
-    stage.send_request("höh 1", &json!({ "type": "SYS-PING" }));
-    stage.wait(1);
-    // The calibration of the barometer, by its receipt: a bug may have made it another.
-    stage.send_request("cancel", &json!({ "type": "ASYNC-CANCEL", "ids": ["r4", "nobody-1"] }));
-    stage.wait(7);
-    stage.send_request("lose", &json!({ "type": "OBJ-CMD", "ids": ["glider-5"], "command": "lose" }));
-    stage.send_request("list", &json!({ "type": "UAV-LIST" }));
-    stage.raw(r#"{"$fw.version":"1.0","id":"broken"}"#);
-    stage.hub.end();
-    stage.take_received()
+    session.send_request("höh 1", &json!({ "type": "SYS-PING" }));
+    session.wait(1);
+    // The calibration of the barometer. Its receipt is fixed, since a bug may have changed it in the response.
+    session.send_request("cancel", &json!({ "type": "ASYNC-CANCEL", "ids": ["r4", "missing-1"] }));
+    session.wait(7);
+    session.send_request("lose", &json!({ "type": "OBJ-CMD", "ids": ["glider-5"], "command": "lose" }));
+    session.send_request("list", &json!({ "type": "UAV-LIST" }));
+    session.raw(r#"{"$fw.version":"1.0","id":"broken"}"#);
+    session.hub.end();
+    session.take_received()
 }
 
-/// The bodies of a type.
+/// The bodies with this type.
 fn bodies(transcript: &[String], kind: &str) -> Vec<Value> {
     let messages = transcript.iter().filter_map(|text| serde_json::from_str::<Value>(text).ok());
     let mut bodies = messages.map(|mut message| message["body"].take());
@@ -155,24 +155,24 @@ fn bodies(transcript: &[String], kind: &str) -> Vec<Value> {
 }
 
 #[test]
-fn the_same_calls_give_the_same_messages() {
+fn sends_the_same_messages_for_the_same_calls() {
     assert!(transcript(None) == transcript(None));
 }
 
 #[test]
-fn every_bug_shows() {
-    let right = transcript(None);
-    let hidden = RULES.iter().filter(|of| transcript(Some(of)) == right);
-    let hidden: Vec<&str> = hidden.map(|of| of.rule.id).collect();
-    assert_eq!(hidden, ELSEWHERE.map(|rule| rule.id));
+fn every_bug_changes_the_messages() {
+    let correct = transcript(None);
+    let hidden = RULES.iter().filter(|rule| transcript(Some(rule)) == correct);
+    let hidden: Vec<&str> = hidden.map(|rule| rule.rule.id).collect();
+    assert_eq!(hidden, NOT_OBSERVABLE.map(|rule| rule.id));
 }
 
 #[test]
-fn without_a_bug_messages_are_as_the_definitions_have_them() {
-    let right = transcript(None);
+fn sends_valid_envelopes_without_a_bug() {
+    let correct = transcript(None);
     let mut ids = Vec::new();
     let mut answered = Vec::new();
-    for text in right.iter().filter(|text| *text != "closed") {
+    for text in correct.iter().filter(|text| *text != "closed") {
         let message: Value = serde_json::from_str(text).expect("JSON");
         assert_eq!(message["$fw.version"], "1.0");
         ids.push(message["id"].as_str().expect("an id").to_owned());
@@ -189,53 +189,53 @@ fn without_a_bug_messages_are_as_the_definitions_have_them() {
     ids.sort();
     ids.dedup();
     assert_eq!(ids.len(), count, "ids are unique");
-    assert_eq!(answered.iter().filter(|refs| *refs == "höh 1").count(), 2, "it was asked twice");
+    assert_eq!(answered.iter().filter(|refs| *refs == "höh 1").count(), 2, "the request was sent twice");
     assert_eq!(answered.len(), 45);
-    assert_eq!(right.last().map(String::as_str), Some("closed"));
+    assert_eq!(correct.last().map(String::as_str), Some("closed"));
 }
 
 #[test]
-fn operations_end_once() {
-    let right = transcript(None);
-    let started = bodies(&right, "UAV-TEST");
+fn reports_the_end_of_each_operation_once() {
+    let correct = transcript(None);
+    let started = bodies(&correct, "UAV-TEST");
     assert_eq!(started[0]["receipt"], json!({ "glider-1": "r2" }));
-    assert_eq!(started[0]["error"], json!({ "nobody-1": "there is no such UAV" }));
-    let ends = bodies(&right, "ASYNC-RESP");
+    assert_eq!(started[0]["error"], json!({ "missing-1": "no such UAV" }));
+    let ends = bodies(&correct, "ASYNC-RESP");
     let results: Vec<(&Value, bool)> =
         ends.iter().map(|end| (&end["id"], end.get("error").is_some())).collect();
     let expected = [json!("r4"), json!("r1"), json!("r2")];
     assert_eq!(results, [(&expected[0], true), (&expected[1], false), (&expected[2], false)]);
     assert_eq!(ends[1]["result"]["kind"], "text");
-    let suspended = bodies(&right, "ASYNC-ST").into_iter().filter(|body| body["suspended"] == json!(true));
+    let suspended = bodies(&correct, "ASYNC-ST").into_iter().filter(|body| body["suspended"] == json!(true));
     assert_eq!(suspended.map(|body| body["id"].clone()).collect::<Vec<_>>(), ["r3"]);
-    let timeouts = bodies(&right, "ASYNC-TIMEOUT");
+    let timeouts = bodies(&correct, "ASYNC-TIMEOUT");
     assert_eq!(timeouts, [json!({ "type": "ASYNC-TIMEOUT", "ids": ["r5"] })]);
-    let resumed = bodies(&right, "ASYNC-RESUME");
+    let resumed = bodies(&correct, "ASYNC-RESUME");
     assert_eq!(resumed[0]["success"], json!([]));
-    let devices = bodies(&right, "DEV-INF");
+    let devices = bodies(&correct, "DEV-INF");
     assert!(devices.iter().any(|body| body["values"].get("/glider-1/gps/satellites").is_some()));
 }
 
 #[test]
-fn without_login_only_the_way_to_it_is_answered() {
+fn rejects_other_requests_before_the_login() {
     let login = || Some(("pilot".to_owned(), "soar".to_owned()));
     for (bug, expected) in [(None, "ACK-NAK"), (Some(&ack_06::RULE), "UAV-LIST")] {
-        let mut stage = Rehearsal::new(bug, login());
-        stage.wait(2);
-        assert!(stage.take_received().is_empty(), "notifications are for those who have logged in");
-        stage.send_request("a", &json!({ "type": "UAV-LIST" }));
-        assert_eq!(bodies(&stage.take_received(), expected).len(), 1);
+        let mut session = TestSession::new(bug, login());
+        session.wait(2);
+        assert!(session.take_received().is_empty(), "no notifications before the login");
+        session.send_request("a", &json!({ "type": "UAV-LIST" }));
+        assert_eq!(bodies(&session.take_received(), expected).len(), 1);
     }
-    let mut stage = Rehearsal::new(None, login());
-    stage.send_request("a", &json!({ "type": "AUTH-REQ", "method": "basic", "data": "cGlsb3Q6d3Jvbmc=" }));
-    assert_eq!(bodies(&stage.take_received(), "AUTH-RESP")[0]["result"], json!(false));
-    stage.send_request("b", &json!({ "type": "AUTH-REQ", "method": "basic", "data": "cGlsb3Q6c29hcg==" }));
-    assert_eq!(bodies(&stage.take_received(), "AUTH-RESP")[0]["user"], json!("pilot"));
-    stage.send_request("c", &json!({ "type": "UAV-LIST" }));
-    assert_eq!(bodies(&stage.take_received(), "UAV-LIST").len(), 1);
+    let mut session = TestSession::new(None, login());
+    session.send_request("a", &json!({ "type": "AUTH-REQ", "method": "basic", "data": "cGlsb3Q6d3Jvbmc=" }));
+    assert_eq!(bodies(&session.take_received(), "AUTH-RESP")[0]["result"], json!(false));
+    session.send_request("b", &json!({ "type": "AUTH-REQ", "method": "basic", "data": "cGlsb3Q6c29hcg==" }));
+    assert_eq!(bodies(&session.take_received(), "AUTH-RESP")[0]["user"], json!("pilot"));
+    session.send_request("c", &json!({ "type": "UAV-LIST" }));
+    assert_eq!(bodies(&session.take_received(), "UAV-LIST").len(), 1);
 }
 
-/// Types of requests, and some that are none.
+/// Types of requests, including invalid ones.
 const KINDS: [&str; 56] = [
     "",
     "-",
@@ -325,7 +325,7 @@ const FIELDS: [&str; 26] = [
     "value",
 ];
 
-/// Texts that mean something in some field.
+/// Strings that are valid for some member.
 const TEXTS: [&str; 14] = [
     "glider-1",
     "glider-2",
@@ -378,14 +378,14 @@ proptest! {
         bodies in prop::collection::vec(body(), 1..12),
         bug in prop::option::of(prop::sample::select(&RULES[..])),
     ) {
-        let mut stage = Rehearsal::new(bug, None);
+        let mut session = TestSession::new(bug, None);
         for (number, body) in bodies.iter().enumerate() {
-            stage.send_request(&number.to_string(), body);
-            stage.wait(1);
+            session.send_request(&number.to_string(), body);
+            session.wait(1);
         }
-        let take_received = stage.take_received();
+        let received = session.take_received();
         if bug.is_none() {
-            let messages = take_received.iter().map(|text| serde_json::from_str::<Value>(text).expect("JSON"));
+            let messages = received.iter().map(|text| serde_json::from_str::<Value>(text).expect("JSON"));
             let refs: Vec<Value> = messages.filter_map(|message| message.get("refs").cloned()).collect();
             let expected: Vec<Value> = (0..bodies.len()).map(|number| json!(number.to_string())).collect();
             prop_assert_eq!(refs, expected);
