@@ -248,10 +248,13 @@ impl Visitor<'_> for ElementSeed<'_, '_> {
     fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<(), E> {
         let Element::Text(room) = self.field.element else { return self.builder.string(self.at, text) };
         if text.contains('\0') {
-            return Err(E::custom("a NUL in a text, which ends it"));
+            return Err(E::custom("expected text without NUL"));
         }
         if text.len() > room as usize {
-            return Err(E::custom(format_args!("a text of {} bytes where {room} fit", text.len())));
+            return Err(E::custom(format_args!(
+                "expected at most {room} bytes of text, found {}",
+                text.len()
+            )));
         }
         self.builder.write(self.at, text.as_bytes());
         Ok(())

@@ -156,7 +156,7 @@ macro_rules! floats {
                 } else if self.is_nan() {
                     serializer.serialize_none()
                 } else {
-                    Err(S::Error::custom(format_args!("{field} is {self}, which JSON has no number for")))
+                    Err(S::Error::custom(format_args!("{field} is {self}, which JSON can't represent")))
                 }
             }
         }
@@ -202,7 +202,7 @@ impl<'v> Walk<'v> for Search<'v> {
         let text = match stop {
             Stop::Number(scalar, bytes, _) => match scalar_value(scalar, bytes).number() {
                 Some(Number::Float(value)) if value.is_infinite() => {
-                    format!("{value}, which JSON has no number for")
+                    format!("{value}, which JSON can't represent")
                 }
                 _ => return ControlFlow::Continue(()),
             },

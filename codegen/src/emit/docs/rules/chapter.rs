@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(changed_lines("a\n", "a\nb\n"), "  a\n+ b\n");
         assert_eq!(changed_lines("b\nb\n", "b\n"), "  b\n- b\n");
         assert_eq!(changed_lines("a\n\nb\nc\n\nd\n", "a\n\nb\nx\n\nd\n"), "  b\n- c\n+ x\n\n  d\n");
-        assert_eq!(changed_lines("a\n\nb\n\n", "a\n\nc\n\n"), "- b\n+ c\n");
+        assert_eq!(changed_lines("a\n\nb\n\n", "a\n\nc\n\n"), "  a\n\n- b\n+ c\n");
         assert_eq!(changed_lines("a\n", "a\n"), "");
     }
 
