@@ -194,13 +194,9 @@ fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
     });
     let no_std = (options.root == "lib.rs").then(|| quote!(#![no_std]));
     let doc = inner_documentation(
-        "Types of drone interface definitions. Each package is a module.
-
-        \
-         Every message implements [`Message`](::uavspec_runtime::Message), and messages of fixed size also
-         \
-         implement [`UorbMessage`](::uavspec_runtime::UorbMessage). The features of the runtime enable more:
-         \
+        "Types of drone interface definitions. Each package is a module.\n\n\
+         Every message implements [`Message`](::uavspec_runtime::Message), and messages of fixed size also \
+         implement [`UorbMessage`](::uavspec_runtime::UorbMessage). The features of the runtime enable more: \
          `serde` adds the JSON form that the published JSON Schemas describe.",
     );
     let readme = options.readme.as_ref().map(|path| quote!(#![doc = include_str!(#path)]));

@@ -7,8 +7,7 @@ use uavspec_runtime::{ErrorClass, Severity, error_code};
 
 /// An error code. Unlisted codes are valid.
 ///
-///         A constant is named after the abbreviation of its code. If codes of different severities share
-///          an abbreviation, the name includes the severity.
+/// A constant is named after the abbreviation of its code. If codes of different severities share an abbreviation, the name includes the severity.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(transparent)]
 pub struct ErrorCode(pub u32);

@@ -37,13 +37,7 @@ pub(super) fn tokens(owner: &Message, found: &Enum, name: &Ident) -> TokenStream
     let constants = found.members.iter().zip(&names).map(|(member, name)| {
         let mut text = constant_text(&owner.constants[member.constant]);
         if let Some(first) = found.alias_of(member) {
-            let _ = write!(
-                text,
-                "
-
-            Alias of `{}`.",
-                first.name
-            );
+            let _ = write!(text, "\n\nAlias of `{}`.", first.name);
         }
         let doc = documentation(&text);
         let value = number(found, member.value);

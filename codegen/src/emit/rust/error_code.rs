@@ -59,11 +59,8 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
     });
     let count = types::integer(codes.len() as i128);
     let type_doc = documentation(
-        "An error code. Unlisted codes are valid.
-
-        \
-         A constant is named after the abbreviation of its code. If codes of different severities share
-         \
+        "An error code. Unlisted codes are valid.\n\n\
+         A constant is named after the abbreviation of its code. If codes of different severities share \
          an abbreviation, the name includes the severity.",
     );
     quote! {

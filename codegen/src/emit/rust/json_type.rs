@@ -47,12 +47,9 @@ pub(super) fn files(context: &Context<'_>, package: &Package, module: &str) -> V
     }
     let (root, mut messages) = message::files(context, package, &names, module);
     let doc = inner_documentation(&format!(
-        "JSON types and messages of package `{}`.
-
-        \
-         Optional fields and nullable values are `Option`s. Other fields of an object are ignored unless the object
-         \
-         is closed. Reading doesn't check ranges; types with a range have a method for this.",
+        "JSON types and messages of package `{}`.\n\n\
+         Optional fields and nullable values are `Option`s. Other fields of an object are ignored unless the \
+         object is closed. Reading doesn't check ranges; types with a range have a method for this.",
         package.name
     ));
     let types = (!package.json_types.is_empty()).then(|| {

@@ -2,7 +2,7 @@
 
 //! Bodies of `ACK-ACK`.
 //!
-//!         The request succeeded, and there is no result to return.
+//! The request succeeded, and there is no result to return.
 
 use uavspec_runtime::json_object;
 

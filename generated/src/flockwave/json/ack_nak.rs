@@ -2,7 +2,7 @@
 
 //! Bodies of `ACK-NAK`.
 //!
-//!         The request was refused or failed. ACK-NAK may answer any request. It also answers a request that requires a login if no user is logged in.
+//! The request was refused or failed. ACK-NAK may answer any request. It also answers a request that requires a login if no user is logged in.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;

@@ -2,7 +2,7 @@
 
 //! Bodies of `ASYNC-CANCEL`.
 //!
-//!         Cancels operations that the client no longer needs. A cancelled operation still ends with an ASYNC-RESP that contains an error.
+//! Cancels operations that the client no longer needs. A cancelled operation still ends with an ASYNC-RESP that contains an error.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `ASYNC-CANCEL`.
 ///
-///         Responses: `ASYNC-CANCEL`.
+/// Responses: `ASYNC-CANCEL`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Receipts of the operations.

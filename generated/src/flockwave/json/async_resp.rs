@@ -2,7 +2,7 @@
 
 //! Bodies of `ASYNC-RESP`.
 //!
-//!         Reports the end of an operation. Exactly one of result and error is present.
+//! Reports the end of an operation. Exactly one of result and error is present.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_type::Json;

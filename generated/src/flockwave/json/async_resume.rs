@@ -2,7 +2,7 @@
 
 //! Bodies of `ASYNC-RESUME`.
 //!
-//!         Resumes suspended operations with the values that they wait for.
+//! Resumes suspended operations with the values that they wait for.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 ///
 /// Disputed: the values are objects in the specification text and any values in the JSON Schema. This definition allows any value.
 ///
-///         Responses: `ASYNC-RESUME`.
+/// Responses: `ASYNC-RESUME`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Receipts of the operations.

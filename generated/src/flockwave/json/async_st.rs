@@ -2,7 +2,7 @@
 
 //! Bodies of `ASYNC-ST`.
 //!
-//!         Reports the progress of an operation, or that it is suspended.
+//! Reports the progress of an operation, or that it is suspended.
 
 use uavspec_runtime::json_object;
 

@@ -2,7 +2,7 @@
 
 //! Bodies of `ASYNC-TIMEOUT`.
 //!
-//!         Reports operations that the server no longer waits for.
+//! Reports operations that the server no longer waits for.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;

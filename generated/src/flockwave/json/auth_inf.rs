@@ -2,7 +2,7 @@
 
 //! Bodies of `AUTH-INF`.
 //!
-//!         Queries the authentication methods and whether authentication is required.
+//! Queries the authentication methods and whether authentication is required.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `AUTH-INF`.
+/// Responses: `AUTH-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

@@ -2,7 +2,7 @@
 
 //! Bodies of `AUTH-REQ`.
 //!
-//!         Starts a login, or takes the next step of a login with several steps.
+//! Starts a login, or takes the next step of a login with several steps.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 ///
 /// Disputed: according to the specification text, a request without session continues the current login; according to the JSON Schema, session defaults to 0.
 ///
-///         Responses: `AUTH-RESP`.
+/// Responses: `AUTH-RESP`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     /// Authentication method.

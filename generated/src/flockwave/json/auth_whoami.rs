@@ -2,7 +2,7 @@
 
 //! Bodies of `AUTH-WHOAMI`.
 //!
-//!         Queries the user who is logged in on this connection.
+//! Queries the user who is logged in on this connection.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `AUTH-WHOAMI`.
+/// Responses: `AUTH-WHOAMI`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

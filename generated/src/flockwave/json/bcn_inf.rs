@@ -2,7 +2,7 @@
 
 //! Bodies of `BCN-INF`.
 //!
-//!         Queries the state of beacons.
+//! Queries the state of beacons.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `BCN-INF`.
 ///
-///         Responses: `BCN-INF`.
+/// Responses: `BCN-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the beacons.

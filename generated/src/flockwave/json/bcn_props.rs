@@ -2,7 +2,7 @@
 
 //! Bodies of `BCN-PROPS`.
 //!
-//!         Queries properties of beacons that rarely change.
+//! Queries properties of beacons that rarely change.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `BCN-PROPS`.
 ///
-///         Responses: `BCN-PROPS`.
+/// Responses: `BCN-PROPS`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the beacons.

@@ -2,7 +2,7 @@
 
 //! Bodies of `CLK-INF`.
 //!
-//!         Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
+//! Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `CLK-INF`.
 ///
-///         Responses: `CLK-INF`.
+/// Responses: `CLK-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the clocks.

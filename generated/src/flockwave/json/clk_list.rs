@@ -2,7 +2,7 @@
 
 //! Bodies of `CLK-LIST`.
 //!
-//!         Lists the ids of all clocks.
+//! Lists the ids of all clocks.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `CLK-LIST`.
+/// Responses: `CLK-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

@@ -2,7 +2,7 @@
 
 //! Bodies of `CONN-DEL`.
 //!
-//!         Reports connections that no longer exist on the server.
+//! Reports connections that no longer exist on the server.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;

@@ -2,7 +2,7 @@
 
 //! Bodies of `CONN-INF`.
 //!
-//!         Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
+//! Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `CONN-INF`.
 ///
-///         Responses: `CONN-INF`.
+/// Responses: `CONN-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the connections.

@@ -2,7 +2,7 @@
 
 //! Bodies of `CONN-LIST`.
 //!
-//!         Lists the ids of all connections.
+//! Lists the ids of all connections.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `CONN-LIST`.
+/// Responses: `CONN-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

@@ -2,7 +2,7 @@
 
 //! Bodies of `DEV-LIST`.
 //!
-//!         Queries the device trees of objects.
+//! Queries the device trees of objects.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `DEV-LIST`.
 ///
-///         Responses: `DEV-LIST`.
+/// Responses: `DEV-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the objects.

@@ -2,7 +2,7 @@
 
 //! Bodies of `DEV-LISTSUB`.
 //!
-//!         Lists the subscriptions of the client.
+//! Lists the subscriptions of the client.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 ///
 /// Disputed: the JSON Schema requires the filter; the specification text does not. This definition makes it optional.
 ///
-///         Responses: `DEV-LISTSUB`.
+/// Responses: `DEV-LISTSUB`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Paths to filter by: only subscriptions at or below them are listed. If omitted, all are listed.

@@ -2,7 +2,7 @@
 
 //! Bodies of `DEV-SUB`.
 //!
-//!         Subscribes to channels, or to all channels below devices. A client may subscribe to the same path several times.
+//! Subscribes to channels, or to all channels below devices. A client may subscribe to the same path several times.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// Not stated: the meaning of lazy. The specification text does not mention it; the JSON Schema only gives its type.
 ///
-///         Responses: `DEV-SUB`.
+/// Responses: `DEV-SUB`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Paths of the channels and devices.

@@ -2,7 +2,7 @@
 
 //! Bodies of `DEV-UNSUB`.
 //!
-//!         Removes one or all subscriptions to each path.
+//! Removes one or all subscriptions to each path.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `DEV-UNSUB`.
 ///
-///         Responses: `DEV-UNSUB`.
+/// Responses: `DEV-UNSUB`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Paths as they were subscribed to.

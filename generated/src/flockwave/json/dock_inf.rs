@@ -2,7 +2,7 @@
 
 //! Bodies of `DOCK-INF`.
 //!
-//!         Queries the state of docking stations.
+//! Queries the state of docking stations.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `DOCK-INF`.
 ///
-///         Responses: `DOCK-INF`.
+/// Responses: `DOCK-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the stations.

@@ -2,7 +2,7 @@
 
 //! Bodies of `EXT-CFG`.
 //!
-//!         Queries the configuration of extensions.
+//! Queries the configuration of extensions.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -12,7 +12,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `EXT-CFG`.
 ///
-///         Responses: `EXT-CFG`.
+/// Responses: `EXT-CFG`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the extensions.

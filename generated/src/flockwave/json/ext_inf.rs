@@ -2,7 +2,7 @@
 
 //! Bodies of `EXT-INF`.
 //!
-//!         Queries information about extensions.
+//! Queries information about extensions.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `EXT-INF`.
 ///
-///         Responses: `EXT-INF`.
+/// Responses: `EXT-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the extensions.

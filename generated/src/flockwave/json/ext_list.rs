@@ -2,7 +2,7 @@
 
 //! Bodies of `EXT-LIST`.
 //!
-//!         Lists the loaded and available extensions.
+//! Lists the loaded and available extensions.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `EXT-LIST`.
+/// Responses: `EXT-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

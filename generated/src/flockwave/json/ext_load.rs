@@ -2,7 +2,7 @@
 
 //! Bodies of `EXT-LOAD`.
 //!
-//!         Loads extensions.
+//! Loads extensions.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -12,7 +12,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `EXT-LOAD`.
 ///
-///         Responses: `EXT-LOAD`.
+/// Responses: `EXT-LOAD`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the extensions.

@@ -2,7 +2,7 @@
 
 //! Bodies of `EXT-RELOAD`.
 //!
-//!         Unloads extensions and loads them again.
+//! Unloads extensions and loads them again.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -12,7 +12,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `EXT-RELOAD`.
 ///
-///         Responses: `EXT-RELOAD`.
+/// Responses: `EXT-RELOAD`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the extensions.

@@ -2,7 +2,7 @@
 
 //! Bodies of `EXT-SETCFG`.
 //!
-//!         Configures extensions.
+//! Configures extensions.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `EXT-SETCFG`.
 ///
-///         Responses: `EXT-SETCFG`.
+/// Responses: `EXT-SETCFG`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// New configuration of each extension, by id.

@@ -2,14 +2,14 @@
 
 //! Bodies of `FW-OBJECT-LIST`.
 //!
-//!         Lists the objects whose firmware can be updated.
+//! Lists the objects whose firmware can be updated.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
 
 /// Body of a request of type `FW-OBJECT-LIST`.
 ///
-///         Responses: `FW-OBJECT-LIST`.
+/// Responses: `FW-OBJECT-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Targets to filter by: only objects that have all of them are listed. If omitted, objects with any target are listed.

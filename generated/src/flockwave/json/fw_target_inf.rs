@@ -2,7 +2,7 @@
 
 //! Bodies of `FW-TARGET-INF`.
 //!
-//!         Queries information about targets.
+//! Queries information about targets.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `FW-TARGET-INF`.
 ///
-///         Responses: `FW-TARGET-INF`.
+/// Responses: `FW-TARGET-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the targets.

@@ -2,14 +2,14 @@
 
 //! Bodies of `FW-TARGET-LIST`.
 //!
-//!         Lists the targets.
+//! Lists the targets.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
 
 /// Body of a request of type `FW-TARGET-LIST`.
 ///
-///         Responses: `FW-TARGET-LIST`.
+/// Responses: `FW-TARGET-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Objects to filter by: only targets that all of them have are listed. If omitted, all targets are listed.

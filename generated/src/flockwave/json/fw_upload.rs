@@ -2,7 +2,7 @@
 
 //! Bodies of `FW-UPLOAD`.
 //!
-//!         Uploads firmware to objects.
+//! Uploads firmware to objects.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::{json_either, json_object};
 
 /// Body of a request of type `FW-UPLOAD`.
 ///
-///         Responses: `FW-UPLOAD`.
+/// Responses: `FW-UPLOAD`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the objects.

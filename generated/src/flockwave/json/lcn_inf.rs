@@ -2,7 +2,7 @@
 
 //! Bodies of `LCN-INF`.
 //!
-//!         Queries the licence.
+//! Queries the licence.
 
 use uavspec_runtime::json_object;
 
@@ -10,7 +10,7 @@ use uavspec_runtime::json_object;
 ///
 /// No fields besides type.
 ///
-///         Responses: `LCN-INF`.
+/// Responses: `LCN-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

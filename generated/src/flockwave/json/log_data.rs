@@ -2,14 +2,14 @@
 
 //! Bodies of `LOG-DATA`.
 //!
-//!         Downloads one log of a UAV.
+//! Downloads one log of a UAV.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;
 
 /// Body of a request of type `LOG-DATA`.
 ///
-///         Responses: `LOG-DATA`.
+/// Responses: `LOG-DATA`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Id of the UAV.

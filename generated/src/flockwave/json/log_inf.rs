@@ -2,7 +2,7 @@
 
 //! Bodies of `LOG-INF`.
 //!
-//!         Lists the logs of UAVs.
+//! Lists the logs of UAVs.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `LOG-INF`.
 ///
-///         Responses: `LOG-INF`.
+/// Responses: `LOG-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

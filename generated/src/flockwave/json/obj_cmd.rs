@@ -2,7 +2,7 @@
 
 //! Bodies of `OBJ-CMD`.
 //!
-//!         Forwards a command to objects. Each object interprets the command; the server does not.
+//! Forwards a command to objects. Each object interprets the command; the server does not.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -12,7 +12,7 @@ use uavspec_runtime::{json_either, json_object};
 
 /// Body of a request of type `OBJ-CMD`.
 ///
-///         Responses: `OBJ-CMD`.
+/// Responses: `OBJ-CMD`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the objects.

@@ -2,7 +2,7 @@
 
 //! Bodies of `OBJ-DEL`.
 //!
-//!         Reports objects that no longer exist on the server, usually because nothing has been received from them.
+//! Reports objects that no longer exist on the server, usually because nothing has been received from them.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;

@@ -2,7 +2,7 @@
 
 //! Bodies of `OBJ-LIST`.
 //!
-//!         Lists the objects that the server knows. The server decides when an object counts as known.
+//! Lists the objects that the server knows. The server decides when an object counts as known.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `OBJ-LIST`.
+/// Responses: `OBJ-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Types to filter by: only objects of these types are listed. If omitted, all objects are listed.

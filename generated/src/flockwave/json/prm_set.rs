@@ -2,7 +2,7 @@
 
 //! Bodies of `PRM-SET`.
 //!
-//!         Sets the value of a parameter.
+//! Sets the value of a parameter.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -12,7 +12,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `PRM-SET`.
 ///
-///         Responses: `PRM-SET`.
+/// Responses: `PRM-SET`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the objects.

@@ -2,7 +2,7 @@
 
 //! Bodies of `PRM-SET-MANY`.
 //!
-//!         Sets the values of several parameters.
+//! Sets the values of several parameters.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -12,7 +12,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `PRM-SET-MANY`.
 ///
-///         Responses: `PRM-SET-MANY`.
+/// Responses: `PRM-SET-MANY`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the objects.

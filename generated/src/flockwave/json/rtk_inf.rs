@@ -2,7 +2,7 @@
 
 //! Bodies of `RTK-INF`.
 //!
-//!         Queries information about presets.
+//! Queries information about presets.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `RTK-INF`.
 ///
-///         Responses: `RTK-INF`.
+/// Responses: `RTK-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the presets.

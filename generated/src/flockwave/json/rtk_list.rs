@@ -2,7 +2,7 @@
 
 //! Bodies of `RTK-LIST`.
 //!
-//!         Lists the ids of all presets.
+//! Lists the ids of all presets.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `RTK-LIST`.
+/// Responses: `RTK-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

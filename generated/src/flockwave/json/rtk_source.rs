@@ -2,14 +2,14 @@
 
 //! Bodies of `RTK-SOURCE`.
 //!
-//!         Queries or selects the active preset. A request with id selects a preset and is answered by ACK-ACK. A request without id queries the active preset and is answered by RTK-SOURCE.
+//! Queries or selects the active preset. A request with id selects a preset and is answered by ACK-ACK. A request without id queries the active preset and is answered by RTK-SOURCE.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;
 
 /// Body of a request of type `RTK-SOURCE`.
 ///
-///         Responses: `RTK-SOURCE`, `ACK-ACK`.
+/// Responses: `RTK-SOURCE`, `ACK-ACK`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Preset to select; null to select none. If omitted, the request is a query.

@@ -2,7 +2,7 @@
 
 //! Bodies of `RTK-STAT`.
 //!
-//!         Queries the current reception and transmission of corrections.
+//! Queries the current reception and transmission of corrections.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `RTK-STAT`.
+/// Responses: `RTK-STAT`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

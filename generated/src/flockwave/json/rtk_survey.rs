@@ -2,7 +2,7 @@
 
 //! Bodies of `RTK-SURVEY`.
 //!
-//!         Makes the active base station survey its own position, or sets that position.
+//! Makes the active base station survey its own position, or sets that position.
 
 use uavspec_runtime::json_object;
 
@@ -10,7 +10,7 @@ use uavspec_runtime::json_object;
 ///
 /// Not stated: the effect of a request without settings. The response suggests that such a request queries the current settings.
 ///
-///         Responses: `RTK-SURVEY`.
+/// Responses: `RTK-SURVEY`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Survey settings.

@@ -2,7 +2,7 @@
 
 //! Bodies of `SHOW-CFG`.
 //!
-//!         Queries the configuration of the show.
+//! Queries the configuration of the show.
 
 use uavspec_runtime::json_object;
 
@@ -12,7 +12,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `SHOW-CFG`.
+/// Responses: `SHOW-CFG`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

@@ -2,7 +2,7 @@
 
 //! Bodies of `SHOW-CRTH-START`.
 //!
-//!         Makes all UAVs of a show leave it and fly home together.
+//! Makes all UAVs of a show leave it and fly home together.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `SHOW-CRTH-START`.
+/// Responses: `SHOW-CRTH-START`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

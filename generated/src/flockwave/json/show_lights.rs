@@ -2,7 +2,7 @@
 
 //! Bodies of `SHOW-LIGHTS`.
 //!
-//!         Queries the configuration of the UAV lights.
+//! Queries the configuration of the UAV lights.
 
 use uavspec_runtime::json_object;
 
@@ -12,7 +12,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `SHOW-LIGHTS`.
+/// Responses: `SHOW-LIGHTS`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

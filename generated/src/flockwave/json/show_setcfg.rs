@@ -2,13 +2,13 @@
 
 //! Bodies of `SHOW-SETCFG`.
 //!
-//!         Sets the configuration of the show.
+//! Sets the configuration of the show.
 
 use uavspec_runtime::json_object;
 
 /// Body of a request of type `SHOW-SETCFG`.
 ///
-///         Responses: `ACK-ACK`.
+/// Responses: `ACK-ACK`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     /// New configuration of the show.

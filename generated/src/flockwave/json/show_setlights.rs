@@ -2,13 +2,13 @@
 
 //! Bodies of `SHOW-SETLIGHTS`.
 //!
-//!         Sets the configuration of the UAV lights.
+//! Sets the configuration of the UAV lights.
 
 use uavspec_runtime::json_object;
 
 /// Body of a request of type `SHOW-SETLIGHTS`.
 ///
-///         Responses: `ACK-ACK`.
+/// Responses: `ACK-ACK`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// New configuration of the lights.

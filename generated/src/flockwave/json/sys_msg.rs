@@ -2,7 +2,7 @@
 
 //! Bodies of `SYS-MSG`.
 //!
-//!         Sends messages to the users of the client.
+//! Sends messages to the users of the client.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;

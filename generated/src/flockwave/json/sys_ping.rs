@@ -2,7 +2,7 @@
 
 //! Bodies of `SYS-PING`.
 //!
-//!         Checks whether the other side still responds. Client and server may both send it at any time.
+//! Checks whether the other side still responds. Client and server may both send it at any time.
 
 use uavspec_runtime::json_object;
 
@@ -10,7 +10,7 @@ use uavspec_runtime::json_object;
 ///
 /// No fields besides type.
 ///
-///         Responses: `ACK-ACK`.
+/// Responses: `ACK-ACK`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

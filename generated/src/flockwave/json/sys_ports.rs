@@ -2,7 +2,7 @@
 
 //! Bodies of `SYS-PORTS`.
 //!
-//!         Queries the ports of the server's services.
+//! Queries the ports of the server's services.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `SYS-PORTS`.
+/// Responses: `SYS-PORTS`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

@@ -2,7 +2,7 @@
 
 //! Bodies of `SYS-TIME`.
 //!
-//!         Queries the time of the server, or adjusts its clock.
+//! Queries the time of the server, or adjusts its clock.
 
 use uavspec_runtime::json_object;
 
@@ -10,7 +10,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `SYS-TIME`.
+/// Responses: `SYS-TIME`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Amount to add to the server clock; 0 only checks whether the clock can be adjusted. If omitted, the clock is only read.

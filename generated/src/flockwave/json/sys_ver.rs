@@ -2,7 +2,7 @@
 
 //! Bodies of `SYS-VER`.
 //!
-//!         Queries the name and version of the server.
+//! Queries the name and version of the server.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `SYS-VER`.
+/// Responses: `SYS-VER`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

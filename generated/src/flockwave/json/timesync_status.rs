@@ -2,7 +2,7 @@
 
 //! Bodies of `TIMESYNC-STATUS`.
 //!
-//!         Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
+//! Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
 
 use uavspec_runtime::json_object;
 
@@ -12,7 +12,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `TIMESYNC-STATUS`.
+/// Responses: `TIMESYNC-STATUS`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-CALIB`.
 //!
-//!         Calibrates a component. Depending on the component, success means that the calibration is complete or, if a person has to assist, that it has started.
+//! Calibrates a component. Depending on the component, success means that the calibration is complete or, if a person has to assist, that it has started.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 ///
 /// Disputed: the specification text requires component; some of the published JSON Schemas and the types generated from them do not. This definition makes it optional. The text mentions parameters, but some versions of its table and of the schemas lack it.
 ///
-///         Responses: `UAV-CALIB`.
+/// Responses: `UAV-CALIB`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-FLY`.
 //!
-//!         Sends all given UAVs to the same position. The UAVs themselves must avoid collisions there.
+//! Sends all given UAVs to the same position. The UAVs themselves must avoid collisions there.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `UAV-FLY`.
 ///
-///         Responses: `UAV-FLY`.
+/// Responses: `UAV-FLY`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

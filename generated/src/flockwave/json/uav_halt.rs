@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-HALT`.
 //!
-//!         Shuts UAVs down immediately, even in the air. For emergencies only.
+//! Shuts UAVs down immediately, even in the air. For emergencies only.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `UAV-HALT`.
 ///
-///         Responses: `UAV-HALT`.
+/// Responses: `UAV-HALT`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

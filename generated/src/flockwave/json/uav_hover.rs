@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-HOVER`.
 //!
-//!         Makes UAVs stop and hover in place. Not applicable to UAVs that cannot hover.
+//! Makes UAVs stop and hover in place. Not applicable to UAVs that cannot hover.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// Disputed: the specification text includes transport; some versions of the JSON Schema do not. This definition allows it.
 ///
-///         Responses: `UAV-HOVER`.
+/// Responses: `UAV-HOVER`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-INF`.
 //!
-//!         Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
+//! Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `UAV-INF`.
 ///
-///         Responses: `UAV-INF`.
+/// Responses: `UAV-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-LAND`.
 //!
-//!         Makes UAVs land at their current position.
+//! Makes UAVs land at their current position.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `UAV-LAND`.
 ///
-///         Responses: `UAV-LAND`.
+/// Responses: `UAV-LAND`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-LIST`.
 //!
-//!         Lists the UAVs that the server knows. Equivalent to OBJ-LIST with the filter uav.
+//! Lists the UAVs that the server knows. Equivalent to OBJ-LIST with the filter uav.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `UAV-LIST`.
+/// Responses: `UAV-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

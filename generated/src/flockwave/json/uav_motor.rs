@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-MOTOR`.
 //!
-//!         Starts motors without a takeoff, or stops them. Stopping them in the air is refused unless it is forced.
+//! Starts motors without a takeoff, or stops them. Stopping them in the air is refused unless it is forced.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `UAV-MOTOR`.
 ///
-///         Responses: `UAV-MOTOR`.
+/// Responses: `UAV-MOTOR`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-PREFLT`.
 //!
-//!         Queries the preflight checks of UAVs. The server may also send it as a notification.
+//! Queries the preflight checks of UAVs. The server may also send it as a notification.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `UAV-PREFLT`.
 ///
-///         Responses: `UAV-PREFLT`.
+/// Responses: `UAV-PREFLT`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

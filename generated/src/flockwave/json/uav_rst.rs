@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-RST`.
 //!
-//!         Restarts UAVs or one of their components.
+//! Restarts UAVs or one of their components.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `UAV-RST`.
 ///
-///         Responses: `UAV-RST`.
+/// Responses: `UAV-RST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-RTH`.
 //!
-//!         Makes UAVs return to home.
+//! Makes UAVs return to home.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `UAV-RTH`.
 ///
-///         Responses: `UAV-RTH`.
+/// Responses: `UAV-RTH`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

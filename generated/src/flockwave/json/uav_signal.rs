@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-SIGNAL`.
 //!
-//!         Makes UAVs attract attention, for example with light or sound.
+//! Makes UAVs attract attention, for example with light or sound.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// Disputed: the specification text requires signals and duration, the latter as an integer; the JSON Schema requires neither and allows any number. This definition makes both optional.
 ///
-///         Responses: `UAV-SIGNAL`.
+/// Responses: `UAV-SIGNAL`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

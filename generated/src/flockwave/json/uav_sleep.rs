@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-SLEEP`.
 //!
-//!         Puts UAVs to sleep: most of their parts are switched off, but they can be woken remotely. A UAV that cannot be woken must not switch itself off in response.
+//! Puts UAVs to sleep: most of their parts are switched off, but they can be woken remotely. A UAV that cannot be woken must not switch itself off in response.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `UAV-SLEEP`.
 ///
-///         Responses: `UAV-SLEEP`.
+/// Responses: `UAV-SLEEP`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-TAKEOFF`.
 //!
-//!         Makes UAVs take off.
+//! Makes UAVs take off.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `UAV-TAKEOFF`.
 ///
-///         Responses: `UAV-TAKEOFF`.
+/// Responses: `UAV-TAKEOFF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-TEST`.
 //!
-//!         Tests a component. Depending on the component, success means that the test was passed or, if a person has to watch, that it has started.
+//! Tests a component. Depending on the component, success means that the test was passed or, if a person has to watch, that it has started.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 ///
 /// Disputed: component and parameters, for the same reasons as in UAV-CALIB.
 ///
-///         Responses: `UAV-TEST`.
+/// Responses: `UAV-TEST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

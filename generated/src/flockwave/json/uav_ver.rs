@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-VER`.
 //!
-//!         Queries the versions of the components of UAVs.
+//! Queries the versions of the components of UAVs.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `UAV-VER`.
 ///
-///         Responses: `UAV-VER`.
+/// Responses: `UAV-VER`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

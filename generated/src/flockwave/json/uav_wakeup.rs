@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-WAKEUP`.
 //!
-//!         Wakes UAVs from sleep.
+//! Wakes UAVs from sleep.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `UAV-WAKEUP`.
 ///
-///         Responses: `UAV-WAKEUP`.
+/// Responses: `UAV-WAKEUP`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the UAVs.

@@ -2,13 +2,13 @@
 
 //! Bodies of `WTH-AT`.
 //!
-//!         Queries the weather at a position.
+//! Queries the weather at a position.
 
 use uavspec_runtime::json_object;
 
 /// Body of a request of type `WTH-AT`.
 ///
-///         Responses: `WTH-AT`.
+/// Responses: `WTH-AT`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Position. Its altitudes are usually ignored.

@@ -2,7 +2,7 @@
 
 //! Bodies of `WTH-INF`.
 //!
-//!         Queries the weather at stations.
+//! Queries the weather at stations.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `WTH-INF`.
 ///
-///         Responses: `WTH-INF`.
+/// Responses: `WTH-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Ids of the stations.

@@ -2,7 +2,7 @@
 
 //! Bodies of `WTH-LIST`.
 //!
-//!         Lists the ids of all weather stations.
+//! Lists the ids of all weather stations.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// The object is closed.
 ///
-///         Responses: `WTH-LIST`.
+/// Responses: `WTH-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

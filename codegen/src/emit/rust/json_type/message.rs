@@ -104,9 +104,7 @@ fn direction_tokens(places: &[Place<'_>], direction: Direction) -> Option<TokenS
 
 fn message_tokens(context: &Context<'_>, names: &Names, message: &JsonMessage) -> TokenStream {
     let doc = inner_documentation(&format!(
-        "Bodies of {}.
-
-        {}",
+        "Bodies of {}.\n\n{}",
         prose::code(&message.name),
         text(&message.docs, "Message", &message.name)
     ));
@@ -129,9 +127,7 @@ fn part_tokens(definitions: &mut Definitions<'_>, message: &JsonMessage, part: &
     }
     if !part.answers.is_empty() {
         let answers: Vec<String> = part.answers.iter().map(|answer| prose::code(answer)).collect();
-        lines += "
-
-        Responses: ";
+        lines += "\n\nResponses: ";
         lines += &answers.join(", ");
         lines.push('.');
     }

@@ -2,7 +2,7 @@
 
 //! Bodies of `FIELD-CLOSE`.
 //!
-//!         Message `FIELD-CLOSE`; the definition has no description.
+//! Message `FIELD-CLOSE`; the definition has no description.
 
 use uavspec_runtime::json_object;
 
@@ -10,7 +10,7 @@ use uavspec_runtime::json_object;
 ///
 /// No fields besides type.
 ///
-///         Responses: `TOWER-ACK`, `GLIDER-INF`.
+/// Responses: `TOWER-ACK`, `GLIDER-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {}
 

@@ -2,7 +2,7 @@
 
 //! Bodies of `GLIDER-INF`.
 //!
-//!         The state of some gliders.
+//! The state of some gliders.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;
@@ -13,7 +13,7 @@ use uavspec_runtime::json_object;
 ///
 /// Asks for gliders by their ids.
 ///
-///         Responses: `GLIDER-INF`.
+/// Responses: `GLIDER-INF`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Which

@@ -2,7 +2,7 @@
 
 //! Bodies of `TOWER-ACK`.
 //!
-//!         Message `TOWER-ACK`; the definition has no description.
+//! Message `TOWER-ACK`; the definition has no description.
 
 use uavspec_runtime::json_object;
 

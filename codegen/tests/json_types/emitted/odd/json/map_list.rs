@@ -2,7 +2,7 @@
 
 //! Bodies of `MAP-LIST`.
 //!
-//!         Message `MAP-LIST`; the definition has no description.
+//! Message `MAP-LIST`; the definition has no description.
 
 use uavspec_runtime::{json_object, json_strings};
 

@@ -2,7 +2,7 @@
 
 //! Bodies of `Map-List2`.
 //!
-//!         Message `Map-List2`; the definition has no description.
+//! Message `Map-List2`; the definition has no description.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::{json_either, json_object};
