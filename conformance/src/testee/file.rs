@@ -42,7 +42,7 @@ fn expected(case: &Case, types: &Types) -> Value {
         ExpectedResponse::Message(value) => expected["ok"] = json!([to_wire(value, message())]),
         ExpectedResponse::Exactly(value) => expected["ok"] = json!([to_wire(value, None)]),
         ExpectedResponse::Bytes(right) => {
-            expected["ok"] = right.iter().map(|bytes| to_base64(bytes)).collect()
+            expected["ok"] = right.iter().map(|bytes| to_base64(bytes)).collect();
         }
     }
     expected

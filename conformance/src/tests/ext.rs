@@ -90,7 +90,7 @@ impl<'d> Script<'d> {
         }
     }
 
-    /// The findings of the rules on external components. They must be equal for ULog, JSON and MCAP.
+    /// The findings of the rules on external components. They must be equal for `ULog`, JSON and MCAP.
     fn found(&self) -> Vec<String> {
         let log = self.run_check(&self.flight.log().to_bytes());
         for other in [self.flight.rosbridge().to_bytes(), self.flight.bag().to_bytes()] {

@@ -1,4 +1,4 @@
-//! Tests of the ULog reader: with real logs and the results of another tool, with corrupt logs, and with arbitrary
+//! Tests of the `ULog` reader: with real logs and the results of another tool, with corrupt logs, and with arbitrary
 //! bytes.
 
 mod corruption;

@@ -31,7 +31,7 @@ pub(crate) fn extent<T>(full: T, quick: T) -> T {
     if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
 }
 
-/// Writes ULog files.
+/// Writes `ULog` files.
 #[derive(Clone)]
 pub(crate) struct Writer {
     pub(crate) bytes: Vec<u8>,

@@ -199,7 +199,7 @@ impl<'o> Session<'o> {
 
     /// The requests without a response; only the first few if there are many.
     pub(super) fn missing(&self) -> String {
-        let ids: Vec<String> = self.received.pending.iter().take(3).map(|id| id.to_string()).collect();
+        let ids: Vec<String> = self.received.pending.iter().take(3).map(ToString::to_string).collect();
         let more = self.received.pending.len() - ids.len();
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         format!("request{} {}{more}", if self.received.pending.len() == 1 { "" } else { "s" }, ids.join(", "))

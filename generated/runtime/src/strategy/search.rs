@@ -55,7 +55,7 @@ impl Floats {
     }
 
     #[allow(clippy::cast_possible_truncation)] // keys of 32-bit floats have 32 bits
-    fn from_key(&self, key: u64) -> f64 {
+    fn value_of(&self, key: u64) -> f64 {
         if self.is_single { f32::from_bits(key as u32).into() } else { f64::from_bits(key) }
     }
 
@@ -69,7 +69,7 @@ impl Floats {
         let magnitude = match rank {
             0 => self.simplest,
             rank if rank <= count => first + (rank - 1) as f64,
-            rank => self.from_key(self.key(self.base()) + (rank - count)),
+            rank => self.value_of(self.key(self.base()) + (rank - count)),
         };
         if self.is_negative && rank > 0 { -magnitude } else { magnitude }
     }
