@@ -139,8 +139,7 @@ impl Default for Sessions {
 }
 
 impl Sessions {
-    /// Determines the meaning of a record that follows all preceding records, including the violations of its body
-    /// schema.
+    /// Determines the meaning of the next record, including the violations of its body schema.
     pub(crate) fn follow<'t>(
         &mut self,
         record: &'t SessionRecord<'t>,

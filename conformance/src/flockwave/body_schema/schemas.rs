@@ -37,7 +37,7 @@ pub struct Schemas {
 #[derive(Debug)]
 struct Schema {
     file: PathBuf,
-    /// The direction to which the schema applies; `None` means both.
+    /// The direction to which the schema applies; `None` means all directions.
     direction: Option<Direction>,
     value: Value,
     validator: Validator,
