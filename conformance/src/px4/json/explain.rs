@@ -162,7 +162,7 @@ impl<'p> Explaining<'p, '_> {
             };
             times[index] = times[index].saturating_add(1);
             let field = &plan.fields[index];
-            // If a count field is repeated, which is a separate finding, the array counts as fully used.
+            // If an array is repeated, which is a separate finding, the count applies only to its first value.
             let count = field.counted_by.filter(|_| times[index] == 1);
             let used = count.and_then(|count| in_use(object, &plan.fields[count]));
             self.within(key, &field.name, |within| within.field(value, field, used));
