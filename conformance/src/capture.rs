@@ -1,4 +1,4 @@
-//! Reads captures as streams, in bounded memory: logs, MCAP and JSON.
+//! Reads captures (logs, MCAP and JSON) as streams, in bounded memory.
 
 pub(crate) mod input;
 pub(crate) mod json;

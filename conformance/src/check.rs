@@ -1,4 +1,4 @@
-//! Checks a capture: passes its records to the check plans of their formats and to the rules.
+//! Checks a capture by passing its records to the check plans of their formats and to the rules.
 //!
 //! ```
 //! use uavspec_conformance::check::check_capture;
@@ -57,7 +57,7 @@ use crate::rules::px4::Interest;
 use crate::rules::{RuleContext, px4};
 use crate::text::Grouped;
 
-/// The number of bytes from which the kind of a capture is detected.
+/// The number of bytes used to detect the kind of a capture.
 const START: usize = MCAP_MAGIC.len();
 
 /// The minimum number of bytes that identify a magic if the capture ends within it.
@@ -72,7 +72,7 @@ struct Kind {
     name: &'static str,
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
-    /// Checks a capture of this kind, as far as it is readable.
+    /// Checks the readable part of a capture of this kind.
     check: fn(&mut dyn Read, Option<MessageId>, &Definitions) -> io::Result<CaptureResult>,
 }
 
@@ -118,7 +118,7 @@ pub struct CaptureResult {
     pub duration: u64,
     /// The number of messages.
     pub records: u64,
-    /// The number of messages that were checked: those of a known type that could be decoded.
+    /// The number of checked messages. Messages are checked if their type is known and they can be decoded.
     pub checked: u64,
     /// The distinct corrupt parts in order of appearance, each with its first location.
     pub corruption: Vec<(Location, String)>,
@@ -163,7 +163,7 @@ fn has_magic(start: &[u8], magic: &[u8]) -> bool {
     start.starts_with(magic) || start.len() >= MIN_MAGIC && magic.starts_with(start)
 }
 
-/// The part of a check that all kinds of captures share: channels, sessions, and the rules that see several messages.
+/// The part of a check that all kinds of captures share: channels, sessions, and the rules that span several messages.
 struct CheckRun<'d> {
     definitions: &'d Definitions,
     findings: Findings,
@@ -171,14 +171,14 @@ struct CheckRun<'d> {
     followers: Vec<Follower>,
     /// The checks of the rules on sessions.
     listeners: Listeners<'d>,
-    /// By channel index.
+    /// The subscribers by channel index.
     channels: Vec<Subscribers>,
     sessions: Sessions,
     records: u64,
     checked: u64,
     first: Option<u64>,
     last: u64,
-    /// By description.
+    /// The corrupt parts by description.
     corruption: HashMap<String, CorruptPart>,
     more_corruption: u64,
     extent: Extent,
@@ -201,7 +201,7 @@ struct Follower {
 /// The rules that check the messages of a channel.
 #[derive(Default)]
 struct Subscribers {
-    /// The indices of the followers that get its messages.
+    /// The indices of the followers that receive the channel's messages.
     followers: Vec<usize>,
     /// The highest interest of these followers.
     interest: Interest,
@@ -277,7 +277,7 @@ impl<'d> CheckRun<'d> {
         self.channels[channel].interest == Interest::Values
     }
 
-    /// Passes a message to the rules of its channel. Its values have been checked already.
+    /// Passes a message to the rules of its channel. The message's values have already been checked.
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>) {
         self.checked += 1;
         self.include_timestamp(message.timestamp);
@@ -309,13 +309,13 @@ impl<'d> CheckRun<'d> {
         self.record(&exchange);
     }
 
-    /// Like `exchanged`, for a status report whose content has been checked already.
+    /// Like `session_record`, for a status report whose content has already been checked.
     fn checked_report(&mut self, record: &SessionRecord<'_>) {
         let exchange = self.sessions.follow_checked(record);
         self.listeners.checked_report(&exchange, &mut self.findings);
     }
 
-    /// Handles the end of a connection, for this reason if it is known.
+    /// Handles the end of a connection. `why` is the reason, if known.
     fn disconnected(&mut self, connection: Connection<'_>, why: Option<&str>) {
         let (serial, unanswered) = self.sessions.ended(connection.index);
         for request in unanswered {
@@ -341,7 +341,7 @@ impl<'d> CheckRun<'d> {
         self.followers.iter_mut().for_each(|follower| follower.checker.dropout(milliseconds, location));
     }
 
-    /// Handles an unreadable message of a channel, which rules with a state may have needed.
+    /// Handles a channel's unreadable message. Stateful rules may have needed it.
     fn lost(&mut self, channel: usize, location: Location) {
         for at in &self.channels[channel].followers {
             self.followers[*at].checker.corruption(location);
@@ -373,7 +373,7 @@ impl<'d> CheckRun<'d> {
         let number = self.corruption.len();
         match self.corruption.entry(text) {
             Entry::Occupied(mut known) => known.get_mut().times += 1,
-            // The reason why reading stopped is always reported.
+            // The reason for an early stop is always reported.
             Entry::Vacant(new) if number < MAX_CORRUPT_PARTS || extent == Extent::Unreadable => {
                 _ = new.insert(CorruptPart { number, location, times: 1 });
             }

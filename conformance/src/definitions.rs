@@ -1,4 +1,4 @@
-//! The definitions that captures and sessions are checked against.
+//! The definitions against which captures and sessions are checked.
 //!
 //! ```
 //! use uavspec_conformance::definitions::Definitions;
@@ -27,7 +27,7 @@ use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 /// Definitions, with lookup tables for checks.
 #[derive(Debug)]
 pub struct Definitions {
-    /// The path of the definitions, or a name for the built-in ones.
+    /// The path of the definitions, or a name for the built-in definitions.
     pub name: String,
     sources: SourceMap,
     /// The schema.
@@ -126,8 +126,8 @@ impl Definitions {
         self.types.get_or_init(|| Types::new(&self.schema))
     }
 
-    /// The body schemas of all Flockwave messages, created lazily. Definitions without any, e.g. those of PX4, use
-    /// the built-in ones.
+    /// The body schemas of all Flockwave messages, created lazily. Definitions without Flockwave messages, such as PX4
+    /// definitions, use the built-in schemas.
     pub fn defined_schemas(&self) -> &DefinedSchemas {
         self.defined_schemas.get_or_init(|| {
             if self.schema.json_messages.is_empty() {
@@ -175,7 +175,7 @@ mod tests {
         for message in messages {
             let reply = fields(message, Direction::Response);
             let is_operation = OPERATION.reply_fields.iter().all(|part| reply.contains(part));
-            // A log concerns one UAV, so its receipt isn't in a map.
+            // A log concerns only one UAV, so the receipt isn't in a map.
             let is_operation = is_operation && message.name != "LOG-DATA";
             assert_eq!(OPERATIONS.contains(&message.name.as_str()), is_operation, "{}", message.name);
             if let Some(parts) = parts(&message.name) {

@@ -1,15 +1,15 @@
 //! Checks drone software against its interface specifications.
 //!
 //! It checks PX4 logs (`ULog`), MCAP, JSON messages, recorded Flockwave sessions, codecs ([`testee`]) and live servers
-//! ([`probe`]). [`serve`] is a reference server, and `uavspec watch` shows the fleet of a server.
-//! `uavspec-codegen` reads the definitions.
+//! ([`probe`]). [`serve`] is a reference server, and `uavspec watch` shows a server's fleet. `uavspec-codegen` reads
+//! the definitions.
 //!
 //! ```text
 //!  bytes ──capture──▶ records ──check──▶ findings ──▶ verdicts ──report──▶ text, JSON, HTML, SARIF, …
 //! ```
 //!
-//! Captures are read record by record, so memory use doesn't depend on the size of the input. For each format, a
-//! plan is compiled once that checks the values of messages. Rules about several messages keep a small state per
+//! Captures are read record by record, so memory use doesn't depend on the size of the input. For each format, a plan
+//! that checks message values is compiled once. Rules that span several messages keep a small amount of state per
 //! channel.
 
 #[cfg(test)]

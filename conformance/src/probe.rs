@@ -8,8 +8,8 @@
 //!
 //! A probe starts with a *survey* over one connection: requests that change nothing, and a period of listening to
 //! notifications. If the caller allows it, *commands* for the named UAVs follow. Then each *trial* uses a separate
-//! connection to test how the server handles unusual input. All messages are written to a *tape*, as lines of a
-//! recorded session, and checked in that form, so a later [`check`](crate::check) of the recording returns the same
+//! connection to test how the server handles unusual input. All messages are written to a *tape* as lines of a recorded
+//! session. They are checked in that form, so a later [`check`](crate::check) of the recording returns the same
 //! findings.
 //!
 //! All waiting times are limited. Findings and notes report servers that don't respond, flood the client, or crash.
@@ -62,7 +62,7 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// The delay between attempts to connect.
 const PAUSE: Duration = Duration::from_millis(250);
 
-/// The timeout of a request, after which the next one is sent. The answer may still come later.
+/// The timeout of a request. After it, the next request is sent. The answer may still arrive later.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// The reduced timeout, and the number of unanswered requests after which it applies.
@@ -71,7 +71,7 @@ const REDUCED_TIMEOUT: (u32, Duration) = (3, Duration::from_millis(300));
 /// The time limit for late answers.
 const LATE_ANSWER_TIME: Duration = Duration::from_millis(400);
 
-/// The delay between messages, so that each is sent in a separate segment.
+/// The delay between messages. It ensures that each message is sent in a separate segment.
 const SEND_INTERVAL: Duration = Duration::from_millis(20);
 
 /// The maximum number of reconnections after the server closed the connection.
@@ -83,7 +83,7 @@ const MAX_NOTES: usize = 50;
 /// Options of a probe.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The duration of listening to notifications.
+    /// The time to listen for notifications.
     pub observe: Duration,
     /// Name and password for the login.
     pub login: Option<(String, String)>,
@@ -108,9 +108,9 @@ pub struct Probed {
     pub result: CaptureResult,
     /// Notable events during the probe, in order.
     pub notes: Vec<String>,
-    /// Why the probe ended early.
+    /// The reason why the probe ended early.
     pub failure: Option<String>,
-    /// Why the recording is incomplete.
+    /// The reason why the recording is incomplete.
     pub unrecorded: Option<io::Error>,
 }
 
@@ -165,7 +165,7 @@ struct Probe<'p, 'd> {
     connections: usize,
     reconnects: u32,
     requests: u64,
-    /// The number of requests without an answer in time.
+    /// The number of requests that weren't answered in time.
     silences: u32,
     /// The longest time until an answer.
     slowest: Duration,
@@ -356,7 +356,7 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Makes an attempt on a separate connection. Returns true if the next one can follow.
+    /// Makes an attempt on a separate connection. Returns true if the next attempt can follow.
     fn attempt(&mut self, rule: &'static Rule, attempt: &Attempt) -> bool {
         let Attempt { how, endpoint, steps } = attempt;
         if self.is_late() {
@@ -367,7 +367,7 @@ impl Probe<'_, '_> {
         self.step();
         let trial = Trial { rule, how };
         let session = match endpoint {
-            // Some trials test that such a connection is accepted.
+            // Some trials test whether such a connection is accepted.
             Some(other) => match self.open(Some(other)) {
                 Ok(session) => Some(session),
                 Err(error) => {
@@ -396,7 +396,7 @@ impl Probe<'_, '_> {
     fn carry_out(&mut self, session: &mut Session, steps: &[Step], trial: Trial<'_>) {
         let grace = LATE_ANSWER_TIME.max(self.slowest * 4);
         for (at, step) in steps.iter().enumerate() {
-            // The server should process each step, and answer it, before the next message arrives.
+            // The server should process and answer each step before the next message arrives.
             match at {
                 0 => {}
                 _ if session.is_waiting() => session.settle(&mut self.tape, Instant::now() + grace),
@@ -471,7 +471,7 @@ impl Probe<'_, '_> {
     }
 }
 
-/// The trial of every request: the server must answer it.
+/// The trial of every request. The server must answer each request.
 fn plain() -> Trial<'static> {
     Trial { rule: &env_07::RULE.rule, how: "" }
 }

@@ -1,7 +1,7 @@
 //! The rules, one file each, by family.
 //!
-//! A rule is a statement with a permanent id. A plan, compiled once for each format (`px4`), checks the rules about
-//! single values. Rules about sequences keep their own state.
+//! A rule is a statement with a permanent id. A plan that is compiled once for each format checks the rules on single
+//! values (`px4`). Rules on sequences each keep a separate state.
 //!
 //! ```
 //! use uavspec_conformance::rules::{RULES, rule};
@@ -43,7 +43,7 @@ pub(crate) struct Mutant {
     pub rule: &'static Rule,
     /// The change.
     pub name: &'static str,
-    /// Other rules that it violates too.
+    /// The other rules that the mutant violates.
     pub also: Vec<&'static Rule>,
     make: Make,
 }
@@ -55,7 +55,7 @@ enum Make {
 }
 
 impl Mutant {
-    /// The captures, each with a title. Empty if the change isn't possible with the definitions of the flight.
+    /// The captures, each with a title. Empty if the change isn't possible with the flight's definitions.
     pub(crate) fn captures(&self, flight: &Flight<'_>) -> Vec<(String, Vec<u8>)> {
         match self.make {
             Make::Session(make) => make().map(|bytes| (self.name.to_owned(), bytes)).into_iter().collect(),
@@ -112,7 +112,7 @@ pub(crate) fn checked_by(rule: &Rule) -> &'static str {
 
 const BY_STATE: &str = "record by record, with a small state for each topic";
 
-/// The context of a check: its rule, the definitions, and the findings and the coverage that it adds to.
+/// The context of a check: its rule, the definitions, and the findings and coverage to which it adds.
 pub(crate) struct RuleContext<'c> {
     /// The rule.
     pub rule: &'static Rule,
@@ -146,7 +146,7 @@ impl RuleContext<'_> {
         self.violation_of(subject, location, None, detail);
     }
 
-    /// Reports a violation, with the location in the definition that it violates.
+    /// Reports a violation, with the location of the violated definition.
     pub(crate) fn violation_of(
         &mut self,
         subject: &str,

@@ -6,8 +6,8 @@
 //!     └──outbox◀─bug──┘ └────answer──────┘
 //! ```
 //!
-//! The server follows the specification, so authors of clients can test against it, and uavspec can be tested with it:
-//! a check of the server finds nothing, unless the server runs with the bug of a rule.
+//! The server follows the specification, so client authors can test against it. It also tests uavspec: a check of the
+//! server finds nothing, unless the server runs with a rule's bug.
 //!
 //! The hub uses neither sockets nor the system time, so the same calls always produce the same messages.
 //!
@@ -99,7 +99,7 @@ pub struct Options {
     pub uavs: usize,
     /// The seed of the small variations in the simulation.
     pub seed: u64,
-    /// The simulation speed: 2 runs twice as fast as real time.
+    /// The simulation speed. `2` means twice real time.
     pub speed: f64,
     /// The number of fleet notifications per second.
     pub rate: f64,
@@ -107,11 +107,11 @@ pub struct Options {
     pub charge: f64,
     /// Initial error codes of UAVs (see [`error`]).
     pub errors: Vec<(String, u16)>,
-    /// UAVs that get lost, with the time since the start (see [`loss`]).
+    /// UAVs that get lost, each with the time since the start (see [`loss`]).
     pub losses: Vec<(String, Duration)>,
     /// The maximum duration of a connection, after which the server sends SYS-CLOSE and disconnects.
     pub stay: Option<Duration>,
-    /// The name and password that clients must log in with.
+    /// The name and password with which clients must log in.
     pub login: Option<(String, String)>,
     /// The rule that the server violates.
     pub bug: Option<&'static FlockwaveRule>,
@@ -154,7 +154,7 @@ pub fn loss(text: &str) -> Result<(String, Duration), String> {
     Ok((id.to_owned(), time))
 }
 
-/// A running server. It ends when it is dropped, or with [`end`](Self::end).
+/// A running server. It ends when it is dropped, or when [`end`](Self::end) is called.
 pub struct Server {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,

@@ -5,7 +5,7 @@
 //!                              └────────dump──▶ file ──▶ … ──▶ file ──replay──┘
 //! ```
 //!
-//! `protocol.rs` defines the lines of the protocol, `wire.rs` the encoding of values in them.
+//! `protocol.rs` defines the lines of the protocol, and `wire.rs` defines the encoding of values in these lines.
 //!
 //! ```
 //! use uavspec_conformance::definitions::Definitions;

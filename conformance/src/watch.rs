@@ -8,8 +8,8 @@
 //!                     fleet ──▶ view, list        known states, and their display
 //! ```
 //!
-//! Servers are not trusted. A [`message`] keeps only the data that the display needs, a fleet has at most
-//! [`UAV_LIMIT`](roster::UAV_LIMIT) UAVs, and all texts of a server are escaped before they are shown.
+//! Servers are not trusted. A [`message`] keeps only the data that the display needs, and a fleet has at most
+//! [`UAV_LIMIT`](roster::UAV_LIMIT) UAVs. All text from a server is escaped before it is shown.
 
 pub(crate) mod codes;
 pub(crate) mod fleet;

@@ -150,7 +150,7 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         |path| check_file(path, message_id, &definitions, &progress),
         |path, result| match result {
             Ok(found) if known.lists.is_empty() => progress.pausing(|| take(found)),
-            // A list applies to all files: findings are printed after the last one.
+            // A list applies to all files, so findings are printed after the last file.
             Ok(found) => checked.push(found),
             Err(error) => {
                 let path = path.display().to_string();

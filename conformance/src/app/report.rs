@@ -28,7 +28,7 @@ pub(super) struct ReportArgs {
     /// path - is standard output.
     #[arg(long, value_name = "KIND=PATH", value_delimiter = ',')]
     report: Vec<Target>,
-    /// The first error while printing. It is reported together with those of the files.
+    /// The first error while printing. It is reported together with errors of the report files.
     #[arg(skip)]
     unprinted: OnceLock<String>,
 }
@@ -122,12 +122,12 @@ impl Target {
     }
 }
 
-/// Prints a text, with colours if the terminal supports them.
+/// Prints text, with colours if the terminal supports them.
 pub(super) fn print(text: &str) -> io::Result<()> {
     ignore_broken_pipe(&mut anstream::stdout(), text)
 }
 
-/// Writes a text. A closed pipe is not an error.
+/// Writes text. A closed pipe is not an error.
 fn ignore_broken_pipe(to: &mut impl Write, text: &str) -> io::Result<()> {
     match to.write_all(text.as_bytes()).and_then(|()| to.flush()) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
@@ -137,14 +137,14 @@ fn ignore_broken_pipe(to: &mut impl Write, text: &str) -> io::Result<()> {
 
 /// Writes a file atomically. If this fails, an existing file stays unchanged.
 fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    // A pipe or a terminal can't be replaced. For a link, its target is replaced.
+    // A pipe or a terminal can't be replaced. If the path is a link, the link's target is replaced.
     let path = match fs::canonicalize(path) {
         Ok(path) if !path.is_file() => return fs::write(path, bytes),
         Ok(path) => path,
         Err(_) => path.to_path_buf(),
     };
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // A file in a temporary folder gets the permissions of new files; a temporary file would not.
+    // A file in a temporary folder gets the usual permissions of new files. A temporary file wouldn't.
     let stage = tempfile::Builder::new().prefix(".uavspec-").tempdir_in(parent)?;
     let staged = stage.path().join("report");
     fs::write(&staged, bytes)?;

@@ -74,7 +74,7 @@ pub(super) fn self_test(args: &SelfTestArgs) -> Status {
     if is_right { Status::Conforms } else { Status::DoesNotConform }
 }
 
-/// Checks captures that conform: there must be no findings.
+/// Checks conforming captures. There must be no findings.
 fn recordings(definitions: &Definitions) -> bool {
     let mut is_right = true;
     anstream::println!("Captures that conform to the definitions:");
@@ -108,7 +108,7 @@ fn rules(rows: &[Row]) -> bool {
     rows.iter().all(Row::is_right)
 }
 
-/// Probes the reference server without bugs and with each bug: the probe must find the bug and nothing else.
+/// Probes the reference server without bugs and with each bug. The probe must find the bug and nothing else.
 fn servers(definitions: &Definitions) -> bool {
     let cases = server_cases();
     let progress = Progress::steps("servers");
@@ -136,7 +136,7 @@ fn servers(definitions: &Definitions) -> bool {
     are_right
 }
 
-/// Runs all cases with the testee: it must pass them.
+/// Runs all cases with the testee, which must pass them all.
 fn run_cases(definitions: &Definitions, testee: &[OsString]) -> Result<bool, String> {
     let cases = cases(definitions, definitions.types());
     let all: Vec<usize> = (0..cases.len()).collect();

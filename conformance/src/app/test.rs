@@ -132,7 +132,7 @@ pub(super) fn seconds(text: &str) -> Result<Duration, String> {
     is_sensible.then_some(duration).ok_or_else(|| "expected more than 0 and at most 86400".to_owned())
 }
 
-/// The testee to use: clap ensures that one of the arguments is present.
+/// The testee to use. clap ensures that one of the arguments is present.
 pub(super) fn target(command: &[OsString], attach: Option<&Address>) -> Target {
     attach.map_or_else(|| Target::Command(command.to_vec()), |address| Target::Address(address.clone()))
 }
@@ -218,7 +218,7 @@ fn rerun_command(args: &TestArgs, case: &str) -> String {
     command_line(words.iter().map(String::as_str))
 }
 
-/// The indices of the cases that match a pattern; an error if there are none.
+/// The indices of the cases that match a pattern. Fails if there are none.
 fn select(cases: &[Case], pattern: Option<&str>) -> Result<Vec<usize>, String> {
     let Some(pattern) = pattern else { return Ok((0..cases.len()).collect()) };
     let glob: GlobMatcher = Glob::new(pattern).map_err(|error| error.to_string())?.compile_matcher();

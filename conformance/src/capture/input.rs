@@ -30,8 +30,8 @@ const PACKED: [&str; 3] = ["gz", "zst", "zstd"];
 /// The characters that make a path a pattern.
 const WILDCARDS: [char; 3] = ['*', '?', '['];
 
-/// The files that `paths` denote, in order. A folder denotes the captures in it and its subfolders, and a pattern
-/// such as `logs/**/*.ulg` the files that match, sorted.
+/// The files that `paths` denote, in order. A folder denotes the captures in it and its subfolders. A pattern such as
+/// `logs/**/*.ulg` denotes the files that match it. Both are sorted.
 ///
 /// An error names the folder or pattern that is unreadable or has no captures. An invalid pattern is an
 /// [`InvalidInput`](io::ErrorKind::InvalidInput) error.
@@ -52,7 +52,7 @@ pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Err
             search(&folder_of(path), |file| pattern.is_match(file), nothing)
                 .map_err(|error| (path.clone(), error))?
         } else {
-            // A missing file is reported when it is opened, so that the others are checked.
+            // A missing file is only reported when it is opened, so the other files are still checked.
             vec![path.clone()]
         };
         files.extend(found);
@@ -91,7 +91,7 @@ fn folder_of(pattern: &Path) -> PathBuf {
     if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder }
 }
 
-/// True if the name of a file is that of a capture.
+/// True if the file name has the extension of a capture.
 fn is_capture(path: &Path) -> bool {
     let is = |path: &Path, extensions: &[&str]| {
         let extension = path.extension().and_then(|extension| extension.to_str());
@@ -109,9 +109,9 @@ pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     Ok(Box::new(File::open(path)?))
 }
 
-/// The decompressed bytes of `input`, if it starts like gzip or zstd; otherwise its bytes as they are. Only the first
-/// bytes are read ahead. Several gzip members or zstd frames may follow each other. Other data after them is an error
-/// when it is read.
+/// The decompressed bytes of `input` if it starts like gzip or zstd, otherwise its unchanged bytes. Only the first
+/// bytes are read ahead. There may be several consecutive gzip members or zstd frames. Reading fails at any other data
+/// that follows them.
 pub(crate) fn decompressed(mut input: impl Read + Send + 'static) -> io::Result<Box<dyn Read + Send>> {
     let mut start = Vec::with_capacity(START);
     input.by_ref().take(START as u64).read_to_end(&mut start)?;

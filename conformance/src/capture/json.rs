@@ -1,9 +1,9 @@
-//! Splits JSON input into values: JSON Lines, an array, or one or more values that may span lines. The texts are
-//! borrowed from its buffer and aren't parsed.
+//! Splits JSON input into values: JSON Lines, an array, or one or more values that may span lines. The text of each
+//! value is borrowed from the reader's buffer and isn't parsed.
 //!
 //! The form is detected from the content. Input that starts with `[` is an array of values. If the first line ends
-//! within a value, and the second line doesn't start another one, values span lines. Everything else is JSON Lines,
-//! in which an invalid line doesn't affect the others.
+//! within a value and the second line doesn't start another value, values span lines. Everything else is JSON Lines, in
+//! which an invalid line doesn't affect the others.
 
 use std::fmt;
 use std::io::{self, ErrorKind, Read};
@@ -11,7 +11,7 @@ use std::io::{self, ErrorKind, Read};
 use crate::json::Frame;
 use crate::model::Extent;
 
-/// The maximum length of a value, in bytes. No real message is nearly as long.
+/// The maximum length of a value, in bytes. Real messages are much shorter.
 pub(crate) const MAX_LENGTH: usize = 16 << 20;
 
 /// The minimum number of bytes to read at a time.
@@ -20,10 +20,10 @@ const CHUNK: usize = 1 << 16;
 /// The byte order mark in UTF-8.
 const BOM: &[u8] = b"\xef\xbb\xbf";
 
-/// The text of a value, or a problem.
+/// The text of a value or a problem, with its location.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Item<'r> {
-    /// The line in which it starts, from 1.
+    /// The line on which it starts, from 1.
     pub line: u64,
     /// The value or problem.
     pub event: Event<'r>,
@@ -32,14 +32,14 @@ pub(crate) struct Item<'r> {
 /// An event in JSON input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Event<'r> {
-    /// The text of a value, which may be invalid JSON.
+    /// The text of a value. It may be invalid JSON.
     Value {
         /// The bytes.
         bytes: &'r [u8],
         /// True if the input ends directly after it, without a line end or separator.
         is_last: bool,
     },
-    /// A part that can't be read.
+    /// An unreadable part.
     Problem(Problem),
 }
 
@@ -55,7 +55,7 @@ pub(crate) enum Problem {
     },
     /// A comma or a closing bracket in place of a value.
     Stray(u8),
-    /// A missing comma between two elements of an array, with the byte that follows.
+    /// A missing comma between two array elements. Contains the byte found instead.
     NoComma(u8),
     /// An unclosed array.
     Unclosed,
@@ -102,7 +102,7 @@ enum Mode {
 pub(crate) struct Reader<R> {
     input: R,
     buffer: Vec<u8>,
-    /// The start of the data that wasn't returned yet.
+    /// The index of the first byte that wasn't returned yet.
     start: usize,
     /// The end of the data in the buffer.
     end: usize,
@@ -183,7 +183,7 @@ impl<R: Read> Reader<R> {
         self.buffer.copy_within(self.start..self.end, 0);
         self.end -= self.start;
         self.start = 0;
-        // Larger values are read in larger pieces, which limits the cost of moving data.
+        // Read larger values in larger pieces, to limit the cost of moving data.
         let room = self.end + CHUNK.max(self.end.min(MAX_LENGTH));
         if self.buffer.len() < room {
             self.buffer.resize(room, 0);
@@ -205,7 +205,7 @@ impl<R: Read> Reader<R> {
         self.take_lines(count, memchr::memchr_iter(b'\n', &self.rest()[..count]).count() as u64);
     }
 
-    /// Consumes bytes that contain this number of line ends.
+    /// Consumes `count` bytes, which contain `lines` line ends.
     fn take_lines(&mut self, count: usize, lines: u64) {
         self.line += lines;
         self.start += count;
@@ -284,7 +284,7 @@ impl<R: Read> Reader<R> {
         Ok(Some(self.lend(line, end, skipped, is_last)))
     }
 
-    /// Returns the bytes that were consumed last, or a problem if the value was too long.
+    /// Returns the most recently consumed bytes, or a problem if the value was too long.
     fn lend(&self, line: u64, count: usize, skipped: u64, is_last: bool) -> Item<'_> {
         let start = self.start - count;
         let bytes = self.buffer[start..self.start].trim_ascii();

@@ -9,8 +9,8 @@
 //!
 //! - They stop at the first invalid record, and report neither its offset nor the next valid record.
 //! - They decompress chunks with C libraries, or not at all.
-//! - A record that is longer than its chunk makes them underflow, and an attachment that is too short makes them
-//!   panic (0.26.0). Attachments, and records with contradictory lengths, are therefore never passed to them.
+//! - A record that is longer than its chunk makes them underflow, and an attachment that is too short makes them panic
+//!   (0.26.0). Attachments and records with contradictory lengths are therefore never passed to the crate.
 //!
 //! This module parses the framing of records, and `ruzstd` and `lz4_flex` decompress chunks.
 //!
@@ -18,18 +18,18 @@
 //!
 //! An uncompressed chunk of any length is read record by record. A compressed chunk is buffered (at most
 //! [`Reader::MAX_PACKED`]) and decompressed as it is read. Returned records are buffered (at most
-//! [`Reader::MAX_RECORD`]), and others are skipped. Buffers grow only with the data read, whatever the stated lengths
-//! are.
+//! [`Reader::MAX_RECORD`]), and others are skipped. Buffers grow only with the data that is read, regardless of the
+//! stated lengths.
 //!
 //! Recovery from corruption
 //!
-//! The lengths in a record must match its kind, and something plausible must follow it. Otherwise the reader searches
-//! for the next valid record: a chunk whose lengths match, a message of a declared channel that a record follows, or
-//! a schema, channel or index whose parts match its length. The skipped bytes are reported with their offset and
-//! length.
+//! The lengths in a record must match its kind, and plausible data must follow it. Otherwise, the reader searches for
+//! the next valid record. This can be a chunk with matching lengths, or a schema, channel or index whose parts match
+//! its length. It can also be a message of a declared channel, if another record follows it. The skipped bytes are
+//! reported with their offset and length.
 //!
-//! The rest of a corrupt chunk is skipped; the records before the corruption have been returned. The CRC of a chunk
-//! can only be verified at its end. A mismatch is reported after the records have been returned.
+//! The rest of a corrupt chunk is skipped. The records before the corruption are still returned. The CRC of a chunk can
+//! only be verified at its end. A mismatch is therefore reported after the chunk's records.
 
 mod chunk;
 mod problem;

@@ -36,7 +36,7 @@
 //! Existing crates
 //!
 //! `px4-ulog` 0.6.1, `yule_log` 0.4.0 and `ulog-rs` 0.0.4 were evaluated. All stop at the first corrupt header. None
-//! searches for sync messages, reports skipped bytes, or provides the offset of a message, which findings need. The
+//! searches for sync messages or reports skipped bytes. None provides the offset of a message, which findings need. The
 //! first reads only files or memory maps, or uses callbacks. The second allocates for each message, and the third
 //! stores the whole log.
 //!
@@ -53,23 +53,23 @@
 //!   unknown kind.
 //! - Otherwise, the reader searches for the next valid run.
 //!
-//! A run is valid if it starts with a sync message, whose header and magic are 11 fixed bytes, or with four valid
-//! messages. Messages are valid if their kind is known and their first bytes are plausible: keys and names in ASCII,
-//! existing levels, and data of subscribed ids with the usual size. Other data, and unknown kinds that are letters,
-//! may appear between them, and sixteen consecutive messages of either sort also form a run. At the end of the log or
-//! of a section, two valid messages suffice. Each byte is tried at most once as a start, and each check takes at most
-//! a few thousand steps, so the time is linear in the size of any log.
+//! A run is valid if it starts with four valid messages or with a sync message, whose header and magic are 11 fixed
+//! bytes. A message is valid if its kind is known and its first bytes are plausible: keys and names must be ASCII,
+//! levels must exist, and data must have a subscribed id and the usual size. Other data, and unknown kinds that are
+//! letters, may appear between these messages. Sixteen consecutive messages of either sort also form a run. At the end
+//! of the log or of a section, two valid messages suffice. Each byte is tried as a start at most once, and each check
+//! takes at most a few thousand steps. The total time is therefore linear in the size of the log.
 //!
 //! Each skipped range of bytes is reported ([`Problem::Skipped`]). Changed bytes within a payload can't be detected
 //! here.
 //!
 //! Performance
 //!
-//! The benchmark `ulog` was run on two cores with three real logs, repeated up to 64 MB. The medians are 3.9 to 6.9
-//! GB/s for splitting into messages, and 1.7 to 2.4 GB/s with the types and sizes of data. Copying through the buffer
-//! reaches 15 GB/s. Noise is searched at 350 MB/s, and malicious input at 20 MB/s. In 4,727 places of real logs, a
-//! bit was flipped or 25 to 30 bytes were overwritten. Each lost 1.2 messages on average, and fewer than three in the
-//! worst of 450 runs.
+//! The `ulog` benchmark was run on two cores with three real logs, each repeated up to a size of 64 MB. The median
+//! throughput is 3.9 to 6.9 GB/s for splitting into messages, and 1.7 to 2.4 GB/s if types and data sizes are
+//! determined as well. Copying through the buffer reaches 15 GB/s. Noise is searched at 350 MB/s, and malicious input
+//! at 20 MB/s. In 4,727 places of real logs, a bit was flipped or 25 to 30 bytes were overwritten. Each lost 1.2
+//! messages on average, and fewer than three in the worst of 450 runs.
 
 mod kind;
 mod log;

@@ -1,8 +1,8 @@
 //! Checks recorded Flockwave sessions and files of bare messages.
 //!
-//! A line of a recorded session is `{"t": seconds since the epoch, "conn": name, "dir": "in" or "out", "msg": {…}}`,
-//! from the client's view. Data that is not JSON is a string in `"raw"` instead of `"msg"`. Events have `"dir":
-//! "event"` and `"event": "connect"`, `"closed"` or `"refused"`.
+//! A line of a recorded session is `{"t": seconds since the epoch, "conn": name, "dir": "in" or "out", "msg": {…}}`.
+//! The direction is from the client's point of view. Data that is not JSON is stored as a string in `"raw"` instead of
+//! `"msg"`. Events have `"dir": "event"`, and `"event"` is `"connect"`, `"closed"` or `"refused"`.
 //!
 //! Sessions recorded by `probe` have further members: `"trial"`, the id of the rule under test, with `"how"`; `"url"`
 //! at the start of a connection; and `"why"` at its end, which is `"client"` if the client closed it. Other members
@@ -31,16 +31,16 @@ use crate::text::Grouped;
 /// The maximum number of connections. Hostile input may contain any number.
 const MAX_CONNECTIONS: usize = 10_000;
 
-/// The maximum number of types counted by name, for the same reason.
+/// The maximum number of types that are counted by name. Hostile input may contain any number.
 const MAX_TYPES: usize = 1_000;
 
-/// The maximum length of the name of a connection or type, in bytes.
+/// The maximum length of a connection or type name, in bytes.
 const MAX_NAME: usize = 128;
 
-/// The maximum length of `how`, in bytes. Longer texts are ignored.
+/// The maximum length of `how`, in bytes. Longer values are ignored.
 const MAX_HOW: usize = 512;
 
-/// The latest plausible time, in seconds: in the year 5138.
+/// The latest plausible time, in seconds. It is in the year 5138.
 const MAX_TIME: f64 = 1e11;
 
 /// True if a value is a line of a recorded session or a bare Flockwave message.
@@ -50,7 +50,7 @@ pub(super) fn is_flockwave(tree: &Tree<'_>) -> bool {
 
 fn is_line(tree: &Tree<'_>) -> bool {
     let has = |key| tree.get(key).is_some();
-    // Messages of rosbridge have `op`.
+    // rosbridge messages have `op`.
     tree.get("dir").and_then(Tree::as_str).is_some()
         && !has("op")
         && (has("msg") || has("raw") || has("event"))
@@ -65,11 +65,11 @@ pub struct FlockwaveChecker<'d> {
     pub(super) run: CheckRun<'d>,
     source: FlockwaveSummary,
     reports: Reports<'d>,
-    /// The number of each connection, by its name.
+    /// The connection numbers, by connection name.
     connections: HashMap<String, usize>,
-    /// The names, by number.
+    /// The connection names, by number.
     names: Vec<String>,
-    /// The number of the connection that had the latest record.
+    /// The number of the latest record's connection.
     latest: usize,
 }
 
@@ -90,7 +90,7 @@ struct ParsedLine<'h> {
 #[derive(Clone, Copy)]
 enum Content<'c> {
     Message(&'c Tree<'c>),
-    /// A status report without new findings, reduced to the members that rules with a state need.
+    /// A status report without new findings, reduced to the members that stateful rules need.
     Report(&'c Tree<'c>),
     /// Data that is not JSON.
     Raw,
@@ -215,7 +215,7 @@ impl<'d> FlockwaveChecker<'d> {
             (_, Some(message), _) => {
                 self.record(&ParsedLine { content: Content::Message(message), ..line }, location)
             }
-            // The program that recorded it may have a stricter JSON parser.
+            // The program that recorded the session may have a stricter JSON parser.
             (_, None, Some(raw)) => match Tree::read(raw) {
                 Ok(message) => {
                     let content = Content::Message(&message);
@@ -305,7 +305,7 @@ impl<'d> FlockwaveChecker<'d> {
             (false, _) => &mut source.requests,
         } += 1;
         let Some(name) = name else {
-            // Rules on the envelope check it even without a type.
+            // Rules on the envelope check messages even if they have no type.
             return self.run.checked += u64::from(is_from_server);
         };
         let is_known = self.run.definitions.body_schemas().has(name);
@@ -337,7 +337,7 @@ fn is_plausible(time: f64) -> bool {
     (0.0..MAX_TIME).contains(&time)
 }
 
-/// True if a connection with this name delivers messages in order. A name that starts with `udp` denotes UDP. One
+/// True if a connection with this name delivers messages in order. A name that starts with `udp` denotes UDP. A name
 /// that starts with `http` denotes many connections, one for each request.
 fn is_ordered(name: &str) -> bool {
     let begins = |with: &str| name.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with));

@@ -27,7 +27,7 @@ use crate::text::{Grouped, shown};
 /// The maximum number of topics and types. Hostile input may contain any number.
 const MAX_CHANNELS: usize = 10_000;
 
-/// The maximum length of the name of a topic or type, in bytes, which is also the limit of ROS 2.
+/// The maximum length of a topic or type name, in bytes. ROS 2 has the same limit.
 const MAX_NAME: usize = 256;
 
 /// The schema encoding that MCAP uses for ROS 2 types. rosbridge names the same types.
@@ -89,8 +89,8 @@ impl Describe for JsonSummary {
     }
 }
 
-/// Checks JSON messages: JSON Lines, an array or a single message. With `message_id`, all are of that type; otherwise
-/// each names its type or topic. Unreadable parts are skipped.
+/// Checks JSON messages: JSON Lines, an array or a single message. If `message_id` is set, all messages have that type.
+/// Otherwise, each message names its type or topic. Unreadable parts are skipped.
 pub(crate) fn check_json(
     input: impl Read,
     message_id: Option<MessageId>,
@@ -147,7 +147,7 @@ fn check_with(input: impl Read, message_id: Option<MessageId>, checker: JsonChec
 enum AnyChecker<'d> {
     Json {
         checker: JsonChecker<'d>,
-        /// True if the kind is final. The first object shows if this is a Flockwave session.
+        /// True if the kind is final. The first object determines whether the capture is a Flockwave session.
         is_decided: bool,
     },
     Flockwave(FlockwaveChecker<'d>),
@@ -191,7 +191,7 @@ struct JsonChecker<'d> {
     plans: Plans,
     channels: Channels,
     templates: Templates,
-    /// The topics with a stated type, and its definition if there is one.
+    /// The topics with a stated type, each with the type's definition if it exists.
     advertised: HashMap<String, Option<MessageId>>,
     skipped: u64,
     dialects: Dialects,
@@ -291,7 +291,7 @@ impl<'d> JsonChecker<'d> {
         }) else {
             return self.run.gap(location, format!("more than {MAX_CHANNELS} topics and types"));
         };
-        // The channel is open now. Rules may need the values of a first message without findings.
+        // The channel is open now. If the first message has no findings, rules may need its values.
         if known.is_none()
             && let Fast::Clean(at, clean) = read(text, &self.channels, &self.plans, &mut self.values)
         {
@@ -315,7 +315,7 @@ impl<'d> JsonChecker<'d> {
         let origin = MessageOrigin { id, name: &open.name, location, key: open.key, is_rosbridge };
         let dialects = self.plans.explain(origin, tree, &mut self.run.findings);
         let timestamp = self.plans.timestamp(id, tree);
-        // A message with findings may have other wrong values, so rules with a state don't see them.
+        // A message with findings may have other wrong values, so stateful rules don't see its values.
         self.values.clear();
         self.message(at, Clean { timestamp, dialects }, location);
     }
@@ -348,7 +348,7 @@ impl<'d> JsonChecker<'d> {
         }
         let defined = definition.map(|id| (id, self.run.number_channel()));
         let shown_name = match which {
-            // The namespace may show why it is unknown.
+            // The namespace in the name may show why the type is unknown.
             _ if definition.is_none() => name,
             NameKind::Type => name.rsplit('/').next().unwrap_or(name),
             NameKind::Topic => topic_of(name),

@@ -21,7 +21,8 @@
 //! Listed rules and cases still run, but their failures don't count. Lists must stay accurate, so some entries are
 //! reported as stale ([`Stale`]):
 //!
-//! - A case that the entry matches passes, or all results that match a rule's entry pass. Flaky entries may pass.
+//! - A case that the entry matches passes, or all results that an entry for a rule matches pass. Results that a flaky
+//!   entry matches may pass.
 //! - A failure has a different message.
 //! - Nothing that the entry matches was checked.
 //! - The expiry date has passed.
@@ -58,14 +59,14 @@ pub(crate) use self::run::{excuse_findings, rule_outcomes, unread_outcome};
 pub(crate) use self::stale::{Checked, Name, Outcome, Scope, Stale, StaleReason};
 use crate::model::{Excuse, Reason, Rule};
 
-/// The maximum size of a list, in bytes: room for several thousand entries.
+/// The maximum size of a list, in bytes. Several thousand entries fit.
 const MAX_LEN: u64 = 1 << 20;
 
 /// An entry of a list.
 #[derive(Debug)]
 struct Entry {
     names: Selector,
-    /// The start of its failures' messages.
+    /// The start of the messages of the entry's failures.
     message: Option<String>,
     excuse: Excuse,
     spans: EntrySpans,
@@ -78,10 +79,10 @@ enum Selector {
     Case(Pattern),
 }
 
-/// The locations of the parts of an entry.
+/// The locations of an entry's parts.
 #[derive(Clone, Copy, Debug)]
 struct EntrySpans {
-    /// The first line, with the name of its table.
+    /// The first line, which names the table.
     header: Span,
     /// The value of `rule` or `case`.
     selector: Span,
@@ -97,7 +98,7 @@ pub(crate) struct Lists {
     sources: SourceMap,
     ids: Vec<SourceId>,
     entries: Vec<Entry>,
-    /// The files that lists were read from, with links resolved.
+    /// The files from which lists were read, with links resolved.
     paths: BTreeMap<SourceId, PathBuf>,
 }
 
@@ -124,7 +125,7 @@ impl fmt::Display for ListError {
 }
 
 impl Lists {
-    /// Reads lists from files. A file is read once, even if it is named twice.
+    /// Reads lists from files. Each file is read once, even if it is named twice.
     pub(crate) fn read(paths: &[PathBuf]) -> Result<Self, ListError> {
         let mut texts = Vec::new();
         let mut files: Vec<PathBuf> = Vec::new();
@@ -172,7 +173,7 @@ impl Lists {
         render::findings(&findings, &self.sources, is_styled)
     }
 
-    /// The findings for stale entries, in the form for reports.
+    /// The findings for stale entries, as reports need them.
     pub(crate) fn reasons(&self, stale: &[Stale]) -> Vec<Reason> {
         let findings = stale.iter().filter_map(|stale| self.finding(stale, Level::Error));
         let reason = |finding: Finding| Reason {
@@ -185,9 +186,10 @@ impl Lists {
 
     /// Lists without the stale entries.
     ///
-    /// Entries that pass, match nothing or have expired are removed. If only some cases pass, the entry keeps the
-    /// failing ones. If messages differ, the entry gets their common prefix, or stays unchanged if there is none.
-    /// Everything else stays unchanged, byte for byte. No entries are added, since only a person knows a reason.
+    /// Entries that match nothing, have expired, or whose results all pass are removed. If only some cases pass, the
+    /// entry keeps the failing cases. If messages differ, the entry gets the messages' common prefix, or stays
+    /// unchanged if there is none. Everything else stays unchanged, byte for byte. No entries are added, since only a
+    /// person knows a reason.
     pub(crate) fn fixed(&self, stale: &[Stale]) -> Result<Self, ListError> {
         let texts = fix::texts(self, stale);
         let text =
@@ -205,7 +207,7 @@ impl Lists {
         self.ids.iter().map(|source| self.sources.text(*source))
     }
 
-    /// Writes the texts that differ from those of `old` to their files, all or none.
+    /// Writes the lists that differ from `old` to their files, either all of them or none.
     pub(crate) fn write(&self, old: &Self) -> Result<(), Failure> {
         let changes =
             self.paths.iter().filter(|(source, _)| self.sources.text(**source) != old.sources.text(**source));

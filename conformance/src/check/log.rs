@@ -24,7 +24,7 @@ pub(super) const KIND: Kind = Kind {
     check: |input, _, definitions| Ok(check_ulog(input, definitions)),
 };
 
-/// The kind of encrypted logs, which are detected but can't be read.
+/// The kind for encrypted logs. They are detected, but can't be read.
 pub(super) const ENCRYPTED: Kind = Kind {
     name: "ULog",
     detect: |start| start.starts_with(&ENCRYPTED_MAGIC),
@@ -120,7 +120,7 @@ impl Describe for LogSummary {
     }
 }
 
-/// Checks a PX4 log, as far as it is readable.
+/// Checks the readable part of a PX4 log.
 pub(crate) fn check_ulog(input: impl Read, definitions: &Definitions) -> CaptureResult {
     let mut checker = LogChecker::new(definitions);
     let mut reader = Reader::new(input);
@@ -178,9 +178,9 @@ struct Open {
 
 struct LogChecker<'d> {
     run: CheckRun<'d>,
-    /// By message id.
+    /// The topics by message id.
     open: Vec<Option<Box<Open>>>,
-    /// The topics whose format has been checked for a `timestamp`. A log has one format for each topic.
+    /// The topics whose format has already been checked for a `timestamp`. A log has one format for each topic.
     timed: BTreeSet<String>,
     firmware: Option<String>,
     dropouts: u64,
@@ -209,7 +209,7 @@ impl<'d> LogChecker<'d> {
                 self.run.dropout(*milliseconds, location);
             }
             Event::Data { .. } => self.run.records += 1,
-            // The first version of the format has no flag bits.
+            // Version 0 of the log format has no flag bits.
             Event::Problem(Problem::NoFlagBits { version: 0 }) => {}
             Event::Problem(problem) => self.run.corruption(location, problem.to_string(), problem.extent()),
             _ => {}
@@ -217,7 +217,7 @@ impl<'d> LogChecker<'d> {
     }
 
     fn open(&mut self, id: u16, topic: &str, multi_id: u8, offset: u64) {
-        // Repeated subscriptions reuse a slot, so that memory stays bounded.
+        // Repeated subscriptions reuse the slot, so that memory stays bounded.
         let slot = usize::from(id);
         if slot >= self.open.len() {
             self.open.resize_with(slot + 1, || None);
@@ -281,8 +281,9 @@ impl<'d> LogChecker<'d> {
         self.run.message(&open.channel(), &message);
     }
 
-    /// Reports a problem with a format, a subscription or a size. It violates a rule if there is one. If part of the
-    /// log is missing, that part may have contained the format or subscription, so no rule is violated.
+    /// Reports a problem with a format, a subscription or a size. If a rule covers the problem, it is a violation of
+    /// that rule. If part of the log is missing, that part may have contained the format or subscription, so the
+    /// problem doesn't count as a violation.
     fn report_problem(&mut self, offset: u64, problem: &LogProblem) {
         let location = Location::Byte(offset);
         let detail = Detail::new(problem.to_string());
@@ -385,8 +386,8 @@ fn check_timestamp(format: MessageType<'_>, location: Location, run: &mut CheckR
     }
 }
 
-/// Compares the formats of all subscribed topics with the definitions. Checks formats for a timestamp if that wasn't
-/// done with their first message.
+/// Compares the formats of all subscribed topics with the definitions. Formats are also checked for a timestamp, unless
+/// that happened with their first message.
 fn formats(log: &Log, timed: &BTreeSet<String>, run: &mut CheckRun<'_>) -> Vec<(String, Comparison)> {
     let definitions = run.definitions;
     let mut opened: BTreeMap<&str, u64> = BTreeMap::new();

@@ -1,8 +1,8 @@
 //! Checks MCAP files: their CDR or JSON messages, and their own schemas.
 //!
-//! The name of its schema, or else its topic, determines the definition of a channel. The schema in the file is
-//! compared with the definition. If they differ, CDR is decoded with the schema in the file, and the rules on values
-//! apply to the fields that agree.
+//! A channel's definition is determined by the name of its schema, or otherwise by its topic. The schema in the file is
+//! compared with the definition. If they differ, CDR is decoded with the schema in the file, and rules on values apply
+//! only to the fields that match.
 
 mod cdr;
 mod json_schema;
@@ -33,10 +33,10 @@ use crate::model::{Detail, Findings, Location, Message};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
 use crate::rules::px4;
 
-/// The maximum length of the name of a topic or schema, in bytes, which is also the limit of ROS 2.
+/// The maximum length of a topic or schema name, in bytes. ROS 2 has the same limit.
 const MAX_NAME: usize = 256;
 
-/// The maximum number of steps in the plans of all channels. A thousand PX4 topics need a quarter of it.
+/// The maximum total number of steps in the plans of all channels. A thousand PX4 topics need a quarter of this number.
 const MAX_STEPS: usize = 1 << 18;
 
 /// The metadata key for the type hash of a channel, as written by `rosbag2`.
@@ -51,7 +51,7 @@ pub(super) const KIND: Kind = Kind {
     check: |input, _, definitions| Ok(check_mcap(input, definitions)),
 };
 
-/// Checks an MCAP file, as far as it is readable.
+/// Checks the readable part of an MCAP file.
 pub(crate) fn check_mcap(input: impl Read, definitions: &Definitions) -> CaptureResult {
     let mut check = McapChecker::new(definitions);
     let mut reader = Reader::new(input);
@@ -100,7 +100,7 @@ struct McapChecker<'d> {
     library: String,
     schemas: Schemas,
     channels: BTreeMap<u16, Open>,
-    /// Undeclared channels with messages. Each is reported once.
+    /// The undeclared channels with messages. Each is reported once.
     undeclared: BTreeSet<u16>,
     /// The total number of steps in the plans of all channels.
     steps: usize,
@@ -197,14 +197,14 @@ impl<'d> McapChecker<'d> {
         self.format(open);
     }
 
-    /// Compares the hash in the metadata of a channel with that of the definition.
+    /// Compares the hash in a channel's metadata with the hash of its definition.
     fn hash(&mut self, open: &mut Open, declared: &Declared, message_id: MessageId) {
         let Some(stated) = declared.metadata.get(HASH).filter(|hash| hash.starts_with(HASH_VERSION)) else {
             return;
         };
         let schema = &self.run.definitions.schema;
         let message = schema.message(message_id);
-        // The hash includes the names. A copy of the type in another package has a different hash.
+        // The hash includes names. A copy of the type in another package therefore has a different hash.
         let is_of_definition =
             open.schema.as_ref().is_none_or(|(name, _)| is_same_type(name, message, schema));
         if !is_of_definition {
@@ -335,12 +335,12 @@ fn check_message(
     Ok(Clean { timestamp: plans.timestamp(origin.id, &tree), dialects })
 }
 
-/// A text of the file in printable form, shortened if it is too long.
+/// Text from the file in printable form, shortened if it is too long.
 fn shortened(text: &str) -> String {
     text.chars().take(MAX_NAME).collect::<String>().escape_debug().to_string()
 }
 
-/// A hash of a declaration, which distinguishes contents without storing them.
+/// A hash of a declaration, used to distinguish declarations without storing them.
 fn digest(declaration: &impl std::hash::Hash) -> u64 {
     let mut hasher = DefaultHasher::new();
     declaration.hash(&mut hasher);

@@ -6,8 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-/// Runs `work` for each of `items` in parallel. Passes the results to `take` in the order of the items, each as early
-/// as possible.
+/// Runs `work` for each of `items` in parallel. Passes the results to `take` in item order, each as early as possible.
 ///
 /// `jobs` is the number of threads; the default is the number of processors.
 pub fn each<T: Sync, R: Send>(

@@ -4,12 +4,12 @@ use uavspec_codegen::emit::docs::markdown::plural;
 
 use crate::text::{Grouped, shown};
 
-/// The number of names that a line lists.
+/// The maximum number of names that a line lists.
 pub(crate) const MAX_LISTED: usize = 8;
 
-/// The parts of a summary that human-readable reports print. All texts are safe to print on one line.
+/// The parts of a summary that human-readable reports print. All text is safe to print on one line.
 pub(crate) trait Describe {
-    /// The facts of the first line, in order.
+    /// The facts on the first line, in order.
     fn facts(&self, totals: Totals) -> Vec<String>;
 
     /// The lines below it.
@@ -20,7 +20,7 @@ pub(crate) trait Describe {
         "file"
     }
 
-    /// True if it is a session, which has other rules than PX4 messages.
+    /// True if the capture is a session. Sessions have different rules than PX4 messages.
     fn is_session(&self) -> bool {
         false
     }

@@ -21,10 +21,11 @@ pub(super) fn topic_of(topic: &str) -> &str {
     if last.bytes().all(|byte| byte.is_ascii_digit()) { segments.next().unwrap_or(last) } else { last }
 }
 
-/// The definition of a topic, by its name and by the name and encoding of its schema.
+/// Finds the definition of a topic from its name, and from the name and encoding of its schema.
 ///
-/// For ROS 2, the name of the schema decides: a type of another package is a different type, even if its topic has
-/// the name of a defined one. Names of other schemas are arbitrary, so the topic decides if they match nothing.
+/// For ROS 2, only the schema name counts: a type from another package is a different type, even if its topic has the
+/// name of a defined topic. For other encodings, schema names are arbitrary. If such a name matches nothing, the topic
+/// name decides.
 pub(super) fn definition_of(
     topic: &str,
     schema: Option<(&str, &str)>,

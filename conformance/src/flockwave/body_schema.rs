@@ -1,8 +1,8 @@
 //! The schemas of Flockwave message bodies, and the checks of values against them.
 //!
-//! Schemas are data. The body of a message has a schema for each direction, which comes from the definitions
-//! ([`DefinedSchemas`]). For other types, users can supply JSON Schemas ([`Schemas`]). Rules on single fields have
-//! separate schemas (`ExpectedValue`), which may be less strict than the definitions.
+//! Schemas are data. A message body has a separate schema for each direction. These schemas are compiled from the
+//! definitions ([`DefinedSchemas`]). For undefined types, users can supply JSON Schemas ([`Schemas`]). Rules on single
+//! fields have separate schemas (`ExpectedValue`), which may be less strict than the definitions.
 //!
 //! ```
 //! use uavspec_conformance::definitions::Definitions;
@@ -29,7 +29,7 @@ pub(crate) use self::plain::Members;
 pub use self::schemas::{SchemaError, Schemas};
 use crate::json::{Tree, pointer};
 
-/// The body schemas of all types: from the definitions, and from the user for other types.
+/// The body schemas of all types: those from the definitions, and user-supplied schemas for other types.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BodySchemas<'s> {
     /// The schemas from the definitions.
@@ -62,13 +62,13 @@ impl BodySchemas<'_> {
 /// The expected form of a value.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum ExpectedValue {
-    /// An integer from the first to the second value. `5.0` is an integer as well.
+    /// An integer between the first and the second value, inclusive. `5.0` counts as an integer.
     Integer(i128, i128),
     /// `true` or `false`.
     Bool,
     /// Any string.
     Text,
-    /// A string whose length in characters is from the first to the second value.
+    /// A string with a minimum and a maximum length in characters.
     Length(usize, usize),
     /// The id of an object: 1 to 64 characters without `/`.
     ObjectId,
@@ -107,7 +107,7 @@ pub(crate) enum Fault {
     Null,
     /// The value has the wrong type, e.g. a string instead of a number.
     Kind,
-    /// The type is right, but the value isn't allowed.
+    /// The type is correct, but the value isn't allowed.
     Value,
     /// The field isn't allowed.
     Further,
@@ -194,7 +194,7 @@ impl std::fmt::Display for ExpectedValue {
 }
 
 impl Mismatch {
-    /// Creates a mismatch of the value itself.
+    /// Creates a mismatch for the value itself.
     pub(crate) fn new(expected: impl Into<String>, actual: impl Into<String>) -> Self {
         Self { path: String::new(), expected: expected.into(), actual: actual.into() }
     }

@@ -10,13 +10,13 @@ pub(crate) struct Connection<'c> {
     pub index: usize,
     /// Its name.
     pub name: &'c str,
-    /// True if messages arrive in the order in which they were sent, and the connection of each is known. Otherwise,
+    /// True if messages arrive in the order in which they were sent, and each message's connection is known. If false,
     /// checks that depend on earlier messages aren't certain. Either the capture doesn't distinguish connections, so
-    /// all messages belong to one; or the transport is UDP, which may lose, repeat or reorder messages.
+    /// all messages belong to one connection, or the transport is UDP, which may lose, repeat or reorder messages.
     pub is_ordered: bool,
 }
 
-/// The direction of a record, from the client's view.
+/// The direction of a record, from the client's point of view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
     /// From the server to the client.
@@ -27,7 +27,7 @@ pub(crate) enum Direction {
     Event,
 }
 
-/// The test of a rule that a client performs with a record.
+/// The rule test to which a record belongs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Trial<'e> {
     /// The rule.

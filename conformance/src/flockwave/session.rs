@@ -4,9 +4,9 @@
 //! A capture is rarely complete, so only certain conclusions are drawn:
 //!
 //! - If the start of a connection is missing, earlier requests may be unknown.
-//! - After corruption, all pending requests and operations are forgotten, since their answers may have been lost.
+//! - After corruption, the session forgets all pending requests and operations, since their answers may have been lost.
 //! - If time goes backwards, later times are ignored.
-//! - All memories have a size limit. Forgotten entries count as unknown, not as absent.
+//! - All lists of remembered entries have a size limit. Forgotten entries count as unknown, not as absent.
 
 mod exchange;
 pub(crate) mod ids;
@@ -30,11 +30,11 @@ use crate::flockwave::record::{Direction, SessionRecord};
 use crate::json::Tree;
 use crate::model::{Location, Rule};
 
-/// The size limit of each memory, in bytes.
+/// The size limit of each list of remembered entries, in bytes.
 const MEMORY_LIMIT: usize = 16 << 20;
 
-/// The maximum length of a stored id, in bytes. Ids of messages have at most 36 characters and those of objects at
-/// most 64, with up to four bytes each.
+/// The maximum length of a stored id, in bytes. Message ids have at most 36 characters and object ids at most 64, each
+/// with up to four bytes.
 const MAX_ID: usize = 256;
 
 /// The maximum number of ids in a request. Longer lists are ignored.
@@ -43,7 +43,7 @@ const MAX_REQUEST_IDS: usize = 10_000;
 /// The maximum number of receipts in a message.
 const MAX_RECEIPTS: usize = 10_000;
 
-/// The tolerance for times that go backwards, in seconds. Several threads may write a capture.
+/// The tolerance for times that go backwards, in seconds. A capture may have several writing threads.
 const MAX_CLOCK_JITTER: f64 = 0.5;
 
 /// The maximum time that a message is in transit, in seconds.
@@ -88,7 +88,7 @@ enum Side {
 /// The state of a connection.
 #[derive(Clone, Debug, Default)]
 struct State {
-    /// A number that distinguishes it from earlier connections with this name.
+    /// A number that distinguishes the connection from earlier ones with the same name.
     serial: u64,
     /// True if all its records are known.
     is_whole: bool,
@@ -104,24 +104,24 @@ struct State {
     clock: Option<(f64, f64)>,
     /// The time when the bounds were determined.
     clock_time: f64,
-    /// The location of a request to adjust the server's clock by 0, until an answer to a later request states the
-    /// time.
+    /// The location of a request to adjust the server's clock by 0. It is cleared when an answer to a later request
+    /// states the time.
     adjusted_by_nothing: Option<Location>,
 }
 
 /// All connections of a capture.
 #[derive(Debug)]
 pub(crate) struct Sessions {
-    /// By connection index.
+    /// The connection states, by connection index.
     states: Vec<State>,
     serials: u64,
     /// The pending requests.
     open: Remembered<(u64, Side, String), SentRequest>,
     /// The ids of answered requests.
     answered: Remembered<(u64, Side, String), ()>,
-    /// The ids of the servers' messages; true for notifications.
+    /// The ids of the servers' messages. The value is true for notifications.
     sent: Ids<bool>,
-    /// By receipt.
+    /// The operations by receipt.
     operations: Ids<Operation>,
 }
 
@@ -139,7 +139,7 @@ impl Default for Sessions {
 }
 
 impl Sessions {
-    /// Determines the meaning of a record after all preceding records, including the violations of its body schema.
+    /// Determines the meaning of the next record, including the violations of its body schema.
     pub(crate) fn follow<'t>(
         &mut self,
         record: &'t SessionRecord<'t>,
@@ -151,13 +151,13 @@ impl Sessions {
         self.resolve(Exchange { deviations, ..exchange })
     }
 
-    /// Like [`follow`](Self::follow), for a record whose message has been checked already.
+    /// Like [`follow`](Self::follow), for a record whose message has already been checked.
     pub(crate) fn follow_checked<'t>(&mut self, record: &'t SessionRecord<'t>) -> Exchange<'t> {
         let time = self.reliable_time(record);
         self.resolve(Exchange { deviations: Some(Vec::new()), ..Exchange::new(record, time) })
     }
 
-    /// Adds the meaning in the session to an exchange.
+    /// Adds an exchange's meaning within the session.
     fn resolve<'t>(&mut self, mut exchange: Exchange<'t>) -> Exchange<'t> {
         let record = exchange.record;
         let state = &self.states[record.connection.index];
@@ -166,7 +166,7 @@ impl Sessions {
         match exchange.role {
             Role::Event | Role::Unanswered => {}
             Role::Unreadable => {
-                // An unreadable message may have been any message, like a lost one.
+                // Like a lost message, an unreadable message may have been any message.
                 if record.direction == Direction::In {
                     self.lose_connection(record.connection.index);
                 }
@@ -222,7 +222,8 @@ impl Sessions {
         }
     }
 
-    /// Like `lose`, for one connection. Its new serial separates it from everything known so far.
+    /// Like `lose`, for one connection. The connection gets a new serial, which separates it from everything known so
+    /// far.
     fn lose_connection(&mut self, connection: usize) {
         let serial = self.next_serial();
         let state = &mut self.states[connection];
@@ -276,7 +277,7 @@ impl Sessions {
             release(&mut self.operations, state.serial, &request);
         }
         let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else {
-            // Its answer may have any `refs`.
+            // The answer to this message may have any `refs`.
             return state.is_whole = false;
         };
         let key = (state.serial, side, id.to_owned());
@@ -350,7 +351,7 @@ impl Sessions {
         let State { serial, is_whole, .. } = self.states[exchange.record.connection.index];
         let is_known = is_whole && !self.operations.has_forgotten();
         let mut seen = BTreeSet::new();
-        // Another rule covers receipts that a message names twice.
+        // A separate rule covers receipts that a message names twice.
         let receipts = receipts.into_iter().filter(|receipt| seen.insert(receipt.clone()));
         for receipt in receipts.take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
             let before = self.operations.remove(serial, &receipt);
@@ -412,7 +413,7 @@ impl Sessions {
         for receipt in strings(exchange.field("success")).unwrap_or_default() {
             let operation = self.operations.get_mut(serial, &receipt);
             let before = operation.as_deref().cloned();
-            // It may have been suspended after the request.
+            // The operation may have been suspended after the request.
             if let Some(operation) = operation.filter(|known| known.stage == Stage::Suspended) {
                 operation.stage = Stage::Released;
             }
@@ -429,7 +430,7 @@ impl Sessions {
         let (Some(now), Some(time)) = (exchange.clock_reading(), exchange.time) else { return };
         let state = &mut self.states[exchange.record.connection.index];
         exchange.clock_move = exchange.clock.map(|before| ClockMove {
-            // There is no change if both answers allow for the same offset.
+            // The change is 0 if both answers allow for the same offset.
             by: (now.0 - before.1).max(before.0 - now.1).max(0.0),
             since: time - state.clock_time,
             is_after_nothing: state.adjusted_by_nothing.is_some(),
@@ -495,13 +496,13 @@ impl SentRequest {
     }
 }
 
-/// The first repeated text.
+/// The first repeated string.
 fn repeated(texts: &[String]) -> Option<String> {
     let mut seen = BTreeSet::new();
     texts.iter().find(|text| !seen.insert(*text)).cloned()
 }
 
-/// The strings of a list. `None` if it isn't a list of strings, or exceeds the limits.
+/// The strings of a list. `None` if the value isn't a list of strings, or exceeds the limits.
 fn strings(list: Option<&Tree<'_>>) -> Option<Vec<String>> {
     let Some(Tree::List(values)) = list else { return None };
     let short = |value: &Tree<'_>| Some(value.as_str()?.to_owned()).filter(|text| text.len() <= MAX_ID);

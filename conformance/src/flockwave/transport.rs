@@ -5,7 +5,7 @@
 //! | TCP | a line | `client` | `serve` |
 //! | UDP | a datagram | `client` | `serve` |
 //! | HTTP | the body of a POST, or of its answer | `client` | `http` |
-//! | Socket.IO | the argument of an event `fw` | `client` | `engine`, `socketio` |
+//! | Socket.IO | the argument of an `fw` event | `client` | `engine`, `socketio` |
 //!
 //! All waits have a time limit, and no more than [`MESSAGE_LIMIT`] of received data is stored.
 //!

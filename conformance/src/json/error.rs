@@ -2,12 +2,12 @@
 
 use std::fmt;
 
-/// The error for a text that isn't JSON.
+/// The error for text that isn't JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SyntaxError {
-    /// The offset of the byte.
+    /// The byte offset of the error.
     pub at: usize,
-    /// The problem at that byte.
+    /// The problem at this offset.
     pub problem: &'static str,
 }
 

@@ -1,7 +1,7 @@
-//! Finds the end of a JSON value from brackets and quotation marks only.
+//! Finds the end of a JSON value, using only brackets and quotation marks.
 //!
-//! The bytes may arrive in pieces of any length, and may be invalid JSON. A reader of lines or streams can find the
-//! next value after an invalid one.
+//! The bytes may arrive in pieces of any length, and may be invalid JSON. Readers of lines or streams can therefore
+//! find the next value after an invalid one.
 
 /// A state machine that tracks the bytes of a value.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,13 +27,13 @@ enum State {
 }
 
 impl Frame {
-    /// The number of these bytes that belong to the value, if it ends within or directly before them.
+    /// The number of bytes that belong to the value, if the value ends within `bytes` or directly before them.
     pub(crate) fn end(&mut self, bytes: &[u8]) -> Option<usize> {
         let last = bytes.iter().position(|byte| self.step(*byte))?;
         Some(last + usize::from(!self.is_before))
     }
 
-    /// Tracks the brackets of a text with any number of values. Returns how many brackets are open.
+    /// Tracks the brackets in a text with any number of values. Returns the number of open brackets.
     pub(crate) fn follow(&mut self, text: &str) -> u64 {
         for byte in text.bytes() {
             if self.state == State::Word {

@@ -1,9 +1,8 @@
-//! The JSON tokenizer. Tokens borrow from the text.
+//! The JSON tokenizer. Tokens borrow from the input text.
 //!
-//! It accepts RFC 8259 and also `NaN`, `Infinity` and `-Infinity`, which are separate tokens. Readers of known
-//! structures call a function for the expected token ([`Tokens::integer`], [`Tokens::takes_key`]); other readers
-//! accept any token. Functions that run for each value are marked `#[inline]`, because their callers are in other
-//! modules.
+//! In addition to RFC 8259, it accepts `NaN`, `Infinity` and `-Infinity` as separate tokens. Readers of known
+//! structures call a function for the expected token ([`Tokens::integer`], [`Tokens::takes_key`]); other readers accept
+//! any token. Functions that run for each value are marked `#[inline]`, because their callers are in other modules.
 
 use std::borrow::Cow;
 
@@ -18,7 +17,7 @@ const MAX_DIGITS: usize = 18;
 /// The error at the end of an incomplete text.
 pub(crate) const TRUNCATED: &str = "unexpected end";
 
-/// The tokens that aren't JSON, although programs write them.
+/// The tokens that aren't JSON, but that some programs write.
 const NOT_JSON: [&str; 3] = ["NaN", "Infinity", "-Infinity"];
 
 /// A position in a JSON text.
@@ -48,8 +47,8 @@ pub(crate) enum Token<'t> {
     Text(Cow<'t, str>),
 }
 
-/// The error of readers that accept only what they expect. A slower reader then determines the problem, if there is
-/// one.
+/// The error of readers that accept only the expected input. A slower reader then determines whether there is a
+/// problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Unclear;
 
@@ -346,7 +345,7 @@ impl<'t> Tokens<'t> {
             match self.peek() {
                 Some(byte @ (b'{' | b'[')) => {
                     self.at += 1;
-                    // The closing brackets come two after the opening ones in ASCII.
+                    // In ASCII, the code of a closing bracket is two higher than that of the opening bracket.
                     if !self.takes(byte + 2) {
                         open.push(byte + 2);
                         if byte == b'{' {
@@ -437,7 +436,8 @@ fn simple_escape(letter: u8) -> Option<char> {
     })
 }
 
-/// The character of a `\u` escape or of a surrogate pair of two, and its length in bytes.
+/// The character of a `\u` escape, or of two escapes that form a surrogate pair, and the length of the escapes in
+/// bytes.
 fn code_point(escape: &str) -> Option<(char, usize)> {
     let unit = |at: usize| {
         let digits =

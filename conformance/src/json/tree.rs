@@ -1,5 +1,5 @@
-//! A JSON tree that preserves the text: repeated keys, the digits of numbers, and tokens that aren't JSON although
-//! programs write them.
+//! A JSON tree that preserves the text, including repeated keys, the digits of numbers, and tokens that aren't JSON but
+//! that some programs write.
 
 use std::borrow::Cow;
 use std::fmt::{self, Write as _};
@@ -7,13 +7,13 @@ use std::fmt::{self, Write as _};
 use super::error::SyntaxError;
 use super::tokens::{Token, Tokens};
 
-/// The maximum number of values in a tree. Each takes dozens of times the memory of its text.
+/// The maximum number of values in a tree. Each value takes dozens of times as much memory as its text.
 const MAX_VALUES: usize = 1 << 20;
 
 /// The maximum length of a displayed value, in characters.
 const MAX_SHOWN: usize = 40;
 
-/// The maximum length of an excerpt, in bytes: about a line.
+/// The maximum length of an excerpt, in bytes. This is about one line.
 const MAX_EXCERPT: usize = 120;
 
 /// A JSON value.
@@ -111,7 +111,7 @@ impl fmt::Display for Tree<'_> {
     }
 }
 
-/// Writes values in brackets, as many as fit into an excerpt.
+/// Writes as many values as fit into an excerpt, in brackets.
 fn enclosed<T>(text: &mut String, [open, close]: [char; 2], values: &[T], write: impl Fn(&mut String, &T)) {
     text.push(open);
     for (at, value) in values.iter().enumerate() {
@@ -134,7 +134,7 @@ pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Parses a value. `count` grows by the number of values in it.
+/// Parses a value. Adds the number of values in it to `count`.
 fn value<'t>(tokens: &mut Tokens<'t>, count: &mut usize) -> Result<Tree<'t>, SyntaxError> {
     let first = tokens.peek();
     *count += 1;

@@ -24,10 +24,11 @@ const OBSERVE: Duration = Duration::from_millis(1_500);
 /// The time after which a UAV is lost.
 const LOSS: Duration = Duration::from_millis(700);
 
-/// The time after which the server with farewell closes a connection: longer than any trial on a separate connection.
+/// The time after which a server that sends a farewell closes a connection. It is longer than any trial on a separate
+/// connection.
 const FAREWELL_DELAY: Duration = Duration::from_secs(2);
 
-/// The simulation speed: 10 runs ten times as fast as real time.
+/// The simulation speed. `10` means ten times real time.
 const SPEED: f64 = 10.0;
 
 /// The number of status reports per second.
@@ -39,7 +40,7 @@ const UAVS: [&str; 2] = ["glider-1", "glider-2"];
 /// User name and password.
 const LOGIN: (&str, &str) = ("pilot", "soar");
 
-/// The transports of servers without a bug, and the query of their URLs.
+/// The transports of servers without a bug, with the query of each URL.
 const TRANSPORTS: [(Transport, &str); 7] = [
     (Transport::Tcp, ""),
     (Transport::Udp, ""),
@@ -134,7 +135,7 @@ pub(crate) fn cases() -> Vec<Case> {
     TRANSPORTS.into_iter().map(plain).chain(special).chain(RULES.into_iter().map(with_bug)).collect()
 }
 
-/// Probes a server for each case, and passes the results to `take` in the order of the cases.
+/// Probes a server for each case, and passes the results to `take` in case order.
 pub(crate) fn live(cases: &[Case], definitions: &Definitions, mut take: impl FnMut(io::Result<Row>)) {
     let work = |case: &Case| row(case, definitions);
     parallel::each(cases, NonZeroUsize::new(JOBS), work, |_, row| take(row));

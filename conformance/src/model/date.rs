@@ -4,7 +4,7 @@ use std::env;
 use std::fmt;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// The environment variable that sets the current time, in seconds since 1970: see reproducible-builds.org.
+/// The environment variable that sets the current time, in seconds since 1970. See reproducible-builds.org.
 const EPOCH_VARIABLE: &str = "SOURCE_DATE_EPOCH";
 
 /// The length of a day in seconds.
@@ -32,7 +32,7 @@ impl Date {
     ///
     /// # Errors
     ///
-    /// The environment variable `SOURCE_DATE_EPOCH` is invalid.
+    /// Fails if the `SOURCE_DATE_EPOCH` environment variable is invalid.
     pub(crate) fn today() -> Result<Self, String> {
         if let Some(value) = env::var_os(EPOCH_VARIABLE) {
             let seconds = value.to_str().and_then(|value| value.parse().ok()).and_then(Self::at);
@@ -43,12 +43,12 @@ impl Date {
                 )
             });
         }
-        // A clock before 1970 was never set. Then nothing has expired.
+        // A clock before 1970 was never set. Nothing has expired then.
         let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         Self::at(since.as_secs()).ok_or_else(|| "the system clock is after the year 9999".to_owned())
     }
 
-    /// The day of a time in seconds since 1970. `None` after the year 9999.
+    /// The day that contains a time in seconds since 1970. `None` after the year 9999.
     pub(crate) fn at(seconds: u64) -> Option<Self> {
         if seconds >= END {
             return None;
@@ -59,7 +59,7 @@ impl Date {
         // Removes the leap days: one in 4 years, except one in 100 years, and the last one of the cycle.
         let year = (in_cycle - in_cycle / 1_460 + in_cycle / 36_524 - in_cycle / 146_096) / 365;
         let in_year = in_cycle - (365 * year + year / 4 - year / 100);
-        // From March on, each five months have 153 days.
+        // From March on, every five months have 153 days.
         let month = (5 * in_year + 2) / 153;
         let day = in_year - (153 * month + 2) / 5 + 1;
         let (month, later) = if month < 10 { (month + 3, 0) } else { (month - 9, 1) };

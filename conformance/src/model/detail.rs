@@ -5,7 +5,7 @@ use std::fmt;
 use uavspec_codegen::schema::Restriction;
 use uavspec_runtime::{Constraint, Number, Rule};
 
-/// The maximum number of documented values that are listed.
+/// The maximum number of documented values to list.
 const MAX_LISTED: usize = 12;
 
 /// The maximum number of bytes in an excerpt.
@@ -60,7 +60,7 @@ impl Detail {
         Self { part: path.clone(), path, ..self }
     }
 
-    /// Sets the path in the record only, if the subject or the part describes it in another way.
+    /// Sets only the path in the record, for details whose subject or part describes the location differently.
     #[must_use]
     pub(crate) fn located(self, path: impl Into<String>) -> Self {
         Self { path: path.into(), ..self }

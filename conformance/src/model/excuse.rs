@@ -7,13 +7,13 @@ use super::Date;
 /// The reason why a known failure doesn't count.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Excuse {
-    /// The kind: it fails always or sometimes.
+    /// The kind: fails always, or fails sometimes.
     pub kind: ExcuseKind,
     /// The reason, from the list of known failures.
     pub reason: String,
     /// A link to more information.
     pub link: Option<String>,
-    /// The last day on which it doesn't count.
+    /// The last day on which the failure doesn't count.
     pub expires: Option<Date>,
 }
 

@@ -23,29 +23,30 @@ pub struct Group {
     pub count: u64,
     /// The locations and details of the first findings.
     pub examples: Vec<(Location, Detail)>,
-    /// The message with the shortest common prefix with the first message. `None` if all messages start with the first.
+    /// The message that shares the shortest prefix with the first message. `None` if all messages start with the whole
+    /// first message.
     pub farthest: Option<String>,
     /// The length of the common prefix of all messages, in bytes.
     common: usize,
-    /// The location in the definition that is violated.
+    /// The location of the violated definition.
     pub definition: Option<Span>,
     /// The entry in the list of known failures, if any.
     pub known: Option<Excuse>,
 }
 
 impl Group {
-    /// Messages that represent all others: all messages start with a text if and only if these do.
+    /// Messages that represent all others: all messages start with a given prefix if and only if these messages do.
     pub fn messages(&self) -> Vec<String> {
         let first = self.examples.iter().map(|(_, detail)| detail.to_string());
         first.chain(self.farthest.clone()).collect()
     }
 
-    /// Updates the common prefix with the message of a further finding.
+    /// Shortens the common prefix if necessary for the message of another finding.
     fn compare(&mut self, message: String) {
         let first = self.examples.first().map_or_else(|| message.clone(), |(_, detail)| detail.to_string());
         let pairs = first.chars().zip(message.chars());
         let common = pairs.take_while(|(left, right)| left == right).map(|(left, _)| left.len_utf8()).sum();
-        // If all others start with the whole first message, it represents them.
+        // If all other messages start with the whole first message, it represents them.
         if common < self.common {
             self.common = common;
             self.farthest = (common < first.len()).then_some(message);
@@ -58,15 +59,15 @@ impl Group {
 pub enum Verdict {
     /// No violations.
     Pass,
-    /// Violations of a SHOULD.
+    /// Violations of a SHOULD rule.
     Warn,
-    /// Violations of a MUST.
+    /// Violations of a MUST rule.
     Fail,
     /// All violations are known failures.
     Known,
-    /// Findings of an INFO, which are only shown.
+    /// Findings of an INFO rule, which are only shown.
     Shown,
-    /// The rule applies to no data in the capture.
+    /// The rule doesn't apply to any data in the capture.
     NotCovered,
 }
 
@@ -85,7 +86,7 @@ struct Counts {
     num_groups: usize,
     /// The number of items that the rule checked.
     covered: u64,
-    /// The number of findings without a group, since there were too many groups.
+    /// The number of findings that have no group because there were too many groups.
     dropped: u64,
 }
 
@@ -136,13 +137,13 @@ impl Findings {
         }
     }
 
-    /// True if a group has enough examples, so that a further finding is only counted.
+    /// True if a group has enough examples, so further findings are only counted.
     pub(crate) fn has_examples(&self, rule: &Rule, subject: &str) -> bool {
         let group = self.groups.get(&(rule.id, subject.to_owned()));
         group.is_some_and(|group| group.examples.len() == MAX_EXAMPLES)
     }
 
-    /// Counts further findings of a group that has enough examples.
+    /// Counts further findings in a group that has enough examples.
     pub(crate) fn count(&mut self, rule: &Rule, subject: &str, times: u64) {
         if let Some(group) = self.groups.get_mut(&(rule.id, subject.to_owned())) {
             group.count += times;
@@ -160,14 +161,14 @@ impl Findings {
         self.groups.range(first..).map(|(_, group)| group).take_while(|group| group.rule.id == rule.id)
     }
 
-    /// The number of findings of a rule without a group.
+    /// The number of a rule's findings that have no group.
     pub fn dropped(&self, rule: &Rule) -> u64 {
         self.known_counts_of(rule).map_or(0, |counts| counts.dropped)
     }
 
     /// The number of items that a rule checked.
     pub fn covered(&self, rule: &Rule) -> u64 {
-        // With a finding, at least one item was checked.
+        // If there is a finding, at least one item was checked.
         self.known_counts_of(rule).map_or(0, |counts| counts.covered.max(u64::from(counts.num_groups > 0)))
     }
 

@@ -50,7 +50,7 @@ pub enum Extent {
 /// A stream of messages of one type: a subscription in a log, or a topic in another capture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Channel<'c> {
-    /// The number of the channel in its capture. It is reused if a new channel replaces another.
+    /// The number of the channel in its capture. If a new channel replaces another, it reuses the number.
     pub index: usize,
     /// The topic.
     pub topic: &'c str,
@@ -58,7 +58,7 @@ pub(crate) struct Channel<'c> {
     pub multi_id: Option<u8>,
     /// The definition of the messages, if known.
     pub definition: Option<MessageId>,
-    /// The version of the messages, if the capture states it. Otherwise the version of the definition applies.
+    /// The version of the messages, if the capture states it. Otherwise, the definition's version applies.
     pub version: Option<u32>,
     /// The location where the channel was opened.
     pub location: Location,
@@ -67,7 +67,7 @@ pub(crate) struct Channel<'c> {
 /// A message on a channel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Message<'m> {
-    /// The field `timestamp`, in µs since boot.
+    /// The `timestamp` field, in µs since boot.
     pub timestamp: Option<u64>,
     /// The fields, if a rule needs them (`Interest::Values`) and they can be read.
     pub values: Option<DynamicView<'m>>,

@@ -32,7 +32,7 @@ impl fmt::Display for Level {
 pub enum Status {
     /// The specification requires it.
     Normative,
-    /// The specification contradicts itself. The text describes the contradiction.
+    /// The specification contradicts itself. Contains a description of the contradiction.
     Disputed(&'static str),
     /// It follows from the specification or its purpose.
     Advisory,
@@ -61,9 +61,9 @@ pub struct Rule {
     pub statement: &'static str,
     /// The part of the specification that requires it.
     pub source: &'static str,
-    /// The data that it applies to.
+    /// The data to which the rule applies.
     pub applies_to: &'static str,
-    /// The harm that a violation does.
+    /// The harm that a violation causes.
     pub why: &'static str,
     /// An example of a violation: messages, or a value with its definition.
     pub example: &'static str,

@@ -48,14 +48,14 @@ impl Connection {
         }
     }
 
-    /// Another handle, so that one can read and the other write.
+    /// Another handle to the connection. One handle can then read while the other writes.
     pub(crate) fn stream(&self) -> io::Result<TcpStream> {
         self.0.try_clone()
     }
 
     /// Closes both directions.
     pub(crate) fn shut_down(&self) {
-        // The peer may have closed it already.
+        // The peer may already have closed the connection.
         let _ = self.0.shutdown(Shutdown::Both);
     }
 }

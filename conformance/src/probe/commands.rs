@@ -32,7 +32,7 @@ const FLIGHT: Duration = Duration::from_secs(1);
 const HEIGHT: u32 = 10_000;
 
 impl Probe<'_, '_> {
-    /// Sends commands to those of these UAVs that the caller named.
+    /// Sends commands to the UAVs in this list that the caller named.
     pub(super) fn command(&mut self, uavs: &[String]) {
         let named: Vec<String> = self.options.uavs.clone();
         if named.is_empty() {
@@ -62,7 +62,7 @@ impl Probe<'_, '_> {
         self.query_for_trial(&asy_19::RULE, resume.clone());
         let is_progress = |message: &Value| message["body"]["suspended"] == true || is_end(message, &receipt);
         let message = self.wait(PROGRESS_TIMEOUT, is_progress);
-        // A suspended operation must stay suspended. Without any progress, it may be suspended as well.
+        // A suspended operation must stay suspended. An operation without progress may also be suspended.
         let is_stopped = message.is_none_or(|message| !is_end(&message, &receipt))
             && self.wait(SUSPENSION_TIMEOUT, |message| is_end(message, &receipt)).is_none();
         if is_stopped {

@@ -15,7 +15,7 @@ use crate::flockwave::transport::endpoint::Endpoint;
 /// The maximum number of stored ids of unanswered requests.
 const MAX_WAITING: usize = 1_000;
 
-/// The reason in the recording if the server closed a connection.
+/// The reason recorded if the server closes a connection.
 const CLOSED: &str = "eof";
 
 /// The time limit for reading the remaining messages after the server closed the connection.
@@ -76,7 +76,7 @@ impl Session {
         self.is_over
     }
 
-    /// True if any request has no answer yet.
+    /// True if at least one request has no answer yet.
     pub(super) fn is_waiting(&self) -> bool {
         !self.waiting.is_empty()
     }
@@ -187,9 +187,9 @@ impl Session {
         self.end(tape, "client");
     }
 
-    /// Adds an envelope to an answer over HTTP that has none. The specification doesn't define this transport, and some
-    /// servers answer with the body only, since the request is known. Without an id of the request, such an answer is
-    /// an error.
+    /// Adds an envelope to an HTTP answer that has none. The specification doesn't define this transport, and some
+    /// servers answer with only the body, since the request is known. If the request has no id, such an answer is an
+    /// error.
     fn enveloped(&mut self, bytes: Vec<u8>) -> Result<Vec<u8>, Vec<u8>> {
         let Some(body) = bare(&bytes).filter(|_| self.is_one_shot) else { return Ok(bytes) };
         let Some(last_request) = &self.last_request else { return Err(bytes) };
@@ -198,7 +198,7 @@ impl Session {
         Ok(format!(r#"{{"$fw.version":"1.0","id":"{id}","refs":{refs},"body":{}}}"#, body.get()).into_bytes())
     }
 
-    /// Processes a message: marks its request as answered, or answers a ping of the server.
+    /// Processes a message: marks its request as answered, or answers a ping from the server.
     fn take(&mut self, tape: &mut Tape<'_>, message: &Value) {
         if let Some(refs) = message["refs"].as_str() {
             self.waiting.remove(refs);

@@ -18,10 +18,10 @@ const UNKNOWN_TYPE: &str = "PROBE-NONE";
 /// The maximum number of objects to request in detail.
 const MAX_OBJECTS: usize = 50;
 
-/// The time limit for the first UAV to appear. Some servers have UAVs only while a client is connected.
+/// The time limit for the first UAV to appear. Some servers only have UAVs while a client is connected.
 const UAV_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// The interval of requests while waiting for UAVs.
+/// The interval between requests while waiting for UAVs.
 const POLL_INTERVAL: Duration = Duration::from_millis(400);
 
 impl Probe<'_, '_> {
@@ -76,7 +76,7 @@ impl Probe<'_, '_> {
             self.note(format!("no UAV has appeared within {} s", UAV_TIMEOUT.as_secs()));
         } else if began.elapsed() > POLL_INTERVAL {
             self.note(format!("the first UAV appeared after {:.1} s", began.elapsed().as_secs_f64()));
-            // Further UAVs may appear soon.
+            // More UAVs may appear soon.
             self.listen(POLL_INTERVAL * 4);
         }
         self.query(json!({ "type": "UAV-LIST" }));
@@ -148,7 +148,7 @@ impl Probe<'_, '_> {
         self.query_for_trial(&env_24::RULE, resume);
     }
 
-    /// Listens to notifications.
+    /// Listens for notifications.
     fn observe(&mut self) {
         let until = (Instant::now() + self.options.observe).min(self.end);
         while Instant::now() < until && self.ensure_connected() {

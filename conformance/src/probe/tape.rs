@@ -1,5 +1,5 @@
-//! The recording of a probe. Each line is checked as it is written, with the same code as for recordings, so a live run
-//! and its recording have the same findings.
+//! The recording of a probe. Each line is checked as it is written, with the same code that checks recordings. A live
+//! run and its recording therefore have the same findings.
 
 use std::io::{self, Write};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -39,7 +39,7 @@ impl<'d> Tape<'d> {
     ) {
         let direction = if direction == Direction::In { "in" } else { "out" };
         let content = match std::str::from_utf8(bytes) {
-            // A line end between JSON tokens is insignificant, and JSON strings can't contain one.
+            // A line end between JSON tokens is insignificant, and JSON strings can't contain line ends.
             Ok(text) if Tree::read(text).is_ok() => {
                 format!("\"msg\":{}", text.replace(['\n', '\r'], " "))
             }

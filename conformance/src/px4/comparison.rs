@@ -19,7 +19,7 @@ pub enum Comparison {
     Undefined,
 }
 
-/// The meaning of the position of a field.
+/// The meaning of a field's position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Order {
     /// The offset in memory.
@@ -31,13 +31,13 @@ enum Order {
 /// The differences between a format and its definition.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Differences {
-    /// The fields that only the definition has, as `name (type)`.
+    /// The fields that only the definition contains, as `name (type)`.
     pub missing: Vec<String>,
-    /// The fields that only the format has, as `name (type)`.
+    /// The fields that only the format contains, as `name (type)`.
     pub extra: Vec<String>,
     /// The fields with different types, as `name (type, defined as type)`.
     pub retyped: Vec<String>,
-    /// True if the fields are equal but have different positions.
+    /// True if the fields are the same but have different positions.
     pub is_moved: bool,
     /// The names of fields with nested messages that differ.
     pub nested: Vec<String>,
@@ -49,7 +49,7 @@ pub struct Differences {
 const MAX_LISTED_ITEMS: usize = 8;
 
 impl Differences {
-    /// The differences in the form for findings.
+    /// The differences, as the detail of a finding.
     pub(crate) fn detail(&self) -> Detail {
         Detail::new(self.to_string()).expected("the fields of the definition").actual("different fields")
     }
@@ -81,13 +81,12 @@ impl fmt::Display for Differences {
     }
 }
 
-/// Compares the memory layout of a format with that of the definition.
+/// Compares the memory layout of a format with the layout of the definition.
 pub(crate) fn compare(format: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
     compare_in(Order::Memory, format, defined)
 }
 
-/// Compares a declared type with the definition by the order of fields, which determines CDR. In ROS 2, `char` is
-/// `uint8`.
+/// Compares a declared type with the definition by field order, which determines CDR. In ROS 2, `char` is `uint8`.
 pub(crate) fn compare_declared(declared: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
     compare_in(Order::Declared, declared, defined)
 }
@@ -101,7 +100,8 @@ fn compare_in(order: Order, format: MessageType<'_>, defined: MessageType<'_>) -
 }
 
 impl Order {
-    /// The fields in this order. Formats in logs are in memory order, and definitions in any order.
+    /// The fields in this order. In logs, the fields of formats are in memory order. In definitions, they are in any
+    /// order.
     fn fields(self, message_type: MessageType<'_>) -> Vec<Placed<'_>> {
         let mut fields: Vec<Placed<'_>> = message_type.layout().collect();
         if self == Self::Memory {
@@ -143,7 +143,7 @@ impl Order {
         }
     }
 
-    /// The differences between two types that aren't equal.
+    /// The differences between two unequal types.
     fn differences(self, format: MessageType<'_>, defined: MessageType<'_>) -> Differences {
         let by_name = |message_type| -> BTreeMap<&str, Placed<'_>> {
             MessageType::layout(message_type).map(|field| (field.name, field)).collect()
@@ -179,7 +179,8 @@ fn in_ros(ty: &str) -> String {
     }
 }
 
-/// The type in the notation of definitions. Logs name messages differently, so all are called `message`.
+/// The type in the notation of definitions. Logs name messages differently, so all nested messages are called
+/// `message`.
 fn type_text(field: Placed<'_>) -> String {
     let element = match field.element {
         PlacedElement::Scalar(scalar) => scalar.name().to_owned(),

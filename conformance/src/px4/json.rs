@@ -1,11 +1,11 @@
 //! Checks JSON messages against their definitions.
 //!
-//! A message that differs from an earlier one only in its values is compared with it (`template.rs`). Other texts
-//! take a fast path, which reads them in one pass without a tree and only confirms messages without findings
+//! A message that differs from an earlier message only in its values is compared with the earlier one (`template.rs`).
+//! Other text takes a fast path. It is read in one pass without a tree, which only confirms messages without findings
 //! ([`Plans::read`]).
 //!
-//! The rest is parsed into a [`Tree`], which preserves repeated keys, the text of numbers, and tokens that aren't
-//! JSON, such as `NaN`. All findings come from the tree ([`Plans::explain`]). Both paths use the same checks of
+//! Everything else is parsed into a [`Tree`], which preserves repeated keys, the text of numbers, and tokens that
+//! aren't JSON, such as `NaN`. All findings come from the tree ([`Plans::explain`]). Both paths use the same checks of
 //! single values (`value.rs`), and a test with random changes compares their results.
 
 mod clean;

@@ -1,8 +1,8 @@
 //! Checks payloads in memory, including messages that were decoded from CDR.
 //!
-//! A plan is compiled once for each format. The capture provides the format and the definition provides the
-//! constraints. They apply to the fields that both have. Valid messages cost a few comparisons for each constrained
-//! field. Violations are examined in a second step.
+//! A plan is compiled once for each format. The capture provides the format, and the definition provides the
+//! constraints. The constraints apply to the fields that both contain. A valid message takes only a few comparisons for
+//! each constrained field. Violations are examined in a second step.
 
 mod healthy;
 
@@ -19,7 +19,7 @@ use super::ValueRules;
 use super::values::{Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan};
 use crate::model::{Findings, Location, hexadecimal};
 
-/// The maximum number of steps of a plan. Nested arrays can multiply the steps without limit.
+/// The maximum number of steps in a plan. Without a limit, nested arrays could multiply the steps indefinitely.
 const MAX_STEPS: usize = 4_096;
 
 /// The compiled checks of a format.
@@ -33,13 +33,13 @@ pub(crate) struct Plan {
     coverage: Coverage,
 }
 
-/// The values of a field, which have the same constraints.
+/// The values of a field. They all have the same constraints.
 #[derive(Debug)]
 struct Step {
-    /// The path of the field, e.g. `events[2].id`, without the index of an array. In a sequence, it is relative to
-    /// the element.
+    /// The path of the field, e.g. `events[2].id`, without the index of an array. In a sequence, the path is relative
+    /// to the element.
     path: String,
-    /// The name of the topic and the path without indices, which are the subject of findings.
+    /// The subject of findings: the name of the topic and the path without indices.
     subject: String,
     offset: usize,
     count: usize,
@@ -47,7 +47,7 @@ struct Step {
     content: Content,
     /// The field with the number of used values, if there is one.
     count_of_values: Option<Counter>,
-    /// The entries of counted arrays that contain it.
+    /// The entries of counted arrays that contain the field.
     entries: Vec<Entry>,
 }
 
@@ -87,7 +87,7 @@ struct Entry {
 /// A message nested in the message of the plan.
 #[derive(Clone, Copy)]
 struct Within<'w> {
-    /// The offset of its start.
+    /// The offset of the nested message.
     base: usize,
     path: &'w str,
     subject: &'w str,
@@ -106,8 +106,8 @@ struct Compiler<'c> {
 }
 
 impl Plan {
-    /// Compiles a plan for payloads with the layout of `message_type`, which are messages of the definition
-    /// `message`. Without a definition, only the constraints of types apply. Findings name the topic.
+    /// Compiles a plan for payloads with the layout of `message_type`. The payloads are messages of the `message`
+    /// definition. Without a definition, only the constraints of types apply. Findings name the topic.
     pub(crate) fn new(
         message_type: MessageType<'_>,
         message: Option<MessageId>,
@@ -127,12 +127,12 @@ impl Plan {
         Self { rules, steps, size: compiler.size, coverage: compiler.coverage }
     }
 
-    /// The size of the plan in steps: one for each checked field.
+    /// The size of the plan in steps. Each checked field is one step.
     pub(crate) fn steps(&self) -> usize {
         self.size
     }
 
-    /// Checks a payload that has all fields of its format.
+    /// Checks a payload. It must contain all fields of its format.
     pub(crate) fn check(&self, payload: &[u8], location: Location, findings: &mut Findings) {
         Run { payload, location, rules: self.rules, findings }.steps(&self.steps, 0, None);
     }
@@ -224,7 +224,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// Adds a sequence, whose elements have separate steps. Their number is unknown, so they aren't part of the
+    /// Adds a sequence. Its elements have separate steps. The number of elements is unknown, so they aren't part of the
     /// coverage.
     fn sequence(
         &mut self,
@@ -354,7 +354,7 @@ impl Values {
                 let (message, field) = field?;
                 let mut restriction = Box::new(field.restriction.clone()?);
                 let counted = field.counts.map(|array| &message.fields[array]);
-                // The array has the length of the format, even if the definition has another one.
+                // The array has the length that the format states, even if the definition states a different one.
                 restriction.limits.count = counted.and_then(|array| most(&array.name, message_type));
                 (Element::Scalar(scalar), Some(restriction))
             }
@@ -430,7 +430,7 @@ impl Run<'_> {
         }
     }
 
-    /// Reports the violation by a value that didn't pass the fast check, if there is one.
+    /// Reports the violation, if there is one, by a value that didn't pass the fast check.
     fn explain(
         &mut self,
         step: &Step,
@@ -481,7 +481,7 @@ impl Entry {
 impl Step {
     /// True if a value is in use. Other values are ignored.
     fn is_in_use(&self, index: usize, values: &Values, base: usize, payload: &[u8]) -> bool {
-        // The characters of a text are one value.
+        // All characters of a text form a single value.
         let counter = self.count_of_values.filter(|_| !matches!(values.element, Element::Text(_)));
         counter.is_none_or(|counter| counter.uses(index, base, payload))
             && self.entries.iter().all(|entry| entry.is_in_use(base, payload))

@@ -1,7 +1,8 @@
-//! The constraints on single values, compiled once from the definitions. Memory, CDR and JSON share them.
+//! The constraints on single values, compiled once from the definitions. They are shared by the checks of memory, CDR
+//! and JSON.
 //!
-//! An encoding only determines how a value is read. This module contains the constraints, their rules, the messages
-//! of violations, and the number of values that each rule covers.
+//! An encoding only determines how a value is read. This module contains the constraints, their rules, the messages for
+//! violations, and the number of values that each rule covers.
 
 use std::fmt;
 
@@ -18,7 +19,7 @@ pub(crate) struct ValueRules {
     pub bool: &'static Rule,
     /// Text is UTF-8.
     pub text: &'static Rule,
-    /// A number satisfies a demand of its restriction.
+    /// A number satisfies each demand of its restriction.
     pub number: fn(Demand) -> &'static Rule,
     /// A JSON object has each field of its message exactly once, and no others.
     pub members: &'static Rule,
@@ -40,7 +41,7 @@ pub(super) enum Encoding {
 #[derive(Debug)]
 pub(crate) struct Plans {
     pub(super) rules: &'static ValueRules,
-    /// In the order of the schema.
+    /// The constraints of each message, in the order of the schema.
     messages: Vec<MessagePlan>,
 }
 
@@ -52,7 +53,7 @@ pub(crate) struct MessagePlan {
     pub(super) span: Span,
     /// True if the dialect distinguishes text from numbers.
     pub(super) has_text: bool,
-    /// The number of values in a JSON message that each rule covers. A sequence counts as one value.
+    /// For each rule, the number of values that it covers in a JSON message. A sequence counts as one value.
     coverage: Coverage,
 }
 
@@ -61,7 +62,7 @@ pub(crate) struct MessagePlan {
 pub(super) struct FieldPlan {
     pub(super) name: String,
     pub(super) element: Element,
-    /// The number of elements. A text is a single element.
+    /// The number of elements. Text is a single element.
     pub(super) shape: Shape,
     pub(super) restriction: Option<Restriction>,
     /// The field with the number of used entries, if there is one.
@@ -91,7 +92,7 @@ pub(super) enum Element {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Constraint<'c> {
     pub(super) element: Element,
-    /// The number of elements that the value belongs to.
+    /// The number of elements in the value's field.
     pub(super) shape: Shape,
     pub(super) restriction: Option<&'c Restriction>,
 }
@@ -103,13 +104,13 @@ pub(super) enum Violation<'c> {
     Bool(u8),
     /// A JSON value with the wrong type, or out of the range of an integer type.
     Type,
-    /// A finite JSON number that is infinite in the type of its field.
+    /// A finite JSON number that becomes infinite in the type of its field.
     TooLarge(Scalar),
     /// A number that violates a demand of its restriction.
     Number(Demand, Number, &'c Restriction),
     /// An array, sequence or string in JSON with the wrong length.
     Length { found: usize, unit: &'static str, shape: Shape },
-    /// A NUL within a JSON text, which ends the text.
+    /// A NUL within a JSON string. It would end the text.
     Nul(usize),
     /// Text with invalid UTF-8 at this byte.
     NotUtf8(usize),
@@ -163,7 +164,7 @@ impl<'c> Constraint<'c> {
         applicable.chain(restriction.into_iter().flatten().map(rules.number))
     }
 
-    /// Checks the bytes of a value in memory, little-endian.
+    /// Checks the little-endian bytes of a value in memory.
     pub(super) fn check_bytes(self, bytes: &[u8]) -> Result<(), Violation<'c>> {
         match self.element {
             Element::Scalar(Scalar::Bool) => match bytes.first() {
@@ -207,8 +208,8 @@ impl Violation<'_> {
         }
     }
 
-    /// True if the value itself violates a rule, as opposed to its notation. Such violations only count for entries
-    /// in use.
+    /// True if the value itself violates a rule, rather than its notation. Such violations only count for entries in
+    /// use.
     pub(super) fn is_of_value(&self) -> bool {
         matches!(self, Self::Bool(_) | Self::Number(..) | Self::Nul(_) | Self::NotUtf8(_))
     }
@@ -319,7 +320,7 @@ impl FieldPlan {
         }
     }
 
-    /// The constraints on each of its values.
+    /// The constraints on each of the field's values.
     pub(super) fn constraint(&self) -> Constraint<'_> {
         Constraint { element: self.element, shape: self.shape, restriction: self.restriction.as_ref() }
     }

@@ -14,7 +14,7 @@ use super::{
 /// A capture that was checked.
 #[derive(Debug)]
 pub struct CheckedCapture {
-    /// The path as given.
+    /// The path as the user gave it.
     pub path: String,
     /// The result.
     pub result: CaptureResult,
@@ -42,7 +42,7 @@ impl Settings {
             return command.clone();
         }
         let words = ["uavspec", "check"].into_iter().chain(self.arguments.iter().map(String::as_str));
-        // A path that starts with a dash looks like an option, except for standard input.
+        // A path that starts with a dash looks like an option. `-` alone denotes standard input.
         let is_like_option = path.starts_with('-') && path != "-";
         let path = if is_like_option { format!("./{path}") } else { path.to_owned() };
         crate::text::command_line(words.chain([path.as_str()]))

@@ -1,7 +1,7 @@
 //! Reports as an HTML page that requires no network and no script.
 //!
-//! The template macro escapes all texts, and invisible characters are shown as escapes. As a second protection, the
-//! page has a content security policy that forbids loading and running anything.
+//! The template macro escapes all text, and invisible characters are shown as escapes. As an additional protection, the
+//! page has a content security policy that forbids loading or running anything.
 
 mod finding;
 mod subject;
@@ -20,12 +20,12 @@ const STYLE: &str = include_str!("html/style.css");
 /// The content security policy: only the embedded style sheet is allowed.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
 
-/// The maximum number of subjects with a section: browsers can't open a page with the findings of ten thousand logs.
+/// The maximum number of subjects with a section. Browsers can't open a page with the findings of ten thousand logs.
 const MAX_SUBJECTS: usize = 100;
 
 pub(super) fn write(report: &Report) -> String {
     let Report { outcome, subjects, .. } = report;
-    // Other subjects are only in the list of files.
+    // All other subjects appear only in the list of files.
     let has_own_section = |subject: &&Subject| subjects.len() == 1 || subject::has_details(subject);
     let listed: Vec<&Subject> = subjects.iter().filter(has_own_section).collect();
     let shown_first = &listed[..listed.len().min(MAX_SUBJECTS)];
@@ -164,7 +164,7 @@ fn rules(rules: &[RuleReport], subjects: &[&Subject]) -> Markup {
     html! {
         section aria-labelledby="rules" {
             h2 id="rules" { "Rules" }
-            // On narrow screens the rows are blocks; the roles keep them a table for screen readers.
+            // On narrow screens, the rows are blocks. Because of the roles, screen readers still treat them as a table.
             table.rules role="table" {
                 thead role="rowgroup" {
                     tr role="row" {
@@ -206,7 +206,7 @@ fn rule_row(rule: &RuleReport, subjects: &[&Subject]) -> Markup {
     }
 }
 
-/// A verdict on its colour.
+/// A verdict on a background in its colour.
 fn badge(verdict: Verdict) -> Markup {
     let class = match verdict {
         Verdict::Fail => "fail",

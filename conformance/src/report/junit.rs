@@ -1,4 +1,4 @@
-//! Reports as `JUnit` XML: one suite per subject. Captures have one case per rule, testees one per test case.
+//! Reports as `JUnit` XML: one suite per subject. A capture has one case per rule, and a testee has one per test case.
 //!
 //! CI systems identify a case by class and name, so these don't depend on the findings.
 

@@ -22,7 +22,7 @@ pub enum Kind {
 }
 
 impl Report {
-    /// Renders the report. [`Kind::Text`] has terminal colours, which `anstream` removes if needed.
+    /// Renders the report. [`Kind::Text`] contains terminal colours, which `anstream` can remove.
     pub fn to_text(&self, kind: Kind) -> String {
         match kind {
             Kind::Text => text::write(self),

@@ -7,7 +7,7 @@ use uavspec_codegen::emit::docs::markdown::{
 use super::{About, Case, Finding, OutcomeKind, Report, RuleReport, Subject, Testee, Verdict};
 use crate::text::shown;
 
-/// The maximum number of findings per subject: a comment on GitHub may have 65,536 characters.
+/// The maximum number of findings per subject. GitHub limits comments to 65,536 characters.
 const MAX_FINDINGS: usize = 12;
 
 /// The maximum number of subjects with a section.
@@ -39,7 +39,7 @@ pub(super) fn write(report: &Report) -> String {
     page.finish().text
 }
 
-/// The symbol of an outcome, which its text follows.
+/// The symbol that precedes an outcome's text.
 fn mark(outcome: OutcomeKind) -> &'static str {
     match outcome {
         OutcomeKind::Conforms => "✅",
@@ -48,7 +48,7 @@ fn mark(outcome: OutcomeKind) -> &'static str {
     }
 }
 
-/// Escapes a text from the input, on one line.
+/// Escapes text from the input, and puts it on one line.
 fn text(text: &str) -> String {
     inline(&shown(text))
 }

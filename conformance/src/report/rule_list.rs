@@ -81,7 +81,7 @@ fn json(value: &impl Serialize) -> String {
     serde_json::to_string_pretty(value).map_or_else(|_| String::new(), |text| text + "\n")
 }
 
-/// The contradiction in the specification that makes a rule disputed.
+/// The contradiction in the specification, for a disputed rule.
 fn dispute(rule: &Rule) -> Option<&'static str> {
     match rule.status {
         Status::Disputed(contradiction) => Some(contradiction),

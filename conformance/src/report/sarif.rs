@@ -158,7 +158,7 @@ fn entry(rule: &str, level: Level, message: &str, location: Place) -> Entry {
         rule: rule.to_owned().into(),
         category: None,
         level,
-        // Editors show the message next to the code: it must be short, without control characters.
+        // Editors show the message next to the code, so it must be short and contain no control characters.
         message: shown(message),
         help: String::new(),
         place: location,

@@ -138,7 +138,7 @@ fn case_report(
     found
 }
 
-/// The verdict of each rule that inputs of the cases violate: a pass if the testee rejects the inputs.
+/// The verdict of each rule that case inputs violate. The rule passes if the testee rejects these inputs.
 fn rules(cases: &[Case]) -> Vec<RuleVerdict> {
     let mut rules: BTreeMap<&str, RuleVerdict> = BTreeMap::new();
     for case in cases {
@@ -165,7 +165,7 @@ fn rules(cases: &[Case]) -> Vec<RuleVerdict> {
     rules.into_values().collect()
 }
 
-/// Serializes the cases that did not pass. There are thousands of others, which are only counted.
+/// Serializes the cases that did not pass. The thousands of other cases are only counted.
 pub(super) fn not_passed<S: Serializer>(cases: &[Case], serializer: S) -> Result<S::Ok, S::Error> {
     let others: Vec<&Case> = cases.iter().filter(|case| case.verdict != CaseVerdict::Pass).collect();
     others.serialize(serializer)

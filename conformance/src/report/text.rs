@@ -13,7 +13,7 @@ use crate::rules::px4;
 use crate::text::Grouped;
 use crate::text::shown;
 
-/// The minimum width of the column of rules.
+/// The minimum width of the rule column.
 const MIN_WIDTH: usize = 12;
 
 const FAIL: Style = AnsiColor::Red.on_default().bold();
@@ -60,7 +60,7 @@ fn capture(subject: &Subject, summary: &dyn Describe, text: &mut String) -> fmt:
     let width =
         subject.findings.iter().map(|found| found.rule.len()).max().unwrap_or_default().max(MIN_WIDTH);
     for level in [Level::Must, Level::Should, Level::Info] {
-        // Formats that differ are listed in the summary.
+        // Formats that differ are listed in the summary instead.
         let is_of_level = |found: &&Finding| found.level == level && found.rule != px4::FMT_01.rule.id;
         for found in subject.findings.iter().filter(is_of_level) {
             finding(found, width, text)?;
@@ -95,7 +95,7 @@ fn corruption(subject: &Subject, text: &mut String) -> fmt::Result {
     if subject.corruption.is_empty() { Ok(()) } else { writeln!(text) }
 }
 
-/// Writes a finding. `width` is the width of the column of rules.
+/// Writes a finding. `width` is the width of the rule column.
 fn finding(finding: &Finding, width: usize, text: &mut String) -> fmt::Result {
     let (style, word) = match (&finding.known, finding.verdict) {
         (Some(known), _) => (PLAIN, known.kind.as_str()),

@@ -304,13 +304,13 @@ pub fn rule(id: &str) -> Option<&'static FlockwaveRule> {
 /// A Flockwave rule.
 #[derive(Debug)]
 pub struct FlockwaveRule {
-    /// The texts and the level of the rule.
+    /// The text and the level of the rule.
     pub rule: Rule,
     /// The code that finds violations.
     pub(crate) checks: &'static [Check],
     /// The body schema violations that the rule reports in place of `FW-ENV-18`.
     pub(crate) covers: &'static [Attribution],
-    /// The bug of the reference server that violates it.
+    /// The bug of the reference server that violates the rule.
     pub(crate) bug: Bug,
     /// The probe requests that test the rule. Rules without a trial are tested by the survey of the probe or by any
     /// session.
@@ -322,7 +322,7 @@ pub struct FlockwaveRule {
 /// A check of a rule. The kind of the check determines its input.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Check {
-    /// Checks a single message of the server.
+    /// Checks a single message from the server.
     Message(fn(&Message<'_>, &mut RuleContext<'_>)),
     /// Checks any record except status reports, with its request and operations.
     Exchange(fn(&Exchange<'_>, &mut RuleContext<'_>)),

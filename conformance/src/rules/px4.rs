@@ -37,7 +37,7 @@ use super::sample::{Bag, Encoding, Flight, Lines, Log};
 use crate::model::{Channel, Detail, Level, Location, Message, Rule, Status};
 use crate::px4::ValueRules;
 
-/// Rules that are checked by the readers of captures.
+/// The rules that capture readers check.
 pub(crate) use self::{
     cdr_01::RULE as CDR_01, cdr_02::RULE as CDR_02, data_01::RULE as DATA_01, data_02::RULE as DATA_02,
     fmt_01::RULE as FMT_01, fmt_02::RULE as FMT_02, fmt_03::RULE as FMT_03, hash_01::RULE as HASH_01,
@@ -75,7 +75,7 @@ pub(crate) static RULES: [&Px4Rule; 28] = [
     &ver_01::RULE,
 ];
 
-/// The rules about single values.
+/// The rules on single values.
 pub(crate) static VALUES: ValueRules = ValueRules {
     bool: &bool_01::RULE.rule,
     text: &str_01::RULE.rule,
@@ -108,7 +108,7 @@ pub(crate) struct Px4Rule {
 pub(crate) enum Check {
     /// The plan of a format checks each value.
     Value,
-    /// The reader of a capture reports violations, since it can't read the data.
+    /// The capture's reader reports violations, since it can't read the data.
     Source,
     /// A stateful checker receives the records of a capture.
     State(fn() -> Box<dyn Checker>),
@@ -134,7 +134,7 @@ pub(crate) enum Change {
     Ulog(fn(&Flight<'_>, Log) -> Option<Log>),
     /// Changes the MCAP file of a flight.
     Mcap(fn(&Flight<'_>, Bag) -> Option<Bag>),
-    /// Changes the text of a JSON Lines file, of both kinds.
+    /// Changes the text of both kinds of JSON Lines files.
     Json(fn(Lines) -> Option<Lines>),
 }
 
@@ -184,7 +184,8 @@ pub(crate) enum Interest {
 
 /// Checks the records of one capture.
 pub(crate) trait Checker {
-    /// Handles a new channel, and returns the interest in it. Without interest, [`Self::message`] isn't called.
+    /// Handles a new channel, and returns the checker's interest in it. Without interest, [`Self::message`] isn't
+    /// called.
     fn opened(&mut self, _channel: &Channel<'_>, _context: &mut RuleContext<'_>) -> Interest {
         Interest::Nothing
     }

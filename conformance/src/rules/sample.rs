@@ -1,7 +1,7 @@
 //! Conforming captures, generated from any definitions. Rules find nothing in them, and mutants are made from them.
 //!
-//! The bytes depend only on the definitions. All values are the typical ones of the test vectors, so adjacent values
-//! differ and no value is zero by chance. Times and the messages of external components are realistic.
+//! The bytes depend only on the definitions. All values are the typical values from the test vectors, so adjacent
+//! values differ and no value is zero by chance. Times and the messages of external components are realistic.
 
 mod bag;
 mod encoding;
@@ -32,10 +32,10 @@ pub(crate) const PERIOD: u64 = 20_000;
 /// The time of the first round, in µs since boot.
 pub(crate) const START: u64 = 1_000_000;
 
-/// The external components: their arming check ids, and the last round of each.
+/// The external components, each with its arming check id and its last round.
 const COMPONENTS: [(u64, u64); 2] = [(3, ROUNDS - 1), (5, 31)];
 
-/// Components refuse to arm once in this number of rounds.
+/// Components refuse to arm once every this many rounds.
 const REFUSED: u64 = 4;
 
 /// A short flight with all PX4 messages in the definitions.
@@ -126,8 +126,8 @@ impl<'d> Flight<'d> {
         self.messages.iter().rposition(|sent| sent.topic == topic)
     }
 
-    /// Changes a value in the last message of a topic so that it violates a constraint. In an array, it changes the
-    /// first element.
+    /// Changes a value in a topic's last message so that it violates a constraint. In an array, the first element is
+    /// changed.
     pub(crate) fn violating(&self, rule: Rule) -> Option<Self> {
         let schema = &self.definitions.schema;
         for topic in 0..self.topics.len() {
@@ -174,14 +174,14 @@ impl<'d> Flight<'d> {
         Some(changed)
     }
 
-    /// The index of a reply of an external component, some rounds before the end.
+    /// The index of an external component's reply, some rounds before the end.
     pub(crate) fn late_reply(&self) -> Option<usize> {
         let topic = self.topic("ArmingCheckReply")?;
         let time = START + (ROUNDS - REFUSED) * PERIOD;
         self.messages.iter().position(|sent| sent.topic == topic && sent.value["timestamp"] == time)
     }
 
-    /// Adds a changed copy of a reply of an external component.
+    /// Adds a changed copy of an external component's reply.
     pub(crate) fn with_reply(&self, change: impl FnOnce(&mut Value)) -> Option<Self> {
         let at = self.late_reply()?;
         let mut changed = self.clone();
@@ -260,7 +260,7 @@ fn is_published(message: &Message, definitions: &Definitions) -> bool {
     package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
 }
 
-/// The messages of external components, in their order in a round.
+/// The messages of external components, in the order in which a round sends them.
 const SESSION_TOPICS: [&str; 5] = [
     "RegisterExtComponentRequest",
     "RegisterExtComponentReply",

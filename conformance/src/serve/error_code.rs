@@ -3,7 +3,7 @@
 use uavspec::flockwave::ErrorCode;
 use uavspec_runtime::ErrorClass;
 
-/// The battery codes with the charge in percent below which they apply.
+/// The battery codes, each with the charge in percent below which it applies.
 pub(super) const BATTERY: [(f64, ErrorCode); 3] =
     [(10.0, ErrorCode::LOWBAT_FATAL), (20.0, ErrorCode::LOWBAT_ERROR), (30.0, ErrorCode::LOWBAT_WARNING)];
 
@@ -31,9 +31,10 @@ pub(super) fn settable(number: u16) -> Result<ErrorCode, String> {
     }
 }
 
-/// Sorts codes, and removes duplicates. Of codes for the same condition, only the applicable one remains.
+/// Sorts codes, and removes duplicates. If several codes describe the same condition, only the applicable code remains.
 pub(super) fn normalize(codes: &mut Vec<ErrorCode>, is_flying: bool) {
-    // One fence code is for the ground, the other for the air. Of other alternatives, the most severe one remains.
+    // One fence code applies on the ground, and the other in the air. For all other alternatives, the most severe code
+    // remains.
     let fence = if is_flying { ErrorCode::FENCE_FATAL } else { ErrorCode::FENCE_WARNING };
     let alternatives = fence.alternatives();
     for code in codes.iter_mut().filter(|code| alternatives.contains(code)) {

@@ -33,7 +33,7 @@ const UAVS_AT_ONCE: usize = 50;
 /// The maximum number of pending operations per connection.
 const OPERATION_LIMIT: usize = 1000;
 
-/// The number of stored ids with the bug of FW-ENV-19.
+/// The number of ids that are stored with the FW-ENV-19 bug.
 const ANSWERED_LIMIT: usize = 1000;
 
 /// The sending side of a connection.
@@ -52,7 +52,7 @@ pub(super) enum ConnectionKind {
     Persistent,
     /// Datagrams: the server can't detect that the client has disconnected.
     Datagrams,
-    /// A single request, which receives only notifications that it caused.
+    /// A single request. It receives only the notifications that it caused.
     OneShot,
 }
 
@@ -63,22 +63,22 @@ pub(super) type SessionId = u64;
 pub(super) struct Session {
     pub(super) kind: ConnectionKind,
     sink: Arc<dyn Sink>,
-    /// The user that has logged in.
+    /// The user who has logged in.
     pub(super) user: Option<String>,
     /// Subscribed paths of the device tree, with the number of subscriptions.
     pub(super) subscriptions: BTreeMap<String, usize>,
     /// The values last sent to the client, by path.
     pub(super) last_sent: BTreeMap<String, Value>,
     operations: Vec<Operation>,
-    /// The time of the connection, since the start.
+    /// The time at which the connection was opened, since the start.
     since: Duration,
     /// The number of sent messages.
     sent: u64,
-    /// Ids that were answered; used only with the bug of FW-ENV-19.
+    /// The ids of answered requests; used only with the FW-ENV-19 bug.
     answered: Vec<String>,
 }
 
-/// The body of the response, or the reason of a rejection.
+/// The body of the response, or the reason for a rejection.
 pub(super) type Answer = Result<Response, String>;
 
 /// A function that answers a request.
@@ -99,7 +99,7 @@ pub(super) struct Hub {
     next_receipt: u64,
     simulated: f64,
     notified: Duration,
-    /// UAVs that are lost but still listed; used only with the bug of FW-OBJ-DEL-02.
+    /// UAVs that are lost but still listed; used only with the FW-OBJ-DEL-02 bug.
     ghosts: Vec<String>,
     handler: RequestHandler,
 }
@@ -250,7 +250,7 @@ impl Hub {
         let period = Duration::from_secs_f64(1.0 / self.options.rate);
         let late = self.elapsed.saturating_sub(self.notified);
         if late >= period {
-            // A short delay doesn't reduce the rate. After a longer one, missed notifications are skipped.
+            // A short delay doesn't reduce the rate. After a longer delay, missed notifications are skipped.
             self.notified = if late < period * 2 { self.notified + period } else { self.elapsed };
             self.notify_of_uavs();
             self.notify_of_devices();
@@ -366,7 +366,7 @@ impl Hub {
         self.sessions.keys().copied().filter(|id| is_persistent(id) && self.may_receive(*id)).collect()
     }
 
-    /// True if the server requires no login, or the client has logged in.
+    /// True if the server requires no login or the client has logged in.
     fn may_receive(&self, id: SessionId) -> bool {
         self.options.login.is_none() || self.is_logged_in(id)
     }
@@ -481,7 +481,7 @@ fn is_open(request: &Request) -> bool {
     )
 }
 
-/// A notification that the server closes the connection.
+/// A notification that the server is closing the connection.
 fn farewell(reason: &str) -> Notification {
     sys_close::Notification { reason: Some(reason.to_owned()) }.into()
 }

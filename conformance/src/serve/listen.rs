@@ -20,7 +20,7 @@ use super::{Listening, Options, Transport};
 use crate::flockwave::transport::http::is_silence;
 use crate::rules::flockwave::FlockwaveRule;
 
-/// The maximum number of concurrent connections. Each needs threads.
+/// The maximum number of concurrent connections. Each connection needs threads.
 const CONNECTION_LIMIT: usize = 256;
 
 /// The interval of simulation steps. Notifications are less frequent.
@@ -32,7 +32,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// The interval of checks for new connections.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(5);
 
-/// The write timeout, after which a client that reads nothing is disconnected.
+/// The write timeout. After it, a client that reads nothing is disconnected.
 const SEND_LIMIT: Duration = Duration::from_secs(10);
 
 /// The time that polling clients have to fetch the last messages. The next poll usually follows immediately.
@@ -187,7 +187,7 @@ fn accept(
         let stream = match listener.accept() {
             Ok((stream, _)) => stream,
             Err(error) => {
-                // Neither a client that disconnected early nor a lack of file descriptors ends the server.
+                // Neither an early disconnect by a client nor a lack of file descriptors may end the server.
                 thread::sleep(if is_silence(&error) { ACCEPT_PAUSE } else { POLL_INTERVAL });
                 continue;
             }
@@ -201,7 +201,7 @@ fn accept(
             let _guard = ConnectionGuard(&shared);
             // On some systems, a connection inherits this mode from its listener.
             if stream.set_nonblocking(false).is_ok() {
-                // Errors of a connection concern only its client.
+                // A connection's errors affect only its client.
                 let _ = serve_connection(&shared, stream);
             }
         });

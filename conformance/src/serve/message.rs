@@ -11,7 +11,7 @@ use super::request::each_once;
 /// The protocol version in messages, as in all examples of the specification.
 const PROTOCOL: &str = "1.0";
 
-/// Why serializing these types can't fail.
+/// The reason why serializing these types can't fail.
 const WRITABLE: &str = "all maps have string keys, and no tuple has a gap";
 
 /// Serializes a body as text.
@@ -62,7 +62,7 @@ pub(super) fn refusal(reason: String) -> Response {
 /// A map of a response, by requested id. It may be absent.
 type Part<T> = Option<BTreeMap<String, T>>;
 
-/// The result for one of the requested ids, which may take longer.
+/// The result for one of the requested ids. A result may take longer.
 pub(super) enum Outcome<T> {
     /// The result.
     Value(T),

@@ -91,7 +91,7 @@ impl Operation {
         std::mem::take(&mut self.is_suspended)
     }
 
-    /// Resumes a suspended operation without a request of the client.
+    /// Resumes a suspended operation without a request from the client.
     pub(super) fn overrun(&mut self) {
         self.is_suspended = false;
     }

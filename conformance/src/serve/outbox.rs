@@ -24,7 +24,7 @@ struct State {
 /// The result of [`Outbox::take`].
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Taken {
-    /// At least one text.
+    /// At least one message.
     Texts(Vec<String>),
     /// Nothing before the time limit.
     Nothing,
@@ -33,7 +33,7 @@ pub(super) enum Taken {
 }
 
 impl Outbox {
-    /// Adds a text, unless the queue is closed.
+    /// Adds a message, unless the queue is closed.
     pub(super) fn push(&self, text: String) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if state.is_closed {
@@ -47,13 +47,13 @@ impl Outbox {
         self.changed.notify_all();
     }
 
-    /// Closes the queue. Queued texts can still be taken.
+    /// Closes the queue. Queued messages can still be taken.
     pub(super) fn close(&self) {
         self.state.lock().unwrap_or_else(PoisonError::into_inner).is_closed = true;
         self.changed.notify_all();
     }
 
-    /// Waits for texts, and takes up to `most` of them.
+    /// Waits for messages, and takes up to `most` of them.
     pub(super) fn take(&self, most: usize, until: Instant) -> Taken {
         let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let left = until.saturating_duration_since(Instant::now());

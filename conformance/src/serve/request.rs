@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use uavspec::flockwave::json::Request;
 
-/// The maximum length of lists in requests, because answers are much longer than the ids in requests.
+/// The maximum length of lists in requests. Lists are limited because answers are much longer than the requested ids.
 const LIST_LIMIT: usize = 10_000;
 
 /// The maximum length of an error message, in characters.
@@ -31,7 +31,7 @@ pub(super) enum Incoming {
         /// The error.
         reason: String,
     },
-    /// A message without an id, or a response, neither of which gets an answer.
+    /// A message without an id, or a response. Neither gets an answer.
     Ignored,
 }
 

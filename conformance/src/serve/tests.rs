@@ -16,7 +16,7 @@ use crate::rules::flockwave::{
 };
 
 /// Rules with a bug that a single client with consecutive requests can't observe. `tests/live_matrix.rs` covers the
-/// bugs of transports and concurrent requests, and another test below the bug of logins.
+/// bugs of transports and concurrent requests. Another test in this file covers the login bug.
 static NOT_OBSERVABLE: [&Rule; 12] = [
     &ack_06::RULE.rule,
     &env_25::RULE.rule,
@@ -137,7 +137,7 @@ fn transcript(bug: Option<&'static FlockwaveRule>) -> Vec<String> {
     }
     session.send_request("höh 1", &json!({ "type": "SYS-PING" }));
     session.wait(1);
-    // The calibration of the barometer. Its receipt is fixed, since a bug may have changed it in the response.
+    // Cancels the barometer's calibration. The receipt is fixed, since a bug may have changed it in the response.
     session.send_request("cancel", &json!({ "type": "ASYNC-CANCEL", "ids": ["r4", "missing-1"] }));
     session.wait(7);
     session.send_request("lose", &json!({ "type": "OBJ-CMD", "ids": ["glider-5"], "command": "lose" }));

@@ -26,12 +26,12 @@ const CLIMB: f64 = 2.5;
 const DESCENT: f64 = 1.5;
 const FALL: f64 = 15.0;
 
-/// Battery drain in percent per second: in the air, with running motors on the ground, and without.
+/// Battery drain in percent per second: in the air, on the ground with running motors, and on the ground without.
 const FLYING_DRAIN: f64 = 100.0 / 1200.0;
 const IDLE_DRAIN: f64 = FLYING_DRAIN / 3.0;
 const STANDBY_DRAIN: f64 = FLYING_DRAIN / 60.0;
 
-/// The distance from the target at which a UAV has arrived, in meters.
+/// The distance from the target at which a UAV counts as arrived, in meters.
 const CLOSE: f64 = 0.05;
 
 /// A position relative to the origin in meters: north, east, up.
@@ -129,7 +129,7 @@ impl Uav {
         !matches!(self.activity, Activity::Sleeping | Activity::OnGround | Activity::MotorsOn)
     }
 
-    /// Executes a command, or returns why the UAV can't execute it.
+    /// Executes a command, or returns the reason why the UAV can't execute it.
     pub(super) fn command(&mut self, command: Command) -> Result<(), String> {
         let is_flying = self.is_flying();
         match command {

@@ -15,7 +15,7 @@ use super::uav::Uav;
 /// All simulated and pretended objects.
 pub(super) struct World {
     pub(super) uavs: Vec<Uav>,
-    /// The last error code reported for each UAV.
+    /// The most recently reported error code of each UAV.
     reported: BTreeMap<String, ErrorCode>,
     /// The RTK preset in use.
     pub(super) preset: Option<&'static Preset>,

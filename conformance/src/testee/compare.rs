@@ -1,7 +1,7 @@
 //! Compares responses with expected responses.
 //!
-//! Numbers are compared as values of the field's type: float32 fields as float32. NaN equals NaN, and 0 equals -0,
-//! because not every JSON writer can represent these. Bytes are compared exactly.
+//! Numbers are compared as values of the field's type, for example float32 numbers in float32 fields. NaN equals NaN,
+//! and 0 equals -0, because not every JSON writer can represent these. Bytes are compared exactly.
 
 use std::fmt;
 

@@ -32,7 +32,7 @@ pub(crate) fn dump(
     output.flush()
 }
 
-/// The expected responses: `ok` lists the accepted values; without it, any value is accepted if `accepted` is true.
+/// The expected responses. `ok` lists the accepted values. Without `ok`, any value is accepted if `accepted` is true.
 fn expected(case: &Case, types: &Types) -> Value {
     let is_accepted = case.expected.ok != ExpectedResponse::Nothing;
     let mut expected = json!({ "rejected": case.expected.rejection, "accepted": is_accepted });

@@ -1,8 +1,8 @@
 //! A connection to a testee, which is a child process or a TCP connection. No call here blocks longer than its time
 //! limit.
 //!
-//! One thread reads from the testee, and another writes to it, since it may stop reading. The threads end with the
-//! pipes or the connection; nothing waits for them.
+//! One thread reads from the testee, and another writes to it, since it may stop reading. The threads end when the
+//! pipes or the connection are closed. Nothing waits for them.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{Shutdown, TcpStream};
@@ -17,7 +17,8 @@ use super::protocol::Hello;
 use super::target::Target;
 use crate::net::Connection;
 
-/// The maximum number of queued lines, each of which may be as long as the line limit. Then the testee has to wait.
+/// The maximum number of queued lines. Each may be as long as the line limit. If the queue is full, the testee has to
+/// wait.
 const MAX_QUEUED_LINES: usize = 8;
 
 /// The interval of checks for the end of a silent process.
@@ -132,7 +133,7 @@ impl Link {
         }
     }
 
-    /// Describes how the testee ended, after it has closed its output.
+    /// Describes how the testee exited after closing its output.
     pub(super) fn ending(&mut self, until: Instant) -> String {
         match &mut self.peer {
             Peer::Process(process) => match process.ended(until) {

@@ -35,9 +35,9 @@ pub struct Check {
 pub enum CheckOutcome {
     /// The testee meets the requirement.
     Pass,
-    /// The testee doesn't, with a description of its behavior.
+    /// The testee doesn't meet the requirement. Contains a description of its behavior.
     Fail(String),
-    /// The check doesn't apply, with the reason.
+    /// The check doesn't apply, for this reason.
     NotApplicable(String),
 }
 
@@ -51,7 +51,7 @@ impl CheckOutcome {
         }
     }
 
-    /// The description of a failure, or why the check doesn't apply.
+    /// The description of a failure, or the reason why the check doesn't apply.
     pub fn message(&self) -> Option<&str> {
         match self {
             Self::Pass => None,
@@ -88,7 +88,7 @@ pub const CHECKS: &[Check] = &[
     numbers::TAGGED_FLOATS,
     leaving::ANSWERS_BEFORE_END,
     leaving::ENDS_BY_ITSELF,
-    // The last, because it reports lines that the other checks received.
+    // This check is last because it reports lines that the other checks received.
     answers::ONLY_ANSWERS,
 ];
 
@@ -112,8 +112,8 @@ pub fn check(id: &str) -> Option<&'static Check> {
     CHECKS.iter().find(|check| check.id == id)
 }
 
-/// Checks a testee. Returns an error if it can't be started or accepts no connection. `only` selects checks, or all
-/// checks if it is empty; the first check always runs, because the others require it. `progress` receives the number of
+/// Checks a testee. Returns an error if it can't be started or accepts no connection. `only` selects checks. If it is
+/// empty, all checks run. The first check always runs because the others require it. `progress` receives the number of
 /// finished checks and their total.
 pub fn lint(
     cases: &[Case],
@@ -178,7 +178,7 @@ impl Bench<'_> {
         self.known_cases().find(|case| case.rule.is_none() && is_wanted(case))
     }
 
-    /// A case to send: a supported one, or if there is none, any case.
+    /// A case to send: a supported case, or any case if none is supported.
     fn plain_case(&self) -> Result<&Case, String> {
         let case = self.known_case(|_| true).or_else(|| self.cases.first());
         case.ok_or_else(|| "the definitions contain no messages".to_owned())

@@ -9,8 +9,8 @@ use super::compare::Difference;
 use super::protocol::Hello;
 use crate::model::Excuse;
 
-/// The maximum number of stored remarks: the first in alphabetical order, because the order in time depends on the
-/// scheduling of processes. Further remarks are only counted.
+/// The maximum number of stored remarks. The first remarks in alphabetical order are stored, because the chronological
+/// order depends on process scheduling. Further remarks are only counted.
 const MAX_REMARKS: usize = 20;
 
 /// The result of a case.
@@ -20,7 +20,7 @@ pub enum Verdict {
     Pass,
     /// The response was wrong.
     Fail(Difference),
-    /// The testee doesn't support the case, which counts as neither pass nor failure.
+    /// The testee doesn't support the case. This counts as neither a pass nor a failure.
     Unsupported,
     /// The process ended because of the case.
     Crashed {
@@ -81,7 +81,7 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// Violations of the protocol, each distinct text once with its number of occurrences.
+/// Violations of the protocol. Each distinct text appears once, with its number of occurrences.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ProtocolRemarks {
     /// Texts and numbers of occurrences, sorted by text.
@@ -119,7 +119,7 @@ pub struct Outcome<'c> {
     pub protocol_remarks: ProtocolRemarks,
     /// The number of restarts of the testee.
     pub restarts: u32,
-    /// Why the run ended early.
+    /// The reason why the run ended early.
     pub gave_up: Option<String>,
 }
 
@@ -158,7 +158,7 @@ impl Outcome<'_> {
         counts
     }
 
-    /// The counts per op with format, and type.
+    /// The counts for each combination of op, format and type.
     pub fn table(&self) -> BTreeMap<(String, &str), Counts> {
         let mut table: BTreeMap<(String, &str), Counts> = BTreeMap::new();
         for (case, verdict) in &self.verdicts {

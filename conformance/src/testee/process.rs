@@ -1,8 +1,8 @@
 //! Runs a testee as a child process. No call here blocks longer than its time limit.
 //!
 //! The child leads a process group. When the child ends, the rest of the group is killed, on platforms with process
-//! groups. A thread drains standard error. It ends with the pipe, which descendants outside the group may keep open, so
-//! nothing waits for the thread.
+//! groups. A thread drains standard error. The thread ends when the pipe is closed. Descendants outside the group may
+//! keep the pipe open, so nothing waits for the thread.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::ffi::OsString;
@@ -62,7 +62,8 @@ impl Process {
         }
     }
 
-    /// Returns how the process ended, which is empty after a success; `None` if it still runs at `until`.
+    /// Returns a description of how the process exited, which is empty after a success. `None` if the process still
+    /// runs at `until`.
     pub(super) fn ended(&mut self, until: Instant) -> Option<String> {
         loop {
             let how = match self.child.try_wait() {
@@ -96,7 +97,8 @@ impl Process {
         let _ = self.child.wait();
     }
 
-    /// Kills the remaining processes of the group, only once: another group may get the same number later.
+    /// Kills the remaining processes of the group. This happens only once, since another group may get the same number
+    /// later.
     fn kill_group(&self) {
         if groups(|groups| groups.remove(&self.child.id())) {
             kill_group(self.child.id());

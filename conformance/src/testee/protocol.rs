@@ -43,7 +43,7 @@ pub enum Op {
     Validate,
     /// Returns the class and severity of an error code.
     Severity,
-    /// Returns the hash by which two sides recognize a common message definition.
+    /// Returns the hash that shows whether two sides use the same message definition.
     Hash,
     /// Returns the size and field offsets of the message in memory.
     Layout,
@@ -161,7 +161,7 @@ pub(crate) enum Response {
     Rejected(String),
     /// The testee doesn't support the request.
     Unsupported,
-    /// The request failed for another reason than invalid input.
+    /// The request failed for a reason other than invalid input.
     Error(String),
 }
 
@@ -176,7 +176,7 @@ impl Response {
             .into_iter()
             .filter_map(|name| Some((name, value.get(name)?)));
         let (Some((name, member)), None) = (found.next(), found.next()) else {
-            // The id is known, so this is the response to that case, and there is no other to wait for.
+            // The id is known, so this is the response to that case. No other response is expected.
             let wrong = "expected exactly one of \"ok\", \"rejected\", \"unsupported\" and \"error\"";
             return Ok((id, Self::Error(wrong.to_owned())));
         };
@@ -191,7 +191,7 @@ impl Response {
     }
 
     /// Like [`read`](Self::read), but returns an error response for an unreadable line that starts with an id. Many
-    /// libraries write a bare `NaN`, for example; without this, the case would wait until its timeout.
+    /// libraries write a bare `NaN`, for example. If such a line were ignored, the case would wait until its timeout.
     pub(crate) fn read_lenient(line: &[u8]) -> Result<(i64, Self), String> {
         Self::read(line).or_else(|wrong| match leading_id(line) {
             Some(id) => Ok((id, Self::Error(wrong))),

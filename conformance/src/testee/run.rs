@@ -3,11 +3,12 @@
 //! For a testee that listens on a port, a connection corresponds to a process.
 //!
 //! Several requests are pending at a time. If the process ends or stops responding, one of the pending requests is the
-//! probable cause. Each of them is repeated alone, the oldest first, until one ends a process that received nothing
-//! else. So a case counts as crashed only if it crashes the testee by itself; other crashes become remarks.
+//! probable cause. Each of these is repeated alone, the oldest first, until a request ends a process that received
+//! nothing else. A case therefore counts as crashed only if it crashes the testee by itself. Other crashes become
+//! remarks.
 //!
 //! Neighboring cases often fail together. After a crash, requests are therefore sent one at a time, and the number of
-//! pending requests doubles with each response. If every case crashes the testee, each costs one start.
+//! pending requests doubles with each response. If every case crashes the testee, each case takes one start.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -104,14 +105,14 @@ impl Shared<'_> {
     }
 }
 
-/// Why a process can't be used any more.
+/// The reason why a process can't be used any more.
 #[derive(Clone, Debug)]
 enum End {
     Silent,
     Ended(String),
 }
 
-/// Runs cases on one process after another.
+/// Runs cases, one process at a time.
 struct Worker<'s, 'r> {
     shared: &'s Shared<'r>,
     link: Option<Link>,
@@ -126,7 +127,7 @@ struct Worker<'s, 'r> {
     last: Instant,
     /// Requests to repeat alone.
     suspects: VecDeque<usize>,
-    /// Why these requests are repeated.
+    /// The reason why these requests are repeated.
     suspicion: Option<String>,
 }
 

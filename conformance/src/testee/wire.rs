@@ -9,7 +9,7 @@ use uavspec_codegen::dynamic::{MessageType, PlacedElement};
 
 pub use crate::json::base64::{decode as from_base64, encode as to_base64};
 
-/// 64-bit floats represent all integers up to this one.
+/// The largest integer up to which 64-bit floats represent all integers.
 const EXACT: u64 = 1 << 53;
 
 /// The tag of positive integers.
@@ -21,7 +21,7 @@ const SIGNED: &str = "$i64";
 /// The tag of floats that JSON can't represent.
 const FLOAT: &str = "$f";
 
-/// Encodes a value for the wire. `message` says which fields are floats: a null in these is NaN.
+/// Encodes a value for the wire. `message` determines which fields are floats. In these fields, null means NaN.
 pub fn to_wire(value: &Value, message: Option<MessageType<'_>>) -> Value {
     match value {
         Value::Number(number) => number_to_wire(number),
@@ -62,7 +62,7 @@ fn number_to_wire(number: &Number) -> Value {
     }
 }
 
-/// Removes the tags of a value. NaN becomes null, as in the published schemas; infinities stay tagged.
+/// Removes the tags of a value. NaN becomes null, as in the published schemas. Infinities stay tagged.
 pub fn from_wire(value: &Value) -> Value {
     match value {
         Value::Array(items) => items.iter().map(from_wire).collect(),
@@ -82,7 +82,7 @@ fn untagged(members: &Map<String, Value>) -> Option<Value> {
     }
 }
 
-/// The value as an integer. A float without a fraction is an integer, since some writers don't distinguish them.
+/// The value as an integer. A float without a fraction counts as an integer, since some writers don't distinguish them.
 pub(super) fn integer(value: &Value) -> Option<i128> {
     match value {
         Value::Number(number) => number.as_i128().or_else(|| whole(number.as_f64()?)),

@@ -133,7 +133,7 @@ fn reports_each_deviation_once() {
         if direction == Direction::Request {
             continue;
         }
-        // A body with all fields violates rules about fields that exclude each other.
+        // A body with all fields violates the rules on mutually exclusive fields.
         let before = found(direction, &body);
         for body in changed(&body) {
             let (deviations, found) = (deviations(&type_name, direction, &body), found(direction, &body));

@@ -137,7 +137,7 @@ fn reports_no_violations_that_a_missing_part_may_explain() {
         corruption.iter().any(|text| text.starts_with("data of id 5, which isn't subscribed")),
         "{corruption:?}"
     );
-    // After the format of the glider, and within that of the mark.
+    // Positions after the format of the glider, and within the format of the mark.
     let mark = position(b"mark:uint64_t") - 3;
     for cut in [mark, mark + 2, mark + 20] {
         let (rules, corruption) = found(&whole[..cut]);

@@ -44,12 +44,12 @@ fn checks_records_before_a_truncation() {
     let definitions = Definitions::built_in();
     for (name, bytes, whole) in captures(&definitions) {
         let mut before = 0;
-        // JSON is ten times as long, and every cut is read completely.
+        // JSON is ten times as long, and each truncated file is read completely.
         let step = extent(1, 4) * if name == "log" || name == "MCAP" { 97 } else { 970 };
         for cut in (0..bytes.len()).step_by(step) {
             let result = checked(&bytes[..cut], &definitions);
             assert_locations(name, &result, cut);
-            // Further data can only increase the number of checked messages.
+            // More data can only increase the number of checked messages.
             assert!(result.checked >= before, "{name} cut at {cut}");
             before = result.checked;
             assert!(result.checked <= whole);
@@ -74,7 +74,8 @@ fn a_flipped_bit_loses_few_messages() {
             let result = checked(&flipped, &definitions);
             assert_locations(name, &result, bytes.len());
             corrupt += u64::from(!result.corruption.is_empty());
-            // The flipped bit may affect a definition. Then all messages of its topic are lost, which is reported.
+            // The flipped bit may affect a definition. In that case, all messages of its topic are lost, and this is
+            // reported.
             let lost = whole - result.checked.min(whole);
             let is_ordered = !result.corruption.is_empty()
                 || result.records > result.checked
@@ -131,7 +132,7 @@ fn reports_noise_from_the_start() {
         );
         assert!(error.to_string().starts_with(&expected), "{error}");
     }
-    // Files with one wrong byte count as corrupt, as do texts in other scripts.
+    // Files with a single wrong byte count as corrupt, and so does text in other scripts.
     for start in [&b"\x1b{\"type\":1}\n"[..], "\u{feff}{\"ключ\":1}".as_bytes(), b"\0"] {
         assert!(check_capture(start, None, &definitions).is_ok(), "{}", start.escape_ascii());
     }

@@ -45,7 +45,7 @@ impl<'d> Script<'d> {
         self.typical.topic(message).expect("a topic")
     }
 
-    /// Adds a message that differs from a typical one in these fields.
+    /// Adds a message that differs from a typical message in these fields.
     fn add(&mut self, message: &str, ms: u64, fields: &Value) {
         let topic = self.topic(message);
         let sent = self.typical.messages.iter().find(|sent| sent.topic == topic).expect("a message");
@@ -90,7 +90,7 @@ impl<'d> Script<'d> {
         }
     }
 
-    /// The findings of the rules on external components. They must be equal for `ULog`, JSON and MCAP.
+    /// The findings of the rules on external components. They must be identical for `ULog`, JSON and MCAP.
     fn found(&self) -> Vec<String> {
         let log = self.run_check(&self.flight.log().to_bytes());
         for other in [self.flight.rosbridge().to_bytes(), self.flight.bag().to_bytes()] {
@@ -196,7 +196,7 @@ fn reports_only_old_request_ids_at_the_end() {
 
 #[test]
 fn accepts_topics_in_any_order() {
-    // One reply precedes its request and one follows the next request; their times are correct.
+    // One reply precedes its request, and another follows the next request. Their times are correct.
     for times in [[5, 5], [0, 0]] {
         let mut script = Script::new();
         script.exchange(100, 105, &[3]);
@@ -494,7 +494,7 @@ fn finds_the_request_of_a_delayed_reply_among_eight() {
     }
 }
 
-/// ROS 2 nodes often set no time in their messages.
+/// ROS 2 nodes often don't set the time in their messages.
 #[test]
 fn replies_without_a_time_are_late_if_several_follow_the_next_request() {
     for (late, found) in [(1, 0), (2, 0), (3, 1), (5, 3)] {
@@ -515,7 +515,7 @@ fn replies_without_a_time_are_late_if_several_follow_the_next_request() {
         };
         assert_eq!(script.found(), expected, "{late}");
     }
-    // Duplicate replies and replies of other components don't count.
+    // Duplicate replies and replies from other components don't count.
     let mut script = Script::new();
     script.exchange(100, 103, &[3, 5]);
     for number in 103..115 {
@@ -576,7 +576,7 @@ fn checks_sessions_in_json_of_mcap() {
     assert_eq!(result.findings.covered(rule("PX-EXT-03").expect("a rule")), 8);
 }
 
-/// A topic may be unsubscribed, and subscribed again with another id.
+/// A topic may be unsubscribed, and then subscribed again with a different id.
 #[test]
 fn accepts_new_subscription_ids() {
     let [mut before, mut after] = [Script::new(), Script::new()];
@@ -711,7 +711,7 @@ fn names_the_component_that_does_not_reply() {
         script.request(number * PERIOD, id(number), &[3, 5]);
         script.reply(number * PERIOD + 5, id(number), 3);
     }
-    // The flight controller no longer expects a reply of the component.
+    // The flight controller no longer expects a reply from the component.
     script.exchange(107, 112, &[3]);
     let message = "request 103: registration 5 does not reply";
     assert_eq!(script.found(), [format!("PX-EXT-03 arming_check_request 3: {message}")]);
@@ -798,7 +798,7 @@ fn components_may_use_instances_of_a_topic() {
     log.entries.insert(at, Entry::Subscription(901, 1, "arming_check_request".to_owned()));
     assert_eq!(reported(&script.run_check(&log.to_bytes())).len(), 1);
 
-    // With two requesters, it is unknown whom a reply is for.
+    // If there are two requesters, it is unknown which one a reply answers.
     let request = u16::try_from(script.topic(REQUEST)).expect("an id");
     let of_another = log.entries.iter().find_map(|entry| match entry {
         Entry::Data(id, payload) if *id == request => Some(Entry::Data(901, payload.clone())),
@@ -879,7 +879,7 @@ fn without_masks_uses_registrations() {
     let message = "request 105: registration 3 does not reply";
     let expected = [format!("PX-EXT-03 arming_check_request 1: {message}")];
     assert_eq!(script.found(), expected, "it is unknown whether 5 was registered");
-    // The requests 100 to 107: the component was unregistered before request 109, so it need not answer 108.
+    // Requests 100 to 107. The component was unregistered before request 109, so it need not answer request 108.
     assert_eq!(script.covered("PX-EXT-03"), 8);
     script.reply(113 * PERIOD + 5, 113, 3);
     assert_eq!(script.found().len(), 1, "the component may have been registered again");
@@ -925,7 +925,7 @@ fn without_masks_further_replies_imply_a_registration() {
         script.exchange(107, 110, &[]);
     });
     assert_eq!(missing, 0);
-    // Topics have no common order: the component registered again after it had left.
+    // Topics have no common order. The component registered again after it had left.
     let mut script = Script::with_flight(&flight);
     script.register(10, 3);
     script.exchange(100, 105, &[3]);

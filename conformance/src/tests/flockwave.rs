@@ -101,7 +101,7 @@ fn accepts_reuse_of_an_answered_id() {
     assert_eq!(violated_by(&session), [("FW-ENV-08", 1)]);
 }
 
-/// If two requests have the same id, the answer belongs to neither, so its contents aren't checked.
+/// If two requests have the same id, the answer belongs to neither, so its content isn't checked.
 #[test]
 fn reports_only_the_reuse_of_a_request_id() {
     for is_swapped in [false, true] {
@@ -208,7 +208,7 @@ fn reports_an_unanswered_request_if_the_server_sends_messages_much_later() {
     assert_eq!(violated_by(&session), [], "the duration is unknown if time goes back");
 }
 
-/// Messages that aren't Flockwave requests need no answer, and times may have unexpected units.
+/// Messages that aren't Flockwave requests don't need an answer, and times may have unexpected units.
 #[test]
 fn ignores_messages_that_may_not_need_an_answer() {
     let changes: [fn(&mut Value); 4] = [
@@ -331,7 +331,7 @@ fn counts_unknown_types_as_unsupported() {
     assert!(source.types.is_empty());
 }
 
-/// Messages without an envelope of the recording have no connection.
+/// Messages without the recording's envelope have no connection.
 #[test]
 fn checks_bare_messages_alone_and_with_their_requests() {
     let session = Session::new();
@@ -344,7 +344,7 @@ fn checks_bare_messages_alone_and_with_their_requests() {
     assert_eq!((covered(&result, "FW-ENV-06"), covered(&result, "FW-ENV-04")), (0, 0));
     assert!(covered(&result, "FW-UST-ID") > 0 && covered(&result, "FW-ASY-02") > 0);
     let recorded = checked(&session.to_bytes());
-    // Without a direction, requests of the server look like requests of a client.
+    // Without a direction, requests from the server look like requests from a client.
     assert_eq!(result.records, recorded.records);
     let changed =
         session.errors(&[0]).expect("a report").reply("UAV-TAKEOFF", |body| body["error"] = json!({}));
@@ -456,7 +456,7 @@ fn stores_a_bounded_number_of_requests() {
         text.push_str(&line("out", request(number)));
     }
     let long = [("FW-ENV-05", 2), ("FW-ENV-06", 1)];
-    // The first request has been dropped, the last has not.
+    // The first request has been dropped, but the last has not.
     text.push_str(&line("in", answer(1)));
     let result = checked(text.as_bytes());
     assert_eq!(violated(&result).into_iter().collect::<Vec<_>>(), long);
@@ -495,7 +495,7 @@ fn reports_describe_the_recording() {
 /// The traffic of a real server, with findings that were verified by hand. The server writes null for other values (in
 /// descriptions of connections and in a position of the weather), omits the holder of a license, has a magnetic field
 /// with fractions, and uses another name for preflight checks. It also writes numbers for purposes of connections, 0 in
-/// lists of error codes, and seconds instead of milliseconds, doesn't report the end of a cancelled operation, and
+/// lists of error codes, and seconds instead of milliseconds. It doesn't report the end of a cancelled operation. It
 /// sends the error codes that the client set for its gliders.
 #[test]
 fn reports_the_deviations_of_real_servers() {

@@ -215,7 +215,7 @@ fn conforming_files_have_no_findings_in_any_form() {
     assert_eq!(idle, [&data[..], &talk, &others].concat());
 }
 
-/// A file written by the crate `mcap`, with indices, checksums and a summary.
+/// A file written by the `mcap` crate, with indices, checksums and a summary.
 #[test]
 fn checks_files_of_another_writer() {
     let (name, _) = ros("Glider");

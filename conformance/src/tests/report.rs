@@ -33,7 +33,7 @@ fn the_report_has_the_outcome() {
     assert_eq!(checked.outcome.text, "Incomplete: 1 file can't be read");
     assert!(checked.outcome.remarks[0].starts_with("Does not conform: "), "{:?}", checked.outcome);
     assert_eq!((tested.outcome.kind, tested.outcome.status), (OutcomeKind::Incomplete, 3));
-    // Every rule has the verdict of its mutants, which is the worst one.
+    // Every rule has the worst verdict of its mutants.
     assert_eq!(checked.rules.len(), RULES.len());
     for rule in &checked.rules {
         assert!(rule.verdict >= Verdict::Shown && rule.verdict != Verdict::Pass, "{}", rule.id);

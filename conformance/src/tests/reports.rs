@@ -32,7 +32,7 @@ fn checked(mut run_check: FlockwaveChecker<'_>, recording: &[u8]) -> (String, u6
 fn compare(recording: &[u8], definitions: &Definitions) -> u64 {
     let (quick, at_once) = checked(FlockwaveChecker::new(definitions), recording);
     let (thorough, none) = checked(FlockwaveChecker::new(definitions).thorough(), recording);
-    // The first different line is easier to read than both texts.
+    // The first line that differs is easier to read than both texts.
     let difference = quick.lines().zip(thorough.lines()).find(|(one, other)| one != other);
     assert_eq!(difference, None, "{}", String::from_utf8_lossy(recording));
     assert_eq!((quick.len(), none), (thorough.len(), 0));
@@ -116,7 +116,7 @@ const FIELDS: [&str; 11] = [
     "flaps",
 ];
 
-/// A UAV and its status, whose id usually matches.
+/// A UAV and its status. The id in the status usually matches.
 fn state() -> impl Strategy<Value = (String, Value)> {
     let uav = prop_oneof![20 => prop::sample::select(vec!["kite", "owl", "swift", "möwe"]).prop_map(str::to_owned),
                           1 => "[a-z/\\\\\"]{0,3}", 1 => "[x]{63,70}"];

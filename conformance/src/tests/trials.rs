@@ -1,4 +1,4 @@
-//! Tests of rules on trials and connections: valid behavior of servers has no findings.
+//! Tests of rules on trials and connections: valid server behavior has no findings.
 
 use crate::check::{CaptureResult, check_capture};
 use crate::definitions::Definitions;
@@ -243,7 +243,7 @@ fn cancelled_operations_may_end_later() {
         session.notify(report());
     });
     assert_eq!((violated_by(&slow), covered(&slow, "FW-ASY-17")), (vec![], 1));
-    // Without the end of the operation, and with a time that goes back.
+    // Without the end of the operation, and with a time that goes backwards.
     slow.lines.retain(|line| line["msg"]["body"]["type"] != "ASYNC-RESP");
     assert_eq!(violated_by(&slow), [("FW-ASY-17", 1)]);
     slow.lines[2]["t"] = json!(1.85e9);
@@ -307,7 +307,7 @@ fn distinguishes_clock_errors_from_adjustments_of_zero() {
     assert_eq!(violated_by(&times([None, Some(0), Some(3_600_000)], [0, 0, 3600], 0.1)), []);
 }
 
-/// A message split into several lines is one deviation; invalid text is another.
+/// A message split into several lines is one deviation. Invalid text is a separate deviation.
 #[test]
 fn recognizes_the_lines_of_a_split_message() {
     let message = json!({

@@ -1,9 +1,9 @@
-//! Escapes texts from the input for display, so they can't hide or imitate output.
+//! Escapes text from the input for display, so it can't hide or imitate output.
 
 /// The maximum length of a displayed text, in characters.
 pub(crate) const MAX_SHOWN: usize = 1_000;
 
-/// Escapes a text for display on one line, and truncates it. Invisible characters, line breaks, direction changes and
+/// Escapes text for display on one line, and truncates it. Invisible characters, line breaks, direction changes and
 /// terminal sequences become escapes such as `\u{202e}`.
 pub(crate) fn shown(text: &str) -> String {
     let mut shown = String::with_capacity(text.len().min(MAX_SHOWN));

@@ -1,4 +1,4 @@
-//! The known state of a fleet and its server. This module does no input or output: the same events at the same times
+//! The known state of a fleet and its server. This module does no input or output, so the same events at the same times
 //! result in the same fleet.
 
 use std::time::{Duration, Instant};
@@ -73,7 +73,7 @@ pub(crate) struct Fleet {
     pub link: Link,
     /// The server software and its version.
     pub server: Option<String>,
-    /// The last refusal of the server, or another remark.
+    /// The server's last refusal, or another remark.
     pub remark: Option<String>,
     /// The number of unreadable messages.
     pub unreadable: u64,
@@ -122,7 +122,7 @@ impl Fleet {
             Content::Time(time) => self.clock = Some((now, time)),
             Content::List(list) => {
                 self.has_list = true;
-                // The server accepts requests: an earlier refusal is obsolete.
+                // The server accepts requests, so an earlier refusal is obsolete.
                 self.remark = None;
                 self.is_overfull = !self.uavs.update(&list, now);
             }
@@ -181,8 +181,8 @@ impl Fleet {
         self.has_list && self.uavs().all(|(_, uav)| is_known(uav))
     }
 
-    /// The age of the state of a UAV: from its timestamp if the server's clock is known, or else the time since the
-    /// timestamp last changed.
+    /// The age of a UAV's state. It is computed from the timestamp if the server's clock is known. Otherwise, it is the
+    /// time since the timestamp last changed.
     pub(crate) fn age(&self, uav: &Uav, now: Instant) -> Option<Duration> {
         let since = now.saturating_duration_since(uav.changed?);
         let timestamp = uav.state.as_ref().and_then(|state| state.timestamp.known());

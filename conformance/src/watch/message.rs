@@ -1,4 +1,4 @@
-//! Messages of a server, reduced to the data about the fleet. The size of this data is limited.
+//! Messages from a server, reduced to data about the fleet. The size of this data is limited.
 
 use super::roster::{ID_LIMIT, List, UAV_LIMIT};
 use super::state::State;

@@ -1,5 +1,5 @@
-//! The choice of the next request to the server. This module sends nothing: the same messages at the same times lead to
-//! the same requests. At most one request for states is pending at a time.
+//! Chooses the next request to the server. This module doesn't send anything, so the same messages at the same times
+//! result in the same requests. At most one request for states is pending at a time.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -9,10 +9,10 @@ use serde_json::{Value, json};
 use super::message::{Content, Message};
 use super::roster::Roster;
 
-/// The interval of requests for the list of UAVs. Servers report UAVs that leave, but not UAVs that join.
+/// The interval between requests for the list of UAVs. Servers report UAVs that leave, but not UAVs that join.
 const LIST_PERIOD: Duration = Duration::from_secs(5);
 
-/// The interval of requests for the server's clock.
+/// The interval between requests for the server's clock.
 const TIME_PERIOD: Duration = Duration::from_secs(60);
 
 /// The time without a report after which the state of a UAV is requested. Servers that report states by themselves do
@@ -22,10 +22,10 @@ const SILENCE: Duration = Duration::from_secs(2);
 /// The maximum time to wait for a response.
 const ANSWER_LIMIT: Duration = Duration::from_secs(3);
 
-/// The interval of searches for UAVs without recent reports.
+/// The interval between searches for UAVs without recent reports.
 const SEARCH_INTERVAL: Duration = Duration::from_millis(50);
 
-/// The maximum number of UAVs per request: the response must fit into a datagram.
+/// The maximum number of UAVs per request. The response must fit into a datagram.
 const CHUNK: usize = 50;
 
 /// The maximum total length of the ids in a request, in bytes.

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-/// The number of seconds that the rate is averaged over.
+/// The number of seconds over which the rate is averaged.
 const WINDOW: u64 = 5;
 
 /// The number of counters: one for each second of the window, and one for the current second.

@@ -3,13 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
-/// The maximum number of UAVs. The largest fleets that have flown are about half of that.
+/// The maximum number of UAVs. The largest fleets that have flown are about half as large.
 pub(crate) const UAV_LIMIT: usize = 10_000;
 
 /// The maximum length of an id, in bytes. The schema of the protocol allows 64 characters.
 pub(crate) const ID_LIMIT: usize = 256;
 
-/// The time for which a reported UAV remains although a list doesn't contain it: the list may be older than the report,
+/// The time for which a reported UAV is kept even if a list doesn't contain it. The list may be older than the report,
 /// and some servers report UAVs that they don't list.
 const GRACE_PERIOD: Duration = Duration::from_secs(10);
 
@@ -71,7 +71,7 @@ impl<T: Default> Roster<T> {
         self.members.get_mut(id)
     }
 
-    /// Adds the UAVs of a list of all UAVs, and removes others. Returns true if all of them could be added.
+    /// Adds the UAVs in a list of all UAVs, and removes other UAVs. Returns true if all listed UAVs could be added.
     pub(super) fn update(&mut self, list: &List, now: Instant) -> bool {
         if list.is_whole {
             let listed: BTreeSet<&str> = list.ids.iter().map(String::as_str).collect();

@@ -1,4 +1,4 @@
-//! The state of the screen, which keys change: the page, the selected UAV, the order and the filter.
+//! The state of the screen: the page, the selected UAV, the order and the filter. Keys change this state.
 
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
@@ -39,7 +39,7 @@ pub(crate) struct Screen {
     pub page: Page,
     /// The order of the UAVs.
     pub order: Order,
-    /// The text that visible ids contain.
+    /// The text that the ids of visible UAVs must contain.
     pub filter: String,
     /// The id of the selected UAV.
     pub selected: Option<String>,
@@ -49,7 +49,7 @@ pub(crate) struct Screen {
     pub first_line: usize,
     /// The number of visible rows in the last frame.
     pub height: usize,
-    /// The row of the selected UAV in the last frame. It selects a neighbour if the UAV leaves.
+    /// The selected UAV's row in the last frame. If the UAV leaves, this row determines which neighbour is selected.
     row: usize,
 }
 

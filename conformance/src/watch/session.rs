@@ -13,10 +13,11 @@ use crate::flockwave::transport::endpoint::Endpoint;
 /// The maximum time to connect.
 const CONNECT_LIMIT: Duration = Duration::from_secs(10);
 
-/// The time without a message after which the connection counts as lost. Requests are sent every few seconds.
+/// The time without a message after which the connection counts as lost. This is sufficient, since requests are sent
+/// every few seconds.
 const SILENCE_LIMIT: Duration = Duration::from_secs(15);
 
-/// The interval of checks for due requests and for the end of the session.
+/// The interval between checks for due requests and for the end of the session.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// The pause before the first attempt to reconnect. It doubles with each attempt.

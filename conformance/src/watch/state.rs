@@ -6,7 +6,7 @@ use crate::json::Tree;
 /// The maximum number of error codes.
 const CODE_LIMIT: usize = 64;
 
-/// The maximum number of values of other lists.
+/// The maximum number of values in other lists.
 const VALUE_LIMIT: usize = 16;
 
 /// The maximum number of unknown fields.
@@ -98,7 +98,7 @@ pub(crate) struct Errors {
 pub(crate) struct State {
     /// The id within the state.
     pub id: Field<String>,
-    /// The time of the state by the server's clock, in milliseconds since 1970.
+    /// The time of the state according to the server's clock, in milliseconds since 1970.
     pub timestamp: Field<i64>,
     /// The mode.
     pub mode: Field<String>,
@@ -180,7 +180,7 @@ fn list<'v, 't>(value: &'v Tree<'t>) -> Option<&'v [Tree<'t>]> {
     if let Tree::List(values) = value { Some(values) } else { None }
 }
 
-/// Reads an entry of a list. `null` means that it is unknown.
+/// Reads an entry of a list. `null` means that the value is unknown.
 fn entry(values: &[Tree<'_>], index: usize) -> Field<i64> {
     values.get(index).filter(|value| **value != Tree::Null).map_or(Field::Absent, integer)
 }

@@ -79,7 +79,7 @@ fn draw_fleet(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen, are
     let note_height = if height < NOTED_HEIGHT { 0 } else { 4 };
     let [rest, below] = Layout::vertical([Constraint::Min(0), Constraint::Length(note_height)]).areas(area);
     let rows = screen.rows(scene.fleet);
-    // One line is for the column titles.
+    // One line is reserved for the column titles.
     let selected = screen.select_row(&rows, usize::from(rest.height.saturating_sub(1)));
     if rows.is_empty() {
         let is_filtered = !scene.fleet.is_empty();

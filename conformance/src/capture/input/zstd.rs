@@ -1,4 +1,4 @@
-//! Decompresses zstd frames (RFC 8878) as they are read. Several frames may follow each other: `cat`, parallel
+//! Decompresses zstd frames (RFC 8878) as they are read. A file may contain several consecutive frames: `cat`, parallel
 //! compressors and seekable formats create such files.
 
 use std::io::{self, BufRead, ErrorKind, Read};
@@ -9,10 +9,10 @@ use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
 /// The first bytes of a frame.
 pub(crate) const MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
-/// The first bytes of a skippable frame. The lower half of the first byte is arbitrary.
+/// The first bytes of a skippable frame. The lower four bits of the first byte are arbitrary.
 const SKIPPED: [u8; 4] = [0x50, 0x2a, 0x4d, 0x18];
 
-/// True if bytes start with a frame, which may be skippable.
+/// True if these bytes start with a frame, including a skippable one.
 pub(super) fn is_frame(start: &[u8]) -> bool {
     let is_skipped = || matches!(start, [first, rest @ ..] if first & 0xf0 == SKIPPED[0] && rest.starts_with(&SKIPPED[1..]));
     start.starts_with(&MAGIC) || is_skipped()

@@ -22,9 +22,9 @@ pub(super) struct Chunk {
 /// The location of a chunk's records.
 #[derive(Debug)]
 pub(super) enum Records {
-    /// Uncompressed, from this offset of the file.
+    /// Uncompressed, starting at this file offset.
     Plain(u64),
-    /// Compressed; true if the file ended within them.
+    /// Compressed. The flag is true if the file ended within the records.
     Packed(Box<Window<Unpacker>>, bool),
 }
 
@@ -43,7 +43,7 @@ pub(super) enum Next {
     End,
 }
 
-/// Reads the next record of a chunk that has `left` bytes left.
+/// Reads the next record of a chunk. `left` is the number of remaining bytes.
 pub(super) fn next_record<R: Read>(window: &mut Window<R>, left: u64) -> io::Result<Next> {
     if left == 0 {
         return Ok(Next::End);

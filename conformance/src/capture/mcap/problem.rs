@@ -5,7 +5,7 @@ use std::fmt;
 use crate::model::Extent;
 use crate::text::Grouped;
 
-/// A problem in an MCAP file, apart from the contents of messages.
+/// A problem in an MCAP file, except in the content of messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub(crate) enum Problem {
@@ -25,7 +25,7 @@ pub(crate) enum Problem {
         /// The number of bytes.
         length: u64,
     },
-    /// There is no valid record here, so the reader searched for the next one.
+    /// There is no valid record at this offset, so the reader searched for the next one.
     Skipped {
         /// The reason why it is invalid.
         found: Malformed,
@@ -221,7 +221,7 @@ impl fmt::Display for Malformed {
     }
 }
 
-/// The name of a kind of records.
+/// A record's opcode, displayed as the name of its kind.
 struct Kind(u8);
 
 impl fmt::Display for Kind {

@@ -15,7 +15,8 @@ use super::unpack::{Packing, Unpacker};
 use super::window::Window;
 use super::{Event, Item, MAGIC, Problem};
 
-/// The step of the search for the next valid record, in bytes. Longer messages aren't found by a search.
+/// The amount of data that the search for the next valid record examines at a time, in bytes. The search doesn't find
+/// longer messages.
 const LOOKAHEAD: usize = 64 * 1024;
 
 /// Reads a file from start to end.
@@ -117,7 +118,7 @@ impl<R: Read> Reader<R> {
         let unreadable = Item { offset, event: Event::Problem(Problem::Unreadable { opcode }) };
         let event = match mcap::parse_record(opcode, body) {
             Ok(Record::Header(header)) => Event::Header { profile: header.profile, library: header.library },
-            // The text of a schema borrows from the record.
+            // The text of a schema is borrowed from the record.
             Ok(Record::Schema { header, data: std::borrow::Cow::Borrowed(text) }) => {
                 Event::Schema { id: header.id, name: header.name, encoding: header.encoding, text }
             }
@@ -191,7 +192,7 @@ impl<R: Read> Reader<R> {
         Ok(None)
     }
 
-    /// Reads a record into the buffer completely, so that the bytes after it can be checked.
+    /// Reads a complete record into the buffer, so that the bytes after it can be checked.
     fn buffered_record(&mut self, offset: u64, opcode: u8, length: usize) -> io::Result<Option<Found>> {
         let end = HEAD + length;
         self.file.require(end + HEAD)?;
@@ -431,7 +432,7 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// Leaves a chunk whose records were all read, and verifies its checksum.
+    /// Leaves a chunk after its last record, and verifies its checksum.
     fn close(&mut self) -> io::Result<()> {
         let Some(chunk) = &mut self.chunk else { return Ok(()) };
         let (offset, stated) = (chunk.offset, chunk.checksum);
@@ -439,7 +440,7 @@ impl<R: Read> Reader<R> {
             Records::Plain(_) => self.file.part_checksum(),
             Records::Packed(window, _) => {
                 let found = window.part_checksum();
-                // Data after the last record that can't be decompressed contains no records.
+                // If the data after the last record can't be decompressed, no records are lost.
                 if window.require(1).is_ok() && !window.ahead().is_empty() {
                     let size = chunk.size;
                     let problem = Problem::ChunkSize { stated: size, found: size, is_more: true };
@@ -454,7 +455,7 @@ impl<R: Read> Reader<R> {
         self.leave()
     }
 
-    /// Moves behind the current chunk, and keeps its buffer.
+    /// Moves past the current chunk, and keeps its buffer for reuse.
     fn leave(&mut self) -> io::Result<()> {
         let Some(chunk) = self.chunk.take() else { return Ok(()) };
         if let Records::Packed(window, _) = chunk.records {

@@ -1,4 +1,4 @@
-//! Checks by means of lengths that bytes can be a record.
+//! Uses lengths to check whether bytes can be a record.
 
 use mcap::records::op;
 
@@ -7,7 +7,7 @@ use super::MAGIC;
 /// The size of a record header: an opcode and a length.
 pub(super) const HEAD: usize = 9;
 
-/// The maximum length of a record in the buffer, in bytes. A large image needs half of it.
+/// The maximum length of a buffered record, in bytes: twice the size of a large image.
 pub(super) const MAX_RECORD: u64 = 64 << 20;
 
 /// The sizes of the fixed parts of a chunk, before and after the name of its compression.
@@ -16,7 +16,7 @@ const CHUNK_FIXED: (usize, usize) = (28, 8);
 /// The maximum plausible length of the name of a compression, in bytes.
 const MAX_PACKING: usize = 64;
 
-/// The maximum number of bytes after the records of a chunk, which later versions may add.
+/// The maximum number of bytes after the records of a chunk. Later versions of the format may add such bytes.
 const MAX_ADDED: u64 = 4_096;
 
 /// The size of a message before its payload, in bytes.
@@ -31,14 +31,14 @@ pub(super) fn head(ahead: &[u8]) -> Option<(u8, u64)> {
     Some((*opcode, u64::from_le_bytes(*rest.first_chunk()?)))
 }
 
-/// True if a record of a kind can have this length.
+/// True if a record with this opcode can have this length.
 pub(super) fn can_be(opcode: u8, length: u64) -> bool {
     match opcode {
         0 => false,
         op::FOOTER => length == FOOTER,
         op::DATA_END => length == 4,
         op::MESSAGE => (MESSAGE_FIXED..=MAX_RECORD).contains(&length),
-        // These are read in parts, or skipped.
+        // These records are read in parts, or skipped.
         op::CHUNK | op::ATTACHMENT => length <= u64::MAX >> 1,
         _ => length <= MAX_RECORD,
     }
@@ -120,7 +120,7 @@ pub(super) fn has_parts(opcode: u8, body: &[u8], is_exact: bool) -> bool {
     parts_found.is_some() && (parts.0.is_empty() || !is_exact)
 }
 
-/// True if a record starts here, as far as its bytes can show. `is_declared` is true for known channels.
+/// True if these bytes appear to start a record. `is_declared` returns true for known channels.
 ///
 /// Some kinds of records can't be recognised, so a search never stops at them.
 pub(super) fn is_sound(ahead: &[u8], is_declared: impl Fn(u16) -> bool) -> bool {
@@ -149,7 +149,7 @@ pub(super) fn is_sound(ahead: &[u8], is_declared: impl Fn(u16) -> bool) -> bool 
     }
 }
 
-/// True if a record can start here. The end of the known bytes is no contradiction.
+/// True if a record can start here. A record may extend beyond the known bytes.
 pub(super) fn can_follow(ahead: &[u8]) -> bool {
     match head(ahead) {
         Some((opcode, length)) => {
@@ -178,13 +178,13 @@ impl<'b> Parts<'b> {
         Some(u64::from_le_bytes(*self.take(8)?.first_chunk()?))
     }
 
-    /// Skips a text with its length prefix.
+    /// Skips a length-prefixed string.
     fn text(&mut self) -> Option<()> {
         let length = self.u32()?;
         self.take(length as usize).map(|_| ())
     }
 
-    /// Skips pairs of texts that have a common length prefix.
+    /// Skips a map of strings, which has a length prefix for the whole map.
     fn texts(&mut self) -> Option<()> {
         let length = self.u32()?;
         let mut pairs = Parts(self.take(length as usize)?);

@@ -14,7 +14,7 @@ pub(super) enum Packing {
 }
 
 impl Packing {
-    /// The compression with this name in a chunk header, which isn't empty.
+    /// The compression with this non-empty name from a chunk header.
     pub(super) fn from_name(name: &[u8]) -> Option<Self> {
         match name {
             b"zstd" => Some(Self::Zstd),
@@ -27,7 +27,7 @@ impl Packing {
 /// The bytes of a compressed chunk.
 type Packed = Cursor<Vec<u8>>;
 
-/// Decompresses a chunk, which may have several frames.
+/// Decompresses a chunk. It may consist of several frames.
 pub(super) enum Unpacker {
     Zstd(Box<Zstd<Packed>>),
     Lz4(Box<Lz4<Packed>>),

@@ -57,8 +57,8 @@ impl<R: Read> Window<R> {
         Ok(())
     }
 
-    /// Moves the data to the front if that frees half of the buffer, otherwise grows the buffer. Bytes are therefore
-    /// moved once on average.
+    /// Moves the data to the front if that frees half of the buffer; otherwise, grows the buffer. Each byte is
+    /// therefore moved once on average.
     fn make_room(&mut self, count: usize) {
         if self.start > self.buffer.len() / 2 {
             self.buffer.copy_within(self.start..self.end, 0);
@@ -121,7 +121,7 @@ impl<R> Window<R> {
         self.offset += count as u64;
     }
 
-    /// The input, without the bytes that were read.
+    /// The input, positioned after the bytes that were read.
     pub(super) fn into_input(self) -> R {
         self.input
     }

@@ -9,7 +9,7 @@ pub(super) const LARGEST: usize = HEADER + u16::MAX as usize;
 /// The magic of a sync message, which is its whole payload.
 pub(super) const SYNC: [u8; 8] = [0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12];
 
-/// The known kinds, each with the minimum and the largest usual size of its payload.
+/// The known kinds, each with its minimum and its largest usual payload size.
 ///
 /// Minimum: a format has a name of one character and a colon. Entries have the length of a key and `t k`. The others
 /// have a fixed part and a text that may be empty. Shorter messages are invalid.
@@ -32,7 +32,7 @@ const KINDS: [(u8, u16, u16); 13] = [
     (b'O', 2, 2),
 ];
 
-/// [`KINDS`] indexed by kind. Unknown kinds have a minimum that no size reaches.
+/// The sizes of [`KINDS`], indexed by kind. For unknown kinds, the minimum is larger than any size.
 static SIZES: [(u32, u16); 256] = {
     let mut table = [(u32::MAX, 0); 256];
     let mut row = 0;

@@ -1,4 +1,4 @@
-//! Tracks the formats and subscriptions of a log, which its data depends on.
+//! Tracks the formats and subscriptions of a log, since its data depends on them.
 
 use std::collections::BTreeMap;
 
@@ -10,14 +10,15 @@ use super::log_problem::{LogProblem, MAX_FORMATS, MAX_TEXT};
 use super::message::Event;
 use super::reader::Item;
 
-/// The maximum total size of compiled formats, in bytes; each compilation counts. It suffices for a log that writes
-/// each of PX4's 261 formats just before its data. A malicious log can cause two seconds of work.
+/// The maximum total size of compiled formats, in bytes. Each compilation counts. The limit is sufficient for a log
+/// that writes each of PX4's 261 formats just before the first data of its topic. A malicious log can cause two seconds
+/// of work.
 const MAX_COMPILED: usize = 16 << 20;
 
 /// The formats and subscriptions of a log, up to the current item.
 #[derive(Debug)]
 pub struct Log {
-    /// In order of appearance. The ids of their types are the indices.
+    /// The formats in order of appearance. The index of a format is the id of its type.
     formats: Vec<Format>,
     by_name: BTreeMap<Box<str>, usize>,
     types: Types,
@@ -27,9 +28,9 @@ pub struct Log {
     compiled: usize,
     /// The total size of formats and topics, in bytes.
     text: usize,
-    /// By id; `None` if the id was never subscribed.
+    /// The subscriptions by id; `None` if the id was never subscribed.
     subscriptions: Vec<Option<Box<Subscription>>>,
-    /// Data before the first subscription of its id.
+    /// Data that appears before the first subscription of its id.
     orphans: BTreeMap<u16, Orphans>,
     /// True after the end of the definitions section.
     is_in_data: bool,
@@ -41,7 +42,7 @@ struct Format {
     offset: u64,
     fields: Box<str>,
     name: Box<str>,
-    /// The problem that was reported.
+    /// The reported problem, if any.
     reported: Option<FormatProblem>,
 }
 
@@ -70,7 +71,7 @@ pub struct Subscription {
 /// The type of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Binding {
-    /// There was no type with this number of formats and types.
+    /// There was no type when the log had this number of formats and of types.
     None {
         formats: usize,
         known: usize,
@@ -130,13 +131,12 @@ impl Log {
         }
     }
 
-    /// Ends the log, and reports problems of formats that weren't needed.
+    /// Ends the log, and reports problems with formats that no data needed.
     pub fn finish(&mut self, on_problem: &mut dyn FnMut(u64, LogProblem)) {
         self.compile(on_problem);
     }
 
-    /// The types of the formats, in [`ULOG_PACKAGE`](uavspec_codegen::dynamic::ULOG_PACKAGE), as far as they were
-    /// needed.
+    /// The types of the formats that data needed so far, in [`ULOG_PACKAGE`](uavspec_codegen::dynamic::ULOG_PACKAGE).
     pub fn types(&self) -> &Types {
         &self.types
     }
@@ -178,7 +178,7 @@ impl Log {
         Some(Record { subscription, message_type: self.types.get(type_id), payload })
     }
 
-    /// The type of the data of an id, if the id is subscribed and has a type.
+    /// The type of an id's data, if the id is subscribed and has a type.
     #[inline]
     fn type_of(&self, id: u16) -> Option<(MessageId, Size)> {
         let subscription = self.subscription(id).filter(|subscription| subscription.is_active)?;
@@ -188,7 +188,7 @@ impl Log {
         }
     }
 
-    /// Finds the type of the data of an id, or reports why there is none.
+    /// Finds the type of an id's data, or reports why there is none.
     #[cold]
     fn bind(&mut self, offset: u64, id: u16, on_problem: OnProblem<'_>) {
         self.end_definitions(on_problem);
@@ -270,7 +270,7 @@ impl Log {
         if self.formats.len() == MAX_FORMATS {
             return on_problem(offset, LogProblem::TooManyFormats);
         }
-        // A name is stored twice.
+        // The name is stored twice.
         if !self.add_text(fields.len() + 2 * name.len()) {
             return on_problem(offset, LogProblem::TooMuchText);
         }
@@ -309,7 +309,7 @@ impl Log {
             Some(Box::new(Subscription { id, topic, multi_id, offset, is_active: true, binding }));
     }
 
-    /// Reserves space for a text. Returns false if the limit is reached.
+    /// Reserves space for a string. Returns false if the limit is reached.
     fn add_text(&mut self, size: usize) -> bool {
         let has_room = self.text + size <= MAX_TEXT;
         if has_room {

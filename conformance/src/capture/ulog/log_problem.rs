@@ -1,17 +1,17 @@
-//! Problems of data, formats and subscriptions.
+//! Problems with data, formats and subscriptions.
 
 use std::fmt;
 
 use uavspec_codegen::dynamic::{FormatError, FormatProblem};
 
-/// The maximum number of formats. PX4 has 261 messages; a log could use 65,536 ids, but none does.
+/// The maximum number of formats. PX4 has 261 messages. A log could use 65,536 ids, but no real log does.
 pub(super) const MAX_FORMATS: usize = 8_192;
 
 /// The maximum total size of formats and topics, in bytes. The formats of real logs take 22 to 32 kB. Types take up
 /// to fifty times the size of their text, so a malicious log uses at most about 50 MB of memory.
 pub(super) const MAX_TEXT: usize = 1 << 20;
 
-/// A problem with the data of a log, or with its formats and subscriptions.
+/// A problem with a log's data, formats or subscriptions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LogProblem {
@@ -22,7 +22,7 @@ pub enum LogProblem {
         /// The problem.
         problem: FormatProblem,
     },
-    /// A format is repeated with other fields; the first one is used.
+    /// A format is repeated with different fields. The first format is used.
     FormatChanged {
         /// The name.
         name: String,
@@ -32,11 +32,11 @@ pub enum LogProblem {
         /// The name.
         name: String,
     },
-    /// There are too many formats; this one and later ones are ignored.
+    /// There are too many formats. This one and later ones are ignored.
     TooManyFormats,
-    /// The formats and topics are too large; this one is ignored.
+    /// The total size of formats and topics is too large. This one is ignored.
     TooMuchText,
-    /// Formats appear late too often, so types are no longer compiled; later formats are ignored.
+    /// Too many formats appear late, so types are no longer compiled. Later formats are ignored.
     TooManyLateFormats,
     /// An id is subscribed again to the same topic.
     Resubscribed {
@@ -61,7 +61,7 @@ pub enum LogProblem {
         /// The offset of the first one.
         first: u64,
     },
-    /// An id is unsubscribed without a subscription.
+    /// An id is unsubscribed, but had no subscription.
     NotSubscribed {
         /// The id.
         id: u16,

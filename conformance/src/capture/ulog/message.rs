@@ -16,11 +16,11 @@ pub enum Event<'b> {
         /// The start of logging, in µs of the vehicle's clock.
         timestamp: u64,
     },
-    /// `B`: features that readers must support, and the offsets of appended data.
+    /// `B`: the features that readers must support, and the offsets of appended data.
     FlagBits {
-        /// Bits that readers may ignore. The lowest bit: there are default parameters.
+        /// Bits that readers may ignore. The lowest bit means that the log has default parameters.
         compatible: [u8; 8],
-        /// Bits that readers must support. The lowest bit: data was appended.
+        /// Bits that readers must support. The lowest bit means that data was appended.
         incompatible: [u8; 8],
         /// The offsets of appended data in the file; 0 if unused.
         appended: [u64; 3],
@@ -63,7 +63,7 @@ pub enum Event<'b> {
     },
     /// `Q`: the default value of a parameter.
     DefaultParameter {
-        /// The kinds of the default. The lowest bit: firmware; the next bit: airframe.
+        /// The kinds of default. The lowest bit denotes the firmware, and the next bit the airframe.
         defaults: u8,
         /// The name.
         key: &'b str,
@@ -106,7 +106,7 @@ pub enum Event<'b> {
     },
     /// `S`: a mark for recovery from corruption.
     Synchronisation,
-    /// `O`: messages were lost, since writing was too slow.
+    /// `O`: messages were lost because writing was too slow.
     Dropout {
         /// The duration.
         milliseconds: u16,
@@ -241,7 +241,7 @@ impl<'b> Payload<'b> {
         self.take().map(u64::from_le_bytes)
     }
 
-    /// The rest as text.
+    /// The rest of the payload as text.
     fn text(&self) -> Result<&'b str, Malformation> {
         self.utf8(self.rest)
     }
@@ -262,7 +262,7 @@ impl<'b> Payload<'b> {
         Ok((key, value))
     }
 
-    /// The offset of the rest in the payload.
+    /// The cursor's offset in the payload.
     fn position(&self) -> usize {
         self.size - self.rest.len()
     }

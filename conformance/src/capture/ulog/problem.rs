@@ -4,8 +4,7 @@ use std::fmt;
 
 use crate::model::Extent;
 
-/// A problem in the bytes of a log. The offset of its item is that of the message header, or of the first affected
-/// byte.
+/// A problem in the bytes of a log. Its item has the offset of the message header, or of the first affected byte.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Problem {
@@ -30,7 +29,7 @@ pub enum Problem {
         /// The size of the payload, in bytes.
         size: usize,
     },
-    /// A bit is set that readers may not ignore. Reading stops.
+    /// An unknown bit that readers must not ignore is set. Reading stops.
     UnknownIncompatible([u8; 8]),
     /// An offset of appended data is ignored: it doesn't follow the previous one, or the corresponding bit isn't set.
     AppendedOffset(u64),
@@ -38,7 +37,7 @@ pub enum Problem {
     AppendedBeyondEnd(u64),
     /// The log ends within the header of a message.
     EndsInHeader {
-        /// The number of existing bytes.
+        /// The number of available bytes.
         found: usize,
     },
     /// The log ends within the payload of a message.
@@ -47,15 +46,15 @@ pub enum Problem {
         kind: u8,
         /// The size of the payload, in bytes.
         size: usize,
-        /// The number of existing bytes.
+        /// The number of available bytes.
         found: usize,
     },
-    /// A message is truncated where data was appended, and is skipped. Reading continues with the appended data.
+    /// A message is truncated by the start of appended data, and is skipped. Reading continues with the appended data.
     Straddles {
         /// The offset of the appended data.
         appended: u64,
     },
-    /// Messages of an unknown kind. They are returned; only the first one is reported.
+    /// Messages of an unknown kind. All are returned, but only the first one is reported.
     UnknownKind(u8),
     /// Bytes that aren't messages, or messages of an impossible size.
     Skipped {
@@ -73,7 +72,7 @@ pub enum Problem {
         /// The problem.
         malformation: Malformation,
     },
-    /// The message that was returned last has a problem.
+    /// The most recently returned message has a problem.
     InvalidContent {
         /// The kind.
         kind: u8,
@@ -90,9 +89,9 @@ pub enum Resync {
     Synchronisation,
     /// Several consecutive messages.
     Messages,
-    /// The start of appended data; nothing before it was readable.
+    /// The start of appended data. Nothing before it was readable.
     Appended,
-    /// The end of the log; nothing before it was readable.
+    /// The end of the log. Nothing before it was readable.
     End,
 }
 
@@ -100,7 +99,7 @@ pub enum Resync {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Malformation {
-    /// The payload is shorter than the minimum of its kind.
+    /// The payload is shorter than the minimum for its kind.
     TooShort {
         /// The size of the payload, in bytes.
         size: usize,

@@ -52,14 +52,14 @@ enum State {
     /// Before the first message of a log with this version.
     First(u8),
     Messages,
-    /// At the start of a run of messages that a search found. The first message isn't checked again.
+    /// At the start of a run of messages found by a search. The first message isn't checked again.
     Found,
     /// After invalid bytes, which start at this offset.
     Lost(u64),
     Ended,
 }
 
-/// The next action. It borrows nothing, which separates the decision from the borrowing result.
+/// The next action. It borrows nothing, so it can be chosen before an item borrows from the reader.
 enum Step {
     Start { version: u8, timestamp: u64 },
     Message(Header),
@@ -67,7 +67,7 @@ enum Step {
     End,
 }
 
-/// The sections that appended data forms.
+/// The sections of a log with appended data.
 #[derive(Debug)]
 struct Sections {
     /// The end of the current section.
@@ -100,7 +100,7 @@ impl<R: Read> Reader<R> {
         self.window.offset()
     }
 
-    /// The next message or problem; `None` at the end. Fails if the input can't be read; the call may be repeated.
+    /// The next message or problem; `None` at the end. Fails if the input can't be read. The caller may try again.
     // An iterator can't return items that borrow from it.
     #[allow(clippy::should_implement_trait)]
     #[inline]
@@ -115,7 +115,7 @@ impl<R: Read> Reader<R> {
         Ok(Some(Item { offset, event }))
     }
 
-    /// The size of the next message, if it is in the buffer and is plainly valid data, as nearly all messages are.
+    /// The size of the next message, if it is in the buffer and is clearly valid data. Nearly all messages are.
     #[inline]
     fn data_ahead(&self) -> Option<usize> {
         if self.state != State::Messages || !self.queued.is_empty() {
@@ -206,7 +206,7 @@ impl<R: Read> Reader<R> {
         Ok(Step::Start { version, timestamp })
     }
 
-    /// Classifies the bytes at the cursor with as few bytes as possible, so that messages of slow input aren't
+    /// Classifies the bytes at the cursor. Reads as few bytes as possible, so that messages from slow input aren't
     /// delayed.
     fn classify(&mut self) -> io::Result<Beginning> {
         self.window.require(HEADER)?;
@@ -248,7 +248,7 @@ impl<R: Read> Reader<R> {
             self.window.require(LOOKAHEAD)?;
             let look = self.look();
             let (size, is_closed) = (look.bytes.len(), look.is_closed);
-            // Later starts are checked after all bytes that they may need have been read.
+            // Later starts are checked once all the bytes that they may need have been read.
             let starts = if is_closed { size } else { size - LOOKAHEAD + 1 };
             let found = look.search(0..starts);
             self.window.advance(found.map_or(starts, |(at, _)| at));
@@ -340,7 +340,7 @@ impl<R> Reader<R> {
         Step::Problem(offset, problem)
     }
 
-    /// Continues with the data appended here, unless the log has ended.
+    /// Continues with the data that was appended at the cursor, unless the log has ended.
     fn end_section(&mut self) {
         if self.is_before_appended() {
             self.sections.end = self.sections.later.pop_front().unwrap_or(u64::MAX);
@@ -362,7 +362,7 @@ impl<R> Reader<R> {
         Step::Problem(self.window.offset(), problem)
     }
 
-    /// The rest of the section, as far as it is in the buffer.
+    /// The part of the section's rest that is in the buffer.
     fn look(&self) -> Look<'_> {
         let ahead = self.window.ahead();
         let left = self.sections.end - self.window.offset();
@@ -377,7 +377,7 @@ impl<R> Reader<R> {
 }
 
 impl Sections {
-    /// Stores the offsets of appended data, which must increase from `at`. Returns the invalid ones.
+    /// Stores the offsets of appended data, which must increase from `at`. Returns the invalid offsets.
     fn append(&mut self, at: u64, offsets: [u64; 3], is_flagged: bool) -> impl Iterator<Item = u64> {
         let mut last = at.saturating_sub(1);
         let mut refused = Vec::new();

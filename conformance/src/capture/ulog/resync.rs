@@ -1,4 +1,4 @@
-//! Decides if bytes are a message, and searches for the next one if they aren't.
+//! Decides whether bytes are a message, and searches for the next message if they aren't.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -15,23 +15,23 @@ const RUN_AT_END: usize = 2;
 /// Like [`SOUND_RUN`], directly after the end of a message.
 const RUN_AFTER_MESSAGE: usize = 1;
 
-/// The number of consecutive messages that form a run even if most are only possible. One start in five looks
-/// possible by chance.
+/// The number of consecutive messages that form a run even if most are only [possible](Plausibility::Possible). By
+/// chance, one start in five looks possible.
 const LONG_RUN: usize = 16;
 
 /// The maximum size of a message that is only possible at the start of a run, in bytes. In noise before a log, one
-/// start in 256 looks like data of up to 64 KiB. Some of these end by chance where a message starts, and would form a
-/// run that hides the messages between. Data of PX4 is smaller than this.
+/// start in 256 looks like data of up to 64 KiB. By chance, some of these end at the start of a message, and would form
+/// a run that hides the messages in between. PX4 data is smaller than this.
 const LARGEST_POSSIBLE_START: usize = 1_024;
 
-/// The maximum number of characters of a text that are checked. Names are shorter, and the time must not depend on
-/// sizes that may be wrong.
+/// The maximum number of characters to check in a string. Names are shorter, and the time must not depend on sizes that
+/// may be wrong.
 const TEXT: usize = 64;
 
 /// The size of the data to look at: a message and a run after it, all of maximum size.
 pub(super) const LOOKAHEAD: usize = (SOUND_RUN + 1) * LARGEST;
 
-/// The classification of the bytes at the start of the rest of a section.
+/// The classification of the bytes at the cursor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Beginning {
     /// The end of the section.
@@ -40,18 +40,18 @@ pub(super) enum Beginning {
     Message(Header),
     /// A message or header that extends beyond the end.
     Truncated,
-    /// Invalid bytes of this number, followed by a message.
+    /// This number of invalid bytes, followed by a message.
     Skip(usize, Resync),
     /// Invalid bytes. The next start is at least this number of bytes away.
     Lost(usize),
 }
 
-/// The subscribed ids, each with the size of its messages. All messages of a topic have one size, so a different size
-/// is suspicious: the message may end by chance where another one starts.
+/// The subscribed ids, each with the size of its messages. All messages of a topic have the same size, so a different
+/// size is suspicious: the message may end at the start of another message by chance.
 #[derive(Debug)]
 pub(super) struct Ids {
     sizes: Box<[u16]>,
-    /// Different sizes that occurred once. A size that occurs twice in a row replaces the known one.
+    /// Different sizes that occurred once. If a size occurs twice in a row, it replaces the known size.
     doubtful: BTreeMap<u16, u16>,
     is_empty: bool,
 }
@@ -97,7 +97,8 @@ impl Ids {
         payload.first_chunk().map_or(UNSUBSCRIBED, |id| self.sizes[usize::from(u16::from_le_bytes(*id))])
     }
 
-    /// True if a message of this id is possible: it has no known size, and is subscribed unless no id is.
+    /// True if a message with this id is possible: the id has no known size, and it is subscribed or no id is
+    /// subscribed.
     fn allow(&self, payload: &[u8]) -> bool {
         self.is_empty || self.size(payload) == UNSEEN
     }
@@ -131,7 +132,7 @@ enum Walk {
 /// The plausibility of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Plausibility {
-    /// The kind is known and the content is valid. By chance, fewer than one in a hundred thousand starts are sound.
+    /// The kind is known and the content is valid. Fewer than one in a hundred thousand starts are sound by chance.
     Sound,
     /// Data with an unknown id or a new size, or a kind that may belong to a future version.
     Possible,
@@ -139,7 +140,7 @@ enum Plausibility {
 }
 
 impl Look<'_> {
-    /// The size of a header, with the id in the case of data.
+    /// The size of a header and, for data, the id.
     pub(super) const NEXT: usize = HEADER + 2;
 
     /// Classifies the message by its content and the [`NEXT`](Self::NEXT) bytes after it, which nearly always
@@ -270,14 +271,14 @@ impl Look<'_> {
             (b'C', [level, ..]) => is_line(*level, &payload[11..]),
             (b'S', magic) => magic == SYNC,
             (b'R' | b'O', _) => payload.len() == 2,
-            // Flag bits only appear at the start of a log, which needs no search.
+            // Flag bits only appear at the start of a log, where no search is necessary.
             _ => false,
         };
         if is_sound { Plausibility::Sound } else { Plausibility::Wrong }
     }
 }
 
-/// True for characters in names of topics and fields.
+/// True for characters that may appear in the names of topics and fields.
 fn is_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || b"_/-.".contains(&byte)
 }
@@ -288,7 +289,7 @@ fn is_format(text: &[u8]) -> bool {
     name > 0 && text.get(name).is_none_or(|byte| *byte == b':') && text.iter().copied().all(is_printable)
 }
 
-/// True for the length of a key, the key with its type, and a value.
+/// True if the bytes are the length of a key, the key with its type, and a value.
 fn is_entry(entry: &[u8]) -> bool {
     let Some((length, rest)) = entry.split_first() else { return false };
     let Some(key) = rest.get(..usize::from(*length)) else { return false };

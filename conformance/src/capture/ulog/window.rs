@@ -2,8 +2,8 @@
 
 use std::io::{self, ErrorKind, Read};
 
-/// The size of the buffer: the lookahead and about as much again. Each byte is therefore moved about once. The buffer
-/// mostly fits into the L2 cache of common machines.
+/// The size of the buffer: about twice the lookahead. Each byte is therefore moved about once. The buffer fits into the
+/// L2 cache of most machines.
 pub(super) const CAPACITY: usize = 512 * 1024;
 
 #[derive(Debug)]

@@ -15,7 +15,7 @@ pub(in crate::check) struct Listeners<'d> {
     on_reports: usize,
 }
 
-/// A check of a rule, and the number of times that it had something to check.
+/// A rule's check, and the number of times that it had something to check.
 struct Listener {
     rule: &'static Rule,
     running: Running,
@@ -28,7 +28,7 @@ enum Running {
     Session(Box<dyn SessionCheck>),
 }
 
-/// The views of a record for the different kinds of checks.
+/// The views of a record, one for each kind of check.
 struct Views<'v> {
     exchange: &'v Exchange<'v>,
     message: Option<Message<'v>>,
@@ -63,13 +63,13 @@ impl<'d> Listeners<'d> {
         views.show(&mut self.all, self.definitions, findings);
     }
 
-    /// Passes a status report to the checks, except to those on messages, which it has passed already.
+    /// Passes a status report to the checks, except the message checks, which the report has already passed.
     pub(in crate::check) fn checked_report(&mut self, exchange: &Exchange<'_>, findings: &mut Findings) {
         let views = Views { exchange, message: None, report: StatusReport::from_exchange(exchange) };
         views.show(&mut self.all[..self.on_reports], self.definitions, findings);
     }
 
-    /// Notifies the checks that a part is unreadable, so records may be missing.
+    /// Notifies the checks that a part of the capture is unreadable, so records may be missing.
     pub(in crate::check) fn corruption(&mut self, location: Location) {
         for listener in &mut self.all {
             if let Running::Session(state) = &mut listener.running {

@@ -1,14 +1,14 @@
-//! A fast path for status reports without new findings, which are nearly all that a server sends.
+//! A fast path for status reports without new findings. Nearly all status reports have none.
 //!
-//! It reads a line in one pass, without building a tree, and compares each value with its schema. Beyond that, the
-//! findings in a report depend on few properties: its version, the fields of each state that are present or null, and
-//! the text of its error codes ([`Kind`]).
+//! It reads a line in one pass, without building a tree, and compares each value with its schema. Apart from that, the
+//! findings in a report depend on only a few properties: its version, and for each state, which fields are present or
+//! null and the text of the error codes ([`Kind`]).
 //!
-//! The first state of each kind is passed to all checks of messages
-//! ([`Check::Message`](crate::rules::flockwave::Check)), alone in a report. Their signature guarantees that nothing
-//! else matters, so the results apply to all states of that kind. A line takes the general path while its findings
-//! need examples, or if they would name a new UAV. Later lines are only counted. The other checks still get each
-//! report as a [`StatusReport`](crate::rules::flockwave::StatusReport).
+//! The first state of each kind is passed to all message checks ([`Check::Message`](crate::rules::flockwave::Check)),
+//! alone in a report. The signature of these checks guarantees that nothing else matters, so the results apply to all
+//! states of that kind. A line takes the general path as long as its findings need examples, or if they would name a
+//! new UAV. Later lines are only counted. The other checks still receive each report as a
+//! [`StatusReport`](crate::rules::flockwave::StatusReport).
 //!
 //! Lines in an unusual form, and other messages, take the general path.
 
@@ -27,17 +27,18 @@ use uavspec_codegen::schema::json_type::Direction;
 /// The type of the message.
 const TYPE: &str = "UAV-INF";
 
-/// The maximum length of a line on this path, in bytes. It ensures that no line exceeds the limit of values in a
-/// tree.
+/// The maximum length of a line on this path, in bytes. It ensures that no line exceeds the maximum number of values in
+/// a tree.
 const MAX_LINE: usize = 1 << 20;
 
-/// The maximum length of a message id, in bytes. A longer id may have few enough characters, but that is rare.
+/// The maximum length of a message id, in bytes. A longer id may still have few enough characters, but this is rare.
 const MAX_ID: usize = 36;
 
-/// The maximum number of findings in a report on this path. The general path has limits of findings for each body.
+/// The maximum number of findings in a report on this path. The general path limits the number of findings in each
+/// body.
 const MAX_VIOLATIONS: u64 = 1_000;
 
-/// The maximum number of fields of a state: a bit for each.
+/// The maximum number of fields in a state. Each field takes one bit.
 const MAX_FIELDS: usize = 64;
 
 /// A line with a status report that has no new findings.
@@ -51,7 +52,7 @@ pub(super) struct Report<'l> {
     pub(super) text: &'l str,
     /// The message. Its states contain only their timestamps.
     pub(super) message: Tree<'l>,
-    /// The index of its version.
+    /// The index of the report's version.
     version: usize,
 }
 
@@ -70,7 +71,7 @@ struct Fields<'d> {
     id: usize,
     timestamp: usize,
     errors: usize,
-    /// The field that last followed each field. The last item is for the start of a state.
+    /// For each field, the field that most recently followed it. The last item is for the start of a state.
     next: Vec<usize>,
 }
 
@@ -98,7 +99,7 @@ struct Body<'l> {
     states: Option<States<'l>>,
 }
 
-/// The states by UAV, reduced to their timestamps.
+/// The states, each with its UAV and reduced to its timestamp.
 type States<'l> = Vec<(Cow<'l, str>, Tree<'l>)>;
 
 impl<'d> Reports<'d> {
@@ -142,7 +143,7 @@ impl<'d> Reports<'d> {
         Some(Report { name: line.name?, time: line.time?, text, message, version: index })
     }
 
-    /// Counts the report that was read last.
+    /// Counts the most recently read report.
     pub(super) fn count(&mut self, report: &Report<'_>) {
         self.known.count(report.version, &self.kinds);
     }
@@ -201,7 +202,7 @@ impl<'d> Reports<'d> {
     }
 
     fn states<'l>(&mut self, tokens: &mut Tokens<'l>, findings: &Findings) -> Result<States<'l>, Unclear> {
-        // The previous report had about as many.
+        // The previous report probably had about as many states.
         let mut states = Vec::with_capacity(self.kinds.len());
         self.kinds.clear();
         let fields = self.fields.as_mut().ok_or(Unclear)?;
@@ -272,7 +273,7 @@ impl<'d> Fields<'d> {
         Ok((timestamp.ok_or(Unclear)?, kind))
     }
 
-    /// Reads the key of the next field, which probably follows the same key as before.
+    /// Reads the key of the next field. The fields probably have the same order as before.
     fn field(&mut self, tokens: &mut Tokens<'_>, before: usize) -> Result<usize, Unclear> {
         let guess = self.next[before];
         if tokens.takes_key(self.members.name(guess)) {
@@ -299,7 +300,7 @@ fn time(token: &Token<'_>) -> Result<f64, Unclear> {
     }
 }
 
-/// True if no UAV appears twice. Most servers sort the states.
+/// True if no UAV appears twice. Most servers sort the states by UAV.
 fn are_different(states: &States<'_>) -> bool {
     let mut seen = HashSet::new();
     states.is_sorted_by(|(one, _), (other, _)| one < other) || states.iter().all(|(uav, _)| seen.insert(uav))

@@ -80,7 +80,7 @@ fn rows_of_server<S: Serializer>(types: &Types, serializer: S) -> Result<S::Ok, 
     serializer.collect_seq(from_server(types))
 }
 
-/// The types that the server sent. A client may send wrong requests on purpose, so these aren't checked.
+/// The types that the server sent. A client may send wrong requests on purpose, so requests aren't checked.
 fn from_server(types: &Types) -> Vec<Row<'_>> {
     types.iter().map(Row::new).filter(|row| row.from_server > 0).collect()
 }

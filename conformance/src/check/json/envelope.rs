@@ -37,10 +37,10 @@ pub(super) struct Open {
     pub(super) name: String,
     /// The definition and the channel index.
     pub(super) defined: Option<(MessageId, usize)>,
-    /// The key of its messages in their envelope, if they have one.
+    /// The key of the message in its envelope, if messages have an envelope.
     pub(super) key: Option<&'static str>,
     pub(super) messages: u64,
-    /// The size of its messages in memory, in bytes; 0 if no rule needs their values.
+    /// The size of the messages in memory, in bytes; 0 if no rule needs their values.
     pub(super) num_bytes: usize,
     /// The line of its first message.
     pub(super) line: u64,
@@ -49,7 +49,7 @@ pub(super) struct Open {
 /// All topics and types of the capture.
 #[derive(Debug)]
 pub(super) struct Channels {
-    /// The channel of all values, if the caller chose a type.
+    /// The channel of all values, if the caller set a type.
     pub(super) only: Option<usize>,
     pub(super) open: Vec<Open>,
     pub(super) by_type: HashMap<String, usize>,
@@ -117,14 +117,14 @@ pub(super) fn form<'t>(tree: &'t Tree<'t>) -> Form<'t> {
     }
 }
 
-/// The result of reading a value in one pass.
+/// The result of reading a value in a single pass.
 pub(super) enum Fast {
     /// A message of this channel without findings.
     Clean(usize, Clean),
     Skipped,
     /// A message without a definition.
     Undefined,
-    /// A value with findings or of a new channel, which needs the slow path.
+    /// A value that has findings or belongs to a new channel. It needs the slow path.
     Unclear,
 }
 
@@ -144,7 +144,7 @@ pub(super) fn read(text: &str, channels: &Channels, plans: &Plans, values: &mut 
     fast.ok().filter(|_| tokens.end().is_ok()).unwrap_or(Fast::Unclear)
 }
 
-/// A partially read record. The type must precede the message, as is usual; [`form`] accepts any order.
+/// A partially read record. The type must precede the message, as it usually does. [`form`] accepts any order.
 struct Envelope<'c> {
     channels: &'c Channels,
     plans: &'c Plans,

@@ -1,4 +1,4 @@
-//! The texts of messages without findings, as templates for later messages of their channels.
+//! The text of messages without findings, used as templates for later messages on the same channels.
 
 use super::envelope::Open;
 use crate::px4::json::{Clean, Plans, Template};
@@ -6,11 +6,11 @@ use crate::px4::json::{Clean, Plans, Template};
 /// The maximum number of templates.
 const MAX_TEMPLATES: usize = 64;
 
-/// The maximum length of the text of a template, in bytes.
+/// The maximum length of a template's text, in bytes.
 const MAX_TEXT: usize = 64 * 1024;
 
-/// The number of consecutive misses after which no more templates are made. The form of the messages then probably
-/// varies, as with a producer that numbers them.
+/// The number of consecutive misses after which no more templates are created. The form of the messages then probably
+/// varies, for example because the producer numbers them.
 const MAX_MISSES: usize = 256;
 
 /// The templates of a capture.
@@ -27,20 +27,20 @@ pub(super) struct Templates {
 struct Known {
     channel: usize,
     template: Template,
-    /// The index of the template that last matched after this one.
+    /// The index of the template that most recently matched after this one.
     next: usize,
 }
 
 impl Templates {
-    /// Creates a set that never learns a template.
+    /// Creates a set that never learns templates.
     pub(super) fn disabled() -> Self {
         Self { misses: usize::MAX, ..Self::default() }
     }
 
-    /// Matches a message against the templates. Returns its channel, and what the message contributes. Stores the
-    /// field values in `values` if the channel needs them.
+    /// Matches a message against the templates. Returns the message's channel and its contribution to the result.
+    /// Stores the field values in `values` if the channel needs them.
     pub(super) fn read(&mut self, text: &str, plans: &Plans, values: &mut Vec<u8>) -> Option<(usize, Clean)> {
-        // Topics with fixed rates repeat in the same order.
+        // Messages of topics with fixed rates repeat in the same order.
         let guess = self.known.get(self.last)?.next;
         let others = (0..self.known.len()).filter(|at| *at != guess);
         for at in std::iter::once(guess).chain(others) {

@@ -1,7 +1,8 @@
 //! Removes stale entries from lists and keeps everything else unchanged, byte for byte.
 //!
-//! An entry extends from its header to its last value, with the comments directly above and directly below. Comments
-//! apart from entries stay, as do those at the start of a list, which may concern the whole list.
+//! An entry extends from its header to its last value, and includes the comments directly above and directly below.
+//! Comments separate from entries are kept. Comments at the start of a list are kept as well, since they may concern
+//! the whole list.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -11,7 +12,7 @@ use uavspec_codegen::source::{SourceId, Span};
 use super::pattern::exact;
 use super::{Entry, Lists, Stale, StaleReason};
 
-/// The maximum length of the start of a failure message, in characters. A longer text would become stale more often.
+/// The maximum length of the start of a failure message, in characters. A longer start would become stale more often.
 const MAX_MESSAGE: usize = 120;
 
 /// The new texts of the lists that change.
@@ -72,11 +73,11 @@ struct Line {
     range: Range<usize>,
     is_blank: bool,
     is_comment: bool,
-    /// The index of its entry.
+    /// The index of the line's entry.
     owner: Option<usize>,
 }
 
-/// The parts of a text to remove. Entries are in order, each with true if it is removed.
+/// The parts of a text to remove. Entries are in order, each with true if it must be removed.
 fn removals(text: &str, entries: &[(Range<usize>, bool)]) -> Vec<(Range<usize>, String)> {
     let lines = lines(text, entries);
     let is_removed = |line: &Line| line.owner.is_some_and(|owner| entries[owner].1);
@@ -95,7 +96,7 @@ fn removals(text: &str, entries: &[(Range<usize>, bool)]) -> Vec<(Range<usize>, 
                 end = at;
             }
         }
-        // Merge the blank lines around removed entries; leave none at the start and at the end of the list.
+        // Merge the blank lines around removed entries. Leave no blank lines at the start and end of the list.
         if at == lines.len() {
             end = at;
             while start > 0 && lines[start - 1].is_free_blank() {

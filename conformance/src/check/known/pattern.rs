@@ -9,12 +9,12 @@ pub(super) struct Pattern {
 }
 
 impl Pattern {
-    /// Compiles a pattern of names: `*` matches anything, as in `--filter`.
+    /// Compiles a pattern for names. `*` matches anything, as in `--filter`.
     pub(super) fn for_names(text: &str) -> Result<Self, String> {
         Self::new(text, false)
     }
 
-    /// Compiles a pattern of paths: `*` stops at `/`, and `**` doesn't.
+    /// Compiles a pattern for paths. `*` stops at `/`, and `**` doesn't.
     pub(super) fn for_paths(text: &str) -> Result<Self, String> {
         Self::new(text.strip_prefix("./").unwrap_or(text), true)
     }
@@ -36,7 +36,7 @@ pub(super) fn exact(names: &[String]) -> String {
     if others.is_empty() {
         return escape(first);
     }
-    // An alternative can't be empty. The text after the last common `/` never is.
+    // An alternative can't be empty. The text after the last common `/` is never empty.
     let is_common = |end: &usize| others.iter().all(|name| name.starts_with(&first[..*end]));
     let start = first.rmatch_indices('/').map(|(at, _)| at + 1).find(is_common).unwrap_or(0);
     let rests = names.iter().map(|name| escape(&name[start..]).replace(',', "[,]"));

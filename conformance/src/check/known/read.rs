@@ -14,7 +14,7 @@ use super::{Entry, EntrySpans, Pattern, Selector};
 use crate::model::{Date, Excuse, ExcuseKind};
 use crate::rules::rule;
 
-/// The keys of an entry, for error messages.
+/// The allowed keys of an entry, for error messages.
 const KEYS: &str = "expected rule, subject, file, case, reason, link, expires or message";
 
 /// The entries of a list and its errors, in line order.
@@ -86,7 +86,7 @@ impl Reader<'_> {
         entries
     }
 
-    /// The tables of a list, each with its header. `None` if the list has another form.
+    /// The tables of a list, each with its header. `None` if the list has a different form.
     fn tables<'t, 'i>(&self, value: &'t Spanned<DeValue<'i>>) -> Option<Vec<(Span, &'t DeTable<'i>)>> {
         let tables = value.get_ref().as_array()?.iter().map(|item| {
             let header = self.span(item.span());
@@ -257,7 +257,7 @@ impl Reader<'_> {
         self.line("reason", reason, span).then_some(reason)
     }
 
-    /// True if a text is one line without control characters. Reports print it as it is.
+    /// True if the text is a single line without control characters. Reports print it unchanged.
     fn line(&mut self, key: &str, text: &str, span: Span) -> bool {
         let is_line = !text.chars().any(char::is_control);
         if !is_line {

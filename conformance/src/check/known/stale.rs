@@ -9,7 +9,8 @@ use super::{Entry, Lists, Selector};
 use crate::model::Rule;
 use crate::model::{Date, Excuse, ExcuseKind};
 
-/// The longest pattern that is marked in full, in bytes. Automatic fixes write patterns of any length.
+/// The maximum length of a pattern that is underlined in full, in bytes. Automatic fixes may write patterns of any
+/// length.
 const MAX_MARKED: u32 = 200;
 
 /// The result of a case, or of a rule for a subject in a file.
@@ -40,7 +41,7 @@ pub(crate) enum Name<'r> {
 /// The result of a case or rule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// Passed. A rule passes if it was covered; its violations in the same file are separate results.
+    /// Passed. A rule passes if it was covered. Its violations in the same file are separate results.
     Passed,
     /// Failed, with these messages.
     Failed(Vec<String>),
@@ -50,7 +51,7 @@ pub(crate) enum Outcome {
     NotRun,
 }
 
-/// The kind of entries that a run decides on.
+/// The kind of entries that a run checks for staleness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scope {
     /// Entries for rules.
@@ -69,8 +70,8 @@ pub(crate) struct Stale {
 }
 
 impl Stale {
-    /// True if the entry can be fixed automatically. Messages without a common prefix can't: an empty prefix would
-    /// excuse any failure.
+    /// True if the entry can be fixed automatically. If messages have no common prefix, a fix isn't possible, since an
+    /// empty prefix would excuse any failure.
     pub(crate) fn is_fixable(&self) -> bool {
         !matches!(&self.reason, StaleReason::FailsOtherwise { common, .. } if common.is_empty())
     }
@@ -109,7 +110,7 @@ pub(crate) enum StaleReason {
 #[derive(Default)]
 struct Sum<'c> {
     passed: usize,
-    /// The first case that passed; rules don't name one.
+    /// The first case that passed; `None` for rules.
     passing: Option<&'c str>,
     /// The cases that failed.
     failing: Vec<&'c str>,
@@ -204,7 +205,7 @@ impl Lists {
 }
 
 impl Selector {
-    /// True if this matches a name. Results without violations have no subject to match.
+    /// True if the entry matches this name. Results without violations have no subject to match.
     fn is_match(&self, name: Name<'_>, has_subject: bool) -> bool {
         match (self, name) {
             (Self::Rule { rule, subject, file }, Name::Rule { rule: id, subject: name, file: path }) => {

@@ -23,7 +23,7 @@ const MAX_UNPACKED: u64 = Reader::<&[u8]>::MAX_RECORD;
 
 /// A decoded message.
 pub(super) struct Seen {
-    /// The field `timestamp`, if there is one.
+    /// The `timestamp` field, if there is one.
     pub(super) timestamp: Option<u64>,
     /// The field values in memory layout, if a rule needs them.
     pub(super) memory: Option<Vec<u8>>,
@@ -31,20 +31,20 @@ pub(super) struct Seen {
 
 /// The encapsulation header of a payload.
 enum Header {
-    /// Plain CDR.
+    /// Plain CDR, which is supported.
     Plain,
     /// Another kind of CDR, which isn't supported.
     Other,
     /// An unknown kind.
     Unknown([u8; 2]),
-    /// A payload that is shorter than a header.
+    /// No header: the payload is too short.
     Short,
 }
 
 /// The checker for the messages of a channel, with counts.
 pub(super) struct CdrChecker {
     message_id: MessageId,
-    /// The schema of the file, if it differs from the definition.
+    /// The schema in the file, if it differs from the definition.
     stated: Option<Rc<Stated>>,
     plan: Plan,
     /// The offset of `timestamp` in memory.
@@ -79,7 +79,7 @@ impl CdrChecker {
         }
     }
 
-    /// The size of its plan, in steps.
+    /// The size of the channel's plan, in steps.
     pub(super) fn steps(&self) -> usize {
         self.plan.steps()
     }
@@ -157,7 +157,7 @@ impl CdrChecker {
         self.headers += 1;
         match (ByteOrder::of(payload), [first, second]) {
             (Ok(_), _) => Header::Plain,
-            // Parameter lists, and version 2 of CDR.
+            // Parameter lists and CDR version 2.
             (Err(_), [0, 2 | 3 | 6..=0xb]) => {
                 self.others += 1;
                 Header::Other
@@ -180,7 +180,7 @@ impl CdrChecker {
     }
 }
 
-/// Decompresses a payload, if rosbag2 compressed each message separately. No encapsulation header starts like zstd.
+/// Decompresses a payload if rosbag2 compressed each message separately. No encapsulation header starts like zstd data.
 pub(super) fn decompressed(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     if !payload.starts_with(&ZSTD) {
         return Ok(Cow::Borrowed(payload));

@@ -1,6 +1,6 @@
 //! Compares the JSON Schema in a file with the definition.
 //!
-//! Only explicit statements are compared: the names of properties, their types, and which ones are required. `number`
+//! Only explicit statements are compared: the names of properties, their types, and whether they are required. `number`
 //! matches an integer, since many writers have no integer type. A missing type or `anyOf` matches anything.
 
 use serde_json::Value;
@@ -12,11 +12,11 @@ use crate::px4::comparison::{Comparison, Differences};
 /// The maximum depth of compared objects. Definitions don't nest deeper.
 const MAX_DEPTH: usize = 32;
 
-/// The maximum number of references to follow to a schema.
+/// The maximum number of consecutive references to follow to a schema.
 const MAX_REFERENCES: usize = 8;
 
 /// Compares the text of a schema with a definition. Returns `None` if the schema has no properties. The error is a
-/// message of one line.
+/// one-line message.
 pub(super) fn compare(
     text: &[u8],
     defined: MessageId,
@@ -107,7 +107,7 @@ impl<'s> Comparing<'s> {
         found
     }
 
-    /// The types that a property states, if none of them is expected.
+    /// The types that a property's schema states, if it allows none of the expected types.
     fn contradicted(&self, property: &'s Value, types: &[&str]) -> Option<String> {
         let found = self.followed(property);
         let is_among = |name: &str| types.contains(&name) || name == "number" && types.contains(&"integer");

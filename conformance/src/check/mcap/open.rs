@@ -18,15 +18,15 @@ pub struct McapChannel {
     pub topic: String,
     /// The encoding of its messages, e.g. `cdr`.
     pub encoding: String,
-    /// The name and the encoding of its schema, if it has one.
+    /// The name and encoding of the channel's schema, if it has one.
     pub schema: Option<(String, String)>,
     /// The number of messages.
     pub messages: u64,
-    /// The number of messages in unsupported kinds of CDR: parameter lists and version 2.
+    /// The number of messages in unsupported kinds of CDR: parameter lists and CDR version 2.
     pub other_cdr: u64,
-    /// True if both its hash and its schema differ from the definition.
+    /// True if both the channel's hash and its schema differ from the definition.
     pub has_other_hash: bool,
-    /// The extent to which it was checked.
+    /// The extent to which the channel was checked.
     pub status: CheckStatus,
 }
 
@@ -54,7 +54,7 @@ pub enum Basis {
     Unreadable(String),
     /// The schema is too long.
     TooLong,
-    /// Messages of the definition aren't supported, for this reason. The channel wasn't checked.
+    /// Messages of the defined type aren't supported, for this reason. The channel wasn't checked.
     Unusable(String),
     /// There are too many channels. This one wasn't checked.
     TooMany,
@@ -101,7 +101,7 @@ pub(super) struct Open {
     topic: String,
     encoding: String,
     pub(super) schema: Option<(String, String)>,
-    /// A hash of its declaration, which distinguishes channels with the same id.
+    /// A hash of the channel's declaration, used to distinguish channels with the same id.
     pub(super) digest: u64,
     pub(super) reading: Reading,
     pub(super) messages: u64,

@@ -11,32 +11,32 @@ use crate::definitions::Definitions;
 use crate::px4::comparison::{Comparison, compare_declared};
 
 /// The maximum total size of stored schemas, in bytes. Five hundred ROS 2 types with their nested types need half of
-/// it.
+/// this size.
 const MAX_SCHEMAS: usize = 8 << 20;
 
 /// The maximum size of a stored schema, in bytes.
 const MAX_SCHEMA: usize = 1 << 20;
 
-/// The result of comparing a schema with a definition, the types of the schema if they are needed to decode CDR, and
-/// the message version that the schema states.
+/// The result of comparing a schema with a definition. The second item contains the types of the schema if they are
+/// needed to decode CDR. The third item is the message version that the schema states.
 type ComparedSchema = (Basis, Option<Rc<Stated>>, Option<u32>);
 
 /// The schemas of a file, by id.
 #[derive(Default)]
 pub(super) struct Schemas {
     by_id: HashMap<u16, Schema>,
-    /// The total size of the stored texts, in bytes.
+    /// The total size of the stored schemas, in bytes.
     num_bytes: usize,
 }
 
 struct Schema {
     name: String,
     encoding: String,
-    /// `None` if it is too long to store.
+    /// The text; `None` if it is too long to store.
     text: Option<Vec<u8>>,
-    /// A hash that distinguishes it from other schemas with this id.
+    /// A hash that distinguishes the schema from others with the same id.
     digest: u64,
-    /// The comparisons that channels requested, by definition, and true for JSON.
+    /// The comparisons that channels requested, by definition. The flag is true for JSON messages.
     compared: BTreeMap<(MessageId, bool), ComparedSchema>,
 }
 
@@ -91,7 +91,7 @@ impl Schemas {
         let Some(text) = &schema.text else { return (Basis::TooLong, None, None) };
         let compared = schema.compared.entry((message_id, is_json));
         let compared = compared.or_insert_with(|| match (schema.encoding.as_str(), is_json) {
-            // rosbag2 writes an empty text for types whose definitions it doesn't find.
+            // rosbag2 writes an empty schema for types whose definitions it can't find.
             _ if text.is_empty() => (Basis::NoSchema, None, None),
             ("ros2msg", false) => types(&schema.name, text, message_id, definitions),
             ("jsonschema", true) => (json(text, message_id, definitions), None, None),

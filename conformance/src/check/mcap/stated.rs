@@ -15,7 +15,7 @@ use uavspec_codegen::schema::{Form, Message, MessageId};
 use uavspec_codegen::{PackageInput, SourceMap, read};
 use uavspec_runtime::Number;
 
-/// The package of a type without a package in its name.
+/// The package of a type whose name has no package.
 const NO_PACKAGE: &str = "unnamed";
 
 /// The minimum length of a separator line; all writers use 80 characters.
@@ -59,7 +59,7 @@ impl Stated {
         }
         let packages: Vec<PackageInput> = packages.into_values().collect();
         let (schema, diagnostics) = read(&sources, &packages);
-        // Names that violate the naming style of ROS 2 are accepted.
+        // Names that violate the ROS 2 naming style are accepted.
         let is_fatal = |problem: &Problem| {
             problem.level() == Level::Error && !matches!(problem, Problem::NameStyleRos { .. })
         };
@@ -90,7 +90,7 @@ impl Stated {
     }
 }
 
-/// The version that PX4 assigns to a message, which is an ordinary constant in ROS 2.
+/// The version that PX4 assigns to a message. In ROS 2, this is an ordinary constant.
 fn version(message: &Message) -> Option<u32> {
     let constant = message.constants.iter().find(|constant| constant.name == "MESSAGE_VERSION")?;
     match constant.value.number()? {
@@ -99,7 +99,7 @@ fn version(message: &Message) -> Option<u32> {
     }
 }
 
-/// Removes comments. A `#` within a string starts no comment.
+/// Removes comments. A `#` within a string doesn't start a comment.
 fn without_comments(text: &str) -> String {
     let mut bare = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
@@ -121,7 +121,7 @@ fn without_comments(text: &str) -> String {
     bare
 }
 
-/// The texts of all types. The first one has no name.
+/// The text of each type. The first type has no name.
 fn definitions(text: &str) -> Vec<(Option<&str>, &str)> {
     let mut found = Vec::new();
     let (mut name, mut start, mut at) = (None, 0, 0);

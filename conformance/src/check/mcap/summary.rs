@@ -93,7 +93,7 @@ impl<'c> Row<'c> {
         }
     }
 
-    /// The reason why some or all of its messages aren't read.
+    /// The reason why some or all of the channel's messages aren't read.
     fn not_read(&self) -> Option<String> {
         match self.result {
             ChannelResult::Unsupported => Some(format!("unsupported encoding `{}`", shown(self.encoding))),

@@ -12,14 +12,14 @@ use super::defined::{Object, Tuple, ValueSchema};
 pub struct DefinedSchemas {
     /// The bodies by message type, one for each direction.
     pub(super) messages: HashMap<String, [Option<Body>; 3]>,
-    /// The schemas of all types and bodies, by their names in test vectors: `flockwave/Weather`,
+    /// The schemas of all types and bodies, by their names in test vectors, such as `flockwave/Weather` or
     /// `flockwave/WTH-AT.response`.
     pub(super) named: BTreeMap<String, ValueSchema>,
     /// The objects in bodies.
     pub(super) objects: Vec<Object>,
     /// The tuples in bodies.
     pub(super) tuples: Vec<Tuple>,
-    /// True if spans of these schemas don't refer to the current definitions.
+    /// True if the spans in these schemas don't refer to the current definitions.
     pub(super) is_foreign: bool,
 }
 

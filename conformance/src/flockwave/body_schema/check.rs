@@ -17,7 +17,7 @@ const MAX_DEVIATIONS: usize = 10_000;
 /// the visits at each level of nesting.
 const MAX_VISITS: usize = 1 << 21;
 
-/// The cost of reporting a deviation, as a number of visits for each step of its path.
+/// The cost of reporting a deviation, in visits for each step of its path.
 const VISITS_PER_DEVIATION: usize = 8;
 
 /// The maximum number of listed fields of an object.
@@ -26,7 +26,7 @@ const MAX_LISTED: usize = 12;
 /// The maximum number of listed values of a set.
 const MAX_VALUES: usize = 16;
 
-/// The maximum number of elements of a unique list that are compared by their text.
+/// The maximum number of elements to compare by their text in a list of unique elements.
 const MAX_COMPARED: usize = 10_000;
 
 /// A step of the path to a value.
@@ -43,8 +43,8 @@ pub(super) enum At<'c> {
 }
 
 impl DefinedSchemas {
-    /// The deviations of a body from the schema of its type and direction, at most ten thousand. `None` if there is
-    /// no such schema.
+    /// The deviations of a body from the schema for its type and direction, at most ten thousand. `None` if there is no
+    /// such schema.
     pub(crate) fn check(
         &self,
         type_name: &str,
@@ -54,7 +54,7 @@ impl DefinedSchemas {
         Some(check(self, self.body(type_name, direction)?, body))
     }
 
-    /// The first deviation of a value from the schema with this name. `None` if there is no such schema.
+    /// The value's first deviation from the schema with this name. `None` if there is no such schema.
     pub fn mismatch(&self, name: &str, value: &Tree<'_>) -> Option<Option<Mismatch>> {
         Some(first(self, self.named.get(name)?, value))
     }
@@ -78,7 +78,7 @@ fn check<'c>(defined_schemas: &'c DefinedSchemas, body: &'c Body, value: &'c Tre
     check.deviations
 }
 
-/// The first deviation of a value from a schema.
+/// The value's first deviation from a schema.
 fn first<'c>(
     defined_schemas: &'c DefinedSchemas,
     schema: &'c ValueSchema,
@@ -102,7 +102,7 @@ struct Check<'c> {
     body: Option<&'c Body>,
     /// The path from the body to the current value.
     path: Vec<At<'c>>,
-    /// True for each field that was found, for the objects on the path, innermost last.
+    /// For the fields of each object on the path, true if the field was found. The innermost object is last.
     seen: Vec<bool>,
     visits: usize,
     deviations: Vec<Deviation>,
@@ -266,7 +266,8 @@ impl<'c> Check<'c> {
         }
     }
 
-    /// Reports a value that matches no alternative, if possible by the only alternative of its kind.
+    /// Reports a value that matches no alternative. If only one alternative has the value's kind, its deviations are
+    /// reported.
     fn either(&mut self, all: &'c [ValueSchema], value: &'c Tree<'c>) {
         let start = self.deviations.len();
         let mut of_kind: Vec<Vec<Deviation>> = Vec::new();
@@ -398,7 +399,7 @@ fn is_of_kind(schema: &ValueSchema, value: &Tree<'_>) -> bool {
 }
 
 /// The first repeated element of a list. Strings and integers are compared by value, and other values by their text.
-/// Two objects whose keys differ in order therefore count as different.
+/// Two objects that differ only in key order therefore count as different.
 fn repeated<'v>(values: &'v [Tree<'_>]) -> Option<&'v Tree<'v>> {
     let (mut texts, mut integers, mut others) = (HashSet::new(), HashSet::new(), HashSet::new());
     values.iter().find(|value| match (value, integer(value)) {

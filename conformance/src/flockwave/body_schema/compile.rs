@@ -1,4 +1,4 @@
-//! Compiles definitions of types and messages to schemas.
+//! Compiles the definitions of types and messages to schemas.
 
 use std::collections::HashMap;
 
@@ -16,7 +16,8 @@ use super::defined::{Field, Length, List, Object, Pattern, Test, Text, Tuple, Va
 const BASE64: &str = "base64";
 
 impl DefinedSchemas {
-    /// Compiles all messages of the definitions. If two packages define a message, the first one applies.
+    /// Compiles all messages of the definitions. If two packages define a message, the first package's definition
+    /// applies.
     pub(crate) fn new(schema: &Schema) -> Self {
         let mut compiler =
             Compiler { schema, defined_schemas: DefinedSchemas::default(), known: HashMap::new() };
@@ -88,7 +89,7 @@ impl Compiler<'_> {
         members.iter().map(field).collect()
     }
 
-    /// The schema of an expression with all limits that apply to it.
+    /// The schema of an expression and of all limits that apply to it.
     fn expression(&mut self, expression: &Expression, limits: &[&Limits]) -> ValueSchema {
         match expression {
             Expression::Any => ValueSchema::Any,
@@ -165,7 +166,7 @@ impl Compiler<'_> {
                     ValueSchema::Constants(values.iter().map(|value| value.value.clone()).collect())
                 }
             },
-            // Names aren't recursive, so this ends.
+            // Names aren't recursive, so the recursion ends.
             Definition::Named(typed) => {
                 let all: Vec<&Limits> = limits.iter().copied().chain([&typed.limits]).collect();
                 self.expression(&typed.ty, &all)

@@ -14,7 +14,7 @@ pub(super) enum ValueSchema {
     Null,
     /// `true` or `false`.
     Bool,
-    /// An integer from the first to the second value.
+    /// An integer between the first and the second value, inclusive.
     Integer(i128, i128),
     /// A number with optional bounds.
     Number(Option<f64>, Option<f64>),
@@ -41,7 +41,7 @@ pub(super) enum ValueSchema {
 pub(super) struct Text {
     /// The number of characters.
     pub(super) length: Length,
-    /// The patterns that it matches.
+    /// The patterns that it must match.
     pub(super) patterns: Vec<Pattern>,
     /// True if it is Base64.
     pub(super) is_base64: bool,
@@ -57,7 +57,7 @@ pub(super) struct Length {
 /// A pattern for strings.
 #[derive(Debug)]
 pub(super) struct Pattern {
-    /// The pattern in the definition.
+    /// The pattern as written in the definition.
     pub(super) written: String,
     /// The compiled pattern.
     pub(super) test: Test,
@@ -66,7 +66,7 @@ pub(super) struct Pattern {
 /// A compiled pattern.
 #[derive(Debug)]
 pub(super) enum Test {
-    /// A non-empty string without these characters: `^[^/]+$`, which is used for ids and is therefore fast.
+    /// A non-empty string without these characters. `^[^/]+$` is used for ids, so this form must be fast.
     Without(Vec<char>),
     /// Any other pattern.
     Regex(Regex),
@@ -139,7 +139,7 @@ impl Object {
         Self { name: name.to_owned(), fields, by_name, is_closed }
     }
 
-    /// The index of a field. `guess` is tried first, since most writers keep the order of the definition.
+    /// The index of a field. The index `guess` is tried first, since most writers keep the order of the definition.
     pub(super) fn field(&self, name: &str, guess: usize) -> Option<usize> {
         if self.fields.get(guess).is_some_and(|field| field.name == name) {
             return Some(guess);

@@ -1,7 +1,7 @@
 //! Checks values against their schemas in one pass, without building a tree.
 //!
-//! It only confirms valid values; for all others, [`super::check`] examines a tree. Nearly all values in the states
-//! of UAVs are integers, whose schemas are stored as 64-bit ranges.
+//! It only confirms valid values. For all other values, [`super::check`] examines a tree. Nearly all values in UAV
+//! states are integers, so their schemas are stored as 64-bit ranges.
 
 use super::bodies::DefinedSchemas;
 use super::check::fits;
@@ -9,7 +9,7 @@ use super::defined::{Length, Object, ValueSchema};
 use crate::json::{Token, Tokens, Unclear};
 use uavspec_codegen::schema::json_type::Direction;
 
-/// The fields of the objects in a map of a body.
+/// The fields of the objects in one of a body's maps.
 #[derive(Debug)]
 pub(crate) struct Members<'s> {
     object: &'s Object,
@@ -45,7 +45,7 @@ enum Scalar<'s> {
 }
 
 impl DefinedSchemas {
-    /// The fields of the objects in a map. `None` if the field `map` of the body isn't a map of objects.
+    /// The fields of the objects in a map. `None` if the body's `map` field isn't a map of objects.
     pub(crate) fn members(&self, type_name: &str, direction: Direction, map: &str) -> Option<Members<'_>> {
         let body = &self.objects[self.body(type_name, direction)?.object];
         let ValueSchema::Map(inner) = &body.fields[body.field(map, 0)?].schema else { return None };
@@ -80,7 +80,7 @@ impl Members<'_> {
         accepts(self.fields[field].schema, token)
     }
 
-    /// Reads the value of a field. Fails if it isn't plainly valid.
+    /// Reads the value of a field. Fails if the value isn't clearly valid.
     pub(crate) fn takes(&self, field: usize, tokens: &mut Tokens<'_>) -> Result<(), Unclear> {
         match &self.fields[field].plain {
             Plain::One(scalar) => scalar.takes(tokens),

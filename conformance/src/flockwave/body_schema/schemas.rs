@@ -24,7 +24,7 @@ const MAX_DEVIATIONS: usize = 100;
 /// The maximum length of a quoted part of a schema, in characters.
 const MAX_DEMAND: usize = 80;
 
-/// The base address of files without `$id`, relative to which they refer to each other by name.
+/// The base address of files without `$id`. Such files refer to each other by names relative to it.
 const BASE: &str = "uavspec://schemas/";
 
 /// JSON Schemas for bodies, by message type.
@@ -37,7 +37,7 @@ pub struct Schemas {
 #[derive(Debug)]
 struct Schema {
     file: PathBuf,
-    /// The direction that it applies to; `None` means all.
+    /// The direction to which the schema applies; `None` means all directions.
     direction: Option<Direction>,
     value: Value,
     validator: Validator,
@@ -50,7 +50,7 @@ pub struct SchemaError {
     path: PathBuf,
     /// The location in the file: a line and column, or a JSON pointer; may be empty.
     location: String,
-    /// The problem and its fix.
+    /// The problem, and how to fix it.
     problem: String,
 }
 
@@ -64,8 +64,8 @@ impl fmt::Display for SchemaError {
 impl std::error::Error for SchemaError {}
 
 impl Schemas {
-    /// Loads all files `*.json` in these folders and their subfolders. References may lead to other files, but
-    /// nothing is fetched.
+    /// Loads all `*.json` files in these folders and their subfolders. References may lead to other files, but nothing
+    /// is downloaded.
     pub fn load(folders: &[PathBuf]) -> Result<Self, SchemaError> {
         let mut schemas = Self::default();
         for (number, folder) in folders.iter().enumerate() {
@@ -164,7 +164,7 @@ impl Schema {
 /// The files in a folder.
 #[derive(Debug)]
 struct Files {
-    /// The files by address, which results from the path in the folder.
+    /// The files by address. A file's address results from its path in the folder.
     by_address: BTreeMap<String, (PathBuf, Value)>,
     /// The addresses by `$id`.
     by_id: HashMap<String, String>,
@@ -212,7 +212,7 @@ impl Files {
         Ok(files)
     }
 
-    /// Files without `$schema` use the draft of the first file that names one. Often a single file names it for all.
+    /// Files without `$schema` use the draft of the first file that names one. Often only a single file names it.
     fn set_default_draft(&mut self) {
         let named = self.by_address.values().find_map(|(_, value)| value["$schema"].as_str());
         let Some(named) = named.map(str::to_owned) else { return };
@@ -255,7 +255,7 @@ fn address(path: &Path) -> String {
     path.to_string_lossy().replace('\\', "/").bytes().map(written).collect()
 }
 
-/// The message types that a file states, or else the type in its name.
+/// The message types that a file states; otherwise, the type in its name.
 fn types_of(path: &Path, value: &Value) -> Vec<String> {
     let of_type = &value["properties"]["type"];
     let values = of_type["enum"].as_array().into_iter().flatten().chain([&of_type["const"]]);
@@ -289,8 +289,8 @@ fn is_type(word: &str) -> bool {
     word.contains('-') && word.split('-').all(is_part)
 }
 
-/// A tree as a JSON value. `None` if it contains tokens that aren't JSON, or a number beyond the range of a float.
-/// The first value of a repeated key counts.
+/// A tree as a JSON value. `None` if the tree contains tokens that aren't JSON, or a number beyond the range of a
+/// float. The first value of a repeated key counts.
 fn value_of(tree: &Tree<'_>) -> Option<Value> {
     Some(match tree {
         Tree::Null => Value::Null,

@@ -25,22 +25,23 @@ pub(crate) enum Role {
     Unreadable,
     /// A message that expects an answer.
     Request,
-    /// An answer, which has `refs`.
+    /// An answer. It has `refs`.
     Response,
-    /// An unsolicited message of the server.
+    /// An unsolicited message from the server.
     Notification,
-    /// A request that had no answer when its connection or the capture ended. Its location is that of the request.
+    /// A request that had no answer when its connection or the capture ended. The record has the location of the
+    /// request.
     Unanswered,
 }
 
-/// The message that the `refs` of a response name.
+/// The message to which a response's `refs` refers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reference {
     /// Unknown, since records may be missing.
     Unclear,
-    /// A request that waited for an answer.
+    /// A request that was waiting for an answer.
     Request,
-    /// A request that already had its answer.
+    /// A request that was already answered.
     Answered,
     /// A notification.
     Notification,
@@ -64,7 +65,7 @@ pub(crate) struct ClockMove {
 pub(crate) struct ConnectionId {
     /// The number in the capture.
     pub index: usize,
-    /// A number that distinguishes it from earlier connections with this name.
+    /// A number that distinguishes the connection from earlier ones with the same name.
     pub serial: u64,
 }
 
@@ -75,7 +76,7 @@ pub(crate) struct Exchange<'t> {
     pub record: &'t SessionRecord<'t>,
     /// The role.
     pub role: Role,
-    /// A number that distinguishes its connection from all others, including earlier ones with this name.
+    /// A number that distinguishes its connection from all others, including earlier ones with the same name.
     pub serial: u64,
     /// The time in seconds, if it is reliable.
     pub time: Option<f64>,
@@ -87,20 +88,20 @@ pub(crate) struct Exchange<'t> {
     pub body: Option<&'t Tree<'t>>,
     /// The type of the body, if it is a string.
     pub type_name: Option<&'t str>,
-    /// The message that its `refs` name.
+    /// The message to which its `refs` refers.
     pub reference: Reference,
-    /// The request that it answers, if that is certain; or the unanswered request.
+    /// The request that the record answers, if that is certain, or the unanswered request.
     pub request: Option<SentRequest>,
-    /// True if its id must be unique and isn't.
+    /// True if its id must be unique but isn't.
     pub is_id_in_use: bool,
     /// The receipts that it issues.
     pub opened: Vec<Named>,
     /// The operations that it reports on.
     pub operations: Vec<Named>,
     /// The known bounds of the offset of the server's clock before this record, in seconds. A positive offset means
-    /// that it is ahead.
+    /// that the server's clock is ahead.
     pub clock: Option<(f64, f64)>,
-    /// The change of the clock, if this states the server's time and an earlier record did as well.
+    /// The change of the clock, if both this record and an earlier one state the server's time.
     pub clock_move: Option<ClockMove>,
     /// The violations of its body schema. `None` if there is no schema.
     pub deviations: Option<Vec<Deviation>>,
@@ -113,7 +114,7 @@ impl<'t> Exchange<'t> {
         let body = message.and_then(|message| message.get("body"));
         let body = body.filter(|body| matches!(body, Tree::Object(_)));
         let type_name = body.and_then(|body| body.get("type")).and_then(Tree::as_str);
-        // The specification's advice to authors allows null for optional members.
+        // The specification's advice for authors allows null for optional members.
         let has_refs =
             message.and_then(|message| message.get("refs")).is_some_and(|refs| *refs != Tree::Null);
         let role = match (record.direction, message) {
@@ -149,7 +150,7 @@ impl<'t> Exchange<'t> {
         Self { role: Role::Unanswered, serial, request: Some(request), ..exchange }
     }
 
-    /// True if it is a message of the server, readable or not.
+    /// True if it is a message from the server, readable or not.
     pub(crate) fn is_from_server(&self) -> bool {
         self.record.direction == record::Direction::In && self.role != Role::Unanswered
     }
@@ -165,17 +166,17 @@ impl<'t> Exchange<'t> {
         self.record.value.filter(is_object).filter(|_| self.is_from_server())
     }
 
-    /// The body of a message of the server, if it has this type.
+    /// The body, if this is a message of this type from the server.
     pub(crate) fn body_of(&self, type_name: &str) -> Option<&'t Tree<'t>> {
         self.body.filter(|_| self.is_from_server() && self.type_name == Some(type_name))
     }
 
-    /// The body of a response of the server, if it has this type.
+    /// The body, if this is the server's response of this type.
     pub(crate) fn response(&self, type_name: &str) -> Option<&'t Tree<'t>> {
         self.body_of(type_name).filter(|_| self.role == Role::Response)
     }
 
-    /// The body of a notification, if it has this type.
+    /// The body, if this is a notification of this type.
     pub(crate) fn notification(&self, type_name: &str) -> Option<&'t Tree<'t>> {
         self.body_of(type_name).filter(|_| self.role == Role::Notification)
     }
@@ -186,8 +187,8 @@ impl<'t> Exchange<'t> {
         version.and_then(Tree::as_str).is_some() && self.type_name.is_some()
     }
 
-    /// The description of the test of a rule that it belongs to. For answers and unanswered requests, that is the
-    /// test of the request; for events, that of the connection.
+    /// The description of the rule test to which the record belongs. Answers and unanswered requests belong to the
+    /// request's test, and events to the connection's test.
     pub(crate) fn tried(&self, rule: &Rule) -> Option<&str> {
         let (tested, how) = match &self.request {
             Some(request) => request.trial.as_ref().map(|(rule, how)| (*rule, how.as_str()))?,
@@ -208,7 +209,7 @@ impl<'t> Exchange<'t> {
         }
     }
 
-    /// The violations of the body schema by a message of the server.
+    /// The violations of the body schema by a message from the server.
     pub(super) fn deviations_from(&self, schemas: BodySchemas<'_>) -> Option<Vec<Deviation>> {
         let body = self.body.filter(|_| self.is_from_server())?;
         schemas.deviations(self.type_name?, self.direction()?, body)
@@ -219,14 +220,14 @@ impl<'t> Exchange<'t> {
         self.body.and_then(|body| body.get(name))
     }
 
-    /// The request that it answers, if it has the same type.
+    /// The request that the record answers, if it has the same type.
     pub(crate) fn same_type_request(&self) -> Option<&SentRequest> {
         self.request
             .as_ref()
             .filter(|request| self.type_name.is_some() && request.type_name.as_deref() == self.type_name)
     }
 
-    /// The bounds of the offset of the server's clock in seconds, according to an answer to a time request.
+    /// The bounds of the server's clock offset in seconds, according to an answer to a time request.
     pub(crate) fn clock_reading(&self) -> Option<(f64, f64)> {
         let server_time = self.response("SYS-TIME")?.get("timestamp")?;
         // A fraction suggests that the unit isn't milliseconds.

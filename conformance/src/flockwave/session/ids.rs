@@ -1,8 +1,7 @@
-//! A bounded memory of ids, which forgets the oldest entries first.
+//! A bounded map of remembered ids. It forgets the oldest entries first.
 //!
-//! It does for the ids of a connection what [`Remembered`](super::remembered::Remembered) does for any keys. A hash
-//! table is several times faster, which matters here: each message of a server has an id, and so has each state of a
-//! UAV.
+//! It is a version of [`Remembered`](super::remembered::Remembered) for the ids of a connection. Its hash table is
+//! several times faster. This is important because each server message has an id, and so does each UAV state.
 
 use std::collections::VecDeque;
 use std::hash::BuildHasher;
@@ -18,7 +17,7 @@ const MAX_GAPS: usize = 64;
 #[derive(Debug)]
 pub(crate) struct Ids<V> {
     hasher: DefaultHashBuilder,
-    /// The number of each entry, by the hash of its key.
+    /// The entry numbers, by the hash of the entry's key.
     table: HashTable<u64>,
     /// The entries in order of insertion; `None` if an entry was removed.
     entries: VecDeque<Option<Entry<V>>>,
@@ -39,7 +38,7 @@ struct Entry<V> {
 }
 
 impl<V> Ids<V> {
-    /// Creates an empty memory with a size limit in bytes.
+    /// Creates an empty map with a size limit in bytes.
     pub(crate) fn new(limit: usize) -> Self {
         Self {
             hasher: DefaultHashBuilder::default(),
@@ -66,7 +65,7 @@ impl<V> Ids<V> {
         self.entries[at].as_mut().map(|entry| &mut entry.value)
     }
 
-    /// Inserts a value of roughly this size in bytes, and replaces the value with the same key.
+    /// Inserts a value of roughly this size in bytes, replacing any existing value for the key.
     pub(crate) fn insert(&mut self, serial: u64, id: &str, value: V, size: usize) {
         self.remove(serial, id);
         let (hash, size) = (self.hash(serial, id), size + OVERHEAD);
@@ -139,12 +138,12 @@ impl<V> Ids<V> {
     }
 }
 
-/// The index of an entry, from its number and that of the first entry.
+/// The index of an entry, from its number and the first entry's number.
 fn position(first: u64, number: u64) -> Option<usize> {
     usize::try_from(number.checked_sub(first)?).ok()
 }
 
-/// The hash of the key of an entry, which must exist.
+/// The hash of an entry's key. The entry must exist.
 fn hash_of<V>(entries: &VecDeque<Option<Entry<V>>>, first: u64, number: u64) -> u64 {
     let entry = position(first, number).and_then(|at| entries.get(at)?.as_ref());
     entry.map_or(0, |entry| entry.hash)

@@ -12,7 +12,7 @@ pub(crate) enum Stage {
     Released,
     /// Ended.
     Ended,
-    /// Reported on before a response issued its receipt.
+    /// A message reported on the operation before a response issued its receipt.
     Early,
 }
 

@@ -1,4 +1,4 @@
-//! A bounded memory, which forgets the oldest entries first.
+//! A bounded map. It forgets the oldest entries first.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -9,7 +9,7 @@ pub(super) const OVERHEAD: usize = 128;
 #[derive(Debug)]
 pub(crate) struct Remembered<K, V> {
     values: BTreeMap<K, Entry<V>>,
-    /// The keys with the numbers of their entries, in order of insertion. They may include removed entries.
+    /// The keys with the numbers of their entries, in order of insertion. The list may include keys of removed entries.
     order: VecDeque<(u64, K)>,
     next: u64,
     size: usize,
@@ -25,7 +25,7 @@ struct Entry<V> {
 }
 
 impl<K: Clone + Ord, V> Remembered<K, V> {
-    /// Creates an empty memory with a size limit in bytes.
+    /// Creates an empty map with a size limit in bytes.
     pub(crate) fn new(limit: usize) -> Self {
         Self {
             values: BTreeMap::new(),
@@ -46,7 +46,7 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
         self.values.contains_key(key)
     }
 
-    /// Inserts a value of roughly this size in bytes, and replaces the value with the same key.
+    /// Inserts a value of roughly this size in bytes, replacing any existing value for the key.
     pub(crate) fn insert(&mut self, key: K, value: V, size: usize) {
         self.remove(&key);
         let size = size + OVERHEAD;

@@ -34,7 +34,7 @@ pub(crate) const OPERATIONS: [&str; 21] = [
     "UAV-WAKEUP",
 ];
 
-/// The fields of operations. An operation that takes longer has a receipt.
+/// The fields of operations. If an operation takes longer, the response contains a receipt.
 pub(crate) const OPERATION: Parts =
     Parts { request_field: "ids", reply_fields: &["result", "error", "receipt"] };
 
@@ -44,8 +44,8 @@ const RECEIPTS: Parts = Parts { request_field: "ids", reply_fields: &["success",
 
 const SUBSCRIPTIONS: Parts = Parts { request_field: "paths", reply_fields: &["success", "error"] };
 
-/// The other types whose response reports on each object. The specification requires in its text that each object
-/// appears in exactly one part, so no table of the definitions states it.
+/// The other types whose response reports on each object. Only the text of the specification requires that each object
+/// appears in exactly one part, so the tables in the definitions don't contain this requirement.
 pub(crate) const PARTS: [(&str, Parts); 14] = [
     ("ASYNC-CANCEL", RECEIPTS),
     ("ASYNC-RESUME", RECEIPTS),
@@ -63,7 +63,7 @@ pub(crate) const PARTS: [(&str, Parts); 14] = [
     ("WTH-INF", STATUS),
 ];
 
-/// The fields of responses of this type that report on each object, if it has such responses.
+/// The fields that report on each object in responses of this type, if there are such responses.
 pub(crate) fn parts(type_name: &str) -> Option<Parts> {
     if OPERATIONS.contains(&type_name) {
         return Some(OPERATION);

@@ -18,7 +18,7 @@ pub enum Received {
     Message(Vec<u8>),
     /// A message longer than [`MESSAGE_LIMIT`](super::MESSAGE_LIMIT), which was dropped.
     TooLong,
-    /// The given time passed without a message.
+    /// No message arrived within the given time.
     Silence,
     /// The connection is closed, so nothing more will arrive.
     End,
@@ -26,14 +26,14 @@ pub enum Received {
 
 /// A connection to a server.
 pub trait Client: Send {
-    /// Sends a message. Tests of servers may also pass other bytes.
+    /// Sends a message. To test servers, callers may pass bytes that aren't a message.
     fn send(&mut self, message: &[u8]) -> io::Result<()>;
 
     /// Waits for the next message.
     fn receive(&mut self, until: Instant) -> io::Result<Received>;
 
-    /// Sends bytes without framing, e.g. parts of a message, or several messages. With Socket.IO, they form a packet.
-    /// Fails if the transport doesn't support this.
+    /// Sends bytes without framing, e.g. parts of a message or several messages. With Socket.IO, the bytes form a
+    /// packet. Fails if the transport doesn't support this.
     fn send_raw(&mut self, _bytes: &[u8]) -> io::Result<()> {
         Err(io::Error::new(io::ErrorKind::Unsupported, "this transport can't send parts of a message"))
     }
@@ -73,7 +73,7 @@ fn invalid(message: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, message.into())
 }
 
-/// An error for a time limit.
+/// The error for an exceeded time limit.
 fn timed_out(event: &str) -> io::Error {
     io::Error::new(io::ErrorKind::TimedOut, format!("{event} in time"))
 }

@@ -1,5 +1,5 @@
-//! Packets of Engine.IO, the protocol below Socket.IO. Two revisions are in use. They differ in which side sends
-//! pings, and in how long polling combines packets.
+//! Packets of Engine.IO, the protocol below Socket.IO. Two revisions are in use. They differ in the side that sends
+//! pings, and in the way that long polling combines packets.
 
 use std::fmt::Write as _;
 
@@ -51,7 +51,7 @@ pub(crate) enum Kind {
     Ping = b'2',
     /// The answer to a ping.
     Pong = b'3',
-    /// A packet of the protocol above.
+    /// A packet of the higher-level protocol.
     Message = b'4',
     /// Switches to the WebSocket.
     Upgrade = b'5',
@@ -89,13 +89,13 @@ impl Packet {
         Some(Self::new(kind, &text[1..]))
     }
 
-    /// The text of the packet on a WebSocket.
+    /// The text of the packet as sent over a WebSocket.
     pub(crate) fn to_text(&self) -> String {
         format!("{}{}", char::from(self.kind as u8), self.data)
     }
 }
 
-/// Combines packets to a payload for long polling.
+/// Combines packets into a payload for long polling.
 pub(crate) fn encode(revision: Revision, packets: &[Packet]) -> String {
     let mut payload = String::new();
     for (at, packet) in packets.iter().enumerate() {
@@ -115,7 +115,7 @@ pub(crate) fn encode(revision: Revision, packets: &[Packet]) -> String {
     payload
 }
 
-/// Splits a payload of long polling into packets. Fails if any part is invalid.
+/// Splits a long-polling payload into packets. Fails if any part is invalid.
 pub(crate) fn decode(revision: Revision, payload: &[u8]) -> Result<Vec<Packet>, String> {
     let texts = match revision {
         Revision::Three if payload.first().is_some_and(|first| *first <= 1) => binary_lengths(payload)?,
@@ -154,7 +154,7 @@ fn to_ascii(json: &str) -> String {
     text
 }
 
-/// Splits packets with a length and a colon before each.
+/// Splits packets that are each preceded by a length and a colon.
 fn text_lengths(mut text: &str, length_of: fn(char) -> usize) -> Result<Vec<String>, String> {
     let mut packets = Vec::new();
     while !text.is_empty() {
@@ -179,7 +179,8 @@ fn text_lengths(mut text: &str, length_of: fn(char) -> usize) -> Result<Vec<Stri
     Ok(packets)
 }
 
-/// Splits text packets in the binary form: 0, the digits of the length in bytes as numbers, 255, and the packet.
+/// Splits text packets in binary form. Each consists of 0, the decimal digits of the length in bytes as one byte each,
+/// 255, and the packet.
 fn binary_lengths(mut payload: &[u8]) -> Result<Vec<String>, String> {
     let mut packets = Vec::new();
     while let Some((kind, rest)) = payload.split_first() {

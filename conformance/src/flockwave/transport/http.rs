@@ -18,7 +18,7 @@ const IDLE_LIMIT: Duration = Duration::from_secs(60);
 /// The maximum time from the first byte of a request to its last.
 const REQUEST_LIMIT: Duration = Duration::from_secs(30);
 
-/// The interval in which a waiting connection checks if it is still wanted.
+/// The interval at which a waiting connection checks whether it is still wanted.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// A request.
@@ -42,7 +42,7 @@ impl Request {
         self.headers.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
-    /// A field of the query, without unescaping. The fields in use need none.
+    /// A field of the query, without unescaping. The fields in use don't require it.
     pub(crate) fn field(&self, name: &str) -> Option<&str> {
         self.query
             .split('&')
@@ -113,7 +113,7 @@ impl Connection {
         Ok(Self { stream, buffer: Vec::new() })
     }
 
-    /// Waits for the next request as long as `is_wanted` is true.
+    /// Waits for the next request as long as `is_wanted` returns true.
     pub(crate) fn next(&mut self, is_wanted: &dyn Fn() -> bool) -> io::Result<Incoming> {
         let mut until = Instant::now() + IDLE_LIMIT;
         if self.buffer.is_empty() && !self.read_more(until, is_wanted)? {
@@ -268,7 +268,7 @@ mod tests {
 
     use super::*;
 
-    /// The results that a server gets from a client which sends these pieces and then closes its side.
+    /// The results that a server gets from a client that sends these pieces and then closes its side.
     fn received(pieces: &'static [&'static [u8]]) -> Vec<Incoming> {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let address = listener.local_addr().expect("an address");

@@ -1,4 +1,4 @@
-//! Packets of Socket.IO, as far as Flockwave needs them: one namespace, one event and no binary data.
+//! The subset of Socket.IO packets that Flockwave needs: one namespace, one event and no binary data.
 
 use serde_json::value::RawValue;
 
@@ -8,7 +8,7 @@ pub(crate) const EVENT: &str = "fw";
 /// A received packet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Packet {
-    /// Joins a namespace, or confirms that.
+    /// Joins a namespace, or confirms that a client has joined it.
     Connect {
         /// The namespace; `/` always exists.
         namespace: String,

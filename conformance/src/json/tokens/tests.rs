@@ -7,7 +7,7 @@ use serde_json::{Number, Value};
 use super::super::Tree;
 use super::*;
 
-/// Texts that are JSON or similar to it.
+/// Texts that are JSON, or are similar to JSON.
 fn texts() -> impl Strategy<Value = String> {
     let leaf = prop_oneof![
         "[-0-9.eE+]{1,22}",

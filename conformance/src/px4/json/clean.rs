@@ -14,14 +14,14 @@ use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans};
 /// The result for a message without findings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Clean {
-    /// The field `timestamp` of the message.
+    /// The message's `timestamp` field.
     pub(crate) timestamp: Option<u64>,
     /// The accepted deviations from the published schema.
     pub(crate) dialects: Dialects,
 }
 
 impl Plans {
-    /// Reads a text like [`Plans::read`]. Fails if there may be findings.
+    /// Reads text like [`Plans::read`]. Fails if there may be findings.
     pub(crate) fn read_text(
         &self,
         id: MessageId,
@@ -36,7 +36,7 @@ impl Plans {
     }
 
     /// Reads a message without findings. Stores its numbers and booleans in `values`, in memory layout. `values` has
-    /// the size of the message, or is empty if they aren't needed.
+    /// the size of the message, or is empty if the values aren't needed.
     pub(crate) fn read(
         &self,
         id: MessageId,
@@ -90,7 +90,7 @@ impl<'p> Reading<'p, '_> {
         Ok(())
     }
 
-    /// Reads the value of a field, or an element of it, at offset `at` in memory.
+    /// Reads the value of a field, or one of its elements, at offset `at` in memory.
     fn value(
         &mut self,
         tokens: &mut Tokens<'_>,
@@ -132,7 +132,7 @@ impl<'p> Reading<'p, '_> {
         field.check_length(count).map_err(|_| Unclear)
     }
 
-    /// Reads text in the form of its byte values.
+    /// Reads text that is written as an array of byte values.
     fn numbers(&mut self, tokens: &mut Tokens<'_>, field: &FieldPlan, room: u32) -> Result<(), Unclear> {
         let mut bytes = Vec::new();
         tokens.list(|tokens| match tokens.token()? {
@@ -171,7 +171,7 @@ impl<'t> Leaf<'t> {
 }
 
 impl FieldPlan {
-    /// True if it is the timestamp of a message. Its definition has no restriction, so it needs no check.
+    /// True if the field is the timestamp of a message. Its definition has no restriction, so it needs no check.
     pub(super) fn is_timestamp(&self) -> bool {
         self.name == "timestamp"
             && matches!(self.element, Element::Scalar(Scalar::UInt64))
@@ -190,7 +190,7 @@ impl FieldPlan {
         if is_rosbridge && is_bytes { base64::decode(text) } else { None }
     }
 
-    /// True if an array in base64 has no findings.
+    /// True if an array decoded from base64 has no findings.
     fn check_bytes(&self, bytes: &[u8]) -> bool {
         match self.element {
             Element::Text(_) => self.check_text(bytes).is_ok(),

@@ -13,7 +13,7 @@ use crate::json::{Tree, shortened};
 use crate::model::{Detail, Findings, Location, Rule};
 use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans, Violation};
 
-/// The maximum number of unknown fields of an object that are reported separately.
+/// The maximum number of an object's unknown fields to report separately.
 const MAX_UNKNOWN: usize = 16;
 
 /// The origin of a message, for findings.
@@ -27,7 +27,7 @@ pub(crate) struct MessageOrigin<'m> {
     pub location: Location,
     /// The key of the message in its record, if the record has other members.
     pub key: Option<&'m str>,
-    /// True if the dialects of rosbridge are allowed.
+    /// True if the rosbridge dialects are allowed.
     pub is_rosbridge: bool,
 }
 
@@ -42,8 +42,8 @@ impl Plans {
         self.explain_with_ignored(origin, tree, findings).0
     }
 
-    /// Like `explain`, and also returns true if unused array entries had findings that were ignored. A reader in one
-    /// pass can't know the number of used entries, since it may follow the array.
+    /// Like `explain`, and also returns true if unused array entries had findings that were ignored. A single-pass
+    /// reader can't know the number of used entries, since it may follow the array.
     pub(super) fn explain_with_ignored(
         &self,
         origin: MessageOrigin<'_>,
@@ -74,7 +74,7 @@ impl Plans {
         (explaining.dialects, explaining.has_ignored)
     }
 
-    /// The field `timestamp` of a message, if it has one.
+    /// The `timestamp` field of a message, if it has one.
     pub(crate) fn timestamp(&self, id: MessageId, tree: &Tree<'_>) -> Option<u64> {
         self.get(id).fields.iter().find(|field| field.is_timestamp())?;
         match tree.get("timestamp") {
@@ -99,7 +99,7 @@ struct Explaining<'p, 'm> {
     is_unused: bool,
     /// True if a finding was ignored because it was in an unused entry.
     has_ignored: bool,
-    /// The name of the message and the path without indices, which are the subject of findings.
+    /// The subject of findings: the name of the message and the path without indices.
     subject: String,
 }
 
@@ -127,7 +127,7 @@ impl<'p> Explaining<'p, '_> {
         self.report(violation.rule(self.plans.rules), field.span, detail);
     }
 
-    /// Runs `work` within a member. Findings use `name` for it.
+    /// Runs `work` within a member. Findings call the member `name`.
     fn within(&mut self, key: &str, name: &str, work: impl FnOnce(&mut Self)) {
         let (path, subject, location) = (self.path.len(), self.subject.len(), self.pointer.len());
         if path > 0 {
@@ -162,7 +162,7 @@ impl<'p> Explaining<'p, '_> {
             };
             times[index] = times[index].saturating_add(1);
             let field = &plan.fields[index];
-            // If a field is repeated, which is a finding itself, only the first one is counted.
+            // If an array is repeated, which is a separate finding, the count applies only to its first value.
             let count = field.counted_by.filter(|_| times[index] == 1);
             let used = count.and_then(|count| in_use(object, &plan.fields[count]));
             self.within(key, &field.name, |within| within.field(value, field, used));
@@ -185,7 +185,7 @@ impl<'p> Explaining<'p, '_> {
         }
     }
 
-    /// Checks the value of a field with all its elements, of which `used` are in use.
+    /// Checks the value of a field with all its elements. `used` is the number of elements in use.
     fn field(&mut self, tree: &Tree<'_>, field: &'p FieldPlan, used: Option<usize>) {
         if field.shape == Shape::Single {
             return self.element(tree, field, false);
@@ -287,7 +287,7 @@ impl<'p> Explaining<'p, '_> {
         }
     }
 
-    /// Checks an array in place of a single value, which is how ROS 2 writes text.
+    /// Checks an array in place of a single value. ROS 2 writes text in this form.
     fn list(&mut self, values: &[Tree<'_>], tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
         let byte = |value: &Tree<'_>| match value {
             Tree::Int(value) => u8::try_from(*value).ok(),

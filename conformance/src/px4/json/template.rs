@@ -1,9 +1,9 @@
-//! Confirms messages without findings by comparing them with an earlier message of the channel.
+//! Confirms messages without findings by comparing them with an earlier message on the same channel.
 //!
 //! A producer always writes a message in the same form, and most values don't change. A template stores the text of a
 //! message without findings, with the positions of its values. The next message is compared with it byte by byte.
 //! Everything between the values, including keys, must be equal, and only values that differ are read. This takes a
-//! fraction of the time of reading JSON. Other texts take the usual path.
+//! fraction of the time that parsing JSON takes. All other text takes the usual path.
 
 use uavspec_codegen::schema::{MessageId, Shape};
 
@@ -16,7 +16,7 @@ use crate::px4::values::{Element, FieldPlan, Plans};
 /// The maximum number of values in a template. Larger templates cost too much memory for the time they save.
 const MAX_STEPS: usize = 8_192;
 
-/// The keys of an envelope that identify the message. Other keys of the envelope don't.
+/// The keys of an envelope that identify the message. Other keys don't.
 const TYPE_KEYS: [&str; 5] = ["op", "topic", "type", "msg", "message"];
 
 /// A message without findings, with its envelope.
@@ -27,7 +27,7 @@ pub(crate) struct Template {
     /// The numbers and booleans in memory layout; empty if they aren't needed.
     values: Vec<u8>,
     timestamp: Option<u64>,
-    /// The differences of the current message.
+    /// The differences between the current message and the template.
     changes: Vec<Change>,
 }
 
@@ -37,7 +37,7 @@ struct Step {
     /// The start in the text.
     start: usize,
     end: usize,
-    /// The field of the value. `None` for values in the envelope, which may be anything.
+    /// The field of the value. `None` for values in the envelope, which aren't checked.
     slot: Option<Slot>,
 }
 
@@ -52,8 +52,8 @@ struct Change {
 }
 
 impl Template {
-    /// Creates a template from a text without findings. The message is the whole text, or the value of `key`. `size`
-    /// is the size of its values in memory. Returns `None` if the form isn't supported.
+    /// Creates a template from text without findings. The message is the whole text, or the value of `key`. `size` is
+    /// the size of the message's values in memory. Returns `None` if the form isn't supported.
     pub(crate) fn new(
         plans: &Plans,
         id: MessageId,
@@ -77,8 +77,8 @@ impl Template {
         read.ok().map(|()| learner.template)
     }
 
-    /// Compares a text with the template. If only values differ and all are valid, returns its results and replaces
-    /// the text of the template.
+    /// Compares a text with the template. If only values differ and all values are valid, returns the text's results
+    /// and replaces the text of the template.
     pub(crate) fn read(&mut self, plans: &Plans, text: &str) -> Option<Clean> {
         self.compare(plans, text)?;
         self.advance(plans, text);
@@ -124,7 +124,7 @@ impl Template {
         }
     }
 
-    /// Updates the template to a text with these changes.
+    /// Updates the template to a text that has these changes.
     fn advance(&mut self, plans: &Plans, text: &str) {
         let Some(first) = self.changes.first() else { return };
         // If lengths differ, later values move.
@@ -193,7 +193,7 @@ impl FieldPlan {
     }
 }
 
-/// The length of the common prefix of two texts. It is usually long, so blocks of 32 and 8 bytes are compared.
+/// The length of the common prefix of two texts. The prefix is usually long, so blocks of 32 and 8 bytes are compared.
 fn common(left: &[u8], right: &[u8]) -> usize {
     let (wide, _) = left.as_chunks::<32>();
     let same =
@@ -218,7 +218,7 @@ struct Learner<'p> {
 }
 
 impl Learner<'_> {
-    /// Reads an object with a member that is the message.
+    /// Reads an object that contains the message as a member.
     fn around(&mut self, tokens: &mut Tokens<'_>, id: MessageId, message: &str) -> Result<(), Unclear> {
         tokens.members(|tokens, key| {
             if key == message {

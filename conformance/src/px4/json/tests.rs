@@ -71,7 +71,7 @@ fn pieces(text: &str) -> Vec<usize> {
     marks.flat_map(|(at, _)| [at, at + 1]).collect()
 }
 
-/// Both readers on ROS 2 messages, whose sequences and strings have bounds.
+/// Runs both readers on ROS 2 messages, which have bounded sequences and strings.
 #[test]
 fn checks_bounds_of_sequences_and_strings() {
     let mut sources = SourceMap::default();
@@ -265,7 +265,7 @@ proptest! {
             }
             let is_clean = agrees(plans, id, &text)?;
             let Some(mut template) = template else { return Ok(()) };
-            // If a template accepts a text, the reader accepts it with the same result.
+            // If a template accepts a text, the reader accepts the text with the same result.
             let found = template.read(plans, &text);
             prop_assert!(found.is_some() || !is_clean || !changes.is_empty() || typo.is_some(), "{}", text);
             if let Some(found) = found {

@@ -18,7 +18,7 @@ pub(super) enum Leaf<'t> {
 }
 
 impl Leaf<'_> {
-    /// The value in memory, little-endian, if it fits into this type.
+    /// The value in memory, in little-endian order, if it fits into this type.
     pub(super) fn bytes(self, scalar: Scalar) -> [u8; 8] {
         let float = |value: f64| match scalar {
             #[allow(clippy::cast_possible_truncation)] // like any float32
@@ -40,7 +40,7 @@ impl Leaf<'_> {
 }
 
 impl FieldPlan {
-    /// Checks a value of the field, or of an element of it.
+    /// Checks a value of the field or of one of its elements.
     pub(super) fn check(&self, leaf: Leaf<'_>) -> Result<(), Violation<'_>> {
         match (self.element, leaf) {
             (Element::Scalar(Scalar::Bool), Leaf::Bool(_)) => Ok(()),
@@ -80,7 +80,7 @@ impl FieldPlan {
         if is_right { Ok(()) } else { Err(Violation::Length { found, unit: "elements", shape: self.shape }) }
     }
 
-    /// Checks text in the form of the bytes of its array.
+    /// Checks the bytes of a text array.
     pub(super) fn check_text(&self, bytes: &[u8]) -> Result<(), Violation<'_>> {
         if let Element::Text(room) = self.element
             && bytes.len() != room as usize

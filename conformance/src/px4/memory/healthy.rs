@@ -1,4 +1,4 @@
-//! A fast check of values in memory, which most values pass. Only the others are examined further.
+//! A fast check of values in memory. Most values pass it, and only the others are examined further.
 
 use uavspec_codegen::schema::Restriction;
 use uavspec_runtime::{Number, Scalar};
@@ -14,7 +14,7 @@ pub(super) enum Healthy {
     Text,
     /// Integers between two bounds, inclusive.
     Between(Scalar, i64, i64),
-    /// The bytes of a set.
+    /// Bytes from a set.
     Among(Box<[bool; 256]>),
     /// Floats between two bounds, inclusive. NaN needs the full check.
     Floats(Scalar, f64, f64),
@@ -23,8 +23,8 @@ pub(super) enum Healthy {
 }
 
 impl Healthy {
-    /// Derives the fast check from a constraint, and verifies the ends of ranges with it. `None` if nothing is
-    /// constrained.
+    /// Derives the fast check from a constraint, and verifies the ends of its ranges with the constraint. `None` if
+    /// nothing is constrained.
     pub(super) fn new(constraint: Constraint<'_>) -> Option<Self> {
         let scalar = match constraint.element {
             Element::Scalar(Scalar::Bool) => return Some(Self::Bool),

@@ -10,7 +10,7 @@ use crate::report::{About, Finding, OutcomeKind, Report, RuleVerdict, Subject, V
 use crate::rules::px4;
 use crate::text::Grouped;
 
-/// The number of visible items of a list. The user can expand the rest.
+/// The number of initially visible items of a list. The user can expand the rest.
 const MAX_OPEN: usize = 4;
 
 /// The maximum number of items in the expanded part. The JSON report has more.
@@ -139,7 +139,7 @@ fn corruption(subject: &Subject) -> Markup {
     }
 }
 
-/// A list of which the first items are visible, and the user can expand the rest.
+/// A list with only the first items visible. The user can expand the rest.
 fn folded<T>(items: &[T], noun: &str, item: impl Fn(&T) -> Markup) -> Markup {
     let (open, rest) = items.split_at(items.len().min(MAX_OPEN));
     let listed = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
@@ -168,7 +168,8 @@ fn findings(subject: &Subject, anchor: &str) -> Markup {
     }
 }
 
-/// True if the findings of a rule are listed. Formats that differ are in the summary, unless they are failures.
+/// True if the findings of a rule are listed. Formats that differ appear in the summary instead, unless they are
+/// failures.
 fn has_own_section(rule: &RuleVerdict) -> bool {
     rule.findings > 0 && (rule.id != px4::FMT_01.rule.id || rule.verdict == Verdict::Fail)
 }
@@ -187,7 +188,7 @@ fn anchor(index: usize) -> String {
 
 fn rule_section(subject: &Subject, rule: &RuleVerdict, anchor: &str) -> Markup {
     let found: Vec<&Finding> = subject.findings.iter().filter(|finding| finding.rule == rule.id).collect();
-    // Findings for information are collapsed.
+    // Findings that don't affect the outcome are collapsed.
     let is_open = rule.verdict > Verdict::Shown;
     let (open, rest) = found.split_at(if is_open { found.len().min(MAX_OPEN) } else { 0 });
     let listed = &rest[..rest.len().min(MAX_LISTED_ITEMS)];

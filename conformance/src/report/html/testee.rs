@@ -6,7 +6,7 @@ use super::{fact, finding, shown};
 use crate::report::{Case, Counts, Testee};
 use crate::text::Grouped;
 
-/// The number of visible failures. The user can expand the rest.
+/// The number of initially visible failures. The user can expand the rest.
 const MAX_OPEN: usize = 8;
 
 /// The maximum number of failures in the expanded part. The JSON report has more.

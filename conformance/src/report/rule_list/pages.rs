@@ -1,4 +1,4 @@
-//! Pages of the documentation: one for each rule, an overview with the matrix, and their part of the table of contents.
+//! Documentation pages: one for each rule, an overview with the matrix, and the rules' part of the table of contents.
 //!
 //! `uavspec-codegen` writes the other pages, and inserts this part into its table of contents.
 

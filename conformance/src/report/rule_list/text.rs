@@ -60,7 +60,7 @@ fn mutant_text(mutant: &Mutant) -> String {
     wrapped("  - ", "    ", &format!("{}{also}", mutant.name))
 }
 
-/// Wraps a text at [`WIDTH`]. `first` starts the first line, `rest` the others.
+/// Wraps text at [`WIDTH`]. The first line starts with `first`, and the other lines with `rest`.
 fn wrapped(first: &str, rest: &str, text: &str) -> String {
     let mut lines = String::new();
     let mut line = first.to_owned();

@@ -104,7 +104,7 @@ impl SessionCheck for Ends {
                 && !matches!(exchange.field("suspended"), Some(Tree::Bool(true)));
             match open.get_mut(&named.receipt).filter(|_| is_running) {
                 Some((_, last_news)) => *last_news = now,
-                // The operation has ended or waits for the client.
+                // The operation has ended, or is waiting for the client.
                 None => _ = open.remove(&named.receipt),
             }
         }

@@ -91,7 +91,7 @@ struct Cancelled(PerConnection<Waiting>);
 struct Waiting {
     /// The location of the response to the cancellation, by receipt.
     receipts: BTreeMap<String, Location>,
-    /// The times of those responses, in order. Some of the operations may have ended.
+    /// The times of the responses to the cancellations, in order. Some of the operations may have ended.
     times: VecDeque<(f64, String, Location)>,
 }
 
@@ -168,7 +168,7 @@ impl Waiting {
         let Some(now) = time else { return };
         while self.times.front().is_some_and(|(time, ..)| now - time > MAX_SECONDS) {
             let Some((time, receipt, location)) = self.times.pop_front() else { break };
-            // The operation may have ended, and another one may reuse its receipt.
+            // The operation may have ended, and another operation may reuse its receipt.
             if self.receipts.get(&receipt) != Some(&location) {
                 continue;
             }

@@ -73,7 +73,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let known = exchange.operations.first().and_then(|named| named.before.as_ref());
     let request = known.and_then(|operation| operation.type_name.as_deref());
     let Some((name, expected, fits)) = request.and_then(result_of) else { return };
-    // A null next to an error is no result.
+    // A null next to an error doesn't count as a result.
     if body::is_present(exchange.field("error")) {
         return;
     }

@@ -30,7 +30,7 @@ pub(super) const INVALID: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, 
 pub(super) const ALL: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value, Fault::Further];
 
 impl Attribution {
-    /// Creates an attribution for violations in bodies of these types, at this path, of these kinds.
+    /// Creates an attribution for violations of these kinds, at this path in bodies of these types.
     pub(super) const fn new(
         types: &'static [&'static str],
         path: &'static str,
@@ -67,7 +67,7 @@ impl FlockwaveRule {
     }
 }
 
-/// The rule that reports a violation of the body schema of a type, or none if `FW-ENV-18` does.
+/// The rule that reports a violation of a type's body schema; `None` if `FW-ENV-18` reports it.
 pub(crate) fn attributed(type_name: &str, deviation: &Deviation) -> Option<&'static Rule> {
     let found = RULES.iter().find(|rule| rule.covers(type_name, deviation));
     found.map(|found| &found.rule)
@@ -79,7 +79,7 @@ mod tests {
     use crate::flockwave::body_schema::Mismatch;
 
     fn by(path: &[&str], fault: Fault) -> Option<&'static str> {
-        // An id may have the name of a field.
+        // An id may be the same as the name of a field.
         let step = |name: &&str| match name.strip_prefix('=') {
             Some(_) => Step::Other,
             None => Step::Field((*name).to_owned()),

@@ -18,7 +18,7 @@ pub(super) fn mismatched(message: &Message<'_>, context: &mut RuleContext<'_>, f
     });
 }
 
-/// Checks that a field of the body matches a schema, or is absent and optional.
+/// Checks that a field of the body matches a schema. An optional field may be absent.
 pub(super) fn field(
     message: &Message<'_>,
     context: &mut RuleContext<'_>,
@@ -29,7 +29,7 @@ pub(super) fn field(
     member(message, context, message.body, &["body"], (name, is_required), schema);
 }
 
-/// Checks that a member of the object at `keys` matches a schema, or is absent and optional.
+/// Checks that a member of the object at `keys` matches a schema. An optional member may be absent.
 pub(super) fn member(
     message: &Message<'_>,
     context: &mut RuleContext<'_>,

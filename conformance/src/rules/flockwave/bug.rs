@@ -1,4 +1,4 @@
-//! Bugs of the reference server. Each makes the server violate one rule.
+//! Bugs in the reference server. Each bug makes the server violate one rule.
 //!
 //! A bug either changes messages before they are sent, or changes the behaviour of the server. In the second case, the
 //! server code checks whether the bug is enabled.
@@ -10,7 +10,7 @@ use crate::model::Rule;
 /// The protocol version in messages of the server.
 const PROTOCOL: &str = "1.0";
 
-/// A bug of the reference server.
+/// A bug in the reference server.
 #[derive(Debug)]
 pub(crate) struct Bug {
     /// The faulty behaviour of the server.
@@ -22,7 +22,7 @@ pub(crate) struct Bug {
     change: Change,
 }
 
-/// The setup in which a bug shows, in addition to a probe over TCP.
+/// The setup in which a bug is observable, in addition to a probe over TCP.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Needs {
     /// No additional setup.
@@ -62,7 +62,7 @@ impl Bug {
         Self { also, ..self }
     }
 
-    /// Sets the setup in which the bug shows.
+    /// Sets the setup in which the bug is observable.
     pub(super) const fn needs(self, needs: Needs) -> Self {
         Self { needs, ..self }
     }
@@ -75,15 +75,15 @@ impl Bug {
     }
 }
 
-/// A message of the server before it is sent, and the messages that a bug adds.
+/// A server message before it is sent, and the messages that a bug adds.
 pub(crate) struct Outgoing<'r> {
     /// Messages to send before it.
     before: Vec<Value>,
-    /// The message; none if a bug drops it.
+    /// The message; `None` if a bug drops it.
     pub(super) message: Option<Value>,
     /// Messages to send after it.
     after: Vec<Value>,
-    /// The body of the request that it answers, if any.
+    /// The body of the request that the response answers, if any.
     pub(super) request: Option<&'r Value>,
     /// The number of messages sent on the connection, including this one.
     pub(super) number: u64,
@@ -125,12 +125,12 @@ impl<'r> Outgoing<'r> {
         list.and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str).collect()
     }
 
-    /// True if it does not answer a request.
+    /// True if the message does not answer a request.
     pub(super) fn is_notification(&self) -> bool {
         self.request.is_none()
     }
 
-    /// True if it refuses a request of an unknown type.
+    /// True if the response refuses a request of an unknown type.
     pub(super) fn refuses_unknown_type(&mut self) -> bool {
         self.message()["body"]["reason"].as_str().is_some_and(|reason| reason.starts_with("no handler"))
     }
@@ -145,14 +145,14 @@ impl<'r> Outgoing<'r> {
         if self.is_notification() { self.body_of(kind) } else { None }
     }
 
-    /// Sets a field of the body, if that has this type.
+    /// Sets a field of the body, if the body has this type.
     pub(super) fn set(&mut self, kind: &str, field: &str, value: Value) {
         if let Some(body) = self.body_of(kind) {
             body[field] = value;
         }
     }
 
-    /// A list of ids in the body, if that has this type.
+    /// A list of ids in the body, if the body has this type.
     pub(super) fn ids_of(&mut self, kind: &str) -> Option<&mut Vec<Value>> {
         self.body_of(kind)?["ids"].as_array_mut()
     }

@@ -59,13 +59,13 @@ const MAX_SECONDS: f64 = 30.0;
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let Some(request) = &exchange.request else { return };
-    // A malformed request does not need a response.
+    // A malformed request doesn't require a response.
     if !request.is_sound || !exchange.record.connection.is_ordered {
         return;
     }
     if let Some((tested, _)) = &request.trial {
-        // Requests that test another rule are left to that rule. FW-ENV-25 is an exception: it checks only the order of
-        // responses.
+        // If a request tests another rule, that rule checks it. FW-ENV-25 is an exception, since it checks only the
+        // order of responses.
         if tested.id == RULE.rule.id {
             served::tried(exchange, context);
         }

@@ -186,7 +186,7 @@ impl Families {
     }
 }
 
-/// The reason of an ACK-NAK with the request type replaced; empty if it has no reason.
+/// The reason in an ACK-NAK, with the request type replaced; empty if there is no reason.
 fn reason(exchange: &Exchange<'_>, type_name: &str) -> Option<String> {
     let body = exchange.response("ACK-NAK")?;
     let reason = body.get("reason").and_then(Tree::as_str).unwrap_or_default();

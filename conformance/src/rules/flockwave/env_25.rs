@@ -78,7 +78,7 @@ impl SessionCheck for Order {
     }
 }
 
-/// Several requests that are sent together. Other transports have no order.
+/// Several requests that are sent together. Other transports don't guarantee the order.
 fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
     if !matches!(endpoint, Endpoint::Tcp(_) | Endpoint::SocketIo { .. }) {
         return Vec::new();

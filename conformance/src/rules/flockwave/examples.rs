@@ -141,7 +141,7 @@ impl<'d> Recording<'d> {
                 let message = self.with_envelope(value, refs);
                 self.record(&json!({ "dir": "in", "msg": message }).to_string());
             }
-            // JSON parsers of other languages accept `NaN`.
+            // JSON parsers in other languages accept `NaN`.
             Err(_) if Tree::read(text).is_ok() => self.record(&format!(r#"{{"dir":"in","msg":{text}}}"#)),
             Err(_) => self.record(&json!({ "dir": "in", "raw": text }).to_string()),
         }

@@ -27,8 +27,8 @@ pub(super) struct Line {
     pub(super) excerpt: String,
 }
 
-/// Lines from servers that are not messages: either parts of a message over several lines, or others. The decision may
-/// have to wait for the next message.
+/// Lines from servers that are not messages. They are either parts of a message that spans several lines, or other
+/// lines. The decision may have to wait for the next message.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
     /// Undecided lines, by index of the connection.
@@ -54,7 +54,7 @@ impl Lines {
         match exchange.role {
             Role::Unanswered => {}
             Role::Unreadable if exchange.record.direction == Direction::In => self.line(index, exchange),
-            // Messages of the client do not separate lines of the server.
+            // Client messages do not separate the server's lines.
             _ if exchange.record.direction == Direction::Out => {}
             // The client closed the connection without waiting for the rest.
             Role::Event if exchange.record.note == Some("client") => _ = self.open.remove(&index),

@@ -1,8 +1,8 @@
-//! The check of UAV-INF against the UAVs that UAV-LIST lists.
+//! The check of UAV-INF against the UAVs in UAV-LIST.
 //!
 //! UAVs come and go. UAV-INF therefore lacks a UAV only if the lists before and after it contain that UAV, and no
-//! OBJ-DEL in between names it. If the request has the id twice, that may be the cause, and `FW-UAV-INF-07` reports it
-//! instead of `FW-UAV-LIST-03`.
+//! OBJ-DEL in between names it. If the request contains an id twice, that may be the cause, so `FW-UAV-INF-07` reports
+//! the missing UAV instead of `FW-UAV-LIST-03`.
 
 use std::collections::BTreeSet;
 
@@ -81,7 +81,7 @@ impl SessionCheck for Unknown {
 }
 
 impl Unknown {
-    /// Checks UAVs that UAV-INF does not know if the request has their id twice.
+    /// Checks UAVs that UAV-INF reports as unknown, if the request contains their id twice.
     pub(super) fn to_repeated_ids() -> Self {
         Self { checks_repeated: true, ..Self::default() }
     }

@@ -1,4 +1,5 @@
-//! Malformed requests. A server can answer those with an id. In all cases it must serve the next request.
+//! Malformed requests. A server can answer malformed requests that have an id. In all cases, it must serve the next
+//! request.
 
 use serde_json::{Value, json};
 

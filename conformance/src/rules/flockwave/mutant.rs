@@ -24,7 +24,7 @@ pub(super) fn state(change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
     Some(Session::new().state(change)?.to_bytes())
 }
 
-/// The conforming session with these error codes in that state.
+/// The conforming session with these error codes in the changed UAV state.
 pub(super) fn errors(codes: &[i64]) -> Option<Vec<u8>> {
     Some(Session::new().errors(codes)?.to_bytes())
 }
@@ -41,14 +41,14 @@ pub(super) fn then(add: impl FnOnce(&mut Session)) -> Option<Vec<u8>> {
     Some(Session::new().then(add).to_bytes())
 }
 
-/// The conforming session with a trial of a rule that gets no response.
+/// The conforming session with an unanswered trial of a rule.
 pub(super) fn unanswered(connection: &'static str, rule: &Rule) -> Option<Vec<u8>> {
     over(connection, |session| {
         session.tries(rule, "without a response", json!({ "type": "SYS-PING" }));
     })
 }
 
-/// The conforming session with a trial of a rule that is refused.
+/// The conforming session with a refused trial of a rule.
 pub(super) fn refused(connection: &'static str, rule: &Rule) -> Option<Vec<u8>> {
     let refusal = json!({ "type": "ACK-NAK", "reason": "Too windy" });
     over(connection, |session| {

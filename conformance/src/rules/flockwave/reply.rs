@@ -18,7 +18,7 @@ const MAX_ID: usize = 256;
 /// The maximum number of misplaced objects in a finding.
 const MAX_LISTED_ITEMS: usize = 4;
 
-/// Checks that each requested object is in exactly one part of a response of these types.
+/// Checks that each requested object appears in exactly one part of the response, for responses of these types.
 pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     let Some((request, parts)) = replied(exchange, types) else { return };
     context.covered();
@@ -59,7 +59,7 @@ pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, 
     }
 }
 
-/// Checks that a response of these types has no object that was not requested.
+/// Checks that responses of these types contain only requested objects.
 pub(super) fn unrequested(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     let Some((request, parts)) = replied(exchange, types) else { return };
     context.covered();
@@ -109,7 +109,7 @@ pub(super) fn listed(exchange: &Exchange<'_>) -> Option<BTreeSet<String>> {
     values.iter().map(id).collect()
 }
 
-/// True if this is a response of the server, and the request in its `refs` is known.
+/// True if this is a response from the server, and the request to which its `refs` refers is known.
 pub(super) fn refers(exchange: &Exchange<'_>) -> bool {
     let is_response = exchange.role == Role::Response && exchange.is_from_server();
     is_response && exchange.record.connection.is_ordered && exchange.reference != Reference::Unclear

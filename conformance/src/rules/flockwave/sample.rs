@@ -116,7 +116,7 @@ impl Session {
         self.marks_trial(rule, how);
     }
 
-    /// Adds a text of the server that is not a message.
+    /// Adds text from the server that is not a message.
     pub(crate) fn send_raw(&mut self, text: &str) {
         let mut line = self.next("in");
         line["raw"] = text.into();
@@ -322,12 +322,12 @@ impl Session {
         self.exchange(json!({ "type": "UAV-PREFLT", "ids": ["kite", "gone"] }), answer);
     }
 
-    /// Changes the body of the first response of the server that has this type.
+    /// Changes the body of the server's first response of this type.
     pub(crate) fn reply(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
         self.reply_message(type_name, |message| change(&mut message["body"]))
     }
 
-    /// Changes the first response of the server that has this type.
+    /// Changes the server's first response of this type.
     pub(crate) fn reply_message(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
         let is_reply = |line: &&mut Value| line["msg"].get("refs").is_some() && is(line, "in", type_name);
         self.change(is_reply, change)
@@ -365,7 +365,7 @@ impl Session {
         self
     }
 
-    /// Removes the first message of the server that has this type.
+    /// Removes the server's first message of this type.
     pub(crate) fn without(mut self, type_name: &str) -> Option<Self> {
         let at = self.lines.iter().position(|line| is(line, "in", type_name))?;
         self.lines.remove(at);

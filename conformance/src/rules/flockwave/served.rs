@@ -17,7 +17,7 @@ pub(super) const REFUSED: &str = "a refused request";
 /// The name of the mutant without a connection.
 pub(super) const NO_CONNECTION: &str = "no connection";
 
-/// Checks that a request that tests the rule is served.
+/// Checks that the server serves a request that tests the rule.
 pub(super) fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     served(exchange, context);
 }
@@ -50,8 +50,8 @@ fn is_over(exchange: &Exchange<'_>) -> bool {
     exchange.record.note.is_some() && exchange.record.connection.is_ordered
 }
 
-/// Reports a request that tests the rule and gets no response or no connection. The subject is the part of `how` before
-/// the first colon, which groups similar trials.
+/// Reports a request that tests the rule but gets no response, or no connection. The subject is the part of `how`
+/// before the first colon, which groups similar trials.
 fn unserved(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, problem: &str, actual: &str, how: &str) {
     let type_name = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
     let (group, kind) = how.split_once(": ").unwrap_or((how, ""));
@@ -69,8 +69,8 @@ fn unserved(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, problem: &st
     });
 }
 
-/// True if this is the response to a request that tests the rule and does not refuse it. Reports a refusal as a
-/// violation.
+/// True if this is the response to a request that tests the rule, and it does not refuse the request. Reports a refusal
+/// as a violation.
 pub(super) fn served(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> bool {
     if !tried(exchange, context) {
         return false;
@@ -99,8 +99,8 @@ fn refusal<'t>(exchange: &Exchange<'t>) -> Option<(&'static str, Option<&'t str>
     Some(("an error", error.get("message").and_then(Tree::as_str)))
 }
 
-/// Checks that the response to a request that tests the rule names the requested object in `error`. Other rules report
-/// objects that are missing from the response.
+/// Checks that the response to a request that tests the rule names the requested object in `error`. If the object is
+/// missing from the response, other rules report it.
 pub(super) fn in_error(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     if !served(exchange, context) {
         return;

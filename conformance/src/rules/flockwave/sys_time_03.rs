@@ -37,7 +37,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The session in which the server clock is an hour ahead from one of three responses on.
+/// The session in which the server clock is an hour ahead, starting at one of three responses.
 fn adjusted(first: usize) -> Option<Vec<u8>> {
     mutant::over("tcp#9", |session| {
         let requests = [json!({}), json!({ "adjustment": 0 }), json!({})];

@@ -31,8 +31,8 @@ pub(crate) enum Trial {
     Attempts(Strain, fn(&Endpoint) -> Vec<Attempt>),
 }
 
-/// The strain of attempts on a server. Attempts with the least strain come first, because a server may not survive the
-/// others.
+/// The load that attempts put on a server. Attempts with the lowest load come first, because a server may not survive
+/// the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Strain {
     /// Valid requests.
@@ -51,7 +51,7 @@ pub(crate) struct Request {
     pub(crate) body: Value,
     /// An additional member of its envelope.
     pub(crate) member: Option<(&'static str, Value)>,
-    /// True if it is sent and answered once before the test.
+    /// True if the request is sent and answered once before the test.
     pub(crate) is_repeated: bool,
 }
 
@@ -66,7 +66,7 @@ impl Request {
 pub(crate) struct Attempt {
     /// A short description of the test.
     pub(crate) how: String,
-    /// A separate endpoint; none for the endpoint of the probe.
+    /// A separate endpoint; `None` for the endpoint of the probe.
     pub(crate) endpoint: Option<Endpoint>,
     /// The steps, in order.
     pub(crate) steps: Vec<Step>,
@@ -83,7 +83,7 @@ impl Attempt {
 pub(crate) enum Step {
     /// Sends a message.
     Send(Sent),
-    /// Sends messages together: over TCP in one segment.
+    /// Sends messages together. Over TCP, they are sent in one segment.
     Together(Vec<Sent>),
     /// Sends a message in this many parts, with pauses between them.
     Pieces(Sent, usize, Duration),
@@ -92,7 +92,7 @@ pub(crate) enum Step {
 }
 
 impl Step {
-    /// The id of its last request, if any.
+    /// The id of the last request, if any.
     pub(crate) fn id(&self) -> Option<&str> {
         match self {
             Self::Send(sent) | Self::Pieces(sent, ..) => sent.id(),
@@ -101,7 +101,7 @@ impl Step {
         }
     }
 
-    /// Sends a request that every server has to serve.
+    /// Sends a request that every server must serve.
     pub(super) fn request(id: &str) -> Self {
         Self::Send(Sent::request(id, "SYS-VER"))
     }
@@ -115,7 +115,7 @@ pub(crate) struct Sent {
 }
 
 impl Sent {
-    /// Its id, if it can be answered.
+    /// Its id, if the message can be answered.
     pub(crate) fn id(&self) -> Option<&str> {
         self.id.as_deref()
     }
@@ -126,13 +126,14 @@ impl Sent {
         Self::text(text, Some(id))
     }
 
-    /// Creates a message from a text, with the id that responses refer to; none if it cannot be answered.
+    /// Creates a message from text, with the id to which responses refer. The id is `None` if the message can't be
+    /// answered.
     pub(super) fn text(text: impl Into<Vec<u8>>, id: Option<&str>) -> Self {
         Self { text: text.into(), id: id.map(str::to_owned) }
     }
 }
 
-/// Creates an attempt for each invalid text, which precedes these requests.
+/// Creates an attempt for each invalid text. The text is sent before these requests.
 pub(super) fn after_noise(before: &str, ids: &[&str]) -> Vec<Attempt> {
     let attempt = |(kind, noise): (&str, &[u8])| {
         let noise = Step::Send(Sent::text(noise, None));

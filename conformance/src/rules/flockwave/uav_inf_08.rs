@@ -79,7 +79,7 @@ impl SessionCheck for Latest {
 }
 
 impl Latest {
-    /// Stores the timestamp of a UAV. Returns the violation if the previous one is later.
+    /// Stores the timestamp of a UAV. Returns a violation if the previous timestamp is later.
     fn store(
         &mut self,
         connection: ConnectionId,

@@ -49,7 +49,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The session with these ids in OBJ-LIST, and those in UAV-LIST before and after it.
+/// The session with `objects` in OBJ-LIST, and with `uavs` in UAV-LIST before and after it.
 fn listed(uavs: &[&str], objects: &[&str]) -> Option<Vec<u8>> {
     mutant::over("tcp#9", |session| {
         session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));

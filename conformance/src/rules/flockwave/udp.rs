@@ -21,7 +21,7 @@ pub(super) const APPLIES_TO: &str = "probe requests over UDP that test this rule
 /// The ids of the requests of a trial. Datagrams may be lost: one response is sufficient.
 pub(super) const REQUESTS: [&str; 3] = ["one", "two", "three"];
 
-/// The conforming session with trials of a rule that get no response.
+/// The conforming session with unanswered trials of a rule.
 pub(super) fn unanswered(rule: &Rule) -> Option<Vec<u8>> {
     mutant::over("udp#9", |session| {
         for _ in 0..3 {
@@ -30,13 +30,13 @@ pub(super) fn unanswered(rule: &Rule) -> Option<Vec<u8>> {
     })
 }
 
-/// The maximum number of distinct trials on a connection. Further ones are counted as one.
+/// The maximum number of distinct trials on a connection. Further trials are counted as one.
 const MAX_TRIALS: usize = 64;
 
 /// The outcomes of the trials of a rule, by connection and description.
 #[derive(Default)]
 pub(super) struct Trials {
-    /// True if a violation is reported although the server never sent anything over UDP.
+    /// True if a violation is reported even if the server never sent anything over UDP.
     is_silence_reported: bool,
     /// True if the server sent something over UDP.
     has_received: bool,
@@ -51,7 +51,7 @@ struct Outcome {
 }
 
 impl Trials {
-    /// Trials that fail whenever none of their requests is answered.
+    /// Trials that fail if none of their requests is answered.
     pub(super) fn new() -> Self {
         Self { is_silence_reported: true, ..Self::default() }
     }

@@ -23,7 +23,7 @@ pub(super) const RULE: Rule = Rule {
     fix: "",
 };
 
-/// The conforming session with another value in a field of a UAV state.
+/// The conforming session with a different value in a field of a UAV state.
 pub(super) fn with(field: &str, value: Value) -> Option<Vec<u8>> {
     mutant::state(|kite| kite[field] = value)
 }

@@ -18,13 +18,13 @@ pub(crate) struct Message<'t> {
     pub role: Role,
     /// The message, an object.
     pub value: &'t Tree<'t>,
-    /// Its `id`, if that is a string.
+    /// Its `id`, if it is a string.
     pub id: Option<&'t str>,
-    /// Its `body`, if that is an object.
+    /// Its `body`, if it is an object.
     pub body: Option<&'t Tree<'t>>,
-    /// The type of the body, if that is a string.
+    /// The type of the body, if it is a string.
     pub type_name: Option<&'t str>,
-    /// The violations of its body schema; none if there is no such schema.
+    /// The violations of its body schema; `None` if there is no such schema.
     pub deviations: Option<&'t [Deviation]>,
     /// The exchange, for findings only.
     exchange: &'t Exchange<'t>,
@@ -58,7 +58,7 @@ impl<'t> Message<'t> {
         self.body.and_then(|body| body.get(name))
     }
 
-    /// Reports that it violates the rule.
+    /// Reports that the message violates the rule.
     pub(super) fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
         self.exchange.violates(context, detail);
     }
@@ -74,7 +74,7 @@ impl<'t> Message<'t> {
     }
 }
 
-/// A status report (UAV-INF notification) in its session. It gives access to the ids and timestamps of the states only.
+/// A status report (UAV-INF notification) in its session. It gives access only to the ids and timestamps of the states.
 #[derive(Debug)]
 pub(crate) struct StatusReport<'t>(&'t Exchange<'t>);
 
@@ -94,17 +94,17 @@ impl<'t> StatusReport<'t> {
         self.0.connection_id()
     }
 
-    /// Its time in seconds, if that is reliable.
+    /// Its time in seconds, if the time is reliable.
     pub(super) fn time(&self) -> Option<f64> {
         self.0.time
     }
 
-    /// Its `id`, if that is a string.
+    /// Its `id`, if it is a string.
     pub(super) fn id(&self) -> Option<&'t str> {
         self.0.id
     }
 
-    /// True if another message has that id.
+    /// True if another message has this id.
     pub(super) fn is_id_in_use(&self) -> bool {
         self.0.is_id_in_use
     }
@@ -120,14 +120,14 @@ impl<'t> StatusReport<'t> {
         states.iter().map(|(uav, state)| (uav.as_ref(), state.get("timestamp")))
     }
 
-    /// Reports that it violates the rule.
+    /// Reports that the message violates the rule.
     pub(super) fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
         self.0.violates(context, detail);
     }
 }
 
 impl Exchange<'_> {
-    /// Reports that it violates the rule.
+    /// Reports that the message violates the rule.
     pub(super) fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
         context.violation(&self.subject(), self.record.location, || detail().excerpt(self.excerpt()));
     }

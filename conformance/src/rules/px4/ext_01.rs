@@ -73,7 +73,8 @@ impl Listener for Answers {
         *self = Self::default();
     }
 
-    /// Reports the waiting replies to old requests. Others may answer the next request, which the capture may lack.
+    /// Reports the waiting replies to old requests. Other replies may answer the next request, which may be missing
+    /// from the capture.
     fn end(&mut self, context: &mut RuleContext<'_>) {
         let Some(latest) = self.requests.latest().map(|request| request.id) else { return };
         for reply in self.waiting.take() {

@@ -48,7 +48,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     ],
 };
 
-/// The maximum id, since `arming_check_id` is an int8. A component whose registration failed may send its -1 as 255.
+/// The maximum id, since `arming_check_id` is an int8. A component whose registration failed has the id -1, but may
+/// send it as 255.
 const MAX_REGISTRATION_ID: u8 = 127;
 
 /// The maximum time from the first registration to the first request, in µs: twice PX4's request interval.
@@ -93,7 +94,7 @@ struct Registrations {
     /// True if the latest request has a mask.
     is_masked: bool,
     waiting: Waiting,
-    /// Replies of components that seem to be released, one for each. Used without masks.
+    /// One reply from each component that appears to be released. Only used if requests have no masks.
     suspects: Vec<Reply>,
 }
 
@@ -140,7 +141,7 @@ impl Listener for Registrations {
         }
         match self.known[usize::from(reply.registration_id)] {
             Known::Assigned(_) => context.covered(),
-            // Its registration may be later in the file.
+            // The component's registration may be later in the file.
             Known::Unknown => self.waiting.push(reply),
             Known::Released { is_past, .. } => {
                 if !is_past || self.request_id != Some(reply.request_id) {
@@ -173,8 +174,8 @@ impl Listener for Registrations {
             self.whole = Whole::No;
         }
         let known = &mut self.known[usize::from(id)];
-        // A log starts with the latest message of each topic, and the topics are not in a common order. This message
-        // may be older than the registration.
+        // A log starts with the latest message of each topic, and the order of the topics varies. This message may be
+        // older than the registration.
         if let Known::Assigned(when) = known
             && when.zip(time).is_none_or(|(when, time)| when <= time)
         {
@@ -220,20 +221,21 @@ impl Registrations {
                 }
             };
             if is_new {
-                // It was registered, but the capture has no such message.
+                // The component was registered, but the capture doesn't contain the message.
                 *known = Known::Assigned(request.time);
                 self.whole = Whole::No;
             }
         }
     }
 
-    /// Handles a reply of a component that seems to be released.
+    /// Handles a reply from a component that appears to be released.
     fn suspect(&mut self, reply: Reply) {
         let id = reply.registration_id;
         match self.suspects.iter().position(|known| known.registration_id == id) {
             None => self.suspects.push(reply),
             Some(at) if self.suspects[at].request_id == reply.request_id => {}
-            // It continues to reply: it was registered again, but the capture has no such message.
+            // The component continues to reply, so it was registered again, but the capture doesn't contain that
+            // message.
             Some(at) => {
                 self.suspects.remove(at);
                 self.known[usize::from(id)] = Known::Assigned(None);
@@ -270,7 +272,7 @@ fn report_violation(reply: &Reply, what: &str, context: &mut RuleContext<'_>) {
     });
 }
 
-/// Adds a reply with another id.
+/// Adds a reply with a different id.
 fn stranger<'d>(flight: &Flight<'d>, id: u8) -> Option<Flight<'d>> {
     flight.with_reply(|reply| reply["registration_id"] = id.into())
 }

@@ -48,7 +48,7 @@ struct SentRequest {
     answered: Ids,
     /// The components that answered after the next request.
     late: Ids,
-    /// The components whose reply is after the next request in the file and has no time.
+    /// The components whose reply has no time and follows the next request in the file.
     behind: Ids,
 }
 
@@ -88,7 +88,7 @@ impl Listener for Silence {
         let [answered, late, behind] = [Ids::default(); 3];
         let mut sent = SentRequest { request, required, answered, late, behind };
         for reply in self.waiting.take() {
-            // Only its position in the file is before the request.
+            // The reply precedes the request only in the file.
             if reply.request_id == request.id && !is_later(request.time, reply.time) {
                 sent.answered.insert(reply.registration_id);
             }
@@ -116,7 +116,7 @@ impl Listener for Silence {
         sent.answered.insert(id);
     }
 
-    /// A new component may have another's former id. A component that is unregistered need not answer.
+    /// A new component may have the former id of another component. An unregistered component need not answer.
     fn registered(&mut self, id: u8, _: Option<u64>) {
         self.registered.insert(id);
         self.restart(id);

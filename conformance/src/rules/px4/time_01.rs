@@ -55,14 +55,15 @@ impl Checker for Times {
             });
         }
         context.covered();
-        // Compares later messages with this one. Otherwise, one wrong time or a restart would make all of them wrong.
+        // Later messages are compared with this message. Otherwise, a single wrong time or a restart would make all
+        // later messages wrong.
         if timestamp != 0 {
             *latest = timestamp;
         }
     }
 }
 
-/// Sets the time of a topic's last message to that of its first.
+/// Sets the time of a topic's last message to the time of its first message.
 fn back<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     flight.with_last(flight.regular(|_| true)?, |message| message["timestamp"] = START.into())
 }

@@ -31,7 +31,8 @@ const LEARNING_PERIODS: usize = 32;
 /// The maximum pause, in periods.
 const PAUSE: u64 = 10;
 
-/// The time after a dropout in which pauses are excused, in µs. The lost data was published shortly before the dropout.
+/// The time after a dropout during which pauses are excused, in µs. The lost data was published shortly before the
+/// dropout.
 const DROPOUT_MARGIN: u64 = 1_000_000;
 
 #[derive(Default)]

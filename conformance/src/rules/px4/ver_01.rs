@@ -43,7 +43,7 @@ impl Checker for Versions {
             return Interest::Nothing;
         };
         context.covered();
-        // The capture may use another version than the definition. Then its own schema counts.
+        // The capture may use a different version than the definition. In that case, the capture's schema applies.
         let (source, expected) = match channel.version {
             Some(version) => ("its schema", version),
             None => ("the definition", message.version.unwrap_or(0)),

@@ -10,7 +10,7 @@ use uavspec_runtime::cdr::ByteOrder;
 use super::Flight;
 use crate::capture::MCAP_MAGIC;
 
-/// The line between the definitions in a schema.
+/// The separator line between the definitions in a schema.
 const SEPARATOR: &str = "================================================================================";
 
 /// An MCAP file without chunks.

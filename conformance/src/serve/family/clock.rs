@@ -6,7 +6,7 @@ use super::unknown;
 use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::Outcomes;
 
-/// The clock of the server.
+/// The id of the server's clock.
 pub(super) const SYSTEM: &str = "system";
 
 /// All clocks: the server clock and a simulated clock.

@@ -1,4 +1,4 @@
-//! CONN: connections of the server to devices (`definitions/flockwave/conn.md`).
+//! CONN: the server's connections to devices (`definitions/flockwave/conn.md`).
 
 use uavspec::flockwave::json::{
     ConnectionId, ConnectionInfo, ConnectionPurpose, ConnectionStatus, Request, conn_inf, conn_list,

@@ -70,7 +70,7 @@ fn channel(kind: ChannelType, unit: Option<&str>) -> DeviceTreeNode {
     }
 }
 
-/// A node with a type only.
+/// A node that has only a type.
 fn node(kind: DeviceTreeNodeType) -> DeviceTreeNode {
     DeviceTreeNode { r#type: kind, sub_type: None, class: None, children: None, operations: None, unit: None }
 }

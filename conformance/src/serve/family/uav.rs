@@ -27,7 +27,7 @@ const RESTART: f64 = 3.0;
 /// The default duration of a signal, in seconds.
 const DEFAULT_SIGNAL: f64 = 5.0;
 
-/// The results of a command for each UAV; usually true for success.
+/// The results of a command for each UAV. A result is usually true for success.
 type CommandResults<T = bool> = Result<Outcomes<Outcome<T>>, String>;
 
 /// Builds the response to a command. All these responses have the same three maps.

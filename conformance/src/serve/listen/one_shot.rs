@@ -107,7 +107,7 @@ struct ParsedAnswer {
 }
 
 impl ParsedAnswer {
-    /// The text, which stays as received unless an operation changed the answer.
+    /// The text. It stays unchanged unless an operation changed the answer.
     fn text(&self) -> String {
         if self.has_changed { self.message.to_string() } else { self.written.clone() }
     }

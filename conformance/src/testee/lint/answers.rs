@@ -1,4 +1,4 @@
-//! Checks that every request gets one response, regardless of its id, length and arrival in parts.
+//! Checks that every request gets one response, regardless of its id and length, and even if it arrives in parts.
 
 use serde_json::Value;
 
@@ -9,11 +9,11 @@ use crate::testee::wire::to_base64;
 /// The number of requests in checks that send several.
 const NUM_CASES: usize = 16;
 
-/// The length of a long request in bytes: similar to all parameters of a firmware or to a mission, and longer than
-/// usual buffers.
+/// The length of a long request in bytes. It is similar to that of a mission or of all firmware parameters, and longer
+/// than typical buffers.
 const LONG_REQUEST_LENGTH: usize = 1 << 20;
 
-/// The limits of common integer types, and the outermost integers that every JSON parser preserves.
+/// The limits of common integer types, and the smallest and largest integers that every JSON parser preserves.
 const IDS: [i64; 15] = [
     0,
     1,
@@ -87,7 +87,7 @@ fn answers_have_ids(bench: &mut Bench<'_>) -> CheckOutcome {
             session.send_case(case);
         }
         let received = session.receive();
-        // A response may be late. Another check covers how the testee ends.
+        // A response may be late. Another check covers how the testee exits.
         let _ = session.finish();
         match session.received().foreign {
             Some(id) => Err(format!("unexpected response with id {id}")),
@@ -103,7 +103,7 @@ fn one_answer_each(bench: &mut Bench<'_>) -> CheckOutcome {
             session.send_case(case);
         }
         session.receive()?;
-        // A second response may be late. Another check covers how the testee ends.
+        // A second response may be late. Another check covers how the testee exits.
         let _ = session.finish();
         match session.received().repeated {
             Some(id) => Err(format!("more than one response with id {id}")),
@@ -179,7 +179,7 @@ fn only_answers(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.strays.summary().map_or(CheckOutcome::Pass, CheckOutcome::Fail)
 }
 
-/// Several cases: supported ones if there are any, repeated to reach the number.
+/// Several cases: supported cases if there are any, repeated until there are enough.
 fn several<'b>(bench: &'b Bench<'_>) -> Result<impl Iterator<Item = &'b Case>, String> {
     let plain = bench.plain_case()?;
     let mut known: Vec<&Case> = bench.known_cases().take(NUM_CASES).collect();

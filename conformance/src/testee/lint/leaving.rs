@@ -1,4 +1,4 @@
-//! Checks how a testee ends.
+//! Checks how a testee exits.
 
 use super::{Bench, Check, CheckOutcome};
 
@@ -25,7 +25,7 @@ fn answers_before_end(bench: &mut Bench<'_>) -> CheckOutcome {
         for _ in 0..NUM_CASES {
             session.send_case(case);
         }
-        // Another check covers how the testee ends.
+        // Another check covers how the testee exits.
         let _ = session.finish();
         if session.is_answered() { Ok(()) } else { Err(format!("no response to {}", session.missing())) }
     })

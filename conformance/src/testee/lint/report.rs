@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::{CheckOutcome, LintResult};
 
-/// The version of the JSON form, which increases if a member is removed or changes its meaning.
+/// The version of the JSON form. It increases if a member is removed or changes its meaning.
 const VERSION: u32 = 1;
 
 const FAIL: Style = AnsiColor::Red.on_default().bold();

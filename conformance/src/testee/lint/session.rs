@@ -11,7 +11,7 @@ use crate::testee::link::{Link, Received, remaining_stderr};
 use crate::testee::options::{Options, excerpt};
 use crate::testee::protocol::{Hello, Response};
 
-/// The first id of requests for which the check doesn't choose one.
+/// The first id for requests whose id the check doesn't choose.
 const FIRST_ID: i64 = 1_000;
 
 /// The delay between the parts of a line, so that they are sent separately.
@@ -132,14 +132,14 @@ impl<'o> Session<'o> {
         }
     }
 
-    /// Sends a malformed line. A response with the id, an error without an id, or no response are valid.
+    /// Sends a malformed line. A response with the id, an error without an id, and no response are all valid.
     pub(super) fn send_malformed(&mut self, id: Option<i64>, line: &[u8]) {
         self.received.optional.extend(id);
         self.received.refusals += 1;
         self.link.send_bytes([line, b"\n"].concat());
     }
 
-    /// Requests another hello. A hello, an error or no response are valid.
+    /// Requests another hello. A hello, an error and no response are all valid.
     pub(super) fn send_hello(&mut self) {
         self.received.hellos_due += 1;
         self.received.refusals += 1;
@@ -197,7 +197,7 @@ impl<'o> Session<'o> {
         self.received.responses.get(&id)
     }
 
-    /// The requests without a response; only the first few if there are many.
+    /// The requests without a response. If there are many, only the first few are listed.
     pub(super) fn missing(&self) -> String {
         let ids: Vec<String> = self.received.pending.iter().take(3).map(ToString::to_string).collect();
         let more = self.received.pending.len() - ids.len();

@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use super::{FORMAT, Glider, MARK_FORMAT, PERIOD, run_check, violated};
 use crate::tests::support::Writer;
 
-/// A log of a glider whose array has a number of marks, and a number in use.
+/// A log of a glider whose array has a given number of marks, of which a given number are in use.
 fn glider_of(marks: usize, num_marks: u8) -> Writer {
     let mut log = Writer::with_flags();
     log.format(&format!("glider:{}", FORMAT.replace("mark[3]", &format!("mark[{marks}]"))));

@@ -19,7 +19,7 @@ fn at(log: &mut Writer, times: impl IntoIterator<Item = u64>) {
     }
 }
 
-/// A log with a number of regular messages, and the time of the last.
+/// A log with a given number of regular messages, and the time of the last message.
 fn regular(messages: u64) -> (Writer, u64) {
     let mut log = start();
     at(&mut log, (0..messages).map(|number| FIRST + number * PERIOD));
@@ -145,7 +145,7 @@ fn reports_one_finding_per_wrong_time() {
     assert_eq!(count(&[FIRST, 0, second]), 0);
 }
 
-/// A new subscription of the same id starts over, even for the same topic.
+/// A new subscription with the same id starts over, even for the same topic.
 #[test]
 fn a_new_subscription_starts_over() {
     let (mut log, last) = regular(40);
@@ -161,7 +161,7 @@ fn a_new_subscription_starts_over() {
 fn reports_a_queue_overflow_once() {
     for (messages, found) in [(1, 0), (2, 0), (3, 1), (9, 1)] {
         let (mut log, last) = regular(40);
-        // Unpublished instances have no time and don't count.
+        // Unpublished instances have no time, and don't count.
         at(&mut log, [0; 5]);
         at(&mut log, vec![last + PERIOD; messages]);
         at(&mut log, [last + 2 * PERIOD, last + 2 * PERIOD]);

@@ -134,7 +134,7 @@ proptest! {
 /// An endless line is skipped without storing it.
 #[test]
 fn skips_an_endless_line_in_constant_memory() {
-    /// A reader that records the largest read, which is the free space of the buffer.
+    /// A reader that records the size of the largest read, which shows the free space in the buffer.
     struct Endless {
         left: u64,
         most: usize,

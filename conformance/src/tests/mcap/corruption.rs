@@ -231,7 +231,7 @@ fn reports_missing_headers_and_footers() {
     assert_corruption(&[MAGIC.to_vec(), header("")], &[(2, ends_early)], 0);
 }
 
-/// Messages before any truncation are checked; in a compressed chunk, those in complete blocks.
+/// The messages before any truncation are checked. In a compressed chunk, the messages in complete blocks are checked.
 #[test]
 fn checks_truncated_files_to_their_end() {
     for form in FORMS {
@@ -360,7 +360,7 @@ fn skips_records_in_constant_memory() {
         // A message of the maximum length is stored.
         (length(5, Reader::<&[u8]>::MAX_RECORD), zeros, 3 * (64 << 20)),
     ] {
-        // More than the maximum that is stored, or enough to fill the buffer many times.
+        // More than the maximum stored size, or enough to fill the buffer many times.
         let size = if largest > 1 << 20 { 80 << 20 } else { 8 << 20 };
         let start = [start(), declarations(), head].concat();
         let mut input = Endless { start, pattern, position: 0, size, largest_request: 0 };
@@ -375,7 +375,7 @@ fn skips_records_in_constant_memory() {
     }
 }
 
-/// Channels beyond a limit are reported but not checked, since each needs memory and time.
+/// Channels beyond a limit are reported but not checked, since each channel needs memory and time.
 #[test]
 fn does_not_check_channels_beyond_the_limit() {
     let marks = "Mark[3000] more\nMark[3] marks\nbool[3] flags\n";

@@ -234,7 +234,7 @@ fn compares_the_declared_parts_of_json_schemas() {
     assert!(matches!(basis(&with(&"[".repeat(100_000))), Basis::Unreadable(_)));
 }
 
-/// All PX4 messages, with their nested types, can be read from the texts that ROS 2 would use.
+/// All PX4 messages, with their nested types, can be read from the text that ROS 2 would use.
 #[test]
 fn definitions_of_real_releases_match_themselves() {
     let Some(corpus) = shared("corpus/px4") else { return };

@@ -19,7 +19,7 @@ fn ends(bytes: &[u8], messages: &[Seen]) -> Vec<u64> {
     messages.iter().skip(1).map(|message| message.offset).chain([bytes.len() as u64]).collect()
 }
 
-/// The number of common messages; those of `after` are `shift` bytes later.
+/// The number of common messages. The messages in `after` are `shift` bytes later.
 fn shared(before: &[Seen], after: &[Seen], shift: u64) -> usize {
     let after: HashSet<(u64, u64)> = after.iter().map(|seen| (seen.offset, seen.digest)).collect();
     before.iter().filter(|seen| after.contains(&(seen.offset + shift, seen.digest))).count()
@@ -211,7 +211,7 @@ fn reads_hostile_bytes_in_linear_time() {
         let seen = read(&bytes);
         let time = start.elapsed();
         eprintln!("{name}: {} items in {time:?}", seen.len());
-        // Debug builds on a busy machine take a few seconds; a quadratic search would take hours.
+        // Debug builds on a busy machine take a few seconds. A quadratic search would take hours.
         assert!(time < Duration::from_secs(60), "{name}: {time:?}");
     }
 }

@@ -268,7 +268,7 @@ fn loses_no_messages_after_a_wrong_size() {
         log.data(1, &[0; 16]);
     }
     let at = usize::try_from(wrong).expect("an index");
-    // 18 becomes 4,114: the message claims to contain the next 195 messages.
+    // The size 18 becomes 4,114, so the message claims to contain the next 195 messages.
     log.bytes[at + 1] ^= 0x10;
     let skipped = format!("no valid messages up to byte {next}, where valid messages follow");
     check(&log.bytes, &[(wrong, &skipped)]);
@@ -277,7 +277,7 @@ fn loses_no_messages_after_a_wrong_size() {
     // One more than the actual size.
     log.bytes[at] += 1;
     check(&log.bytes, &[(wrong, &skipped)]);
-    // One less: a byte between messages remains.
+    // The size is one less, so one byte between messages remains.
     log.bytes[at] -= 2;
     check(
         &log.bytes,

@@ -43,7 +43,7 @@ impl Seen {
     }
 }
 
-/// All items of a log, which must follow each other without gaps.
+/// All items of a log. They must follow each other without gaps.
 pub(crate) fn read(bytes: &[u8]) -> Vec<Seen> {
     let seen = read_from(bytes);
     check_extents(bytes, &seen);

@@ -49,7 +49,7 @@ struct Column {
     kind: Kind,
     title: &'static str,
     width: u16,
-    /// True if the column has numbers, which are aligned right.
+    /// True if the column contains numbers. Numbers are right-aligned.
     has_numbers: bool,
 }
 
@@ -61,7 +61,7 @@ const fn number(kind: Kind, title: &'static str, width: u16) -> Column {
     Column { kind, title, width, has_numbers: true }
 }
 
-/// The columns of narrow screens. The first column is as wide as the longest id, up to the given width. The last one
+/// The columns of narrow screens. The first column is as wide as the longest id, up to the given width. The last column
 /// uses the remaining space.
 const NARROW_COLUMNS: [Column; 6] = [
     text(Kind::Id, "ID", 12),

@@ -1,4 +1,4 @@
-//! Styles. A colour is never the only sign: there is also a word, or bold text.
+//! Styles. Colour is never the only indication: a word or bold text conveys the same information.
 
 use ratatui::style::{Color, Modifier, Style};
 use uavspec_runtime::Severity;
@@ -30,7 +30,7 @@ impl Theme {
         }
     }
 
-    /// The style of errors of the server.
+    /// The style of server errors.
     pub(super) fn server_error(self) -> Style {
         self.colour(Color::LightRed).add_modifier(Modifier::BOLD)
     }
@@ -39,7 +39,7 @@ impl Theme {
         self.colour(Color::Reset).add_modifier(Modifier::BOLD)
     }
 
-    /// The style of less important or stale texts.
+    /// The style of less important or stale text.
     pub(super) fn faint(self) -> Style {
         self.colour(Color::Reset).add_modifier(Modifier::DIM)
     }

@@ -1,4 +1,4 @@
-//! Clips and wraps long texts.
+//! Clips and wraps long text.
 
 use ratatui::text::{Line, Span};
 
@@ -12,7 +12,7 @@ pub(super) fn clipped(line: Line<'_>, width: usize) -> Line<'_> {
     let mut left = width;
     for span in line.spans {
         let needed = span.width();
-        // One column is for the ellipsis.
+        // One column is reserved for the ellipsis.
         if needed < left {
             left -= needed;
             spans.push(span);

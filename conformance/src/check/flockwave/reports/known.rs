@@ -10,19 +10,19 @@ use crate::model::{Findings, Location, Rule};
 use crate::rules::RuleContext;
 use crate::rules::flockwave::{Check, Message, RULES};
 
-/// The maximum number of versions and of kinds of states. Hostile input may contain any number.
+/// The maximum number of versions, and of kinds of states. Hostile input may contain any number.
 const MAX_KNOWN: usize = 256;
 
 /// The maximum length of a stored version or list of error codes, in bytes.
 const MAX_TEXT: usize = 256;
 
-/// The properties that determine the findings in a state. Its values must match their schemas or be null, and its id
-/// must be that of the UAV.
+/// The properties that determine the findings in a state. The state's values must match their schemas or be null, and
+/// its id must be the UAV's id.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Kind<'k> {
-    /// A bit for each present field.
+    /// One bit for each field, set if the field is present.
     pub(super) fields: u64,
-    /// A bit for each field that is null.
+    /// One bit for each field, set if the field is null.
     pub(super) nulls: u64,
     /// The error codes as written in the message; may be empty.
     pub(super) errors: &'k str,
@@ -33,9 +33,9 @@ pub(super) struct Known<'d> {
     definitions: &'d Definitions,
     /// The results for a report without states, by version.
     versions: Vec<Entry<Box<str>>>,
-    /// The results that a state adds, by its kind: present fields, null fields and error codes.
+    /// The results that a state adds, by the state's kind: present fields, null fields and error codes.
     kinds: Vec<Entry<(u64, u64, Box<str>)>>,
-    /// The index of the kind that was found last.
+    /// The index of the most recently found kind.
     latest: usize,
 }
 
@@ -46,10 +46,10 @@ struct Entry<K> {
     outcome: Option<Outcome>,
     /// True if its findings have enough examples and only need counting.
     is_settled: bool,
-    /// The UAVs whose findings have been reported since then. Messages name the UAV, so the first one of each is
-    /// checked in full.
+    /// The UAVs whose findings have been reported since then. Finding messages name the UAV, so the first report of
+    /// each UAV is checked in full.
     reported_uavs: BTreeSet<Box<str>>,
-    /// The number of reports or states.
+    /// The number of counted reports or states.
     times: u64,
 }
 
@@ -66,7 +66,7 @@ impl<K> Entry<K> {
         Self { key, outcome, is_settled: false, reported_uavs: BTreeSet::new(), times: 0 }
     }
 
-    /// The number of its findings if they only need counting for this UAV.
+    /// The number of the entry's findings, if they only need counting for this UAV.
     fn settled(&mut self, uav: &str, findings: &Findings) -> Option<u64> {
         let violations = &self.outcome.as_ref()?.violations;
         if violations.is_empty() {
@@ -106,7 +106,7 @@ impl<'d> Known<'d> {
         self.versions[at].settled("", findings).map(|_| at)
     }
 
-    /// The index of a kind and its number of findings, if these only need counting for this UAV.
+    /// The index of a kind and its number of findings, if the findings only need counting for this UAV.
     pub(super) fn kind(
         &mut self,
         kind: Kind<'_>,

@@ -93,7 +93,7 @@ fn sample() -> impl Strategy<Value = Sample> {
 }
 
 proptest! {
-    /// Entries that aren't stale stay byte for byte. Only entries that a person must fix remain stale.
+    /// Entries that aren't stale stay unchanged, byte for byte. Only entries that a person must fix remain stale.
     #[test]
     fn a_fixed_list_has_no_stale_entries(samples in vec(sample(), 0..6), is_dos in any::<bool>()) {
         let line_end = if is_dos { "\r\n" } else { "\n" };

@@ -1,8 +1,8 @@
-//! Stateless HTTP: each message is a POST request, and its response contains the answer. Later messages of the server
-//! are lost.
+//! Stateless HTTP: each message is a POST request, and the HTTP response contains the answer. Later messages from the
+//! server are lost.
 //!
-//! The specification doesn't describe this transport. The body of a response is returned unchanged; some servers send
-//! the body of their answer without the envelope.
+//! The specification doesn't describe this transport. The body of an HTTP response is returned unchanged. Some servers
+//! send the body of their answer without an envelope.
 
 use std::collections::VecDeque;
 use std::io;
@@ -53,7 +53,7 @@ pub(super) fn agent(limit: Duration) -> Agent {
     config.build().into()
 }
 
-/// The body of a response, if its status is a success.
+/// The body of a response, if its status code indicates success.
 pub(super) fn body(response: Result<ureq::http::Response<ureq::Body>, ureq::Error>) -> io::Result<Vec<u8>> {
     let mut response = response.map_err(ureq::Error::into_io)?;
     let read = response.body_mut().with_config().limit(MESSAGE_LIMIT as u64 * 2).read_to_vec();

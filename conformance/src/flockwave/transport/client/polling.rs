@@ -1,4 +1,4 @@
-//! Socket.IO over HTTP long polling, and the parts that it shares with Socket.IO over WebSocket.
+//! Socket.IO over HTTP long polling, and code shared with Socket.IO over WebSocket.
 
 use std::collections::VecDeque;
 use std::io;
@@ -21,7 +21,7 @@ const POLL_LIMIT: Duration = Duration::from_secs(90);
 /// The maximum number of payloads in the queue. Polling pauses when it is full.
 const WAITING_LIMIT: usize = 16;
 
-/// The maximum number of packets before the namespace is joined. Some servers send messages before that.
+/// The maximum number of packets received before the namespace is joined. Some servers send messages early.
 const EARLY_LIMIT: usize = 1000;
 
 /// The default interval between pings.
@@ -63,7 +63,7 @@ impl Heartbeat {
 
     fn agree(&mut self, interval: Option<u64>) {
         if let Some(interval) = interval {
-            // Intervals below a second are implausible, and longer ones than usual aren't necessary.
+            // Intervals below one second are implausible, and intervals longer than usual aren't necessary.
             self.interval = Duration::from_millis(interval).clamp(Duration::from_secs(1), USUAL_INTERVAL);
             self.next = Instant::now() + self.interval;
         }
@@ -88,7 +88,7 @@ impl Opening {
         self.is_done
     }
 
-    /// Handles a packet of the server. Returns the packet to send, if there is one.
+    /// Handles a packet from the server. Returns the packet to send, if there is one.
     pub(super) fn take(&mut self, packet: &Packet, heartbeat: &mut Heartbeat) -> io::Result<Option<Packet>> {
         match packet.kind {
             Kind::Open => {
@@ -261,7 +261,7 @@ fn poll(url: &str, payloads: &SyncSender<io::Result<Vec<u8>>>) {
 mod tests {
     use super::*;
 
-    /// The sent packets, the packets returned later, and true if the handshake is complete.
+    /// The sent packets, the packets to return later, and true if the handshake is complete.
     fn opened(revision: Revision, packets: &[&str]) -> io::Result<(Vec<String>, Vec<String>, bool)> {
         let (mut opening, mut heartbeat) = (Opening::new(revision), Heartbeat::new(revision));
         let mut sent = Vec::new();

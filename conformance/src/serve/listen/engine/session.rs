@@ -33,7 +33,7 @@ pub(super) struct Session {
 struct State {
     /// The session in the hub, after the client has joined the namespace.
     joined: Option<SessionId>,
-    /// True after the bug of FW-SIO-03 occurred: the session ignores further messages.
+    /// True after the FW-SIO-03 bug has occurred. The session then ignores further messages.
     has_stopped_reading: bool,
     last_received: Instant,
     last_ping: Instant,
@@ -146,7 +146,7 @@ impl Session {
         state.last_received.elapsed() < PING_INTERVAL + PING_TIMEOUT
     }
 
-    /// Processes a packet of the client.
+    /// Processes a packet from the client.
     pub(super) fn take(&self, shared: &Shared, packet: Packet) {
         self.state().last_received = Instant::now();
         match packet.kind {
