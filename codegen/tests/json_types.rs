@@ -125,7 +125,7 @@ fn distinguishes_absent_from_null() {
     refused::<Glider>(&with("towed_by", Json::Null), "null");
     refused::<Glider>(&with("fix", json!(1)), "a value of Fix");
     refused::<Glider>(&with("winch", json!("middle")), "a value of GliderWinch");
-    refused::<Glider>(&with("marks", json!([1])), "none of the types");
+    refused::<Glider>(&with("marks", json!([1])), "matches no alternative of MarksValue");
     refused::<Glider>(&with("else", json!(1)), "unknown field `else`");
     refused::<Glider>(&with("towed_by", json!({ "id": 7 })), "towed_by: id: invalid type: integer `7`");
     refused::<Glider>(&json!({ "id": "D1" }), "missing field `time`");
@@ -167,7 +167,7 @@ fn distinguishes_messages_by_type() {
 
     refused::<Request>(&json!({ "ids": [] }), "missing field `type`");
     refused::<Request>(&json!({ "type": 1 }), "a string");
-    refused::<Request>(&json!([]), "an object");
+    refused::<Request>(&json!([]), "a message object");
     refused::<Request>(&json!({ "type": "GLIDER-INF" }), "GLIDER-INF: missing field `ids`");
     refused::<Response>(&json!({ "type": "TOWER-ACK", "else": 1 }), "unknown field `else`");
 }

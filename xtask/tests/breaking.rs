@@ -59,7 +59,7 @@ fn compares_a_revision_with_the_working_tree() {
     ] {
         let (status, _, errors) = breaking(&folder.path().join(place), arguments);
         assert_eq!(status, Some(1), "{errors}");
-        assert!(errors.contains("error[field-removed]: `Wind.speed` (float32) is gone"), "{errors}");
+        assert!(errors.contains("error[field-removed]: `Wind.speed` (float32) was removed"), "{errors}");
         assert!(errors.contains(&format!("--> {}:definitions/msg/Wind.msg:4:1", arguments[1])), "{errors}");
         assert!(errors.contains("1 change; incompatible: source 1, json 1, cdr 1, uorb 1"), "{errors}");
     }
@@ -98,7 +98,7 @@ fn json_findings_have_both_locations() {
     for finding in findings {
         assert_eq!(finding["rule"], "field-type-changed");
         assert_eq!(finding["level"], "error");
-        assert_eq!(finding["message"], "`Wind.speed` is float64, and was float32");
+        assert_eq!(finding["message"], "`Wind.speed` has type float64 instead of float32");
         assert_eq!(
             (&finding["old"]["file"], &finding["new"]["file"]),
             (&"old/Wind.msg".into(), &"new/Wind.msg".into())

@@ -130,7 +130,7 @@ pub(crate) struct Mutant {
 pub(crate) enum Change {
     /// Changes the flight. The result is written in each encoding that represents the change.
     Flight(for<'d> fn(&Flight<'d>) -> Option<Flight<'d>>),
-    /// Changes the ULog of a flight.
+    /// Changes the `ULog` of a flight.
     Ulog(fn(&Flight<'_>, Log) -> Option<Log>),
     /// Changes the MCAP file of a flight.
     Mcap(fn(&Flight<'_>, Bag) -> Option<Bag>),

@@ -201,7 +201,7 @@ impl<'d> Flight<'d> {
         Some(changed)
     }
 
-    /// The flight as a ULog.
+    /// The flight as a `ULog`.
     pub(crate) fn log(&self) -> Log {
         Log::from_flight(self)
     }

@@ -46,7 +46,7 @@ impl<'s> NumberSamples<'s> {
         let all_flags = known.iter().fold(0, |all, mask| all | mask);
         let pick = usize::try_from(turn).unwrap_or(0) % known.len().max(1);
         let candidates = [
-            Some(self.from_bytes(bytes)).filter(|number| !number.is_nan()),
+            Some(self.number_of_bytes(bytes)).filter(|number| !number.is_nan()),
             (self.restriction.limits.is_flags && all_flags != 0).then_some(Number::Int(turn & all_flags)),
             known.get(pick).map(|value| Number::Int(*value)),
             self.between(bytes[0]),
@@ -248,7 +248,7 @@ impl<'s> NumberSamples<'s> {
         self.is_representable(next).then_some(next)
     }
 
-    fn from_bytes(&self, bytes: [u8; 8]) -> Number {
+    fn number_of_bytes(&self, bytes: [u8; 8]) -> Number {
         let [a, b, c, d, ..] = bytes;
         match self.scalar {
             Scalar::Float32 => Number::Float(f32::from_le_bytes([a, b, c, d]).into()),

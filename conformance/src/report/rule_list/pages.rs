@@ -102,7 +102,7 @@ fn mutant(from: &str, rows: &[&Row]) -> String {
 }
 
 /// The encoding in the title of a row: `a value out of its range (ULog)`.
-fn encoding<'r>(row: &'r Row) -> Option<&'r str> {
+fn encoding(row: &Row) -> Option<&str> {
     row.title.strip_prefix(row.mutant.name)?.strip_prefix(" (")?.strip_suffix(')')
 }
 

@@ -220,7 +220,7 @@ pub(super) fn px4_message<'j>(channel: &Channel<'_>, context: &RuleContext<'j>) 
     (schema.package_of(message).form == Form::Msg(Dialect::Px4)).then_some(message.name.as_str())
 }
 
-/// True if a channel has ArmingCheckReply messages.
+/// True if a channel has `ArmingCheckReply` messages.
 pub(super) fn is_reply(channel: &Channel<'_>, context: &RuleContext<'_>) -> bool {
     role(channel, context) == Some(Role::Reply)
 }

@@ -5,7 +5,7 @@ use super::Flight;
 /// An encoding of a flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Encoding {
-    /// ULog.
+    /// `ULog`.
     Ulog,
     /// MCAP with CDR messages.
     Mcap,

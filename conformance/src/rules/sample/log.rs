@@ -1,4 +1,4 @@
-//! Flights as ULog files.
+//! Flights as `ULog` files.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -10,7 +10,7 @@ use uavspec_runtime::Scalar;
 use super::{Flight, START};
 use crate::capture::ULOG_MAGIC;
 
-/// The entries of a ULog.
+/// The entries of a `ULog`.
 #[derive(Clone, Debug)]
 pub(crate) struct Log {
     /// The entries after the header.
