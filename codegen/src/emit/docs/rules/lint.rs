@@ -164,6 +164,6 @@ mod tests {
         let text = |findings, sample, right| measured_text(Measured { findings, sample, right });
         assert_eq!(text(0, 0, 0), "PX4's messages: no findings");
         assert_eq!(text(1, 1, 1), "PX4's messages: 1 finding, 1 of 1 correct");
-        assert_eq!(text(90, 30, 28), "PX4's messages: 90 findings, 28 of 30 in a sample correct");
+        assert_eq!(text(90, 30, 28), "PX4's messages: 90 findings, 28 of 30 sampled findings correct");
     }
 }
