@@ -244,7 +244,7 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
         (
             "PX-FMT-02",
             with(|log| _ = log.format("tow:uint64_t timestamp;rope[2] ropes;")),
-            "tow: format `tow` has a field `ropes`",
+            "tow: format `tow` has the field `ropes`",
         ),
         ("PX-FMT-03", no_timestamp, "glider: the format has no field `uint64_t timestamp`"),
         ("PX-LEN-01", value(|glider| glider.num_marks = 4), "glider.num_marks: 4 exceeds the array length 3"),
