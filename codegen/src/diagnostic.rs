@@ -167,7 +167,7 @@ problems! {
     ControlCharacter { code: u32 } = Error "control-character"
         "control character U+{code:04X}", "remove it";
     InvisibleCharacter { code: u32 } = Warning "invisible-character"
-        "invisible character U+{code:04X}", "remove it; the text may look different from its content";
+        "invisible character U+{code:04X}", "remove it; it can make the text look different from its content";
 
     // Lines of a `.msg` file
     MissingName { type_name: String } = Error "missing-name"
@@ -198,7 +198,7 @@ problems! {
     NameStyle { name: String, style: &'static str } = Warning "name-style"
         "`{name}` is not in {style}", "rename it; other tools reject or change it";
     NameStyleRos { name: String, style: &'static str } = Error "name-refused"
-        "`{name}` is not in {style}, which ROS 2 requires", "rename it, without `__` and without `_` at the end";
+        "`{name}` is not in {style}, which ROS 2 requires", "choose a name without `__` that does not end with `_`";
     UnexpectedText { text: String } = Error "unexpected-text"
         "unexpected `{text}` after the declaration", "start a comment with `#`, or remove the text";
     MissingValue { name: String } = Error "missing-value"
@@ -216,9 +216,10 @@ problems! {
     ArrayDefault { found: usize, length: usize } = Error "array-default"
         "{found} default values for an array of length {length}", "give exactly {length}";
     MisplacedSeparator = Error "misplaced-separator"
-        "unexpected `---`", "a .srv file contains one separator, an .action file two, a .msg file none";
+        "unexpected `---`", "a .srv file contains one separator; an .action file contains two; a .msg file contains \
+            none";
     MissingSeparator { found: usize, expected: usize } = Error "missing-separator"
-        "expected {expected} parts, found {found}", "separate the parts with a line `---`, even if a part is empty";
+        "expected {expected} parts, found {found}", "separate the parts with a `---` line, even if a part is empty";
     NotPortable { text: String, instead: Option<String> } = Warning "not-portable"
         "PX4's generator does not accept `{text}`", "use the form that PX4 accepts";
 
@@ -276,16 +277,18 @@ problems! {
     CountOnNonInteger { type_name: String } = Error "count-on-non-integer"
         "a field of type `{type_name}` cannot be a count", "use an integer type";
     RangeReversed { low: String, high: String } = Warning "range-reversed"
-        "the range is reversed: {low} is greater than {high}", "write `{high}, {low}`; it is read in this order";
+        "the range is reversed: {low} is greater than {high}", "write `{high}, {low}`; uavspec reads the range this \
+            way";
     AnnotationValueType { text: String, type_name: String } = Warning "annotation-value-type"
         "{text} is not a value of type `{type_name}`", "correct the value, or the type of the field";
 
     // Specification tables
     NoTable = Error "no-table"
         "the page contains no definitions",
-        "add a table with the columns Code, Abbr and Description, or Field, Required, Type and Description";
+        "add a table with the columns Code, Abbr and Description, or a table with the columns Field, Required, Type \
+            and Description";
     TableShape { expected: usize, found: usize } = Error "table-shape"
-        "the row has {found} cells, the table {expected} columns", "give each row one cell per column";
+        "the row has {found} cells, but the table has {expected} columns", "give each row one cell per column";
     UnterminatedTable = Error "unterminated-table"
         "the table is not closed", "close it with `|===`";
     MergedCell = Error "merged-cell"
@@ -313,7 +316,7 @@ problems! {
     DanglingCode { code: String } = Error "dangling-code"
         "code {code} is not defined", "correct the reference, or define the code";
     OneSidedAlternative { code: u32, other: u32 } = Warning "one-sided-alternative"
-        "code {code} lists {other} as its alternative, but not the reverse",
+        "code {code} lists {other} as its alternative, but {other} does not list {code}",
         "both are treated as alternatives of each other";
     TooManyAlternatives { code: u32, max: usize } = Error "too-many-alternatives"
         "code {code} lists more than {max} alternatives", "list only codes for the same event";
@@ -338,7 +341,7 @@ problems! {
         "make the earlier elements required, or allow null for them";
     InvalidTypeExpression { text: String } = Error "invalid-type-expression"
         "`{text}` is not a valid type",
-        "write for example `string`, `list of Name`, `map of integer`, `Name or null` or `one of A, B`";
+        "write, for example, `string`, `list of Name`, `map of integer`, `Name or null` or `one of A, B`";
     UndefinedType { name: String, package: String } = Error "undefined-type"
         "package {package} has no type `{name}`",
         "define it under a heading with this name, on any page of the package";
@@ -351,10 +354,11 @@ problems! {
         "the table of `{name}` has no rows", "add at least one row; without rows, no value is valid";
     Openness { name: String, found: &'static str } = Error "openness"
         "`{name}` is {found}",
-        "write `open set` or `closed set`, or `closed object` or `further fields are allowed`, above the table";
+        "above the table, write `open set` or `closed set` for a set, and `closed object` or `further fields are \
+            allowed` for an object";
     MixedSet { name: String } = Error "mixed-set"
         "the set `{name}` mixes integers and strings",
-        "put strings that look like integers in quotes, or define two sets";
+        "quote strings that look like integers, or define two sets";
     DuplicateValue { value: String } = Error "duplicate-value"
         "{value} is listed twice", "remove one of them";
     MissingFields { name: String, direction: &'static str } = Error "missing-fields"
@@ -364,7 +368,8 @@ problems! {
         "`Answer:` is not allowed in a {what}",
         "move the line below `Request`, or below the heading of a message with a request";
     UnknownAnswer { name: String } = Error "unknown-answer"
-        "no message `{name}` has a response", "list messages with a heading `Response`: `Answer: ACK-ACK, ACK-NAK`";
+        "no message named `{name}` has a response", "list messages with a heading `Response`: `Answer: ACK-ACK, \
+            ACK-NAK`";
     MissingAnswer { name: String } = Warning "missing-answer"
         "the request of `{name}` has no answer",
         "define a response, or name the messages that answer it: `Answer: ACK-ACK`";
@@ -393,7 +398,8 @@ problems! {
         "{what} does not match any definition", "correct it, or run `cargo xtask translate` to set the entry aside";
     TranslationStale { key: String } = Warning "translation-stale"
         "`{key}` has changed since it was translated",
-        "run `cargo xtask translate`, translate the new text, and remove the flag `fuzzy`; until then it is not used";
+        "run `cargo xtask translate`, translate the new text, and remove the `fuzzy` flag; until then the translation \
+            is not used";
     TranslationFuzzy { key: String } = Warning "translation-fuzzy"
         "the translation of `{key}` is marked as fuzzy", "review it, then remove the flag; until then it is not used";
     TranslationMissing { tag: String, unit: String, missing: usize, all: usize, some: String } = Warning "translation-missing"

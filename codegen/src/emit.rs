@@ -54,7 +54,7 @@ pub const EMITTERS: &[Emitter] = &[
     Emitter::new::<vectors::Options>(
         "vectors",
         "Test vectors in JSON",
-        &[("base", "the URL prefix of every `$id`, by default that of the schemas")],
+        &[("base", "the URL prefix of every `$id`, the same as for the schemas by default")],
     ),
     Emitter::new::<docs::Configuration>(
         "docs",

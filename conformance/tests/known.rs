@@ -73,7 +73,7 @@ fn shows_a_known_finding_without_counting_it() {
     for wanted in [
         "known PX-JSON-02   MUST   Glider.mark: expected an integer from 0 to 255, found 300\n",
         "  marks are counted beyond 255 (until 2026-05-09) https://example.org/issues/7\n",
-        "warn  PX-RANGE-01  SHOULD Glider.speed: 70 is out of range, 0 to 60\n",
+        "warn  PX-RANGE-01  SHOULD Glider.speed: 70 is outside the range 0 to 60\n",
     ] {
         assert!(printed.contains(wanted), "{wanted}: {printed}");
     }

@@ -132,7 +132,7 @@ fn failures_have_status_2_and_a_hint() {
     fails(
         path,
         &["--against", "empty"],
-        &["no definitions in empty", "help: definitions of the dialect px4"],
+        &["no definitions in empty", "help: definitions of the px4 dialect"],
     );
     write(path, "definitions/uavspec.toml", &format!("{CONFIG}dialekt = \"px4\"\n"));
     fails(

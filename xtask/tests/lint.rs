@@ -98,7 +98,7 @@ fn failures_have_status_2_and_a_hint() {
     let arguments = ["--package", "demo", "--dialect", "px4", "--input", "."];
     let errors = lint(folder.path(), &arguments, 2);
     assert!(
-        errors.contains("no definitions in .") && errors.contains("help: definitions of the dialect px4"),
+        errors.contains("no definitions in .") && errors.contains("help: definitions of the px4 dialect"),
         "{errors}"
     );
 }

@@ -11,7 +11,7 @@ use crate::schema::{Element, Field, Shape};
 pub(super) const RULE: Rule = Rule {
     id: "array-length-changed",
     statement: "The length of an array, a sequence or a string changed.",
-    why: "Messages have other bytes, and existing readers expect another number of elements.",
+    why: "The encoding of the message changes, and existing readers expect a different number of elements.",
     fix: "Update all peers together, and raise `MESSAGE_VERSION` of a versioned message. To stay \
         compatible, add a new field or message.",
     breaks: &[
@@ -52,14 +52,14 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     let is_string = matches!(new.ty.element, Element::String { .. }) && old.ty.shape == new.ty.shape;
     // They have a length prefix, so only values that are too long are misread.
     let cdr = if is_string || is_counted(old) && is_counted(new) {
-        "existing readers reject longer values, and the type hash differs"
+        "existing readers reject longer values, and the type hash changes"
     } else {
-        "all later fields move: existing readers read other bytes for them"
+        "all later fields move, so existing readers decode the wrong bytes for them"
     };
     let mut change = sink.change(new.span, both(old.span, new.span), message);
     change
-        .breaks(Category::Source, "its type differs: existing programs may not compile")
-        .breaks(Category::Json, "existing readers expect another length")
+        .breaks(Category::Source, "its type changes: existing programs may no longer compile")
+        .breaks(Category::Json, "existing readers expect a different length")
         .breaks(Category::Cdr, cdr);
     if pair.is_uorb() {
         change.breaks(Category::Uorb, uorb(pair));

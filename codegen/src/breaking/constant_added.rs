@@ -9,7 +9,7 @@ use crate::finding::Sides;
 pub(super) const RULE: Rule = Rule {
     id: "constant-added",
     statement: "A constant was added.",
-    why: "Enums are open: existing programs receive a value that they don't know.",
+    why: "Enums are open, so existing programs may receive a value that they don't know.",
     fix: "Check that existing programs handle unknown values.",
     breaks: &[(Category::Semantic, Level::Note)],
     old: &[Example {

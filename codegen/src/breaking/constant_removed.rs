@@ -9,7 +9,7 @@ use crate::finding::Sides;
 pub(super) const RULE: Rule = Rule {
     id: "constant-removed",
     statement: "A constant was removed.",
-    why: "Programs that use it don't compile, and the value has no name if a peer still sends it.",
+    why: "Programs that use it no longer compile. If a peer still sends the value, it has no name.",
     fix: "Keep the constant, and mark it as deprecated in its comment.",
     breaks: &[(Category::Source, Level::Error)],
     old: &[Example {
@@ -35,6 +35,6 @@ fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     let message = format!("`{}.{}` (= {}) was removed", pair.name(), old.name, old.value);
     sink.change(pair.head(), Sides { old: Some(old.span), new: None }, message).breaks(
         Category::Source,
-        "programs that use it don't compile, and existing peers may still send its value",
+        "programs that use it no longer compile, and existing peers may still send its value",
     );
 }

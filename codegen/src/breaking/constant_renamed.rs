@@ -9,7 +9,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "constant-renamed",
     statement: "A constant was renamed; its value is the same.",
-    why: "Messages do not change, but programs that use the old name don't compile.",
+    why: "Messages do not change, but programs that use the old name no longer compile.",
     fix: "Keep the old name if programs outside the repository use it. Otherwise update them.",
     breaks: &[(Category::Source, Level::Error)],
     old: &[Example {
@@ -33,5 +33,5 @@ fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     let ConstantChange::Renamed(old, new) = change else { return };
     let message = format!("`{}.{}` (= {}) was renamed to `{}`", pair.name(), old.name, new.value, new.name);
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Source, "programs that use the old name don't compile");
+        .breaks(Category::Source, "programs that use the old name no longer compile");
 }

@@ -8,7 +8,7 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-reused",
-    statement: "The value of a removed constant belongs to a new constant.",
+    statement: "A new constant has the value of a removed constant.",
     why: "Existing programs send and show the value with its old meaning.",
     fix: "Use a new value for the new constant, and don't reuse values.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Error)],
@@ -33,6 +33,6 @@ fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     let ConstantChange::Reused(old, new) = change else { return };
     let message = format!("{} is now `{}.{}` instead of `{}`", new.value, pair.name(), new.name, old.name);
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Source, format!("programs that use `{}` don't compile", old.name))
+        .breaks(Category::Source, format!("programs that use `{}` no longer compile", old.name))
         .breaks(Category::Semantic, "existing programs use the old meaning of the value");
 }

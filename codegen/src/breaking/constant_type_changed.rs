@@ -10,7 +10,7 @@ use crate::schema::{Shape, Type};
 pub(super) const RULE: Rule = Rule {
     id: "constant-type-changed",
     statement: "The type of a constant changed.",
-    why: "The value is the same, but programs that compare it with a field of the old type may not compile.",
+    why: "The value is the same, but programs that compare it with a field of the old type may no longer compile.",
     fix: "Keep the type of the field that holds the constant.",
     breaks: &[(Category::Source, Level::Warning)],
     old: &[Example {
@@ -39,5 +39,5 @@ fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     let (before, now) = (pair.old_type(text(old.ty)), pair.new_type(text(new.ty)));
     let message = format!("`{}.{}` has type {now} instead of {before}", pair.name(), new.name);
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Source, "programs that expect the old type may not compile");
+        .breaks(Category::Source, "programs that expect the old type may no longer compile");
 }

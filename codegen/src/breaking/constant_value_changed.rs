@@ -43,7 +43,7 @@ fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     match successor {
         Some(successor) => change.breaks(
             Category::Semantic,
-            format!("existing programs confuse it with `{}`, which is {before} now", successor.name),
+            format!("existing programs confuse it with `{}`, which is now {before}", successor.name),
         ),
         None => change.breaks(Category::Semantic, "existing programs misunderstand its value"),
     };

@@ -11,7 +11,7 @@ use crate::schema::ErrorCode;
 pub(super) const RULE: Rule = Rule {
     id: "error-code-abbreviation-changed",
     statement: "The abbreviation of an error code changed; its meaning is the same.",
-    why: "Programs that use the old name don't compile, and user interfaces show another word.",
+    why: "Programs that use the old name no longer compile, and user interfaces show a different word.",
     fix: "Keep the abbreviation, and change only the description.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Warning)],
     old: &[Example {
@@ -44,8 +44,8 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
     }
     let message = format!("error code {} now has the abbreviation {}", name(old), text(new));
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Source, "programs that use the old name don't compile")
-        .breaks(Category::Semantic, "existing displays and logs show another name");
+        .breaks(Category::Source, "programs that use the old name no longer compile")
+        .breaks(Category::Semantic, "existing displays and logs show a different name");
 }
 
 fn text(code: &ErrorCode) -> &str {

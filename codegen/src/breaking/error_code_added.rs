@@ -11,7 +11,7 @@ pub(super) const RULE: Rule = Rule {
     id: "error-code-added",
     statement: "An error code was added.",
     why: "Existing programs don't know it. They can still derive the severity from the number.",
-    fix: "No change is necessary. Choose a number whose severity bits are right.",
+    fix: "No change is necessary. Choose a number with the correct severity bits.",
     breaks: &[(Category::Semantic, Level::Note)],
     old: &[Example {
         path: "boats.md",

@@ -10,10 +10,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "error-code-meaning-changed",
-    statement: "The meaning of an error code changed: its description is a different one, or its \
-        alternatives changed.",
+    statement: "The meaning of an error code changed: its description or its alternatives are different.",
     why: "Existing programs react to the old meaning.",
-    fix: "Check that the meaning is the same. For another condition, use a new code.",
+    fix: "Check that the meaning is the same. For a different condition, use a new code.",
     breaks: &[(Category::Semantic, Level::Warning)],
     old: &[Example {
         path: "boats.md",
@@ -51,7 +50,7 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
         let message = format!("the alternatives of error code {} changed", name(new));
         sink.change(new.span, both(old.span, new.span), message).breaks(
             Category::Semantic,
-            "a list that followed the rule may now have two codes for one condition",
+            "a list of codes that was valid may now contain two codes for the same condition",
         );
     }
 }

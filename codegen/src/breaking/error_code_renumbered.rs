@@ -41,7 +41,7 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
     let CodeChange::Renumbered(old, new) = change else { return };
     let message = format!("error code {} is now {}", name(old), new.code);
     let help = if old.severity() == new.severity() {
-        "existing programs don't know the new number, and wait for the old one".to_owned()
+        "existing programs don't know the new number and still check for the old number".to_owned()
     } else {
         format!("its severity changes from {} to {}", old.severity(), new.severity())
     };

@@ -40,6 +40,6 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
     let CodeChange::Reused(old, new) = change else { return };
     let message = format!("error code {} is now {}", name(old), name(new));
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Source, "programs that use the old name don't compile")
+        .breaks(Category::Source, "programs that use the old name no longer compile")
         .breaks(Category::Semantic, "existing programs use the old meaning");
 }

@@ -10,7 +10,7 @@ use crate::schema::Message;
 pub(super) const RULE: Rule = Rule {
     id: "field-added",
     statement: "A field was added.",
-    why: "Existing messages lack it and have other bytes, so all peers must change together.",
+    why: "Existing messages lack it and are encoded differently, so all peers must be updated together.",
     fix: "Update all peers together, and raise `MESSAGE_VERSION` of a versioned message.",
     breaks: &[
         (Category::Source, Level::Warning),
@@ -43,16 +43,17 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         let last = pair.new.fields.len()
             - pair.fields.iter().rev().take_while(|change| matches!(change, FieldChange::Added(_))).count();
         let cdr = if at >= last {
-            "messages are longer: existing readers reject the extra bytes, and new ones miss it in old messages"
+            "messages are longer: existing readers reject the extra bytes, and new readers don't find the field in \
+                old messages"
         } else {
-            "all later fields move: existing readers read its bytes as other fields"
+            "all later fields move, so existing readers interpret its bytes as other fields"
         };
         let message = format!("`{}.{}` ({}) was added", pair.name(), field.name, pair.new_type(field.ty));
         let mut change = sink.change(field.span, Sides { old: None, new: Some(field.span) }, message);
         change
             .breaks(
                 Category::Source,
-                "Rust code that constructs the message without the field doesn't compile",
+                "Rust code that constructs the message without the field no longer compiles",
             )
             .breaks(Category::Json, "old messages lack it, and existing readers don't know it")
             .breaks(Category::Cdr, cdr);
@@ -67,11 +68,11 @@ pub(super) fn uorb(pair: &Pair<'_>) -> String {
     let size = |message: &Message| message.uorb.as_ref().map_or(0, |layout| layout.size);
     let (before, now) = (size(pair.old), size(pair.new));
     if before == now {
-        "the layout differs, but the size is the same: existing programs read the bytes as other fields"
+        "the layout changes but the size doesn't: existing programs interpret the bytes as other fields"
             .to_owned()
     } else {
         format!(
-            "the layout differs: {now} bytes instead of {before}; readers of logs can still find fields by name"
+            "the layout changes: {now} bytes instead of {before}; log readers can still find fields by name"
         )
     }
 }

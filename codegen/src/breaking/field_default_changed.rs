@@ -11,7 +11,7 @@ use crate::value::Value;
 pub(super) const RULE: Rule = Rule {
     id: "field-default-changed",
     statement: "The default value of a field changed (ROS 2).",
-    why: "Programs that don't set the field now send another value.",
+    why: "Programs that don't set the field now send a different value.",
     fix: "Keep the default, or check all programs that don't set the field.",
     breaks: &[(Category::Semantic, Level::Warning)],
     old: &[Example { path: "glider_msgs/Glider.msg", text: "float32 sink 0.5\n" }],
@@ -27,5 +27,5 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     }
     let message = format!("the default of `{}.{}` is {now} instead of {before}", pair.name(), new.name);
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Semantic, "programs that don't set the field send another value");
+        .breaks(Category::Semantic, "programs that don't set the field send a different value");
 }

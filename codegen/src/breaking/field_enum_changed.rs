@@ -10,7 +10,7 @@ use crate::schema::{Field, Schema};
 pub(super) const RULE: Rule = Rule {
     id: "field-enum-changed",
     statement: "The enum annotation of a field changed.",
-    why: "The values are the same numbers, but the Rust type of the field changes.",
+    why: "The numeric values stay the same, but the Rust type of the field changes.",
     fix: "Update the Rust programs that use the field.",
     breaks: &[(Category::Source, Level::Note)],
     old: &[Example {
@@ -46,5 +46,5 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     let (before, now) = (before.unwrap_or_else(plain), now.unwrap_or_else(plain));
     let message = format!("`{}.{}` is {now} instead of {before}", pair.name(), new.name);
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Source, "its Rust type differs; values and bytes are the same");
+        .breaks(Category::Source, "its Rust type changes; values and bytes stay the same");
 }

@@ -11,7 +11,7 @@ use crate::schema::Field;
 pub(super) const RULE: Rule = Rule {
     id: "field-frame-changed",
     statement: "The coordinate frame of a field changed.",
-    why: "The same numbers mean another direction or position, and nothing but the definition shows it.",
+    why: "The same numbers mean a different direction or position, and only the definition shows the change.",
     fix: "Keep the frame, or add a new field with the new frame.",
     breaks: &[(Category::Semantic, Level::Error)],
     old: &[Example {
@@ -37,6 +37,8 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
         return;
     }
     let message = format!("`{}.{}` is in frame {now} instead of {before}", pair.name(), new.name);
-    sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Semantic, "existing programs read the numbers as another direction or position");
+    sink.change(new.span, both(old.span, new.span), message).breaks(
+        Category::Semantic,
+        "existing programs interpret the numbers as a different direction or position",
+    );
 }

@@ -10,9 +10,9 @@ use crate::value::Value;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-invalid-changed",
-    statement: "The value for missing data changed. A value that is added for the first time is not \
+    statement: "The value that represents missing data changed. Adding such a value to a field that had none is not \
         reported.",
-    why: "Existing programs use the new value as data, and wait for the old one.",
+    why: "Existing programs treat the new value as data and still check for the old value.",
     fix: "Keep the value, or update all readers before the writers.",
     breaks: &[(Category::Semantic, Level::Error)],
     old: &[Example {
@@ -38,11 +38,15 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
         if text(before) == now {
             continue;
         }
-        let message =
-            format!("missing data in `{}.{}` is {now} instead of {}", pair.name(), new.name, text(before));
+        let message = format!(
+            "the value for missing data in `{}.{}` is {now} instead of {}",
+            pair.name(),
+            new.name,
+            text(before)
+        );
         sink.change(new.span, both(old.span, new.span), message).breaks(
             Category::Semantic,
-            "existing programs read the new value as data, and wait for the old one",
+            "existing programs treat the new value as data and still check for the old value",
         );
     }
 }

@@ -46,8 +46,8 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
             let is_crossed = (other.old < moved.old) != (other.new < moved.new);
             is_crossed && size(pair, moved) == size(pair, other)
         });
-        let message = format!("`{}.{}` has another position among the fields", pair.name(), new.name);
-        let cdr = "existing readers read its bytes as other fields";
+        let message = format!("`{}.{}` has a different position in the message", pair.name(), new.name);
+        let cdr = "existing readers interpret its bytes as other fields";
         let mut change = sink.change(new.span, both(old.span, new.span), message);
         if !pair.is_uorb() {
             change.breaks(Category::Cdr, cdr);
@@ -55,10 +55,11 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
             let name = &pair.new.fields[partner.new].name;
             change.breaks(Category::Cdr, cdr).breaks(
                 Category::Uorb,
-                format!("it swaps places with `{name}`, which has the same size: the layout differs"),
+                format!("it swaps places with `{name}`, which has the same size: the layout changes"),
             );
         } else {
-            let help = format!("{cdr}; its position in uORB is the same, since fields are sorted by size");
+            let help =
+                format!("{cdr}; its position in uORB stays the same, because fields are sorted by size");
             change.breaks(Category::Cdr, help);
         }
     }

@@ -10,8 +10,8 @@ use crate::value::Value;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-range-changed",
-    statement: "The range of a field changed. A range that is added for the first time is not reported.",
-    why: "Values that were valid may be out of range now, or the reverse. A new range often means a \
+    statement: "The range of a field changed. Adding a range to a field that had none is not reported.",
+    why: "Valid values may now be out of range, and invalid values may now be valid. A new range often means a \
         new scale.",
     fix: "Check that readers accept the new range. If the scale changes, add a new field.",
     breaks: &[(Category::Semantic, Level::Warning)],
@@ -35,9 +35,15 @@ pub(super) const RULE: Rule = Rule {
 fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     for before in old.constraints.iter().filter(|found| !found.is_special()) {
         let Some(now) = new.constraint(before.kind).filter(|now| *now != before) else { continue };
-        let message = format!("`{}.{}` is {} instead of {}", pair.name(), new.name, text(now), text(before));
+        let message = format!(
+            "the range of `{}.{}` is {} instead of {}",
+            pair.name(),
+            new.name,
+            text(now),
+            text(before)
+        );
         sink.change(new.span, both(old.span, new.span), message)
-            .breaks(Category::Semantic, "valid values may be out of range now, or have another scale");
+            .breaks(Category::Semantic, "valid values may now be out of range or have a different scale");
     }
 }
 

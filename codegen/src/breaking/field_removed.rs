@@ -10,7 +10,7 @@ use crate::finding::Sides;
 pub(super) const RULE: Rule = Rule {
     id: "field-removed",
     statement: "A field was removed.",
-    why: "Programs that use it don't compile, and messages have other bytes, so all peers must change \
+    why: "Programs that use it no longer compile. The encoding of the message changes, so all peers must be updated \
         together.",
     fix: "Keep the field, and mark it as deprecated in its comment. Otherwise update all peers together.",
     breaks: &[
@@ -43,14 +43,18 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         let field = &pair.old.fields[at];
         let message = format!("`{}.{}` ({}) was removed", pair.name(), field.name, pair.old_type(field.ty));
         let cdr = if at + 1 == pair.old.fields.len() {
-            "messages are shorter: existing readers miss it, and new ones reject the extra bytes of old messages"
+            "messages are shorter: existing readers expect more bytes, and new readers reject the extra bytes of old \
+                messages"
         } else {
-            "all later fields move: existing readers read other bytes for them"
+            "all later fields move, so existing readers decode the wrong bytes for them"
         };
         let mut change = sink.change(pair.head(), Sides { old: Some(field.span), new: None }, message);
         change
-            .breaks(Category::Source, "programs that use it don't compile")
-            .breaks(Category::Json, "existing readers miss it, and existing writers send an unknown member")
+            .breaks(Category::Source, "programs that use it no longer compile")
+            .breaks(
+                Category::Json,
+                "existing readers don't find it, and existing writers send an unknown member",
+            )
             .breaks(Category::Cdr, cdr);
         if pair.is_uorb() {
             change.breaks(Category::Uorb, uorb(pair));

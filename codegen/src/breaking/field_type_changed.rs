@@ -11,7 +11,7 @@ use crate::schema::Element;
 pub(super) const RULE: Rule = Rule {
     id: "field-type-changed",
     statement: "The type of a field changed.",
-    why: "Its bytes have another meaning, and later fields may move.",
+    why: "Its bytes have a different meaning, and later fields may move.",
     fix: "Keep the type, and add a new field with the new type. Otherwise update all peers together.",
     breaks: &[
         (Category::Source, Level::Error),
@@ -45,11 +45,11 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         let (before, now) = (pair.old_type(old.ty), pair.new_type(new.ty));
         let message = format!("`{}.{}` has type {now} instead of {before}", pair.name(), new.name);
         let mut change = sink.change(new.span, both(old.span, new.span), message);
-        change.breaks(Category::Source, "programs that expect the old type don't compile");
+        change.breaks(Category::Source, "programs that expect the old type no longer compile");
         if !is_same_json(old.ty.element, new.ty.element) {
             change.breaks(Category::Json, "values of one type may be invalid for the other");
         }
-        change.breaks(Category::Cdr, "its bytes are read as another type, and later fields may move");
+        change.breaks(Category::Cdr, "its bytes are read as a different type, and later fields may move");
         if pair.is_uorb() {
             change.breaks(Category::Uorb, uorb(pair));
         }

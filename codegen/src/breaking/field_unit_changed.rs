@@ -9,8 +9,8 @@ use crate::schema::Field;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-unit-changed",
-    statement: "The unit of a field changed. A unit that is added for the first time is not reported.",
-    why: "The same number means another quantity, and nothing but the definition shows it.",
+    statement: "The unit of a field changed. Adding a unit to a field that had none is not reported.",
+    why: "The same number means a different quantity, and only the definition shows the change.",
     fix: "Keep the unit, or add a new field with the new unit in its name.",
     breaks: &[(Category::Semantic, Level::Error)],
     old: &[Example {
@@ -37,5 +37,5 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     }
     let message = format!("`{}.{}` is in {now} instead of {before}", pair.name(), new.name);
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Semantic, "existing programs read the numbers in the old unit");
+        .breaks(Category::Semantic, "existing programs interpret the numbers in the old unit");
 }

@@ -10,7 +10,7 @@ use crate::finding::Sides;
 pub(super) const RULE: Rule = Rule {
     id: "message-added",
     statement: "A message, service or action was added.",
-    why: "It breaks nobody. The report lists it for completeness.",
+    why: "No existing program is affected. The report lists the change for completeness.",
     fix: "No change is necessary.",
     breaks: &[(Category::Source, Level::Note)],
     old: &[Example {

@@ -10,7 +10,7 @@ use crate::schema::Kind;
 pub(super) const RULE: Rule = Rule {
     id: "message-removed",
     statement: "A message, service or action was removed.",
-    why: "Programs that use it don't compile, and peers that send or expect it have no partner.",
+    why: "Programs that use it no longer compile, and peers that send or expect it have no counterpart.",
     fix: "Keep it until no program uses it.",
     breaks: &[
         (Category::Source, Level::Error),
@@ -40,11 +40,11 @@ fn check(change: &MessageChange<'_>, sink: &mut Sink<'_>) {
     let message = format!("the {what} `{}` was removed", old.name);
     let mut change = sink.change(place, Sides { old: Some(place), new: None }, message);
     change
-        .breaks(Category::Source, "programs that use its type don't compile")
-        .breaks(Category::Json, "JSON messages of this type are unknown")
-        .breaks(Category::Cdr, "peers that send or expect it have no partner");
+        .breaks(Category::Source, "programs that use its type no longer compile")
+        .breaks(Category::Json, "JSON messages of this type are no longer known")
+        .breaks(Category::Cdr, "peers that send or expect it have no counterpart");
     if old.kind == Kind::Message {
-        change.breaks(Category::Uorb, "its topics don't exist, and new logs lack them");
+        change.breaks(Category::Uorb, "its topics no longer exist, and new logs don't contain them");
     }
 }
 

@@ -9,8 +9,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "message-renamed",
     statement: "A message was renamed; most of its fields are the same.",
-    why: "Programs, topics and logs refer to it by name. Its bytes may be the same, but peers don't \
-        find each other.",
+    why: "Programs, topics and logs refer to it by name. Even if its bytes are the same, peers don't find each other.",
     fix: "Keep the name, or update all peers together.",
     breaks: &[
         (Category::Source, Level::Error),
@@ -40,11 +39,8 @@ fn check(change: &MessageChange<'_>, sink: &mut Sink<'_>) {
     let places = both(old.span.part(0..0), new.span.part(0..0));
     let message = format!("`{}` was renamed to `{}`", old.name, new.name);
     sink.change(new.span.part(0..0), places, message)
-        .breaks(Category::Source, "programs that use its type don't compile")
-        .breaks(Category::Json, "messages with a type name, and references to the schema, use another name")
-        .breaks(Category::Cdr, "DDS and ROS 2 match types by name and hash: existing peers have no partner")
-        .breaks(
-            Category::Uorb,
-            "the name of the format in logs changes, and so do topics that are named after the message",
-        );
+        .breaks(Category::Source, "programs that use its type no longer compile")
+        .breaks(Category::Json, "type names in messages and references to the schema change")
+        .breaks(Category::Cdr, "DDS and ROS 2 match types by name and hash: existing peers no longer match")
+        .breaks(Category::Uorb, "the format name in logs changes, and so do topics named after the message");
 }

@@ -10,8 +10,8 @@ use crate::schema::Message;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-version",
-    statement: "A versioned PX4 message changed, but its MESSAGE_VERSION is not higher by one. \
-        Between releases, it may be higher by more.",
+    statement: "A versioned PX4 message changed, but MESSAGE_VERSION did not increase by exactly one. Between \
+        releases, it may increase by more than one.",
     why: "Two different messages have the same version, so peers and the translation between versions \
         can't distinguish them.",
     fix: "Raise `MESSAGE_VERSION` by one, and never lower it.",
@@ -50,7 +50,9 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         let message = format!("the version of `{name}` jumps from {before} to {now}");
         (
             message,
-            format!("a change raises {VERSION} by one, to {next}; for releases, use `--between releases`"),
+            format!(
+                "a change must raise {VERSION} by one, to {next}; to compare releases, use `--between releases`"
+            ),
         )
     } else {
         return;

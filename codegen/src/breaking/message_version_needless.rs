@@ -9,7 +9,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "message-version-needless",
     statement: "MESSAGE_VERSION was raised, but no field changed.",
-    why: "Peers of both versions reject each other without a reason.",
+    why: "Peers with the old and the new version reject each other unnecessarily.",
     fix: "Restore the version.",
     breaks: &[(Category::Version, Level::Note)],
     old: &[Example {
@@ -37,6 +37,6 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     let sides = places(pair);
     sink.change(sides.new.unwrap_or(pair.head()), sides, message).breaks(
         Category::Version,
-        "peers of both versions reject each other, although their messages are compatible",
+        "peers with the old and the new version reject each other, although their messages are compatible",
     );
 }

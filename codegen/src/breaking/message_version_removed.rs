@@ -9,7 +9,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "message-version-removed",
     statement: "MESSAGE_VERSION was removed.",
-    why: "Peers can't detect later changes, and PX4's translation between versions leaves the message out.",
+    why: "Peers can't detect later changes, and PX4's translation between versions omits the message.",
     fix: "Keep `MESSAGE_VERSION`.",
     breaks: &[(Category::Version, Level::Warning)],
     old: &[Example {
@@ -24,7 +24,7 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     let (Some(before), None) = (pair.old.version, pair.new.version) else { return };
-    let message = format!("the version of `{}`, {before}, was removed", pair.name());
+    let message = format!("the version of `{}` ({before}) was removed", pair.name());
     sink.change(pair.head(), places(pair), message)
-        .breaks(Category::Version, "existing peers can't detect changes by the version");
+        .breaks(Category::Version, "existing peers can no longer detect changes by comparing versions");
 }

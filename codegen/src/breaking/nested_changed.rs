@@ -11,7 +11,7 @@ use crate::schema::Element;
 pub(super) const RULE: Rule = Rule {
     id: "nested-changed",
     statement: "A nested message changed, so the message that contains it changed as well.",
-    why: "The outer message has other bytes, although its own definition is the same.",
+    why: "The encoding of the outer message changes, although its own definition stays the same.",
     fix: "Raise `MESSAGE_VERSION` of the outer message as well, and update all peers together.",
     breaks: &[
         (Category::Cdr, Level::Error),
@@ -47,7 +47,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         if cdr {
             change.breaks(
                 Category::Cdr,
-                "existing readers read its bytes and the following ones as other fields",
+                "existing readers interpret its bytes and the following bytes as other fields",
             );
         }
         if memory && pair.is_uorb() {

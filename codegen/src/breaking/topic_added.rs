@@ -11,7 +11,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "topic-added",
     statement: "A topic was added to a message.",
-    why: "It breaks nobody. The report lists it for completeness.",
+    why: "No existing program is affected. The report lists the change for completeness.",
     fix: "No change is necessary.",
     breaks: &[(Category::Source, Level::Note)],
     old: &[Example {

@@ -183,7 +183,7 @@ fn selected(names: &[String], texts: &[Text<'_>]) -> Result<BTreeSet<String>, Fa
                 .filter(|(distance, unit)| name.len() < 100 && *distance <= 1 + unit.len() / 5)
                 .min();
             let hint = close.map_or_else(
-                || "write for example `px4/FailsafeFlags`, `flockwave/error-codes` or `px4`".to_owned(),
+                || "write, for example, `px4/FailsafeFlags`, `flockwave/error-codes` or `px4`".to_owned(),
                 |(_, unit)| format!("did you mean `{unit}`?"),
             );
             return Err(Failure::new(format!("`{name}` does not match any message, error codes or package"))
@@ -197,7 +197,7 @@ fn selected(names: &[String], texts: &[Text<'_>]) -> Result<BTreeSet<String>, Fa
 /// The path of a new catalogue, taken from the first pattern.
 fn path_of(tag: &str, plan: &Plan) -> Result<PathBuf, Failure> {
     if !is_tag(tag) || tag == SOURCE_LANGUAGE {
-        return Err(Failure::new(format!("`{tag}` is not the tag of another language than English"))
+        return Err(Failure::new(format!("`{tag}` is not the tag of a language other than English"))
             .with_hint("write a BCP 47 tag such as `uk` or `pt-BR`; definitions are in English"));
     }
     let (folder, patterns) = &plan.catalogues;
@@ -210,7 +210,7 @@ fn path_of(tag: &str, plan: &Plan) -> Result<PathBuf, Failure> {
         return Err(Failure::new(format!(
             "cannot derive the path of the catalogue for `{tag}` from the pattern `{pattern}`"
         ))
-        .with_hint("make \"i18n/*.po\" or a similar pattern the first one"));
+        .with_hint("put \"i18n/*.po\" or a similar pattern first"));
     }
     Ok(normalise(&folder.join(base)).join(format!("{tag}.po")))
 }
@@ -241,5 +241,5 @@ fn create(path: &Path, text: &str) -> io::Result<()> {
 
 fn unwritable(path: &Path, error: &io::Error) -> Failure {
     Failure::new(format!("{}: {error}", path.display()))
-        .with_hint("check that the folder is writable and contains no other file of this name")
+        .with_hint("check that the folder is writable and contains no other file with this name")
 }

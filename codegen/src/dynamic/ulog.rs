@@ -60,10 +60,14 @@ impl fmt::Display for FormatError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "format `{}` ", self.name.escape_debug())?;
         match &self.problem {
-            FormatProblem::Repeated => formatter.write_str("is repeated; the first one is used"),
+            FormatProblem::Repeated => formatter.write_str("is repeated; the first definition is used"),
             FormatProblem::Empty => formatter.write_str("has no fields"),
             FormatProblem::NotAField(text) => {
-                write!(formatter, "has a field `{}`, expected a type and a name", text.escape_debug())
+                write!(
+                    formatter,
+                    "has the field declaration `{}`, expected a type and a name",
+                    text.escape_debug()
+                )
             }
             FormatProblem::ArrayLength(text) => {
                 write!(
@@ -73,11 +77,11 @@ impl fmt::Display for FormatError {
                 )
             }
             FormatProblem::RepeatedField(field) => {
-                write!(formatter, "has two fields `{}`", field.escape_debug())
+                write!(formatter, "has two `{}` fields", field.escape_debug())
             }
             FormatProblem::UnknownType { field, ty } => write!(
                 formatter,
-                "has a field `{}` of the unknown type `{}`",
+                "has the field `{}` with the unknown type `{}`",
                 field.escape_debug(),
                 ty.escape_debug()
             ),

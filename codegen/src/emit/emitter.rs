@@ -139,6 +139,6 @@ pub(super) struct Absent {}
 impl Output for Absent {
     fn emit(&self, _: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
         let failure = Failure::new("this build does not include the Rust emitter");
-        Err(failure.with_hint("enable the feature `rust` of uavspec-codegen"))
+        Err(failure.with_hint("enable the `rust` feature of uavspec-codegen"))
     }
 }

@@ -9,7 +9,7 @@ use crate::source::SourceMap;
 
 pub(super) const RULE: Rule = Rule {
     id: "annotation-near-miss",
-    statement: "Text that resembles an annotation but is written differently from the standard.",
+    statement: "Text that resembles an annotation but deviates from the standard form.",
     why: "uavspec reads it as the annotation. Other tools read it as text or as a unit.",
     fix: "Write the annotation in its standard form, such as `[@enum PREFIX]`, `[@range low, high]` \
         or `[@frame NED]`.",

@@ -7,7 +7,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "annotation-value-type",
     statement: "An annotation with a value that the type of the field can't represent.",
-    why: "The value never occurs: an integer is never NaN. Checks that rely on the annotation have no \
+    why: "The value can't occur; for example, an integer is never NaN. Checks that rely on the annotation have no \
         effect.",
     fix: "Use a value of the field's type, or change the type.",
     levels: Levels::both(Level::Warning),

@@ -9,10 +9,10 @@ use crate::schema::enumeration;
 
 pub(super) const RULE: Rule = Rule {
     id: "command-parameters",
-    statement: "A command of VehicleCommand whose comment does not have seven parameters between `|`.",
+    statement: "A VehicleCommand command whose comment does not list seven parameters separated by `|`.",
     why: "Readers can't tell which parameter is which, and the documentation of the command has no \
         parameters.",
-    fix: "List all seven parameters, and write `Unused` for those without a meaning.",
+    fix: "List all seven parameters, and write `Unused` for parameters without a meaning.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "VehicleCommand.msg",

@@ -13,7 +13,7 @@ pub(super) const RULE: Rule = Rule {
     statement: "A comment that belongs neither to the message nor to a declaration.",
     why: "It appears in no documentation. Often an empty line separates it from the text or the \
         declaration that it belongs to.",
-    fix: "Remove the empty line, or replace it with a line `#`. Delete the comment if it is obsolete.",
+    fix: "Remove the empty line, or replace it with a `#` line. Delete the comment if it is obsolete.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",

@@ -11,7 +11,7 @@ pub(super) const RULE: Rule = Rule {
     id: "constant-comment-missing",
     statement: "A constant without a comment.",
     why: "The name rarely says when the value is used, and the documentation shows only the name.",
-    fix: "Describe in a comment what the value means.",
+    fix: "Add a comment that explains what the value means.",
     levels: Levels::strict(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -41,7 +41,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
             sink.report(
                 constant.span,
                 format!("`{name}` has no comment"),
-                "describe in a comment what it means",
+                "add a comment that explains what it means",
             );
         }
     }

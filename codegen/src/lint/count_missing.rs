@@ -58,7 +58,8 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
                 }
             }
         } else if let Some(array) = only.filter(|array| !has_count && looks_like_count(field, array)) {
-            let help = format!("if it counts those of `{}`, write `[@count {}]`", array.name, array.name);
+            let help =
+                format!("if it counts the entries of `{}`, write `[@count {}]`", array.name, array.name);
             sink.report(field.span, format!("`{}` may count the entries of an array", field.name), help);
         }
     }

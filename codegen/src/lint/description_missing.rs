@@ -32,7 +32,7 @@ fn check(package: &Package, _: &SourceMap, sink: &mut Sink<'_>) {
             sink.report(
                 code.span,
                 format!("code {} has no description", code.code),
-                "describe what has happened and what to do",
+                "describe what happened and what to do",
             );
         }
     }

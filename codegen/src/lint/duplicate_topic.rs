@@ -10,7 +10,7 @@ use crate::source::SourceMap;
 pub(super) const RULE: Rule = Rule {
     id: "duplicate-topic",
     statement: "A topic that is listed twice.",
-    why: "The second entry has no effect. Often another name was intended.",
+    why: "The second entry has no effect. Often a different name was intended.",
     fix: "Remove the second entry, or correct its name.",
     levels: Levels::both(Level::Warning),
     bad: Example {

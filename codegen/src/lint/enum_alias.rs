@@ -11,7 +11,7 @@ pub(super) const RULE: Rule = Rule {
     id: "enum-alias",
     statement: "Two constants of an enum with the same value.",
     why: "Tools can show only the first name, and one of the two values may be a mistake.",
-    fix: "Give each constant a separate value, or remove one of them.",
+    fix: "Give each constant a unique value, or remove one of them.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -45,7 +45,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
                 sink.report(
                     constant.span,
                     format!("`{}` has the same value as `{}`", constant.name, known.name),
-                    "give it another value, or remove it",
+                    "give it a different value, or remove it",
                 )
                 .relate(known.span, "first constant with this value");
             }

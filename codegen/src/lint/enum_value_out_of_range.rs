@@ -6,8 +6,8 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-value-out-of-range",
-    statement: "A constant of an enum that doesn't fit into the field.",
-    why: "The value is truncated when it is assigned, and readers see another one.",
+    statement: "An enum constant whose value doesn't fit into the field.",
+    why: "The value is truncated when it is assigned, and readers see a different value.",
     fix: "Use a wider type for the field, or a smaller value.",
     levels: Levels::both(Level::Warning),
     bad: Example {

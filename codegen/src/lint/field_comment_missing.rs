@@ -32,7 +32,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         sink.report(
             field.span,
             format!("`{}` has no comment", field.name),
-            "describe in a comment what it means",
+            "add a comment that explains what it means",
         );
     }
 }

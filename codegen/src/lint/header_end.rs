@@ -11,8 +11,8 @@ pub(super) const RULE: Rule = Rule {
     statement: "A short description that doesn't follow PX4's standard: one line without a full stop.",
     why: "Without a full stop or an empty comment line, a description of several lines runs into the \
         text below it.",
-    fix: "Remove the full stop from a description of one line. End one of several lines with a full \
-        stop, or separate it with a line `#`.",
+    fix: "Remove the full stop from a one-line description. End a longer description with a full stop, or separate it \
+        with a `#` line.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -43,7 +43,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         if let [only] = &paragraph[..]
             && is_one_sentence(only.text)
         {
-            let help = "remove it: a short description of one line has no full stop";
+            let help = "remove it: a one-line short description has no full stop";
             sink.report(end(only), "full stop after the short description", help);
         }
         return;
@@ -51,8 +51,8 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     if last.text.ends_with(|c: char| c.is_alphanumeric()) {
         sink.report(
             first.span.to(last.span),
-            "short description of several lines without a full stop",
-            "add a full stop, or separate the short description with a line `#`",
+            "multi-line short description without a full stop",
+            "add a full stop, or separate the short description with a `#` line",
         );
     }
 }

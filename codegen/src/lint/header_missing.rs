@@ -8,8 +8,8 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "header-missing",
     statement: "A message without a description at the start of the file.",
-    why: "The list of messages shows the first paragraph of the description. Without one, it shows \
-        only the name.",
+    why: "The list of messages shows the first paragraph of the description. Without a description, it shows only the \
+        name.",
     fix: "Start the file with a comment that says what the message is for.",
     levels: Levels::both(Level::Warning),
     bad: Example { path: "Glider.msg", text: "uint64 timestamp  # [us] Time since system start\n" },

@@ -7,7 +7,8 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "missing-abbreviation",
     statement: "An error code without an abbreviation.",
-    why: "User interfaces show the abbreviation if there is little space. Without one, they show the number.",
+    why: "User interfaces show the abbreviation if there is little space. Without an abbreviation, they show the \
+        number.",
     fix: "Add an abbreviation, or `-` if the code should have none.",
     levels: Levels::both(Level::Warning),
     bad: Example {

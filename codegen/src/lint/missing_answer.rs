@@ -7,9 +7,9 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "missing-answer",
     statement: "A request type without a response.",
-    why: "Clients don't know what to expect. A response has the same type, or one of the types in the \
-        line `Answer:` under the heading `Request`.",
-    fix: "Add a section `Response`, or a line `Answer:` with the types of the answers.",
+    why: "Clients don't know what to expect. A response has the type of the request, or one of the types in the \
+        `Answer:` line under the `Request` heading.",
+    fix: "Add a `Response` section, or an `Answer:` line with the types of the answers.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "winch.md",

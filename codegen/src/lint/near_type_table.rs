@@ -6,8 +6,8 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "near-type-table",
-    statement: "A table whose columns are almost those of a type.",
-    why: "A missing or misspelt column turns the table into text, and its fields are not defined.",
+    statement: "A table whose columns almost match those of a type table.",
+    why: "If a column is missing or misspelt, the table is treated as text and defines no fields.",
     fix: "Correct the columns: `Field`, `Required`, `Type`, `Description`.",
     levels: Levels::both(Level::Warning),
     bad: Example {

@@ -6,9 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "one-sided-alternative",
-    statement: "An error code that names an alternative which doesn't name it in return.",
-    why: "Only one of the two codes may be reported for an event. A developer who reads only the \
-        other description reports both.",
+    statement: "An error code whose alternative doesn't name it in return.",
+    why: "Only one of the two codes may be reported for an event. A developer who reads only the description without \
+        the alternative may report both.",
     fix: "Name the alternative in both descriptions.",
     levels: Levels::both(Level::Warning),
     bad: Example {

@@ -9,7 +9,7 @@ pub(super) const RULE: Rule = Rule {
     id: "queue-length",
     statement: "A queue length that is not a power of two.",
     why: "PX4 rounds the length up to the next power of two, so the queue is longer than defined.",
-    fix: "Write the power of two.",
+    fix: "Use a power of two.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",

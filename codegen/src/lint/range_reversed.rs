@@ -10,7 +10,7 @@ use crate::source::SourceMap;
 pub(super) const RULE: Rule = Rule {
     id: "range-reversed",
     statement: "A range whose lower bound is higher than its upper bound.",
-    why: "Tools that read the bounds in order find every value out of range.",
+    why: "Tools that read the bounds in order treat every value as out of range.",
     fix: "Swap the bounds.",
     levels: Levels::both(Level::Warning),
     bad: Example {

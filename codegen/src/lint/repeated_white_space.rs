@@ -8,8 +8,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "repeated-white-space",
     statement: "More than one space within a declaration.",
-    why: "PX4's documentation checker requires a single space. Aligned columns must be changed for \
-        every longer name.",
+    why: "PX4's documentation checker requires a single space. Aligned columns must be adjusted for every longer name.",
     fix: "Write one space between type, name, `=` and value.",
     levels: Levels::both(Level::Note),
     bad: Example {

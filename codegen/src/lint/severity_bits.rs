@@ -11,7 +11,7 @@ use crate::source::SourceMap;
 pub(super) const RULE: Rule = Rule {
     id: "severity-bits",
     statement: "An error code whose text contradicts its severity bits.",
-    why: "Bits 6 and 7 of a code are its severity, also in vendor ranges. Receivers that use the bits \
+    why: "Bits 6 and 7 of a code encode its severity, in vendor ranges as well. With the wrong bits, receivers may \
         stop a flight for a warning, or show a failure as a hint.",
     fix: "Move the code to a number with the right bits, or correct the text.",
     levels: Levels::both(Level::Warning),

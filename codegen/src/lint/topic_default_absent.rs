@@ -9,7 +9,7 @@ use crate::resolve::default_topic;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-default-absent",
-    statement: "A list of topics without the topic that has the message's name.",
+    statement: "A list of topics that does not include the topic named after the message.",
     why: "A message with a list has only the listed topics. Usually that is intended, but a similar name in \
         the list can be a typing error.",
     fix: "Add the default topic if a subscriber needs it, or correct the name.",

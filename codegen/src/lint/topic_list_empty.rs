@@ -8,7 +8,7 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-list-empty",
-    statement: "A line `# TOPICS` without a topic.",
+    statement: "A `# TOPICS` line without a topic.",
     why: "The line has no effect, and the documentation shows it as text.",
     fix: "List the topics, or remove the line.",
     levels: Levels::both(Level::Warning),

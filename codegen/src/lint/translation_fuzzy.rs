@@ -7,7 +7,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "translation-fuzzy",
     statement: "A translation that is marked as fuzzy.",
-    why: "It was made from another text or guessed, so it is not used until a translator has reviewed it.",
+    why: "The translation was guessed or made from a different text, so it is not used until a translator reviews it.",
     fix: "Review the translation, and remove the flag.",
     levels: Levels::both(Level::Warning),
     bad: Example {

@@ -10,8 +10,8 @@ pub(super) const RULE: Rule = Rule {
     id: "unit-missing",
     statement: "A float field without a unit.",
     why: "Readers have to guess between degrees and radians, and nobody can check the guess.",
-    fix: "Write the unit at the start of the comment, or `[-]` for a number without one. If the unit \
-        is not known, write `no unit is defined`.",
+    fix: "Write the unit at the start of the comment, or `[-]` for a number without a unit. If the unit is not known, \
+        write `no unit is defined`.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",

@@ -11,8 +11,8 @@ pub(super) const RULE: Rule = Rule {
     id: "unit-unlisted",
     statement: "A unit that is not in the list of PX4's documentation checker.",
     why: "PX4's checker has a short list of units and warns about all others, including valid ones. \
-        The preset `strict` leaves this rule out.",
-    fix: "Choose a unit in the list, or ask for its addition to PX4's checker.",
+        The `strict` preset does not include this rule.",
+    fix: "Choose a unit from the list, or ask PX4 to add the unit to its checker.",
     levels: Levels { px4: Some(Level::Note), strict: None },
     bad: Example {
         path: "Glider.msg",
@@ -45,7 +45,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
             sink.report(
                 annotation.span,
                 format!("PX4's documentation checker doesn't list the unit `{symbol}`"),
-                "choose a unit in its list, or ask for its addition",
+                "choose a unit from its list, or ask PX4 to add the unit",
             );
         }
     }

@@ -6,7 +6,7 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "unknown-enum",
-    statement: "An enum prefix that no constant of the message has.",
+    statement: "An enum prefix that matches no constant of the message.",
     why: "The field stays a plain number, and its values have no names.",
     fix: "Correct the prefix, or define the constants.",
     levels: Levels::both(Level::Warning),

@@ -8,8 +8,8 @@ use crate::source::SourceMap;
 
 pub(super) const RULE: Rule = Rule {
     id: "unknown-escape",
-    statement: "A backslash in a string that starts no escape sequence.",
-    why: "Tools read different values from it.",
+    statement: "A string with a backslash that does not start an escape sequence.",
+    why: "Different tools read different values from such a string.",
     fix: "Write two backslashes.",
     levels: Levels::both(Level::Warning),
     bad: Example {

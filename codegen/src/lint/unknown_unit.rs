@@ -8,7 +8,7 @@ pub(super) const RULE: Rule = Rule {
     id: "unknown-unit",
     statement: "A unit that is not in uavspec's list.",
     why: "Its values can't be converted or compared, and it may not be a unit.",
-    fix: "Write a unit in the list.",
+    fix: "Use a unit from the list.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",

@@ -10,7 +10,7 @@ use crate::schema::Element;
 
 pub(super) const RULE: Rule = Rule {
     id: "version-type",
-    statement: "A constant MESSAGE_VERSION or ORB_QUEUE_LENGTH of another type than in other messages.",
+    statement: "A MESSAGE_VERSION or ORB_QUEUE_LENGTH constant of an unexpected type.",
     why: "Generated code that uses these constants expects `uint32 MESSAGE_VERSION` and `uint8 \
         ORB_QUEUE_LENGTH`.",
     fix: "Use the expected type.",

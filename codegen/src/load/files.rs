@@ -295,7 +295,7 @@ fn files_at(path: &Path, form: Form) -> Result<Vec<PathBuf>, Failure> {
 fn expected_files(form: Form) -> String {
     match form {
         Form::Msg(dialect) => {
-            format!("definitions of the dialect {dialect} are .msg, .srv and .action files")
+            format!("definitions of the {dialect} dialect are .msg, .srv and .action files")
         }
         Form::Table => format!("pages with tables have the extension .{}", PAGE_EXTENSIONS.join(", .")),
     }

@@ -188,7 +188,7 @@ fn returns_the_size_of_fixed_size_types() {
     let error = byte.decode_uorb(&[0; 2]).expect_err("refused");
     assert_eq!(
         error.to_string(),
-        "Byte at byte 2: expected 8 bytes, or 1 without the padding at the end, found 2"
+        "Byte at byte 2: expected 8 bytes (1 without the trailing padding), found 2"
     );
     let error = types.find("demo", "Leaf").expect("the type").decode_uorb(&[0; 2]).expect_err("refused");
     assert_eq!(error.to_string(), "Leaf: expected a message of fixed size, found strings or sequences");

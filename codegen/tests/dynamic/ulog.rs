@@ -201,20 +201,20 @@ fn reports_unusable_formats_and_keeps_the_others() {
     assert_eq!(
         messages,
         [
-            "format `good` is repeated; the first one is used",
+            "format `good` is repeated; the first definition is used",
             "format `none` has no fields",
-            "format `odd` has a field `b`, expected a type and a name",
-            "format `odder` has a field `uint8_t[3 a`, expected a type and a name",
+            "format `odd` has the field declaration `b`, expected a type and a name",
+            "format `odder` has the field declaration `uint8_t[3 a`, expected a type and a name",
             "format `zero` has an array of length `0`, expected 1 to 65533",
             "format `huge` has an array of length `4294967295`, expected 1 to 65533",
             "format `too_long` takes more than 65533 bytes",
-            "format `twice` has two fields `a`",
-            "format `missing` has a field `b` of the unknown type `nothing`",
+            "format `twice` has two `a` fields",
+            "format `missing` has the field `b` with the unknown type `nothing`",
             "format `self` contains itself",
             "format `left` contains itself",
             "format `right` contains itself",
             "format `holds` contains the unusable type `none`",
-            "format `name with\\nbreak` has a field `bool a b`, expected a type and a name",
+            "format `name with\\nbreak` has the field declaration `bool a b`, expected a type and a name",
         ]
     );
     assert_eq!(errors[14].problem, FormatProblem::Defect(Defect::TooDeep(32)));

@@ -244,7 +244,7 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
         (
             "PX-FMT-02",
             with(|log| _ = log.format("tow:uint64_t timestamp;rope[2] ropes;")),
-            "tow: format `tow` has a field `ropes`",
+            "tow: format `tow` has the field `ropes`",
         ),
         ("PX-FMT-03", no_timestamp, "glider: the format has no field `uint64_t timestamp`"),
         ("PX-LEN-01", value(|glider| glider.num_marks = 4), "glider.num_marks: 4 exceeds the array length 3"),
@@ -253,7 +253,7 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
         (
             "PX-RANGE-01",
             value(|glider| glider.flaps[1] = 1.5),
-            "glider.flaps: flaps[1]: 1.5 is out of range, -1 to 1",
+            "glider.flaps: flaps[1]: 1.5 is outside the range -1 to 1",
         ),
         ("PX-STR-01", value(|glider| glider.name = *b"D\xff\0\0"), "glider.name: invalid UTF-8 at byte 1"),
         (
@@ -398,7 +398,7 @@ fn reports_the_path_of_nested_values() {
         found,
         [(
             "PX-RANGE-01",
-            "glider.marks.height: marks[1].height: 9001 is out of range, -500 to 9000".to_owned()
+            "glider.marks.height: marks[1].height: 9001 is outside the range -500 to 9000".to_owned()
         )]
     );
 }

@@ -223,7 +223,7 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
         (
             "PX-RANGE-01",
             value("/marks/1/height", json!(9001)),
-            "Glider.marks.height: marks[1].height: 9001 is out of range, -500 to 9000",
+            "Glider.marks.height: marks[1].height: 9001 is outside the range -500 to 9000",
         ),
         ("PX-STR-01", value("/name", json!("D\0")), "Glider.name: NUL at byte 1"),
         (

@@ -272,10 +272,10 @@ impl Rule {
             Self::Enum if is_flags => write!(formatter, "{found} has bits that are not documented"),
             Self::Enum => write!(formatter, "{found} is not a documented value"),
             Self::Range => match (low, high) {
-                (Some(low), Some(high)) => write!(formatter, "{found} is out of range, {low} to {high}"),
-                (Some(low), None) => write!(formatter, "{found} is out of range, {low} or more"),
+                (Some(low), Some(high)) => write!(formatter, "{found} is outside the range {low} to {high}"),
+                (Some(low), None) => write!(formatter, "{found} is below the minimum of {low}"),
                 (None, high) => {
-                    write!(formatter, "{found} is out of range, at most {}", high.unwrap_or(found))
+                    write!(formatter, "{found} is above the maximum of {}", high.unwrap_or(found))
                 }
             },
             Self::Nan => formatter.write_str("NaN is not allowed here"),

@@ -59,7 +59,7 @@ impl fmt::Display for Fault {
             Self::Size { padded, no_padding, found } => {
                 write!(
                     formatter,
-                    "expected {padded} bytes, or {no_padding} without the padding at the end, found {found}"
+                    "expected {padded} bytes ({no_padding} without the trailing padding), found {found}"
                 )
             }
             Self::Truncated { needed, left } => {
@@ -73,7 +73,7 @@ impl fmt::Display for Fault {
             ),
             Self::TooLong { bound, found } => write!(formatter, "expected at most {bound}, found {found}"),
             Self::NotUnicode => formatter.write_str("expected a Unicode string, found invalid bytes"),
-            Self::Nul => formatter.write_str("expected a string with one NUL, at its end"),
+            Self::Nul => formatter.write_str("expected a string with a single NUL at the end"),
             Self::Bool(byte) => write!(formatter, "expected 0 or 1, found {byte}"),
             Self::Trailing(count) => {
                 write!(formatter, "expected the end of the payload, found {count} more bytes")

@@ -293,7 +293,7 @@ fn rejects_invalid_strings() {
     let bytes = payload(ByteOrder::LittleEndian);
     for (at, byte, expected) in [
         (12, 0xff, "name at byte 8: expected a Unicode string, found invalid bytes"),
-        (13, 0, "name at byte 8: expected a string with one NUL, at its end"),
+        (13, 0, "name at byte 8: expected a string with a single NUL at the end"),
         (29, 0xdc, "wide at byte 20: expected a Unicode string, found invalid bytes"),
         (33, 0xd8, "wide at byte 20: expected a Unicode string, found invalid bytes"),
         (26, 1, "wide at byte 20: expected a Unicode string, found invalid bytes"),

@@ -105,9 +105,9 @@ impl Installation {
             return Ok(());
         }
         if !self.may_install {
-            return Err(format!("packages of {} are not installed", lock.display()));
+            return Err(format!("the packages for {} are not installed", lock.display()));
         }
-        eprintln!("interop: installing packages of {}", lock.display());
+        eprintln!("interop: installing packages for {}", lock.display());
         install()?;
         fs::write(installed, text).map_err(|error| format!("{}: {error}", installed.display()))
     }

@@ -121,7 +121,7 @@ impl Jobs {
                 let definition = name_of(&path).trim_end_matches(".vectors.json");
                 if definitions.get(definition).is_none() {
                     return Err(format!(
-                        "{address} doesn't define `{definition}`, which {name} has vectors for"
+                        "{address} doesn't define `{definition}`, but {name} has vectors for it"
                     ));
                 }
                 list.push(job(Form::Bundle, format!("{address}#/$defs/{definition}")));

@@ -240,7 +240,7 @@ impl Visitor<'_> for ElementSeed<'_, '_> {
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.field.element {
-            Element::Text(length) => write!(formatter, "a text of at most {length} bytes"),
+            Element::Text(length) => write!(formatter, "a string of at most {length} bytes"),
             _ => formatter.write_str("a string"),
         }
     }

@@ -247,7 +247,7 @@ fn rule_pages_have_all_sections() {
     let page = text_of(&files, "rules/annotation-near-miss.md");
     for expected in [
         "\n# `annotation-near-miss`\n",
-        "\nText that resembles an annotation but is written differently from the standard.\n",
+        "\nText that resembles an annotation but deviates from the standard form.\n",
         "\nLevel: warning in all presets · Fixed by `cargo xtask lint --fix` · ",
         "\n## Why it matters\n\nuavspec reads it as the annotation.",
         "\n## Example\n\n```text\nwarning[annotation-near-miss]: ",

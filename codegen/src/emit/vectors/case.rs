@@ -150,7 +150,7 @@ pub(super) struct Case {
     pub(super) rule: Option<&'static str>,
     /// The message as JSON, if the bytes encode from and decode to it.
     pub(super) json: Option<String>,
-    /// The decoded bytes as JSON, if an encoder produces other bytes.
+    /// The decoded value as JSON, if encoders produce different bytes for it.
     pub(super) decoded: Option<String>,
     pub(super) uorb: Option<Vec<u8>>,
     pub(super) cdr: Option<Vec<u8>>,

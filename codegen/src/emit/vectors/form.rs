@@ -26,7 +26,7 @@ pub(super) fn file(options: &Options) -> OutputFile {
             "class": text("Class of an error code."),
             "severity": text("Severity of an error code."),
             "json": {"description": "The value as JSON. It encodes to the bytes of the case, if any, and they decode to it."},
-            "decoded": {"description": "The decoded bytes as JSON, if encoders produce other bytes."},
+            "decoded": {"description": "The decoded value as JSON, if encoders produce different bytes for it."},
             "uorb": hex("The uORB payload in hexadecimal."),
             "cdr": hex("The CDR payload with its header in hexadecimal. It is little-endian unless the header says otherwise."),
         },

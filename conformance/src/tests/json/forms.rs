@@ -83,7 +83,10 @@ fn instances_of_a_topic_have_its_type() {
     let mut wrong = glider(PERIOD);
     wrong["speed"] = json!(61);
     let result = check_bytes(published("/fmu/out/glider/1", &wrong).as_bytes());
-    assert_eq!(violated(&result), [("PX-RANGE-01", "glider.speed: 61 is out of range, 0 to 60".to_owned())]);
+    assert_eq!(
+        violated(&result),
+        [("PX-RANGE-01", "glider.speed: 61 is outside the range 0 to 60".to_owned())]
+    );
 }
 
 #[test]

@@ -62,8 +62,8 @@ fn reads_differing_schemas_and_checks_common_fields() {
     let expected = [
         ("PX-BOOL-01", "glider.is_landed: expected 0 or 1, found 7"),
         ("PX-FMT-01", message.as_str()),
-        ("PX-RANGE-01", "glider.marks.height: marks[2].height: -501 is out of range, -500 to 9000"),
-        ("PX-RANGE-01", "glider.speed: 61 is out of range, 0 to 60"),
+        ("PX-RANGE-01", "glider.marks.height: marks[2].height: -501 is outside the range -500 to 9000"),
+        ("PX-RANGE-01", "glider.speed: 61 is outside the range 0 to 60"),
         ("PX-STR-01", "glider.name: invalid UTF-8 at byte 0"),
     ];
     assert_eq!(ids, expected.map(|(id, text)| (id, text.to_owned())));

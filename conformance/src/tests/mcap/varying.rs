@@ -87,7 +87,7 @@ fn each_mutant_violates_its_rule() {
         ("PX-CDR-02", with(knots - 4, 200), "rope: knots at byte "),
         ("PX-CDR-02", with(name - 4, 255), "rope: name at byte "),
         ("PX-ENUM-01", value("/strands/1/kind", json!(2)), "rope.strands.kind: strands[1].kind: 2 "),
-        ("PX-RANGE-01", value("/tension", json!(11.0)), "rope.tension: 11 is out of range, 0 to 10"),
+        ("PX-RANGE-01", value("/tension", json!(11.0)), "rope.tension: 11 is outside the range 0 to 10"),
     ] {
         let found = violated(&checked(&payload));
         assert!(

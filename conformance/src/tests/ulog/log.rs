@@ -71,14 +71,14 @@ fn reports_unusable_and_late_formats() {
         &[
             (changed, "format `good` is repeated with other fields; the first one is used"),
             (own, "format `self` contains itself"),
-            (waits, "format `waits` has a field `a` of the unknown type `later`"),
+            (waits, "format `waits` has the field `a` with the unknown type `later`"),
             (recursive, "data of id 1, whose format is invalid"),
             (waiting, "data of id 2, whose format is invalid"),
             (later, "format `later` appears after the definitions section"),
             (more, "format `more` appears after the definitions section"),
             (recursive_still, "data of id 1, whose format is invalid"),
             (unused, "format `unused` appears after the definitions section"),
-            (unused, "format `unused` has a field `what is it`, expected a type and a name"),
+            (unused, "format `unused` has the field declaration `what is it`, expected a type and a name"),
         ],
     );
     assert_eq!(problems(&log.bytes).1, 4);

@@ -59,7 +59,7 @@ fn page(rule: &Rule) -> RulePage {
         fix: rule.fix,
         corrected: Vec::new(),
         configuration: format!(
-            "{} sets the level from which the command fails: see {guide}. Single changes can't be ignored.",
+            "{} sets the level from which the command fails: see {guide}. Individual changes can't be ignored.",
             code("--deny LEVEL")
         ),
     }

@@ -27,11 +27,11 @@ pub(super) fn chapter() -> Chapter {
 
 /// The text above the table.
 const ABOUT: &str = "\
-`cargo xtask lint` finds definitions that are valid but misleading, incomplete or inconsistent. The preset `px4` \
-contains the rules of PX4's documentation standard, and mistakes that mislead readers or parsers. The preset `strict` \
-contains all rules except `unit-unlisted`. Set `lint.preset` and `lint.levels` in `uavspec.toml`. The pages state the number of \
-findings in PX4's own messages (`px4_msgs` main at a4a9864). A finding is correct if an expert would change the \
-definition.";
+`cargo xtask lint` finds definitions that are valid but misleading, incomplete or inconsistent. The `px4` preset \
+contains the rules of PX4's documentation standard and rules for mistakes that mislead readers or parsers. The \
+`strict` preset contains all rules except `unit-unlisted`. Set `lint.preset` and `lint.levels` in `uavspec.toml`. \
+The pages state the number of findings in PX4's own messages (`px4_msgs` main at a4a9864). A finding is correct if an \
+expert would change the definition.";
 
 /// A rule with its output for the bad example.
 struct Described {
@@ -112,7 +112,7 @@ fn measured_text(measured: Measured) -> String {
         _ if findings == sample => {
             format!("PX4's messages: {findings} findings, {right} of {sample} correct")
         }
-        _ => format!("PX4's messages: {findings} findings, {right} of {sample} in a sample correct"),
+        _ => format!("PX4's messages: {findings} findings, {right} of {sample} sampled findings correct"),
     }
 }
 
@@ -164,6 +164,6 @@ mod tests {
         let text = |findings, sample, right| measured_text(Measured { findings, sample, right });
         assert_eq!(text(0, 0, 0), "PX4's messages: no findings");
         assert_eq!(text(1, 1, 1), "PX4's messages: 1 finding, 1 of 1 correct");
-        assert_eq!(text(90, 30, 28), "PX4's messages: 90 findings, 28 of 30 in a sample correct");
+        assert_eq!(text(90, 30, 28), "PX4's messages: 90 findings, 28 of 30 sampled findings correct");
     }
 }

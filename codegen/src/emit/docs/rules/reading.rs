@@ -21,8 +21,8 @@ pub(super) fn page() -> OutputFile {
     let mut page = Page::new(&path, TITLE);
     let rules = link("rules", &href(&path, OVERVIEW, ""));
     page.block(&format!(
-        "uavspec generates nothing from a definition with one of these errors, and they can't be ignored. Words in \
-         braces are placeholders. Parser warnings are {rules}."
+        "uavspec generates no output from a definition with one of these errors, and the errors can't be ignored. \
+         Words in braces are placeholders. Parser warnings are {rules}."
     ));
     // Codes that are also rules have a page.
     let (rules, others): (Vec<&ProblemKind>, Vec<&ProblemKind>) =
