@@ -985,7 +985,7 @@ fn events_in_use_have_an_id() {
 #[test]
 fn refusals_have_a_reason() {
     let message = "PX-EXT-05 arming_check_reply.num_events 1: can_arm_and_run is false, \
-                   but there is no event with the reason";
+                   but no event gives the reason";
     assert_eq!(reported_for(false, 0, [1; 5]).0, [message]);
     assert_eq!(reported_for(false, 1, [1; 5]).0, NOTHING);
     assert_eq!(reported_for(true, 0, [1; 5]).0, NOTHING);

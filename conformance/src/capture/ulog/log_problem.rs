@@ -86,7 +86,7 @@ pub enum LogProblem {
         /// The id.
         id: u16,
     },
-    /// Data whose size differs from its format, with or without the padding at the end.
+    /// Data whose size differs from its format, with or without the trailing padding.
     DataSize {
         /// The id.
         id: u16,

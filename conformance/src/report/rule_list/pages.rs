@@ -101,7 +101,7 @@ fn mutant(from: &str, rows: &[&Row]) -> String {
     text
 }
 
-/// The encoding in the title of a row: `a value out of its range (ULog)`.
+/// The encoding in the title of a row: `a value outside its range (ULog)`.
 fn encoding(row: &Row) -> Option<&str> {
     row.title.strip_prefix(row.mutant.name)?.strip_prefix(" (")?.strip_suffix(')')
 }

@@ -13,13 +13,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ACK-03",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The body of ACK-ACK has no field except `type`.",
+        statement: "The body of ACK-ACK has no fields other than `type`.",
         source: source::MESSAGES,
         applies_to: "ACK-ACK",
-        why: "The definition closes this object, so a strict client rejects the message. A request that succeeded \
-              then looks failed.",
+        why: "The definition allows no additional fields in this object, so a strict client rejects the message. A \
+              successful request then looks like a failure.",
         example: r#"{"type":"ACK-ACK","reason":"Done"}"#,
-        fix: "Remove all other fields. To return a result, answer with the message type of the request instead.",
+        fix: "Send only `type`. To return a result, answer with the message type of the request instead.",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["ACK-ACK"], "*", &[Fault::Further])],

@@ -13,7 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ACK-04",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The body of ACK-NAK has no field except `type` and an optional string `reason`.",
+        statement: "The body of ACK-NAK has no fields other than `type` and an optional string `reason`.",
         source: source::MESSAGES,
         applies_to: "ACK-NAK",
         why: "Clients show `reason` to the operator. If it is not a string, the message may fail to decode, and the \

@@ -17,7 +17,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Before login, a request that requires a login is refused with ACK-NAK.",
         source: source::MESSAGES,
         applies_to: "probe requests that test this rule",
-        why: "Anyone who can connect reads data or sends commands that are reserved for authenticated users.",
+        why: "Otherwise, anyone who can connect can read data and send commands that are reserved for authenticated \
+              users.",
         example: r#"→ {"type":"AUTH-INF"}
 ← {"type":"AUTH-INF","methods":["basic"],"required":true}
 → {"type":"UAV-LIST"}
@@ -26,7 +27,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::behaviour("Requests that require a login are served without one (with --login).")
+    bug: Bug::behaviour("With --login, requests that require a login are served before login.")
         .needs(Needs::Login),
     trial: None,
     mutants: &[

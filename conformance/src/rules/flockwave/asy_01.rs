@@ -21,7 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("LOG-DATA has a receipt and an error.", |out| {
+    bug: Bug::message("LOG-DATA has both a receipt and an error.", |out| {
         if let Some(body) = out.body_of("LOG-DATA")
             && body.get("receipt").is_some()
         {

@@ -19,8 +19,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
               did, or send the command twice.",
         example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1","uav-2"]}
 ← {"type":"UAV-TAKEOFF","result":{"uav-1":true}}"#,
-        fix: "Add one entry for every requested id: in `result` if it is done, in `error` if it failed, in \
-              `receipt` if it is pending.",
+        fix: "Add one entry for every requested id: to `result` after success, to `error` after failure, or to \
+              `receipt` while the operation is pending.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

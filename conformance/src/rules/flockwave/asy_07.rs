@@ -20,7 +20,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("ASYNC-RESP has a result and an error.", |out| {
+    bug: Bug::message("ASYNC-RESP has both a result and an error.", |out| {
         if let Some(body) = out.body_of("ASYNC-RESP") {
             body["result"] = json!(true);
             body["error"] = json!("and yet");

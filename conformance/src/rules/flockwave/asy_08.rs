@@ -15,8 +15,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "In ASYNC-RESP, `id` is a string and `error`, if present, is a string.",
         source: source::ASYNC,
         applies_to: "ASYNC-RESP",
-        why: "With another `id`, the client cannot find the operation. With another `error`, it cannot show the \
-              reason of the failure.",
+        why: "If `id` is not a string, the client cannot find the operation. If `error` is not a string, the client \
+              cannot show the reason for the failure.",
         example: r#"{"type":"ASYNC-RESP","id":"r1","error":7}"#,
         fix: "Copy the receipt to `id` unchanged. Send `error` as one human-readable string.",
     },

@@ -17,11 +17,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-10",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each receipt ends with exactly one ASYNC-RESP or ASYNC-TIMEOUT.",
+        statement: "Exactly one ASYNC-RESP or ASYNC-TIMEOUT is sent for each receipt.",
         source: source::ASYNC,
         applies_to: "ASYNC-* over time",
-        why: "Without an end, the client waits forever. After a second end, client and server disagree about the \
-              result.",
+        why: "Without this message, the client waits forever. After a second one, the client and the server may \
+              disagree about the result.",
         example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
 ← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r2"}}
 ← {"type":"ASYNC-TIMEOUT","ids":["r2"]}
@@ -152,7 +152,7 @@ fn report_overdue(open: &mut Open, now: f64, context: &mut RuleContext<'_>) {
             context.violation("operation", *location, || {
                 let receipt = body::quoted(receipt);
                 Detail::new(format!(
-                    "{receipt} did not end: no news of it for {waited:.0} s while the server sent other messages"
+                    "{receipt} did not end: no message about it for {waited:.0} s while the server sent other messages"
                 ))
                 .expected("ASYNC-RESP or ASYNC-TIMEOUT")
                 .actual("none")

@@ -14,16 +14,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-13",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A suspended operation is announced by ASYNC-ST with `suspended` set to true.",
+        statement: "When an operation is suspended, the server sends ASYNC-ST with `suspended` set to true.",
         source: source::ASYNC,
         applies_to: "ASYNC-RESUME over time",
-        why: "Without the announcement, the client does not know that the operation waits for it. Nobody resumes \
-              the operation, and it stays pending.",
+        why: "Without this notification, the client does not know that the operation is waiting for it. The operation \
+              is never resumed and stays pending.",
         example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
 ← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
 → {"type":"ASYNC-RESUME","ids":["r1"]}
 ← {"type":"ASYNC-RESUME","success":["r1"]}"#,
-        fix: "Send ASYNC-ST with `suspended` set to true as soon as the operation waits for the client.",
+        fix: "Send ASYNC-ST with `suspended` set to true as soon as the operation starts waiting for the client.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -34,7 +34,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "a suspension without an announcement",
+        name: "a suspended operation without a notification",
         make: || {
             let mut session = Session::new();
             for line in session.lines.iter_mut().filter(|line| line["msg"]["body"]["suspended"] == true) {

@@ -15,8 +15,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A suspended operation does not end before the client resumes or cancels it.",
         source: source::ASYNC,
         applies_to: "ASYNC-* over time",
-        why: "A suspended operation waits for a decision, such as a confirmation by the operator. If it ends by \
-              itself, the UAV may act without that decision.",
+        why: "A suspended operation waits for a decision, such as a confirmation by the operator. If it ends on its \
+              own, the UAV may act without that decision.",
         example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
 ← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
 ← {"type":"ASYNC-ST","id":"r1","progress":{},"suspended":true}
@@ -26,10 +26,10 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::behaviour("Suspended operations resume by themselves."),
+    bug: Bug::behaviour("Suspended operations resume on their own."),
     trial: None,
     mutants: &[Mutant {
-        name: "a suspended operation that ends by itself",
+        name: "a suspended operation that ends on its own",
         make: || {
             mutant::then(|session| {
                 session.exchange(

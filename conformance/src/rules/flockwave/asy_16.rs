@@ -18,7 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         why: "The client does not know whether the operation was cancelled or resumed.",
         example: r#"→ {"type":"ASYNC-CANCEL","ids":["r1","r2"]}
 ← {"type":"ASYNC-CANCEL","success":["r1"]}"#,
-        fix: "Add every receipt of the request to either `success` or `error`, unknown receipts included.",
+        fix: "Add every receipt of the request to either `success` or `error`, including unknown receipts.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

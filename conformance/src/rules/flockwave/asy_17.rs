@@ -178,7 +178,7 @@ impl Waiting {
                 let receipt = body::quoted(&receipt);
                 let waited = now - time;
                 Detail::new(format!(
-                    "{receipt} was cancelled but did not end within {waited:.0} s while the server sent messages"
+                    "{receipt} was cancelled but did not end within {waited:.0} s, although the server sent messages"
                 ))
                 .expected("ASYNC-RESP with an error")
                 .actual("none")

@@ -13,9 +13,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Advisory,
         statement: "An unknown receipt in ASYNC-CANCEL or ASYNC-RESUME has an entry in `error` of the response.",
         source: source::DERIVED,
-        applies_to: "ASYNC-CANCEL and ASYNC-RESUME that a probe sends to test this rule",
-        why: "A client that cancels an unknown receipt believes that an operation was stopped. A refused request \
-              also loses the answers for all other receipts in it.",
+        applies_to: "ASYNC-CANCEL and ASYNC-RESUME requests from a probe that tests this rule",
+        why: "If an unknown receipt is accepted, the client believes that an operation was stopped. If the whole \
+              request is refused, the client gets no answer for the other receipts.",
         example: r#"→ {"type":"ASYNC-CANCEL","ids":["r99"]}
 ← {"type":"ASYNC-CANCEL","success":["r99"]}"#,
         fix: "Look up each receipt. If it is unknown, add an entry such as \"unknown receipt\" to `error`, and \

@@ -16,9 +16,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Advisory,
         statement: "In the response to ASYNC-RESUME, an operation that is not suspended has an entry in `error`.",
         source: source::DERIVED,
-        applies_to: "ASYNC-RESUME that a probe sends to test this rule",
-        why: "The client believes that the operation received the values in the request, although it never waited \
-              for them.",
+        applies_to: "ASYNC-RESUME requests from a probe that tests this rule",
+        why: "The client believes that the operation received the values in the request, although the operation was \
+              not waiting for any.",
         example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
 ← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
 → {"type":"ASYNC-RESUME","ids":["r1"]}

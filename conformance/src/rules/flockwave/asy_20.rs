@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-TIMEOUT",
         why: "The client does not know which operations timed out and keeps waiting for them.",
         example: r#"{"type":"ASYNC-TIMEOUT","ids":"r2"}"#,
-        fix: "Send the receipts as a list of strings in `ids`, even if there is only one.",
+        fix: "Send the receipts as a list of strings in `ids`, even if there is only one receipt.",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -29,7 +29,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "one id without a list",
+        name: "a single id instead of a list",
         make: || mutant::notice("ASYNC-TIMEOUT", |body| body["ids"] = "rcpt-2".into()),
         also: &[],
     }],

@@ -15,8 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The `ids` of ASYNC-TIMEOUT are unique.",
         source: source::SCHEMA,
         applies_to: "ASYNC-TIMEOUT",
-        why: "A client may handle the same timeout twice or reject the message, because the JSON Schema requires \
-              unique items.",
+        why: "The JSON Schema requires unique items. A client may reject the message or handle the same timeout twice.",
         example: r#"{"type":"ASYNC-TIMEOUT","ids":["r2","r2"]}"#,
         fix: "Remove duplicate receipts before you send the list.",
     },

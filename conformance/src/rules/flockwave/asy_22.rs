@@ -23,7 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         why: "Clients compare the result with true. A string such as \"failed\" may count as success, and null as \
               failure.",
         example: r#"{"type":"UAV-LAND","result":{"uav-1":"ok"}}"#,
-        fix: "Send the type that the definition specifies. Report failures in `error`, not as a text in `result`.",
+        fix: "Send the type that the definition specifies. Report failures in `error`, not as text in `result`.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[Attribution::new(&TYPES, "result.*", &[Fault::Null, Fault::Kind])],

@@ -12,14 +12,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-AUTH-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "AUTH-RESP has exactly one of `result` and `data`, and has `user` exactly if `result` is true.",
+        statement: "AUTH-RESP has exactly one of `result` and `data`, and has `user` if and only if `result` is true.",
         source: source::MESSAGES,
         applies_to: "AUTH-RESP",
-        why: "The client does not know whether the login succeeded, failed or continues with another step. With a \
-              wrong `user`, it shows the wrong login state.",
+        why: "The client does not know whether the login succeeded, failed or continues with another step. If `user` \
+              is missing or unexpected, the client shows the wrong login state.",
         example: r#"{"type":"AUTH-RESP","result":false,"user":"alice"}"#,
-        fix: "Send `data` only for the next step of a login, and `result` otherwise. Add `user` after a successful \
-              login, and in no other response.",
+        fix: "Send `data` if the login continues with another step, and `result` otherwise. Add `user` only after a \
+              successful login.",
     },
     checks: &[Check::Message(check)],
     covers: &[],

@@ -12,11 +12,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-CONN-INF-03",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`purpose` and `status` of each state have one of the values in the specification.",
+        statement: "In each state, `purpose` and `status` have values that the specification defines.",
         source: source::MESSAGES,
         applies_to: "CONN-INF",
-        why: "Clients choose the icon and the warning of a connection by these values. An unknown value shows a \
-              working link as broken, or the reverse.",
+        why: "Clients choose the icon and the warning of a connection by these values. With an unknown value, a \
+              working link may look broken, or the reverse.",
         example: r#"{"type":"CONN-INF","status":{"radio-1":{"id":"radio-1","purpose":"dgps","status":"up"}}}"#,
         fix: "Map internal values to those in the specification. Use the purpose `other` or the status `unknown` if \
               none fits.",

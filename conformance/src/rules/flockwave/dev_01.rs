@@ -21,8 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
               never arrive.",
         example: r#"→ {"type":"DEV-SUB","paths":["/uav-1/battery/voltage"]}
 ← {"type":"DEV-SUB","success":[]}"#,
-        fix: "Add an entry for every requested object or path: in `devices` or `success`, or with a reason in \
-              `error`.",
+        fix: "Add every requested object or path to `devices` or `success`, or to `error` with a reason.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

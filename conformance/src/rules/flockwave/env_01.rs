@@ -17,7 +17,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Normative,
         statement: "Each message is one JSON object.",
         source: source::GENERAL,
-        applies_to: "messages of the server",
+        applies_to: "messages from the server",
         why: "The client cannot decode anything else. It drops the data or closes the connection.",
         example: r#"[{"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}]"#,
         fix: "Serialize each message as one JSON object, with no wrapper and no other output on the connection.",

@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Normative,
         statement: "`$fw.version` of a message is a string.",
         source: source::GENERAL,
-        applies_to: "messages of the server",
+        applies_to: "messages from the server",
         why: "This field identifies a Flockwave message. A client that requires a string rejects the whole message.",
         example: r#"{"$fw.version":1,"id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
         fix: "Add `\"$fw.version\":\"1.0\"` to every message. Write the version as a string, not as a number.",

@@ -14,8 +14,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Advisory,
         statement: "`$fw.version` of a message is one to three numbers separated by dots.",
         source: source::SCHEMA,
-        applies_to: "messages of the server",
-        why: "Clients compare versions number by number. They may reject a message whose version they cannot parse.",
+        applies_to: "messages from the server",
+        why: "Clients compare the numbers of a version one by one. They may reject a message whose version they cannot \
+              parse.",
         example: r#"{"$fw.version":"v1","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
         fix: "Send a version such as `1.0`, without a prefix or suffix.",
     },
@@ -32,7 +33,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "a version of four numbers",
+            name: "a version with four numbers",
             make: || mutant::reply_message("SYS-VER", |message| message["$fw.version"] = "1.0.0.0".into()),
             also: &[],
         },

@@ -14,11 +14,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Normative,
         statement: "`id` of a message is a string.",
         source: source::GENERAL,
-        applies_to: "messages of the server",
+        applies_to: "messages from the server",
         why: "Clients use the id to detect duplicate messages and to refer to a message in a log. A strict client \
               rejects a message without a valid id.",
         example: r#"{"$fw.version":"1.0","id":7,"body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
-        fix: "Add an `id` to every message, notifications included. Convert numeric ids to strings.",
+        fix: "Add an `id` to every message, including notifications. Convert numeric ids to strings.",
     },
     checks: &[Check::Message(check)],
     covers: &[],

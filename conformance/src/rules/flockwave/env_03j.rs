@@ -12,16 +12,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-03J",
         level: Level::Should,
         status: Status::Advisory,
-        statement: "`id` of a message has 1 to 36 characters.",
+        statement: "`id` of a message is 1 to 36 characters long.",
         source: source::SCHEMA,
-        applies_to: "messages of the server",
-        why: "The JSON Schema allows no other length, so clients that validate messages reject this one.",
+        applies_to: "messages from the server",
+        why: "The JSON Schema allows no other length, so clients that validate messages reject this message.",
         example: r#"{"$fw.version":"1.0","id":"","body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
         fix: "Use a UUID (36 characters) or a counter as the id.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("Message ids have 40 characters.", |out| {
+    bug: Bug::message("Message ids are 40 characters long.", |out| {
         let id = format!("{:0>40}", out.number);
         out.message()["id"] = json!(id);
     }),

@@ -14,8 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Advisory,
         statement: "`refs` of a message, if present, is a string of 1 to 36 characters.",
         source: source::SCHEMA,
-        applies_to: "messages of the server",
-        why: "`refs` tells responses from notifications. With null or an empty string, a client may treat a \
+        applies_to: "messages from the server",
+        why: "`refs` distinguishes responses from notifications. With null or an empty string, a client may treat a \
               notification as a response, or reject it.",
         example: r#"{"$fw.version":"1.0","id":"s1","refs":null,"body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
         fix: "In responses, copy the `id` of the request to `refs`. In notifications, omit `refs`; do not send null.",

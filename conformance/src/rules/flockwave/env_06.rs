@@ -25,7 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("After each SYS-VER response follows an ACK-ACK that refers to no request.", |out| {
+    bug: Bug::message("Each SYS-VER response is followed by an ACK-ACK that refers to no request.", |out| {
         if out.kind() == "SYS-VER" {
             out.follow(Some("nobody-sent-this"), json!({ "type": "ACK-ACK" }));
         }

@@ -20,7 +20,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Every request gets a response, even if the server does not know its type.",
         source: source::GENERAL,
         applies_to: "requests over time",
-        why: "A client that waits for the response blocks or times out. It cannot tell an unknown request from a \
+        why: "A client waiting for the response blocks or times out. It cannot distinguish an unknown request from a \
               dead connection.",
         example: r#"→ {"type":"UAV-SOAR","ids":["uav-1"]}
 (40 s later, still no response)

@@ -14,15 +14,14 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-13",
         level: Level::Must,
         status: Status::Normative,
-        statement: "No key of the envelope starts with `$` except `$fw.version`. In requests, the server accepts \
-                    all other additional keys.",
+        statement: "`$fw.version` is the only key of the envelope that starts with `$`. In requests, the server \
+                    accepts all other additional keys.",
         source: source::GENERAL,
-        applies_to: "messages of the server, and probe requests that test this rule",
-        why: "Later versions of the protocol may give the reserved key a meaning. Servers that reject additional \
-              keys lock out clients that use them.",
+        applies_to: "messages from the server, and probe requests that test this rule",
+        why: "Later versions of the protocol may give the reserved key a meaning. If a server rejects additional keys, \
+              clients that send them cannot use it.",
         example: r#"{"$fw.version":"1.0","$node":"a","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
-        fix: "Rename keys that start with `$`. When you parse a request, ignore keys of the envelope that you do \
-              not know.",
+        fix: "Rename keys that start with `$`. When you parse a request, ignore unknown keys in the envelope.",
     },
     checks: &[Check::Message(check), Check::Exchange(served::check)],
     covers: &[],

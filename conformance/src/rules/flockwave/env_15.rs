@@ -12,19 +12,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-15",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A message type is two parts of 2 to 8 upper-case letters or digits, joined by a hyphen. Seven \
-                    types of the specification differ.",
+        statement: "A message type consists of two parts joined by a hyphen. Each part is 2 to 8 uppercase letters or \
+                    digits. Seven types in the specification are exceptions.",
         source: source::GENERAL,
-        applies_to: "messages of the server",
-        why: "Clients and proxies select messages by family, the part before the hyphen. They cannot route a type \
-              of another form.",
+        applies_to: "messages from the server",
+        why: "Clients and proxies select messages by family, the part before the hyphen. They cannot route a type in a \
+              different form.",
         example: r#"{"type":"uav-wind","speed":6200}"#,
-        fix: "Name custom types like the standard ones: an upper-case family and name with one hyphen, such as \
+        fix: "Name custom types like the standard ones: an uppercase family and name joined by one hyphen, such as \
               `UAV-WIND`.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("Requests of unknown types are answered with a type in lower case.", |out| {
+    bug: Bug::message("Requests of unknown types are answered with a lowercase type.", |out| {
         if out.refuses_unknown_type() {
             out.message()["body"] = json!({ "type": "whatever" });
         }
@@ -32,12 +32,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "a type in lower case",
+            name: "a lowercase type",
             make: || mutant::then(|session| session.exchange(json!({ "type": "uav-soar" }), json!({}))),
             also: &[],
         },
         Mutant {
-            name: "a type of three parts",
+            name: "a type with three parts",
             make: || mutant::then(|session| session.exchange(json!({ "type": "UAV-SOAR-HIGH" }), json!({}))),
             also: &[],
         },
@@ -51,7 +51,7 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     let is_usual = name.split_once('-').is_some_and(|(family, rest)| is_part(family) && is_part(rest));
     if !is_usual && !context.definitions.defined_schemas().has(name) {
         message.violates(context, || {
-            let expected = "two parts of 2 to 8 upper-case letters or digits, joined by a hyphen";
+            let expected = "two parts joined by a hyphen, each 2 to 8 uppercase letters or digits";
             Detail::differs(expected, body::quoted(name)).at("/body/type")
         });
     }

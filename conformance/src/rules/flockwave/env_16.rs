@@ -12,12 +12,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-16",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A response has the type of its request, or is ACK-NAK. AUTH-REQ is answered by AUTH-RESP. \
-                    ACK-ACK answers SYS-PING, SHOW-SETCFG, SHOW-SETLIGHTS and RTK-SOURCE with `id`.",
+        statement: "A response has the type of its request, or is ACK-NAK. There are two exceptions: AUTH-RESP answers \
+                    AUTH-REQ, and ACK-ACK answers SYS-PING, SHOW-SETCFG, SHOW-SETLIGHTS and RTK-SOURCE with `id`.",
         source: source::GENERAL,
         applies_to: "responses over time",
-        why: "The client decodes the body by the expected type. With another type, it reads wrong data or rejects \
-              the response.",
+        why: "The client decodes the body as the expected type. If the type differs, the client reads wrong data or \
+              rejects the response.",
         example: r#"→ {"type":"CONN-LIST"}
 ← {"type":"OBJ-LIST","ids":["radio-1"]}"#,
         fix: "Copy the type of the request to the response. Answer with ACK-NAK if the request fails, and follow \
@@ -33,7 +33,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "a response of another type",
+            name: "a response of a different type",
             make: || mutant::reply("SYS-PORTS", |body| *body = json!({ "type": "UAV-LIST", "ids": [] })),
             also: &[],
         },

@@ -17,18 +17,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "The specification text allows UAV-INF, CONN-INF, DEV-INF, CLK-INF and UAV-PREFLT as notifications; the \
              published JSON Schema of notifications does not. This rule allows them.",
         ),
-        statement: "A message of the server without `refs` has a type that may be a notification, or is a SYS-PING.",
+        statement: "A message from the server without `refs` is a SYS-PING or has a type that is allowed as a \
+                    notification.",
         source: source::GENERAL,
-        applies_to: "messages of the server",
-        why: "Usually this is a response that lost its `refs`. The client does not match it to its request, and the \
-              request times out.",
+        applies_to: "messages from the server",
+        why: "Usually, the message is a response whose `refs` was left out. The client cannot match it to a request, \
+              and the request times out.",
         example: r#"{"$fw.version":"1.0","id":"s1","body":{"type":"UAV-LIST","ids":["uav-1"]}}"#,
         fix: "Add `refs` if the message answers a request. Otherwise do not send it: only some types may be \
               notifications.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("After each SYS-VER response follows a CONN-LIST that was not requested.", |out| {
+    bug: Bug::message("Each SYS-VER response is followed by a CONN-LIST that was not requested.", |out| {
         if out.kind() == "SYS-VER" {
             out.follow(None, json!({ "type": "CONN-LIST", "ids": ["radio-1"] }));
         }
@@ -50,7 +51,7 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     context.covered();
     if !defined_schemas.is_defined(name, Direction::Notification) {
         message.violates(context, || {
-            Detail::new(format!("{name} has no `refs`, but may not be a notification"))
+            Detail::new(format!("{name} has no `refs`, but is not allowed as a notification"))
         });
     }
 }

@@ -14,13 +14,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-18",
         level: Level::Should,
         status: Status::Disputed(
-            "For optional fields, the published JSON Schemas do not allow null, but the guidelines for authors of \
-             the specification do. This rule reports null unless the definition names it.",
+            "For optional fields, the published JSON Schemas do not allow null, but the guidelines for authors of the \
+             specification do. This rule reports null unless the definition allows it.",
         ),
-        statement: "A body matches the definition of its type and direction. Additional fields are allowed unless \
-                    the definition closes the object.",
+        statement: "A body matches the definition of its type and direction. Additional fields are allowed unless the \
+                    definition forbids them.",
         source: source::SCHEMA,
-        applies_to: "bodies of the server",
+        applies_to: "message bodies from the server",
         why: "Clients generated from the definitions fail to decode the body. Hand-written clients read missing or \
               wrong values.",
         example: r#"{"type":"UAV-PREFLT","status":{"uav-1":{"result":"fine","items":[]}}}"#,
@@ -79,7 +79,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "a field of the request in the response",
+            name: "a request field in the response",
             make: || mutant::reply("CLK-INF", |body| body["ids"] = json!(["day"])),
             also: &[],
         },

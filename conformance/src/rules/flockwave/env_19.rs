@@ -19,7 +19,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                     server accepts the id again.",
         source: source::GENERAL,
         applies_to: "requests over time",
-        why: "For clients: with two open requests of the same id, neither side can tell which response belongs to \
+        why: "For clients: if two open requests have the same id, neither side can tell which response belongs to \
               which request.",
         example: r#"→ {"$fw.version":"1.0","id":"c1","body":{"type":"SYS-PING"}}
 → {"$fw.version":"1.0","id":"c1","body":{"type":"UAV-LIST"}}"#,
@@ -28,7 +28,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::behaviour("The reuse of an answered id is refused."),
+    bug: Bug::behaviour("A request that reuses the id of an answered request is refused."),
     trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
         Mutant {

@@ -12,8 +12,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-21",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A request with an unusual but valid id is answered with that id in `refs`: 36 characters, \
-                    non-ASCII letters, spaces.",
+        statement: "If the id of a request is unusual but valid, the response has the same id in `refs`. Such ids are \
+                    36 characters long or contain non-ASCII letters or spaces.",
         source: source::DERIVED,
         applies_to: served::APPLIES_TO,
         why: "Any string is a valid id. A client that uses such ids gets no usable responses from this server.",
@@ -24,7 +24,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Exchange(served::check)],
     covers: &[],
     bug: Bug::message(
-        "Responses refer to ids without characters other than ASCII letters, digits, - and _.",
+        "In `refs`, all characters other than ASCII letters, digits, - and _ are missing.",
         |out| {
             if let Some(refs) = out.message()["refs"].as_str() {
                 let is_plain =

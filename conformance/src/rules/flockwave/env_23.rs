@@ -15,9 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Advisory,
         statement: "A message is strict JSON: no `NaN` or `Infinity`, and no duplicate keys in an object.",
         source: source::DERIVED,
-        applies_to: "messages of the server",
-        why: "Standard JSON parsers reject `NaN`, so the whole message is lost. For duplicate keys, parsers keep \
-              different values.",
+        applies_to: "messages from the server",
+        why: "Standard JSON parsers reject `NaN`, so the whole message is lost. If a key is duplicated, different \
+              parsers keep different values.",
         example: r#"{"$fw.version":"1.0","id":"s1","body":{"type":"DEV-INF","values":{"/uav-1/cpu/temp":NaN}}}"#,
         fix: "Configure the serializer to reject NaN and infinities. Send null or omit the field if there is no \
               value.",

@@ -24,8 +24,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                     UAV. ACK has no requests.",
         source: source::GENERAL,
         applies_to: "probe requests that test this rule",
-        why: "Clients rely on these families without checking for them. Their views for devices or connections stay \
-              empty.",
+        why: "Clients rely on these families without checking for them. Their device and connection views stay empty.",
         example: r#"→ {"type":"UAV-SOAR"}
 ← {"type":"ACK-NAK","reason":"No handler for UAV-SOAR"}
 → {"type":"DEV-LIST","ids":["uav-1"]}
@@ -177,7 +176,7 @@ impl Families {
             let is_absent = !family.is_served && family.reasons.is_subset(&refusals.unknown);
             if is_absent {
                 context.violation(name, family.location, || {
-                    Detail::new("requests are refused like a request of an unknown type")
+                    Detail::new("requests are refused like those of an unknown type")
                         .expected("a handler")
                         .actual("none")
                 });

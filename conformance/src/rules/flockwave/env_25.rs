@@ -14,16 +14,16 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-25",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "Requests that are sent together are answered in their order.",
+        statement: "Requests that are sent together are answered in the order in which they were sent.",
         source: source::DERIVED,
         applies_to: "probe requests that test this rule",
-        why: "The specification allows any order, but many clients have never seen another one. A client that \
-              matches responses by position mixes them up.",
+        why: "The specification allows any order, but many clients were only ever tested with responses in order. A \
+              client that matches responses by position mixes them up.",
         example: r#"→ {"type":"SYS-VER"}
 → {"type":"CONN-LIST"}
 ← {"type":"CONN-LIST","ids":[]}
 ← {"type":"SYS-VER","software":"Example","version":"1.0"}"#,
-        fix: "In a server, answer in order if that costs nothing. In a client, match responses by `refs`, never by \
+        fix: "In a server, answer in order if this costs nothing. In a client, match responses by `refs`, never by \
               order.",
     },
     checks: &[Check::Session(|| Box::new(Order::default()))],

@@ -11,13 +11,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-03",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "Error codes from 256 to 32767 are reserved and not used.",
+        statement: "Error codes from 256 to 32767 are reserved and are not used.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
-        why: "A later version of the specification may assign the code another meaning, and clients then show the \
-              wrong problem.",
+        why: "A later version of the specification may give the code a meaning. Clients would then show the wrong \
+              problem.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[300]}}}"#,
-        fix: "Use a code below 256 from the specification, or a custom code from 32768 up.",
+        fix: "Use a code below 256 from the specification, or a custom code of 32768 or above.",
     },
     checks: &[Check::Message(check)],
     covers: &[],

@@ -16,7 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The list of errors contains no code twice.",
         source: source::DERIVED,
         applies_to: "`errors` of UAV-INF",
-        why: "Clients that show one line per entry repeat the problem, and counts of problems are too high.",
+        why: "Clients that show one line per entry show the problem twice and count too many problems.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[64,64]}}}"#,
         fix: "Collect the active codes in a set before you send them.",
     },

@@ -11,16 +11,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-07",
         level: Level::Should,
         status: Status::Disputed(
-            "The specification text of code 65 names 131 as its alternative, which is unrelated. This rule uses 132.",
+            "The specification text of code 65 names 131 as its alternative, but 131 is unrelated. This rule uses 132.",
         ),
         statement: "Alternative error codes are not listed together: 65 and 132; 66, 134 and 199; 133 and 197; 71 \
                     and 201; 72 and 139.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
-        why: "Alternatives report one condition at different severities. With both, the operator does not know \
-              whether the UAV can continue or has to land.",
+        why: "Alternative codes report the same condition at different severities. If both are sent, the operator does \
+              not know whether the UAV can continue or has to land.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[66,134]}}}"#,
-        fix: "Send only the code that matches the current severity. Remove the other one when the condition changes.",
+        fix: "Send only the code that matches the current severity, and replace it when the severity changes.",
     },
     checks: &[Check::Message(check)],
     covers: &[],

@@ -11,8 +11,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-08",
         level: Level::Should,
         status: Status::Normative,
-        statement: "201 (outside the geofence in the air) is not listed with 1 (on the ground); 71 is used on the \
-                    ground.",
+        statement: "201 (outside the geofence, in the air) is not listed together with 1 (on the ground). On the \
+                    ground, 71 is used instead.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
         why: "201 is fatal and means that the UAV attempts to land. On the ground, it raises a false alarm.",
@@ -37,6 +37,6 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
         [201, 1]
             .iter()
             .all(|code| codes.contains(code))
-            .then(|| "201 means in the air, but 1 means on the ground".to_owned())
+            .then(|| "201 means that the UAV is in the air, but 1 means that it is on the ground".to_owned())
     });
 }

@@ -14,8 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Each requested id or path is in exactly one map of the response.",
         source: source::MESSAGES,
         applies_to: "BCN-INF, CLK-INF, DEV-INF, EXT-INF, RTK-INF, UAV-PREFLT, WTH-INF",
-        why: "The client does not know whether a missing object is unknown or was forgotten by the server. It keeps \
-              old data on the display.",
+        why: "The client does not know whether a missing object is unknown or was left out by mistake. It keeps \
+              showing old data.",
         example: r#"→ {"type":"WTH-INF","ids":["mast-1","mast-2"]}
 ← {"type":"WTH-INF","error":{"mast-1":"No data yet"}}"#,
         fix: "Add an entry for every requested id or path: its data, or a reason in `error`.",

@@ -65,7 +65,7 @@ impl SessionCheck for Unknown {
                 context.violation("UAV-INF", location, || {
                     let id = body::quoted(&id);
                     Detail::new(format!(
-                        "UAV-INF does not know {id}, but UAV-LIST contains it before and after"
+                        "{id} is unknown to UAV-INF, but UAV-LIST contains it before and afterwards"
                     ))
                     .expected("a state")
                     .actual("an error")

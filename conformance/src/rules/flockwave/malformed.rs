@@ -39,8 +39,8 @@ pub(super) fn all(id: &str) -> Vec<Malformed> {
         ("ids that are a string", envelope(json!({ "type": "UAV-INF", "ids": "all" }))),
         ("ids that are an object", envelope(json!({ "type": "UAV-INF", "ids": { "id": 1 } }))),
         ("ids that are numbers", envelope(json!({ "type": "UAV-INF", "ids": [1, 2.5, -3] }))),
-        ("an id that is a list among ids", envelope(json!({ "type": "UAV-INF", "ids": [["uav"]] }))),
-        ("an empty id among ids", envelope(json!({ "type": "UAV-INF", "ids": [""] }))),
+        ("a list in a list of ids", envelope(json!({ "type": "UAV-INF", "ids": [["uav"]] }))),
+        ("an empty id in a list of ids", envelope(json!({ "type": "UAV-INF", "ids": [""] }))),
         ("a filter that is a string", envelope(json!({ "type": "OBJ-LIST", "filter": "uav" }))),
         (
             "both a body and an error",
@@ -58,7 +58,7 @@ pub(super) fn all(id: &str) -> Vec<Malformed> {
         // Some JSON parsers reject these texts and never see the id.
         ("a number out of range", r#"{"type":"SYS-PING","height":1e999999}"#.to_owned(), false),
         (
-            "a number of a thousand digits",
+            "a number with a thousand digits",
             format!(r#"{{"type":"SYS-PING","height":{}}}"#, "7".repeat(1_000)),
             false,
         ),

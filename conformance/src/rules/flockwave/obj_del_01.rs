@@ -17,7 +17,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "OBJ-DEL",
         why: "The client does not know which objects are gone, and keeps showing UAVs that no longer exist.",
         example: r#"{"type":"OBJ-DEL","ids":"uav-1"}"#,
-        fix: "Send OBJ-DEL without `refs`, with the ids as a list of strings, even if there is only one.",
+        fix: "Send OBJ-DEL without `refs`. Send `ids` as a list of strings, even if there is only one id.",
     },
     checks: &[Check::Message(check)],
     covers: &[

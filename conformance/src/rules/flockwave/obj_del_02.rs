@@ -13,11 +13,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-OBJ-DEL-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "An object that OBJ-DEL names is not listed again until the server reports its state again.",
+        statement: "After OBJ-DEL names an object, the object is not listed until the server reports its state again.",
         source: source::DERIVED,
         applies_to: "OBJ-DEL, OBJ-LIST and UAV-LIST over time",
-        why: "After OBJ-DEL, clients remove the object. If it appears in the next list, the operator sees a UAV \
-              that does not exist.",
+        why: "Clients remove the object after OBJ-DEL. If it appears in the next list, the operator sees a UAV that \
+              does not exist.",
         example: r#"← {"type":"OBJ-DEL","ids":["uav-2"]}
 → {"type":"OBJ-LIST"}
 ← {"type":"OBJ-LIST","ids":["uav-1","uav-2"]}"#,

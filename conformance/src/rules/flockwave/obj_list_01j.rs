@@ -11,7 +11,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-OBJ-LIST-01J",
         level: Level::Should,
         status: Status::Advisory,
-        statement: "The `ids` are unique, and each has 1 to 64 characters without `/`.",
+        statement: "The `ids` are unique, and each is 1 to 64 characters long and contains no `/`.",
         source: source::SCHEMA,
         applies_to: "OBJ-LIST",
         why: "Device paths start with the object id and use `/` as separator, so an id with a slash cannot be \

@@ -14,7 +14,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-OBJ-LIST-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A filtered OBJ-LIST contains only objects of the given types, so no object is listed for two \
+        statement: "A filtered OBJ-LIST contains only objects of the requested types, so no object is listed for two \
                     types.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
@@ -79,8 +79,11 @@ impl SessionCheck for Listed {
             if let Some(id) = list.intersection(known).next() {
                 exchange.violates(context, || {
                     let (id, kind, other) = (body::quoted(id), body::quoted(kind), body::quoted(other));
-                    Detail::new(format!("{id} is listed for type {kind} and was listed for type {other}"))
-                        .at("/body/ids")
+                    Detail::new(format!(
+                        "{id} is listed for type {kind}, but an earlier response lists it for type \
+                                         {other}"
+                    ))
+                    .at("/body/ids")
                 });
             }
         }

@@ -14,13 +14,12 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Normative,
         statement: "For an unknown object type in `filter`, OBJ-LIST returns an empty list.",
         source: source::MESSAGES,
-        applies_to: "OBJ-LIST that a probe sends to test this rule",
+        applies_to: "OBJ-LIST requests from a probe that tests this rule",
         why: "Extensions add object types, so clients ask for types that this server does not know. A refusal looks \
-              like a failure, and a full list like a match.",
+              like a failure, and a full list looks like a match.",
         example: r#"→ {"type":"OBJ-LIST","filter":["cloud"]}
 ← {"type":"ACK-NAK","reason":"Unknown object type: cloud"}"#,
-        fix: "Do not validate the types in `filter`. Return the objects that match, which are none for an unknown \
-              type.",
+        fix: "Do not validate the types in `filter`. Return the matching objects. For an unknown type, there are none.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

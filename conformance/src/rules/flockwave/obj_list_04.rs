@@ -20,8 +20,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "OBJ-LIST without a filter lists all objects.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
-        why: "Clients load the initial state of the fleet with this request. They never show an object that is \
-              missing from it.",
+        why: "Clients load the initial state of the fleet with this request. They never show an object that is missing \
+              from the response.",
         example: r#"→ {"type":"OBJ-LIST"}
 ← {"type":"OBJ-LIST","ids":["uav-1"]}
 → {"type":"OBJ-LIST","filter":["beacon"]}

@@ -19,12 +19,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         why: "The client reports that all parameters were set. The operator flies with parameters that still have \
               their old values.",
         example: r#"{"type":"PRM-SET-MANY","result":{"uav-1":{"success":true,"failed":["CRUISE_SPEED"]}}}"#,
-        fix: "Set `success` to true only if all parameters were set. Otherwise send false and list the others in \
-              `failed`.",
+        fix: "Set `success` to true only if all parameters were set. Otherwise send false and list the remaining \
+              parameters in `failed`.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("PRM-SET-MANY reports success and failed parameters.", |out| {
+    bug: Bug::message("PRM-SET-MANY reports success but lists failed parameters.", |out| {
         let Some(body) = out.body_of("PRM-SET-MANY") else { return };
         for outcome in body["result"].as_object_mut().into_iter().flat_map(|map| map.values_mut()) {
             *outcome = json!({ "success": true, "failed": ["CRUISE_SPEED"] });

@@ -11,8 +11,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SIO-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Over Socket.IO, connections follow the handshake and upgrade of its protocol, and messages are \
-                    sent as `fw` events.",
+        statement: "Over Socket.IO, connections follow the handshake and upgrade steps of the Socket.IO protocol, and \
+                    messages are sent as `fw` events.",
         source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,
         why: "Socket.IO clients listen for `fw` events only. They get no response, or cannot connect at all.",

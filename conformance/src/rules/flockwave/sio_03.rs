@@ -11,19 +11,19 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SIO-03",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "Over Socket.IO, the server keeps serving after an event other than `fw`, or an `fw` event \
-                    without a message.",
+        statement: "Over Socket.IO, the server keeps answering requests after an event other than `fw`, or after an \
+                    `fw` event without a message.",
         source: source::DERIVED,
         applies_to: served::APPLIES_TO,
         why: "One unexpected event, for example from a newer client, ends the session of that client.",
         example: r#"→ 42["wind","turns"]
 → 42["fw",{"$fw.version":"1.0","id":"c1","body":{"type":"SYS-PING"}}]
 (no response)"#,
-        fix: "Ignore events other than `fw` and events whose argument is not an object, and log them.",
+        fix: "Log and ignore events other than `fw`, and `fw` events whose argument is not an object.",
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],
-    bug: Bug::behaviour("Over Socket.IO, nothing is answered after an event that is not `fw`.")
+    bug: Bug::behaviour("Over Socket.IO, no request is answered after an event other than `fw`.")
         .needs(Needs::SocketIo),
     trial: Some(Trial::Attempts(Strain::Noise, attempts)),
     mutants: &[

@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "SYS-CLOSE is a notification with an optional string `reason`.",
         source: source::MESSAGES,
         applies_to: "SYS-CLOSE",
-        why: "Clients show `reason` to the operator before the connection ends. If the message does not decode, the \
+        why: "Clients show `reason` to the operator before the connection ends. If the message cannot be decoded, the \
               connection seems to fail for no reason.",
         example: r#"{"type":"SYS-CLOSE","reason":7}"#,
         fix: "Send SYS-CLOSE without `refs`. Send `reason` as a human-readable string, or omit it.",

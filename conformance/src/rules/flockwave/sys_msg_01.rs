@@ -15,9 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`items` is a list, and each item has a string `message`.",
         source: source::MESSAGES,
         applies_to: "SYS-MSG",
-        why: "Clients show these messages to the operator. Without a text, a warning goes unseen.",
+        why: "Clients show these messages to the operator. Without text, a warning goes unnoticed.",
         example: r#"{"type":"SYS-MSG","items":[{"severity":"error"}]}"#,
-        fix: "Send `items` as a list of objects, even for one message, and give each a string `message`.",
+        fix: "Send `items` as a list of objects, even for one message, and give each item a string `message`.",
     },
     checks: &[Check::Message(check)],
     covers: &[

@@ -17,7 +17,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-MSG",
         why: "Clients choose colour, sound and filter by severity. An unknown severity may hide a critical message.",
         example: r#"{"type":"SYS-MSG","items":[{"message":"Battery low","severity":"fatal"}]}"#,
-        fix: "Map internal log levels to the five severities, or omit `severity` for `info`.",
+        fix: "Map internal log levels to the five severities, or omit `severity` if it is `info`.",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-MSG"], "items.*.severity", attribution::WRONG)],

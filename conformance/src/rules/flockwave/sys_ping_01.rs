@@ -40,7 +40,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "SYS-PING is answered with another type",
+            name: "SYS-PING is answered with a different type",
             make: || mutant::reply("ACK-ACK", |body| *body = json!({ "type": "CONN-LIST", "ids": [] })),
             also: &[&env_16::RULE.rule],
         },

@@ -12,8 +12,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-PORTS-01",
         level: Level::Must,
         status: Status::Disputed(
-            "In the specification text, a port is a TCP or UDP port, so from 1 to 65535; the published JSON Schema \
-             allows any number.",
+            "In the specification text, a port is a TCP or UDP port and therefore from 1 to 65535; the published JSON \
+             Schema allows any number.",
         ),
         statement: "`ports` maps service names to port numbers from 1 to 65535.",
         source: source::MESSAGES,

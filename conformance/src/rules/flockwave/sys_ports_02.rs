@@ -16,11 +16,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-PORTS-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "If SYS-PORTS lists the transport in use, it lists the port in use.",
+        statement: "If SYS-PORTS lists the transport of the connection, it lists the port of the connection too.",
         source: source::DERIVED,
         applies_to: "SYS-PORTS on connections with a known URL",
-        why: "Clients use these ports for further connections. A wrong port connects them to nothing, or to another \
-              service.",
+        why: "Clients use these ports for further connections. With a wrong port, the connection fails or reaches a \
+              different service.",
         example: r#"(connected to tcp://localhost:5001)
 → {"type":"SYS-PORTS"}
 ← {"type":"SYS-PORTS","ports":{"tcp":5000}}"#,

@@ -15,14 +15,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`timestamp` is an integer number of milliseconds.",
         source: source::MESSAGES,
         applies_to: "SYS-TIME",
-        why: "Clients compute the clock offset from this value. Seconds in place of milliseconds give an offset of \
+        why: "Clients compute the clock offset from this value. With seconds instead of milliseconds, the offset is \
               decades.",
         example: r#"{"type":"SYS-TIME","timestamp":1790000000.25}"#,
         fix: "Send the Unix time in milliseconds as an integer.",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-TIME"], "timestamp", attribution::MISSING)],
-    bug: Bug::message("The server time is in seconds, with a fraction.", |out| {
+    bug: Bug::message("The server time is in seconds, including fractions of a second.", |out| {
         if let Some(body) = out.body_of("SYS-TIME") {
             #[expect(clippy::cast_precision_loss, reason = "it is a bug")]
             let seconds = body["timestamp"].as_u64().unwrap_or_default() as f64 / 1000.0 + 0.000_5;
@@ -32,7 +32,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "seconds with a fraction",
+            name: "fractional seconds",
             make: || mutant::reply("SYS-TIME", |body| body["timestamp"] = 1_790_000_000.25.into()),
             also: &[],
         },

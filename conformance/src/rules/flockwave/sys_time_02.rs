@@ -15,8 +15,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-TIME-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "The server time lies between sending the request and receiving the response, apart from a \
-                    constant offset.",
+        statement: "Apart from a constant offset, the server time is between the time of the request and the time of \
+                    the response.",
         source: source::DERIVED,
         applies_to: "SYS-TIME over time",
         why: "Clients use the offset to compare timestamps with their own clock. If it changes, the age of all UAV \
@@ -31,7 +31,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("The server clock stands still.", |out| {
+    bug: Bug::message("The server clock does not advance.", |out| {
         out.set("SYS-TIME", "timestamp", json!(1_700_000_000_000_u64));
     })
     .with(&[&uav_inf_09::RULE.rule]),
@@ -75,7 +75,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if found.by > TOLERANCE && !sys_time_03::is_adjusted(&found) {
         exchange.violates(context, || {
             let by = found.by;
-            Detail::new(format!("the server clock moved by {by:.1} s relative to the clock of the recording"))
+            Detail::new(format!("the server clock moved by {by:.1} s relative to the clock of the capture"))
                 .at("/body/timestamp")
         });
     }

@@ -19,8 +19,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "An `adjustment` of 0 does not change the server clock.",
         source: source::MESSAGES,
         applies_to: "SYS-TIME over time",
-        why: "Clients send 0 to find out whether the clock can be adjusted. If that changes the clock, the \
-              timestamps of a running flight become wrong.",
+        why: "Clients send 0 to find out whether the clock can be adjusted. If that changes the clock, the timestamps \
+              of a flight in progress become wrong.",
         example: r#"→ {"type":"SYS-TIME"}
 ← {"type":"SYS-TIME","timestamp":1790000000000}
 → {"type":"SYS-TIME","adjustment":0}

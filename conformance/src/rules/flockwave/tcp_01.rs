@@ -15,20 +15,20 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Normative,
         statement: "Over TCP, each message is a single line: it ends with a line break and contains no other.",
         source: source::TRANSPORT,
-        applies_to: "messages of the server on connections whose name begins with `tcp`",
-        why: "Clients split the stream at line breaks. A message over several lines becomes several invalid \
-              messages; two in one line become one.",
+        applies_to: "messages from the server on connections whose name begins with `tcp`",
+        why: "Clients split the stream at line breaks. A message that spans several lines becomes several invalid \
+              messages. Two messages on one line become one invalid message.",
         example: r#"← {"$fw.version":"1.0","id":"s1",
 ←  "body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
-        fix: "Serialize without indentation and line breaks, and write one `\\n` after each message.",
+        fix: "Serialize without indentation or line breaks, and write one `\\n` after each message.",
     },
     checks: &[Check::Session(|| Box::new(SplitMessages::default()))],
     covers: &[],
-    bug: Bug::behaviour("Over TCP, notifications are written in several lines."),
+    bug: Bug::behaviour("Over TCP, notifications are split into several lines."),
     trial: None,
     mutants: &[
         Mutant {
-            name: "a message in several lines",
+            name: "a message on several lines",
             make: || {
                 mutant::over("tcp#9", |session| {
                     for line in [
@@ -45,7 +45,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "three messages in a line",
+            name: "three messages on one line",
             make: || {
                 let message = |id: &str| {
                     format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
@@ -68,7 +68,7 @@ impl SessionCheck for SplitMessages {
         }
         if lines::has_several_messages(exchange, "tcp") {
             exchange.violates(context, || {
-                Detail::new("several messages in one line").expected("one").actual("more than one")
+                Detail::new("several messages on one line").expected("one").actual("more than one")
             });
         } else {
             self.0.follow(exchange);

@@ -12,8 +12,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Each requested UAV is in exactly one of `status` and `error` of the response.",
         source: source::MESSAGES,
         applies_to: "UAV-INF",
-        why: "The client does not know whether a missing UAV is unknown or was forgotten by the server. It keeps an \
-              old position on the map.",
+        why: "The client does not know whether a missing UAV is unknown or was left out by mistake. The map keeps \
+              showing an old position.",
         example: r#"→ {"type":"UAV-INF","ids":["uav-1","uav-2"]}
 ← {"type":"UAV-INF","error":{"uav-1":"Unknown UAV"}}"#,
         fix: "Add an entry for every requested id: its state in `status`, or a reason in `error`.",

@@ -13,8 +13,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Advisory,
         statement: "In a UAV-INF response, an unknown UAV has an entry in `error`; the request is not refused.",
         source: source::DERIVED,
-        applies_to: "UAV-INF that a probe sends to test this rule",
-        why: "If one unknown id fails the whole request, the client gets no state of any UAV in it.",
+        applies_to: "UAV-INF requests from a probe that tests this rule",
+        why: "If one unknown id fails the whole request, the client does not get the state of any requested UAV.",
         example: r#"→ {"type":"UAV-INF","ids":["uav-9"]}
 ← {"type":"ACK-NAK","reason":"Unknown UAV: uav-9"}"#,
         fix: "Look up each id separately, and add unknown ids to `error`.",

@@ -13,9 +13,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Advisory,
         statement: "UAV-INF accepts a request with no ids, or with the same id twice.",
         source: source::DERIVED,
-        applies_to: "UAV-INF that a probe sends to test this rule",
-        why: "Clients build the list from a selection, which may be empty or contain duplicates. A refusal shows \
-              the operator an error for no reason.",
+        applies_to: "UAV-INF requests from a probe that tests this rule",
+        why: "Clients build the list from a selection, which may be empty or contain duplicates. If the request is \
+              refused, the operator sees an error for no reason.",
         example: r#"→ {"type":"UAV-INF","ids":[]}
 ← {"type":"ACK-NAK","reason":"No ids"}"#,
         fix: "Answer an empty list with an empty `status`, and handle a repeated id once.",

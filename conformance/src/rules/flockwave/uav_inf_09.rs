@@ -17,8 +17,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The timestamp of a UAV is not later than the server time.",
         source: source::DERIVED,
         applies_to: "UAV-INF over time",
-        why: "Clients compute the age of a state from it. A state from the future never looks outdated, so a lost \
-              UAV seems to be live.",
+        why: "Clients compute the age of a state from its timestamp. A state from the future never looks outdated, so \
+              a lost UAV seems to be connected.",
         example: r#"→ {"type":"SYS-TIME"}
 ← {"type":"SYS-TIME","timestamp":1790000000000}
 ← {"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790003600000}}}"#,

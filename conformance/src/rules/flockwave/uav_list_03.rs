@@ -9,11 +9,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UAV-LIST-03",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "UAV-INF knows each UAV that UAV-LIST lists.",
+        statement: "UAV-INF returns the state of each UAV that UAV-LIST contains.",
         source: source::DERIVED,
         applies_to: "UAV-LIST and UAV-INF over time",
-        why: "Clients list the UAVs and then query their states. A UAV that UAV-INF does not know stays on the \
-              display without a position.",
+        why: "Clients list the UAVs and then query their states. If UAV-INF reports a UAV as unknown, the UAV stays on \
+              the display without a position.",
         example: r#"→ {"type":"UAV-LIST"}
 ← {"type":"UAV-LIST","ids":["uav-1"]}
 → {"type":"UAV-INF","ids":["uav-1"]}
@@ -25,7 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Session(|| Box::new(listed_uavs::Unknown::default()))],
     covers: &[],
-    bug: Bug::message("UAV-LIST and OBJ-LIST contain a UAV that UAV-INF does not know.", |out| {
+    bug: Bug::message("UAV-LIST and OBJ-LIST contain a UAV that UAV-INF reports as unknown.", |out| {
         let has_uavs = match out.kind() {
             "UAV-LIST" => true,
             "OBJ-LIST" => {

@@ -12,8 +12,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Normative,
         statement: "Over UDP, each datagram contains one message.",
         source: source::TRANSPORT,
-        applies_to: "messages of the server on connections whose name begins with `udp`",
-        why: "Clients parse each datagram as one JSON value. With two messages in it, both are lost.",
+        applies_to: "messages from the server on connections whose name begins with `udp`",
+        why: "Clients parse each datagram as one JSON value. If a datagram contains two messages, both are lost.",
         example: r#"(one datagram)
 ← {"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}
   {"$fw.version":"1.0","id":"s2","body":{"type":"OBJ-DEL","ids":["uav-2"]}}"#,

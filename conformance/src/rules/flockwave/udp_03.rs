@@ -20,7 +20,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 → this is not JSON
 → {"type":"SYS-PING"}
 (no response)"#,
-        fix: "Catch the parser error, drop the datagram, and continue to receive.",
+        fix: "Catch the parser error, drop the datagram, and continue receiving.",
     },
     checks: &[Check::Session(|| Box::new(udp::Trials::if_server_sends()))],
     covers: &[],

@@ -8,10 +8,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-ATTITUDE",
         status: ust::NULL,
-        statement: "`attitude` is roll and pitch, integers from -1800 to 1799, and yaw from 0 to 3599, in tenths of \
-                    a degree.",
-        why: "Clients draw the attitude from these values. With radians or whole degrees, a strongly \
-              tilted UAV seems to be level.",
+        statement: "`attitude` is a list of three integers in tenths of a degree: roll and pitch from -1800 to 1799, \
+                    and yaw from 0 to 3599.",
+        why: "Clients draw the attitude from these values. With radians or whole degrees, a steeply tilted UAV seems \
+              to be level.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "attitude":[0,0,3600]}}}"#,
         fix: "Send three integers in tenths of a degree. Wrap yaw to 0–3599, and roll and pitch to -1800–1799.",

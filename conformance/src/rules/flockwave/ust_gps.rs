@@ -10,8 +10,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: ust::NULL,
         statement: "`gps` is the fix type (0 to 7), and optionally the number of satellites and the horizontal and \
                     vertical accuracy in mm, each an integer or null.",
-        why: "Operators decide by the GPS fix whether a UAV is ready for takeoff. A wrong fix type shows an unsafe \
-              UAV as ready.",
+        why: "Operators use the GPS fix to decide whether a UAV is ready for takeoff. With a wrong fix type, an unsafe \
+              UAV may look ready.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "gps":[8,12]}}}"#,
         fix: "Map the fix type of the receiver to 0–7. Send integers, with null for unknown values, and always as a \
@@ -27,6 +27,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[
         Mutant { name: "a fix type of 8", make: || ust::with("gps", json!([8])), also: &[] },
         Mutant { name: "an empty list", make: || ust::with("gps", json!([])), also: &[] },
-        Mutant { name: "a fix type without a list", make: || ust::with("gps", json!(3)), also: &[] },
+        Mutant { name: "a fix type instead of a list", make: || ust::with("gps", json!(3)), also: &[] },
     ],
 };

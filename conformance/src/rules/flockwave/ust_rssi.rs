@@ -9,8 +9,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-RSSI",
         status: ust::NULL,
         statement: "`rssi` is a list of integers from -1 to 100.",
-        why: "Clients show the signal strength as a percentage. Values in dBm, such as -80, show no signal or an \
-              invalid bar.",
+        why: "Clients show the signal strength as a percentage. Values in dBm, such as -80, are shown as no signal or \
+              as an invalid bar.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "rssi":[-80]}}}"#,
         fix: "Scale the signal strength to 0–100 for each channel, and send -1 for a channel without a reading.",
@@ -22,6 +22,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant { name: "a value of -80", make: || ust::with("rssi", json!([-80])), also: &[] },
-        Mutant { name: "a number without a list", make: || ust::with("rssi", json!(71)), also: &[] },
+        Mutant { name: "a number instead of a list", make: || ust::with("rssi", json!(71)), also: &[] },
     ],
 };

@@ -9,8 +9,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-TIMESTAMP",
         status: Status::Normative,
         statement: "`timestamp` is an integer number of milliseconds.",
-        why: "Clients compute the age of the state from it, and warn if it is too old. Without it, a lost UAV seems \
-              to be live.",
+        why: "Clients compute the age of the state from its timestamp, and warn if the state is too old. Without a \
+              timestamp, a lost UAV seems to be connected.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":"12:30:00"}}}"#,
         fix: "Send the Unix time in milliseconds at which the server received the state.",
         ..ust::RULE

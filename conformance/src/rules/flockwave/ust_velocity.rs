@@ -8,9 +8,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-VELOCITY",
         status: ust::NULL,
-        statement: "`velocity` is three integers, in mm/s: north, east and down.",
-        why: "Clients show speed and climb rate, and predict the path of the UAV. With m/s in place of \
-              mm/s, a fast UAV seems to hover.",
+        statement: "`velocity` is a list of three integers in mm/s: north, east and down.",
+        why: "Clients show speed and climb rate, and predict the path of the UAV. With m/s instead of mm/s, a fast UAV \
+              seems to hover.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "velocity":[0.5,0.5,0.5]}}}"#,
         fix: "Send north, east and down in mm/s as integers. Down is negative while the UAV climbs.",
@@ -18,7 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "velocity"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.velocity.**", attribution::ALL)],
-    bug: Bug::message("The `velocity` of a UAV has fractions.", |out| {
+    bug: Bug::message("The `velocity` of a UAV has fractional values.", |out| {
         out.set_in_state("velocity", json!([0.5, 0.5, 0.5]));
     }),
     trial: None,

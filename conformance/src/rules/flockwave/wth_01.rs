@@ -18,8 +18,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`timestamp` of weather data is an integer number of milliseconds.",
         source: source::TYPES,
         applies_to: "WTH-AT, WTH-INF",
-        why: "Clients compute the age of the weather data from it. With seconds in place of milliseconds, current \
-              wind data looks decades old.",
+        why: "Clients compute the age of the weather data from this timestamp. With seconds instead of milliseconds, \
+              current wind data looks decades old.",
         example: r#"{"type":"WTH-AT","weather":{"position":[475000000,190000000],
   "timestamp":1790000000.25}}"#,
         fix: "Send the Unix time in milliseconds as an integer.",
@@ -40,7 +40,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "WTH-INF in seconds with a fraction",
+            name: "WTH-INF in fractional seconds",
             make: || {
                 mutant::reply("WTH-INF", |body| {
                     body["status"]["ridge"]["timestamp"] = 1_790_000_000.25.into();
@@ -49,7 +49,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "WTH-AT in seconds with a fraction",
+            name: "WTH-AT in fractional seconds",
             make: || mutant::reply("WTH-AT", |body| body["weather"]["timestamp"] = 1_790_000_000.25.into()),
             also: &[],
         },

@@ -7,8 +7,8 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         id: "PX-CDR-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The encapsulation header of a CDR payload names a defined encoding. Messages in \
-            encodings other than plain CDR version 1 are not checked further.",
+        statement: "The encapsulation header of a CDR payload identifies a defined encoding. Messages in encodings \
+                    other than plain CDR version 1 are not checked further.",
         source: "DDSI-RTPS 2.5, section 10.5, and DDS-XTypes 1.3, table 60",
         applies_to: "CDR messages",
         why: "Readers choose the encoding and the byte order by this header. They can't decode a \

@@ -12,8 +12,8 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
             with NUL.",
         source: "DDS-XTypes 1.3, section 7.4; the field types in the definition",
         applies_to: "CDR messages",
-        why: "A payload that is too short has no values for its last fields. Extra bytes show that \
-            the writer uses another definition, so the values of other fields can be wrong as well.",
+        why: "A payload that is too short has no values for its last fields. Extra bytes show that the writer uses a \
+              different definition, so the values of other fields can be wrong as well.",
         example: "ArmingCheckRequest: 4 (header) + 8 + 1 + 3 (alignment) + 4 = 20 bytes\n\
             payload:            16 bytes, without valid_registrations_mask",
         fix: "Encode all fields in the order of the definition, with the alignment that CDR requires. \
@@ -30,7 +30,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
             also: &[],
         },
         Mutant {
-            name: "a payload with four more bytes",
+            name: "a payload with four extra bytes",
             change: Change::Mcap(|_, bag| bag.with_payload(|payload| payload.extend([0; 4]))),
             also: &[],
         },

@@ -15,13 +15,13 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
             can't decode the record.",
         example: "subscription: id 0, battery_status\n\
             data:         id 7, …                 (id 7 was never subscribed)",
-        fix: "Write the subscription of an id before its first data message. Write no data messages \
-            for an id after it was unsubscribed.",
+        fix: "Write the subscription for an id before the first data message with that id. After the id is \
+              unsubscribed, write no more data messages with it.",
     },
     check: Check::Source,
     mutants: &[
         Mutant {
-            name: "data with an id that is never subscribed",
+            name: "data with an id that was never subscribed",
             change: Change::Ulog(|_, mut log| {
                 log.entries.push(Entry::Data(u16::MAX, vec![0; 8]));
                 Some(log)

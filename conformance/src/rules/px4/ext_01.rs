@@ -15,12 +15,12 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-EXT-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "An ArmingCheckReply answers a request that was sent: its `request_id` is that of \
-            the latest ArmingCheckRequest or of the one before it.",
+        statement: "The `request_id` of an ArmingCheckReply is the id of the latest ArmingCheckRequest or of the \
+                    request before that.",
         source: "`request_id` of ArmingCheckReply and ArmingCheckRequest",
         applies_to: "message sequences",
-        why: "The flight controller matches replies to requests by this id. It can't use a reply with \
-            another id, so it may consider the component unresponsive.",
+        why: "The flight controller matches replies to requests by this id. It can't use a reply with a different id, \
+              so it may consider the component unresponsive.",
         example: "→ ArmingCheckRequest {\"request_id\": 41, …}\n\
             → ArmingCheckRequest {\"request_id\": 42, …}\n\
             ← ArmingCheckReply   {\"request_id\": 35, \"registration_id\": 3, …}",
@@ -35,7 +35,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             also: &[],
         },
         Mutant {
-            name: "a reply to a request that has not been sent",
+            name: "a reply to a request that was never sent",
             change: Change::Flight(|flight| stray(flight, 255)),
             also: &[],
         },

@@ -24,8 +24,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         source: "`registration_id` of ArmingCheckReply, `arming_check_id` of \
             RegisterExtComponentReply and UnregisterExtComponent",
         applies_to: "message sequences",
-        why: "The flight controller identifies the component by this id. With a wrong id, it ignores \
-            the reply or uses it for another component.",
+        why: "The flight controller identifies the component by this id. With a wrong id, it ignores the reply or \
+              attributes the reply to another component.",
         example: "→ RegisterExtComponentReply {\"success\": true, \"arming_check_id\": 3, …}\n\
             → ArmingCheckRequest        {\"request_id\": 42, …}\n\
             ← ArmingCheckReply          {\"request_id\": 42, \"registration_id\": 9, …}",

@@ -29,8 +29,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         example: "→ ArmingCheckRequest {\"request_id\": 42, \"valid_registrations_mask\": 8, …}\n\
             \x20                    (no reply from registration 3)\n\
             → ArmingCheckRequest {\"request_id\": 43, \"valid_registrations_mask\": 8, …}",
-        fix: "Reply to each request, also while the vehicle is armed. If the component can be busy \
-            for longer than the request interval, handle requests in a separate thread.",
+        fix: "Reply to each request, even while the vehicle is armed. If the component can be busy for longer than the \
+              request interval, handle requests in a separate thread.",
     },
     check: Check::State(|| Box::new(Talk::<Silence>::default())),
     mutants: &[Mutant { name: "a missing reply", change: Change::Flight(silent), also: &[] }],

@@ -21,8 +21,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         why: "Ground stations look up the text of an event by its id, and 0 means no event. The \
             operator can't see why the vehicle doesn't arm.",
         example: "{…, \"num_events\": 2, \"events\": [{\"id\": 1011, …}, {\"id\": 0, …}, …], …}",
-        fix: "Set `num_events` to the number of events that you write. Set the `id` of each event to \
-            one from the event metadata.",
+        fix: "Set `num_events` to the number of events that you write. Set the `id` of each event to an id from the \
+              event metadata.",
     },
     check: Check::State(|| Box::new(Reasons)),
     mutants: &[Mutant { name: "an event without an id", change: Change::Flight(without_id), also: &[] }],

@@ -12,7 +12,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-EXT-05",
         level: Level::Should,
         status: Status::Normative,
-        statement: "An ArmingCheckReply with `can_arm_and_run` false has at least one event with the reason.",
+        statement: "An ArmingCheckReply with `can_arm_and_run` false has at least one event that gives the reason.",
         source: "`can_arm_and_run` and `events` of ArmingCheckReply",
         applies_to: "message values",
         why: "The flight controller forwards the events to ground stations. Without an event, the \
@@ -42,7 +42,7 @@ impl Checker for Refusals {
         context.covered();
         if events == 0 {
             context.violation_in_field(channel, "num_events", message.location, || {
-                Detail::new("can_arm_and_run is false, but there is no event with the reason")
+                Detail::new("can_arm_and_run is false, but no event gives the reason")
                     .expected("1 or more")
                     .actual("0")
             });

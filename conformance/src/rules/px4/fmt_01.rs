@@ -8,17 +8,17 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         id: "PX-FMT-01",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A format in a capture matches the definition: fields, order, types, array lengths \
-            and padding. Other firmware versions have other formats, so a difference is only shown, \
-            unless `--strict-formats` is set.",
+        statement: "A format in a capture matches the definition in fields, order, types, array lengths and padding. \
+                    Formats differ between firmware versions, so uavspec only shows differences unless \
+                    `--strict-formats` is set.",
         source: "the definition",
         applies_to: "logs and MCAP schemas",
-        why: "Software that is built from the definition reads wrong values from such a capture, or \
-            none, unless it uses the format in the capture.",
+        why: "Software built from the definition reads wrong values or no values from such a capture, unless it uses \
+              the format in the capture.",
         example: "definition: float32 remaining\n\
             format:     …uint8_t remaining;…",
-        fix: "Use the definitions of the firmware that wrote the capture, or update the firmware. A \
-            capture of another version needs no change.",
+        fix: "Use the definitions of the firmware that wrote the capture, or update the firmware. A capture from a \
+              different firmware version needs no change.",
     },
     check: Check::Source,
     mutants: &[

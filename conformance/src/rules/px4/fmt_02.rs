@@ -8,7 +8,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         id: "PX-FMT-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each nested type in a format has a format in the same log.",
+        statement: "Each nested type in a format has its own format in the same log.",
         source: "ULog file format, section on format messages",
         applies_to: "logs",
         why: "Readers can't compute the size of the nested type, so they can't read any record of the topic.",

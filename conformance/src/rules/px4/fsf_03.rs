@@ -22,8 +22,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             `mode_req` mask is not 0.",
         source: "FailsafeFlags",
         applies_to: "message values",
-        why: "A flag that no mode requires prevents no mode from running. That can be correct, or a \
-            mode lacks a requirement.",
+        why: "A flag that no mode requires doesn't prevent any mode from running. This can be correct, or a mode may \
+              lack a requirement.",
         example: "{…, \"mode_req_attitude\": 0, \"attitude_invalid\": true, …}",
         fix: "Check which modes need the value, and set their bits in the mask. If no mode needs it, \
             no change is necessary.",

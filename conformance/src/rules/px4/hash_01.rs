@@ -7,12 +7,12 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         id: "PX-HASH-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The type hash in a capture is that of the definition. If the capture has a schema \
-            that differs, the hash differs as well, and only `PX-FMT-01` is reported.",
+        statement: "The type hash in a capture matches the definition. If the schema in the capture differs from the \
+                    definition, the hash differs as well, and only `PX-FMT-01` is reported.",
         source: "ROS 2's REP 2016 (RIHS01)",
         applies_to: "type hashes in MCAP files",
-        why: "ROS 2 tools compare hashes to detect incompatible types. With a wrong hash, they warn \
-            or refuse the data although it is compatible.",
+        why: "ROS 2 tools compare hashes to detect incompatible types. With a wrong hash, they warn about compatible \
+              data or reject it.",
         example: "schema:          same fields as the definition\n\
             topic_type_hash: RIHS01_00000000… (64 digits)",
         fix: "Write the hash of the type that the messages were built from, as the ROS 2 type support \
@@ -20,7 +20,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
     },
     check: Check::Source,
     mutants: &[Mutant {
-        name: "the hash of another type",
+        name: "the hash of a different type",
         change: Change::Mcap(|_, mut bag| {
             bag.channels.first_mut()?.hash = format!("RIHS01_{}", "0".repeat(64));
             Some(bag)

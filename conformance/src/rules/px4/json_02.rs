@@ -11,8 +11,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             type. NaN is written as `null`; infinity can't be represented.",
         source: "the field types in the definition; RFC 8259 for numbers",
         applies_to: "JSON messages",
-        why: "Readers in typed languages reject the whole message. Others convert the value and \
-            continue with a wrong one.",
+        why: "Readers in typed languages reject the whole message. Others convert the value and continue with a wrong \
+              value.",
         example: "ArmingCheckRequest:\n\
             {\"timestamp\": 1000000, \"request_id\": 300, \"valid_registrations_mask\": \"8\"}",
         fix: "Write integers as numbers in the range of their type, bools as `true` or `false`, and \
@@ -31,7 +31,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             also: &[],
         },
         Mutant {
-            name: "an integer out of the range of its type",
+            name: "an integer outside the range of its type",
             change: Change::Flight(|flight| {
                 flight.with_last(0, |message| message["timestamp"] = (-1).into())
             }),

@@ -13,18 +13,18 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-QUEUE-01",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A topic does not publish more messages with one timestamp than its queue holds.",
+        statement: "A topic does not publish more messages with the same timestamp than its queue holds.",
         source: "`ORB_QUEUE_LENGTH` in the definition",
         applies_to: "message sequences",
-        why: "A full queue overwrites its oldest message. A subscriber that runs after the burst misses it.",
+        why: "A full queue overwrites its oldest message. A subscriber that runs after the burst misses that message.",
         example: "definition: uint8 ORB_QUEUE_LENGTH = 4\n\
             log:        5 messages of the topic with timestamp 1000000",
-        fix: "Raise `ORB_QUEUE_LENGTH` to a power of two that holds the burst, or publish fewer \
-            messages in a row.",
+        fix: "Increase `ORB_QUEUE_LENGTH` to a power of two that is large enough for the burst, or publish fewer \
+              messages in a row.",
     },
     check: Check::State(|| Box::new(Bursts::default())),
     mutants: &[Mutant {
-        name: "more messages with one timestamp than the queue holds",
+        name: "more messages with the same timestamp than the queue holds",
         change: Change::Flight(burst),
         also: &[],
     }],

@@ -11,16 +11,16 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "A value is in its range, unless it is the value for missing data.",
         source: "`@range` and `@invalid` in the definition",
         applies_to: "message values",
-        why: "Readers rely on the range for scaling, limits and display. A value outside the range \
-            often has the wrong unit.",
+        why: "Readers rely on the range for scaling, limits and display. A value outside the range is often in the \
+              wrong unit.",
         example: "definition: float32 remaining  # [-] [@range 0, 1] [@invalid -1]\n\
             message:    {…, \"remaining\": 87.5, …}",
-        fix: "Check the unit and the scale of the value; here, percent was sent as a fraction. If the \
-            value is valid, extend the range in the definition.",
+        fix: "Check the unit and the scale of the value; here, a percentage was sent instead of a fraction. If the \
+              value is valid, extend the range in the definition.",
     },
     check: Check::Value,
     mutants: &[Mutant {
-        name: "a value out of its range",
+        name: "a value outside its range",
         change: Change::Flight(|flight| flight.violating(Violated::Range)),
         also: &[],
     }],

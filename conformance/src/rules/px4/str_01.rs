@@ -11,7 +11,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "Text in a `char` array is valid UTF-8 and ends at the first NUL.",
         source: "`char[N]` in the definition",
         applies_to: "message values",
-        why: "Other bytes are not text. Readers show replacement characters or reject the message.",
+        why: "Readers show replacement characters in place of invalid bytes, or reject the message.",
         example: "definition: char[25] name\n\
             bytes:      4d 6f 64 65 ff 00 …    (ff is not valid in UTF-8)",
         fix: "Write valid UTF-8, and fill the rest of the array with NUL bytes. Shorten long text \

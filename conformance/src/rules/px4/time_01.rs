@@ -11,12 +11,12 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-TIME-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The field `timestamp` does not decrease from one message of a subscription to the \
-            next. It may repeat, and it may be 0.",
+        statement: "The `timestamp` field does not decrease from one message of a subscription to the next. It may \
+                    repeat, and it may be 0.",
         source: "uORB publishes in order; `timestamp` is the time since system start",
         applies_to: "message sequences",
-        why: "Tools sort and interpolate samples by time. A step back results in a wrong order, and \
-            in wrong rates and derivatives.",
+        why: "Tools sort and interpolate samples by time. If the time steps back, the order, rates and derivatives are \
+              wrong.",
         example: "battery_status {\"timestamp\": 2000000, …}\n\
             battery_status {\"timestamp\": 1000000, …}",
         fix: "Set `timestamp` from the monotonic system clock when you publish the message. Check \
@@ -24,7 +24,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     },
     check: Check::State(|| Box::new(Times::default())),
     mutants: &[Mutant {
-        name: "a last message that is older than the others",
+        name: "a last message that is older than the previous messages",
         change: Change::Flight(back),
         also: &[],
     }],

@@ -11,15 +11,15 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-TIME-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "If a regular topic pauses for more than ten of its periods, the capture has a \
-            dropout nearby.",
+        statement: "If a regular topic pauses for more than ten of its periods, the capture contains a dropout near \
+                    the pause.",
         source: "derived: PX4's logger records a dropout when it loses data",
         applies_to: "message sequences",
-        why: "Either the publisher stopped, or data was lost without notice. Tools interpolate over the gap.",
+        why: "Either the publisher stopped, or data was lost without a dropout record. Tools interpolate over the gap.",
         example: "battery_status, every 20 ms: … 1.00 s, 1.02 s, 1.04 s, 2.51 s, 2.53 s …\n\
             \x20                            (no dropout near 1.04 s)",
-        fix: "Check the publisher, and the load of the logger during the pause. If the topic is meant \
-            to pause, no change is necessary.",
+        fix: "Check the publisher, and check the load of the logger during the pause. If the topic is meant to pause, \
+              no change is necessary.",
     },
     check: Check::State(|| Box::new(Gaps::default())),
     mutants: &[Mutant { name: "a pause of a regular topic", change: Change::Flight(pause), also: &[] }],

@@ -12,8 +12,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "The version suffix of a topic name, `_vN`, is the version of its message.",
         source: "`MESSAGE_VERSION` of the type in the capture, or else of the definition",
         applies_to: "topic names",
-        why: "Subscribers select a message version by the topic name. With a wrong suffix, they \
-            decode the message with another definition.",
+        why: "Subscribers select a message version by the topic name. With a wrong suffix, they decode the message \
+              with a different definition.",
         example: "topic:      /fmu/out/arming_check_request_v2\n\
             definition: uint32 MESSAGE_VERSION = 1",
         fix: "Publish the message under the suffix of its version, or build the publisher with the \
@@ -21,7 +21,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     },
     check: Check::State(|| Box::new(Versions)),
     mutants: &[Mutant {
-        name: "a topic name with another version",
+        name: "a topic name with a different version",
         change: Change::Flight(|flight| {
             let topic = flight.regular(|message| message.version.is_some())?;
             let mut flight = flight.clone();

@@ -53,7 +53,7 @@ impl Session {
         });
         self.over("socketio#1", |session| {
             session.pings(&sio_01::RULE.rule, "over a WebSocket");
-            session.pings(&sio_03::RULE.rule, "after an event of another name");
+            session.pings(&sio_03::RULE.rule, "after an event with a different name");
         });
         self.over("socketio#2", |session| session.pings(&sio_02::RULE.rule, "by long polling"));
     }
@@ -113,7 +113,7 @@ impl Session {
         }
         self.tries_with(
             &env_21::RULE.rule,
-            "an id with other letters",
+            "an id with non-ASCII letters",
             ("id", "Höhe über Grund".into()),
             acknowledged(),
         );
