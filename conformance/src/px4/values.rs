@@ -109,7 +109,7 @@ pub(super) enum Violation<'c> {
     Number(Demand, Number, &'c Restriction),
     /// An array, sequence or string in JSON with the wrong length.
     Length { found: usize, unit: &'static str, shape: Shape },
-    /// A NUL within a JSON text, which ends the text.
+    /// A NUL within a JSON text, which terminates the text.
     Nul(usize),
     /// Text with invalid UTF-8 at this byte.
     NotUtf8(usize),
@@ -236,7 +236,7 @@ impl Violation<'_> {
                 };
                 Detail::differs(expected, found)
             }
-            Self::Nul(at) => Detail::new(format!("NUL at byte {at}, which ends the text")),
+            Self::Nul(at) => Detail::new(format!("NUL at byte {at}, which terminates the text")),
             Self::NotUtf8(at) => Detail::new(format!("invalid UTF-8 at byte {at}")).expected("UTF-8"),
         }
     }

@@ -73,7 +73,7 @@ fn errors(uav: &Uav, codes: &Codes) -> String {
     let Some(state) = &uav.state else { return MISSING_VALUE.to_owned() };
     field(&state.errors, |errors| {
         let mut names: Vec<String> = errors.codes.iter().map(|code| codes.named(*code)).collect();
-        names.extend((errors.invalid > 0).then(|| format!("{} of a wrong type", errors.invalid)));
+        names.extend((errors.invalid > 0).then(|| format!("{} of the wrong type", errors.invalid)));
         names.extend((errors.more > 0).then(|| format!("{} more", errors.more)));
         if names.is_empty() { MISSING_VALUE.to_owned() } else { names.join(", ") }
     })

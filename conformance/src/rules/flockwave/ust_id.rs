@@ -8,7 +8,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-ID",
         status: Status::Normative,
-        statement: "`id` is a string of 1 to 64 characters without `/`.",
+        statement: "`id` is a string that is 1 to 64 characters long and contains no `/`.",
         why: "Clients use the id to assign the state to a UAV and to send commands to it. A state without a valid \
               id is lost.",
         example: r#"{"type":"UAV-INF","status":{"7":{"id":7,"timestamp":1790000000000}}}"#,

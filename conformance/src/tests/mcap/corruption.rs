@@ -98,7 +98,7 @@ fn skips_corrupt_chunks() {
     for (violated, message, count) in [
         (
             raw_chunk("brotli", length, checksum, whole.0, whole.1),
-            "a chunk has the unknown compression `brotli`: expected zstd, lz4 or none",
+            "a chunk uses the unknown compression `brotli`: expected zstd, lz4 or none",
             3,
         ),
         (raw_chunk("zstd", length, 7, whole.0, whole.1), &wrong, 6),
@@ -177,17 +177,17 @@ fn reports_contradicting_declarations() {
         glider(1),
         end(),
     ];
-    let unreadable = "a channel is unreadable: it has invalid UTF-8 or a duplicate key (2 times)";
+    let unreadable = "a channel is unreadable: it contains invalid UTF-8 or a duplicate key (2 times)";
     let expected = [
-        (2, "channel 3 is declared again with other content; the first one is used"),
-        (3, "schema 1 is declared again with other content; the first one is used"),
+        (2, "channel 3 is declared again with different content; the first declaration is used"),
+        (3, "schema 1 is declared again with different content; the first declaration is used"),
         (4, "a schema has the reserved id 0"),
         (5, "a message refers to channel 4, which isn't declared before it"),
         (6, "channel 8 refers to schema 77, which isn't declared before it"),
         (
             7,
-            "schema 9 is too long to be compared: it has 1048577 bytes, but the limit is 1048576 bytes, and \
-             8388608 for all schemas",
+            "schema 9 is too long to compare: it has 1048577 bytes; the limit is 1048576 bytes per schema \
+             and 8388608 bytes in total",
         ),
         (8, "channel 10: the topic or the encoding is longer than 256 bytes"),
         (9, unreadable),
@@ -209,12 +209,12 @@ fn reports_missing_headers_and_footers() {
     no_magic.truncate(no_magic.len() - 3);
     assert_corruption(
         &[start(), body.clone(), no_magic[..42].to_vec(), no_magic[42..].to_vec()],
-        &[(3, ends_early), (3, "5 bytes follow the end of the file")],
+        &[(3, ends_early), (3, "5 bytes follow the closing magic bytes")],
         1,
     );
     assert_corruption(
         &[start(), body.clone(), end(), vec![0; 7]],
-        &[(3, "7 bytes follow the end of the file")],
+        &[(3, "7 bytes follow the closing magic bytes")],
         1,
     );
     let mut checksum = crc32fast::Hasher::new();

@@ -242,7 +242,7 @@ fn shows_server_errors_and_keeps_known_states() {
     for text in [
         "lost, retry in 3 s",
         "reset\\u{1b}[0m by peer",
-        "the server refuses: log in\\u{7} first",
+        "the server refused a request: log in\\u{7} first",
         "1 unreadable message",
         "glider-1",
     ] {
