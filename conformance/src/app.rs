@@ -4,12 +4,12 @@
 //! |---:|---|
 //! | 0 | conforms |
 //! | 1 | does not conform |
-//! | 2 | wrong usage, or definitions or lists that can't be read |
+//! | 2 | wrong usage, or unreadable definitions or lists |
 //! | 3 | an input can't be read to the end, a report can't be written, or a testee or server failed |
-//! | 4 | an entry of a list of known failures no longer applies |
+//! | 4 | an entry in a list of known failures no longer applies |
 //! | 5 | nothing was checked |
 //!
-//! If several apply, the first of 2, 3, 1, 4 and 5 is used.
+//! If several apply, the exit status is the first of 2, 3, 1, 4 and 5 that applies.
 //!
 //! ```no_run
 //! let status: std::process::ExitCode = uavspec_conformance::app::main();
@@ -48,12 +48,12 @@ const EXAMPLES: &str = "Examples:
 const STATUS: &str = "Exit status:
   0  conforms, or success
   1  does not conform
-  2  wrong usage, or definitions or lists that can't be read
+  2  wrong usage, or unreadable definitions or lists
   3  an input, a testee or a server failed, or a report can't be written
-  4  an entry of a list of known failures no longer applies
+  4  an entry in a list of known failures no longer applies
   5  nothing was checked
 
-If several apply, the first of 2, 3, 1, 4 and 5 is used.";
+If several apply, the exit status is the first of 2, 3, 1, 4 and 5 that applies.";
 
 /// Checks drone software against its interface specifications.
 #[derive(Debug, Parser)]
@@ -88,13 +88,13 @@ enum Command {
     Probe(probe::ProbeArgs),
     /// Run a reference Flockwave server with a simulated fleet.
     ///
-    /// The server prints one line per transport with its address. Port 0 selects a free port. HTTP and Socket.IO are
-    /// both served at the addresses of either.
+    /// The server prints one line per transport with its address. Port 0 selects a free port. HTTP and Socket.IO
+    /// addresses serve both transports.
     ///
     /// Clients can send commands to the UAVs. In addition, OBJ-CMD accepts the commands error (arguments: error codes;
     /// none clears them), battery (argument: charge in percent) and lose (the UAV stops reporting).
     ///
-    /// Everyone who can reach an address can use the server. Prefer loopback addresses.
+    /// Anyone who can reach an address can use the server. Prefer loopback addresses.
     Serve(serve::ServeArgs),
     /// Show the fleet of a Flockwave server in the terminal.
     ///

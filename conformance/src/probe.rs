@@ -278,7 +278,9 @@ impl Probe<'_, '_> {
             session.settle(&mut self.tape, until);
         }
         if session.bare_answers() > 0 && !std::mem::replace(&mut self.is_bare, true) {
-            self.note("answers over HTTP have no envelope; uavspec adds one before checking them".to_owned());
+            self.note(
+                "HTTP answers have no envelope; uavspec adds the envelope before checking them".to_owned(),
+            );
         }
         session.close(&mut self.tape);
     }
@@ -388,7 +390,7 @@ impl Probe<'_, '_> {
         if is_answered || self.is_alive() {
             return true;
         }
-        self.fail(format!("the server has stopped answering after a trial of {}: {how}", rule.id));
+        self.fail(format!("the server stopped answering after a trial of {}: {how}", rule.id));
         false
     }
 

@@ -99,18 +99,18 @@ pub(crate) fn checked_by(rule: &Rule) -> &'static str {
         if entry.checks.iter().any(keeps_state) {
             BY_STATE
         } else {
-            "message by message, with the earlier messages of the connection"
+            "one message at a time, using earlier messages from the same connection"
         }
     });
     let px4 = px4::RULES.iter().find(|entry| entry.rule.id == rule.id).map(|entry| match entry.check {
-        px4::Check::Value => "value by value, by a plan that is compiled once for each format",
-        px4::Check::Source => "by the reader, since it can't read data that violates the rule",
+        px4::Check::Value => "one value at a time, using a plan compiled once per format",
+        px4::Check::Source => "while reading, because data that violates the rule can't be read",
         px4::Check::State(_) => BY_STATE,
     });
     flockwave.or(px4).unwrap_or_default()
 }
 
-const BY_STATE: &str = "record by record, with a small state for each topic";
+const BY_STATE: &str = "one record at a time, keeping a small amount of state per topic";
 
 /// The context of a check: its rule, the definitions, and the findings and coverage to which it adds.
 pub(crate) struct RuleContext<'c> {

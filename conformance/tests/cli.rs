@@ -194,7 +194,7 @@ fn checks_json_messages_with_and_without_a_type() {
     assert!(printed.ends_with("nothing was checked; parts of the file are unreadable\n"), "{printed}");
     let (status, _, output) = uavspec(folder.path(), &["check", "bare.jsonl", "--type", "px4/Nothing"]);
     assert_eq!(status, Some(2));
-    assert!(output.contains("--type px4/Nothing: the definitions have no such message"), "{output}");
+    assert!(output.contains("--type px4/Nothing: no such message in the definitions"), "{output}");
 
     let arguments = ["check", "--format", "json", "bare.jsonl", ty[0], ty[1]];
     let report: Value = serde_json::from_str(&uavspec(folder.path(), &arguments).1).expect("JSON");

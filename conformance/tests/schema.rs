@@ -182,7 +182,7 @@ fn reports_an_invalid_schema_with_its_location() {
         (
             &[("s/a.json", good()), ("s/b.json", good())],
             "b.json: ",
-            "is a schema for the body of SOAR-INF as well",
+            "is also a schema for the body of SOAR-INF",
         ),
         (&[("t/a.json", good())], "s: can't be read", ""),
     ];

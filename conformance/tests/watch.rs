@@ -52,7 +52,7 @@ fn fails_if_the_server_refuses_requests() {
     let (_server, address) = serve(Options { login, ..Options::default() }, Transport::Tcp);
     let (status, printed, output) = uavspec(&["watch", "--once", "--for", "10", &format!("tcp://{address}")]);
     assert_eq!((status, printed.as_str()), (3, ""));
-    assert!(output.contains("the server refuses"), "{output}");
+    assert!(output.contains("the server refused"), "{output}");
 
     let address = custom_server(|stream| {
         let mut line = String::new();

@@ -42,8 +42,8 @@ A recorded Flockwave session has one object per line, from the client's point of
   {\"t\": 1790000000.30, \"conn\": \"tcp#1\", \"dir\": \"out\", \"msg\": {…}}
   {\"t\": 1790000009.00, \"conn\": \"tcp#1\", \"dir\": \"event\", \"event\": \"closed\"}
 
-The Flockwave type of a JSON Schema is properties.type.const or properties.type.enum, or else a part of the file name: \
-SOAR-INF.json. A file name such as response_SOAR-INF.json limits the schema to requests, responses or notifications.
+The Flockwave type comes from properties.type.const or properties.type.enum in the JSON Schema, or otherwise from the \
+file name, e.g. SOAR-INF.json. A file name such as response_SOAR-INF.json limits the schema to requests, responses or notifications.
 
 A list of known failures is a TOML file. Only rule and reason are required:
   [[known]]                       # [[flaky]] entries may also pass
@@ -58,9 +58,9 @@ A list of known failures is a TOML file. Only rule and reason are required:
 Exit status:
   0  conforms
   1  does not conform
-  2  wrong usage, or definitions or lists that can't be read
+  2  wrong usage, or unreadable definitions or lists
   3  an input can't be read to the end, or a report can't be written
-  4  an entry of a list of known failures no longer applies
+  4  an entry in a list of known failures no longer applies
   5  nothing was checked";
 
 /// Arguments of `check`.
@@ -76,7 +76,7 @@ pub(super) struct CheckArgs {
     files: Vec<PathBuf>,
     /// Definitions to check against (default: built-in).
     ///
-    /// A uavspec.toml, a folder with one, or a folder of .msg files.
+    /// A uavspec.toml file, a folder that contains one, or a folder of .msg files.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
     /// Schemas for other Flockwave types (repeatable).
@@ -119,7 +119,7 @@ pub(super) fn check(args: &CheckArgs) -> Status {
     };
     let message_id = args.message_type.as_deref().map(|name| (name, definitions.message_of_type(name)));
     if let Some((name, None)) = message_id {
-        anstream::eprintln!("error: --type {name}: the definitions have no such message");
+        anstream::eprintln!("error: --type {name}: no such message in the definitions");
         return Status::Usage;
     }
     let message_id = message_id.and_then(|(_, id)| id);

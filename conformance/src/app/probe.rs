@@ -29,9 +29,9 @@ const EXAMPLES: &str = "Examples:
 const STATUS: &str = "Exit status:
   0  conforms
   1  does not conform
-  2  wrong usage, or definitions or lists that can't be read
+  2  wrong usage, or unreadable definitions or lists
   3  the server doesn't respond, or a file can't be written
-  4  an entry of a list of known failures no longer applies
+  4  an entry in a list of known failures no longer applies
   5  nothing was checked";
 
 /// Arguments of `probe`.
@@ -63,12 +63,12 @@ pub(super) struct ProbeArgs {
     record: Option<PathBuf>,
     /// Definitions to check against (default: built-in).
     ///
-    /// A uavspec.toml or a folder with one.
+    /// A uavspec.toml file or a folder that contains one.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
     /// Schemas for other Flockwave types (repeatable).
     ///
-    /// All JSON Schemas (.json) in the folder and its subfolders are read, as by `uavspec check`.
+    /// All JSON Schemas (.json) in the folder and its subfolders are read, as in `uavspec check`.
     #[arg(long = "schema", value_name = "DIR")]
     schemas: Vec<PathBuf>,
     #[command(flatten)]

@@ -31,7 +31,7 @@ const EXAMPLES: &str = "Examples:
 const STATUS: &str = "Exit status:
   0  all checks passed
   1  a rule or a server bug had an unexpected result, or a case failed
-  2  wrong usage, or definitions that can't be read
+  2  wrong usage, or unreadable definitions
   3  the testee can't be started or keeps failing";
 
 /// Arguments of `self-test`.
@@ -40,7 +40,7 @@ const STATUS: &str = "Exit status:
 pub(super) struct SelfTestArgs {
     /// Definitions to use (default: built-in).
     ///
-    /// A uavspec.toml, a folder with one, or a folder of .msg files. The captures are generated from them.
+    /// A uavspec.toml file, a folder that contains one, or a folder of .msg files. The captures are generated from them.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
     /// Check captures only; start no servers.
@@ -99,7 +99,7 @@ fn rules(rows: &[Row]) -> bool {
         let made = own().filter(|row| row.violated.is_some()).count();
         let wrong: Vec<String> = own().filter(|row| !row.is_right()).map(mismatch_text).collect();
         let text = match (made, wrong.is_empty()) {
-            (0, _) => "no mutants: the definitions have nothing that it applies to".to_owned(),
+            (0, _) => "no mutants: the rule applies to nothing in the definitions".to_owned(),
             (_, true) => format!("{made} of {made} found"),
             (_, false) => wrong.join("; "),
         };

@@ -120,7 +120,7 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
     let named = args.errors.iter().map(|(id, _)| ("error", id));
     let named = named.chain(args.losses.iter().map(|(id, _)| ("lose", id)));
     if let Some((option, id)) = named.into_iter().find(|(_, id)| !has_uav(args.uavs, id)) {
-        anstream::eprintln!("error: --{option} {id}: the fleet has glider-1 to glider-{}", args.uavs);
+        anstream::eprintln!("error: --{option} {id}: the fleet consists of glider-1 to glider-{}", args.uavs);
         return Status::Usage;
     }
     let server = match Server::start(options(args), &addresses(args)) {

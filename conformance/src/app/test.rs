@@ -44,8 +44,8 @@ Requests and responses look like this:
 
 Instead of \"ok\", a response can be \"rejected\":\"reason\", \"unsupported\":true or \"error\":\"reason\".
 
-Integers beyond ±2^53 are {\"$u64\":\"…\"} or {\"$i64\":\"…\"}, and NaN is {\"$f\":\"NaN\"}, in both directions. \
-`uavspec testee lint` checks if a testee implements the protocol.
+Integers outside ±2^53 are written as {\"$u64\":\"…\"} or {\"$i64\":\"…\"}, and NaN is {\"$f\":\"NaN\"}, in both directions. \
+`uavspec testee lint` checks whether a testee implements the protocol.
 
 A list of known failures is a TOML file. Only case and reason are required:
   [[known]]                       # [[flaky]] entries may also pass
@@ -58,9 +58,9 @@ A list of known failures is a TOML file. Only case and reason are required:
 Exit status:
   0  conforms
   1  does not conform
-  2  wrong usage, or definitions or lists that can't be read
+  2  wrong usage, or unreadable definitions or lists
   3  the testee failed, or a report can't be written
-  4  an entry of a list of known failures no longer applies
+  4  an entry in a list of known failures no longer applies
   5  nothing was checked";
 
 /// Arguments of `test`.
@@ -79,7 +79,7 @@ pub(super) struct TestArgs {
     attach: Option<Address>,
     /// Definitions to use (default: built-in).
     ///
-    /// A uavspec.toml, a folder with one, or a folder of .msg files. The cases are generated from them.
+    /// A uavspec.toml file, a folder that contains one, or a folder of .msg files. The cases are generated from them.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
     /// Run only the cases that match this glob.
@@ -111,7 +111,7 @@ pub(super) struct TestArgs {
     report: ReportArgs,
     /// Write all requests to a file, and exit.
     ///
-    /// Each request has its expected responses. The path - is standard output.
+    /// Each request includes its expected responses. The path - is standard output.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["command", "replay"])]
     dump_cases: Option<PathBuf>,
     /// Check the responses in a file.

@@ -19,7 +19,7 @@ use crate::testee::options::Options;
 /// Subcommands of `testee`.
 #[derive(Debug, Subcommand)]
 pub(super) enum TesteeCommand {
-    /// Check if a testee implements the protocol of `uavspec test`.
+    /// Check whether a testee implements the protocol of `uavspec test`.
     ///
     /// Each check uses a separate process or connection. The results of the codec are not checked: use `uavspec test`.
     Lint(LintArgs),
@@ -34,7 +34,7 @@ const EXAMPLES: &str = "Examples:
 const STATUS: &str = "Exit status:
   0  the testee implements the protocol
   1  a check failed
-  2  wrong usage, or definitions that can't be read
+  2  wrong usage, or unreadable definitions
   3  the testee can't be started or reached";
 
 /// Arguments of `testee lint`.
@@ -51,7 +51,7 @@ pub(super) struct LintArgs {
     attach: Option<Address>,
     /// Definitions to use (default: built-in).
     ///
-    /// A uavspec.toml, a folder with one, or a folder of .msg files. The requests are generated from them.
+    /// A uavspec.toml file, a folder that contains one, or a folder of .msg files. The requests are generated from them.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
     /// Run only this check (repeatable).

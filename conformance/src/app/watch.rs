@@ -39,7 +39,7 @@ const EXAMPLES: &str = "Examples:
 const STATUS: &str = "Exit status:
   0  normal exit
   2  wrong usage
-  3  the terminal can't be used, or some UAVs did not report before --for ended";
+  3  the terminal can't be used, or some UAVs did not report within the --for time";
 
 /// Arguments of `watch`.
 #[derive(Args, Debug)]

@@ -41,8 +41,12 @@ pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Err
         let found = if path.as_os_str() == STANDARD_INPUT {
             vec![path.clone()]
         } else if path.is_dir() {
-            let nothing =
-                || format!("no captures in this folder: expected files of type .{}", EXTENSIONS.join(", ."));
+            let nothing = || {
+                format!(
+                    "no captures in this folder: expected files with the extension .{}",
+                    EXTENSIONS.join(", .")
+                )
+            };
             search(path, is_capture, nothing).map_err(|error| (path.clone(), error))?
         } else if let (false, Some(pattern)) = (path.exists(), pattern(path)) {
             let pattern = pattern

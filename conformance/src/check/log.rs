@@ -154,7 +154,7 @@ pub(crate) fn check_ulog(input: impl Read, definitions: &Definitions) -> Capture
         }
     }
     if checker.open.is_empty() && checker.run.extent == Extent::Whole {
-        let text = "the log has no subscriptions: it ends in its definitions section, or directly after it"
+        let text = "the log has no subscriptions: it ends within or directly after its definitions section"
             .to_owned();
         checker.run.corruption(Location::Byte(reader.position()), text, Extent::EndsEarly);
     }
@@ -379,7 +379,7 @@ fn check_timestamp(format: MessageType<'_>, location: Location, run: &mut CheckR
     if timestamp_offset(format).is_none() {
         let definition = run.definition_of(format.name());
         run.findings.report(&px4::FMT_03.rule, format.name(), location, definition, || {
-            Detail::new("the format has no field `uint64_t timestamp`")
+            Detail::new("the format has no `uint64_t timestamp` field")
                 .expected("uint64_t timestamp")
                 .actual("no such field")
         });

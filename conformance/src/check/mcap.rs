@@ -131,8 +131,9 @@ impl<'d> McapChecker<'d> {
         let digest = digest(declared);
         if let Some(known) = self.channels.get(&id) {
             if known.digest != digest {
-                let text =
-                    format!("channel {id} is declared again with other content; the first one is used");
+                let text = format!(
+                    "channel {id} is declared again with different content; the first declaration is used"
+                );
                 self.run.gap(location, text);
             }
             return;
@@ -186,7 +187,7 @@ impl<'d> McapChecker<'d> {
             if lacks {
                 let definition = Some(definitions.schema.message(message_id).span);
                 self.run.findings.report(&px4::FMT_03.rule, name, *location, definition, || {
-                    Detail::new("the schema has no field `uint64 timestamp`")
+                    Detail::new("the schema has no `uint64 timestamp` field")
                         .expected("uint64 timestamp")
                         .actual("no such field")
                 });
@@ -324,7 +325,7 @@ fn check_message(
     findings: &mut Findings,
 ) -> Result<Clean, String> {
     let text = std::str::from_utf8(payload)
-        .map_err(|error| format!("no UTF-8 from its byte {} on", error.valid_up_to()))?;
+        .map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))?;
     // Foxglove writes bytes as base64, as rosbridge does.
     if let Ok(clean) = plans.read_text(origin.id, text, origin.is_rosbridge, values) {
         return Ok(clean);

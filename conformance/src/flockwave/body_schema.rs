@@ -183,7 +183,9 @@ impl std::fmt::Display for ExpectedValue {
             Self::Bool => formatter.write_str("true or false"),
             Self::Text => formatter.write_str("a string"),
             Self::Length(low, high) => write!(formatter, "a string of {low} to {high} characters"),
-            Self::ObjectId => formatter.write_str("a string of 1 to 64 characters without `/`"),
+            Self::ObjectId => {
+                formatter.write_str("a string that is 1 to 64 characters long and contains no `/`")
+            }
             Self::List(schema) => write!(formatter, "a list where each element is {schema}"),
             Self::Map(schema) => write!(formatter, "an object where each value is {schema}"),
             Self::Object => formatter.write_str("an object"),

@@ -150,7 +150,7 @@ impl<'t> Tokens<'t> {
             return Err(self.error("unexpected value").into());
         }
         if self.depth == MAX_DEPTH {
-            return Err(self.error("values nest too deep").into());
+            return Err(self.error("values are nested too deeply").into());
         }
         self.at += 1;
         self.depth += 1;

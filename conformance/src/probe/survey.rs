@@ -73,7 +73,7 @@ impl Probe<'_, '_> {
             uavs = ids(self.query(json!({ "type": "UAV-LIST" })).as_ref());
         }
         if uavs.is_empty() {
-            self.note(format!("no UAV has appeared within {} s", UAV_TIMEOUT.as_secs()));
+            self.note(format!("no UAV appeared within {} s", UAV_TIMEOUT.as_secs()));
         } else if began.elapsed() > POLL_INTERVAL {
             self.note(format!("the first UAV appeared after {:.1} s", began.elapsed().as_secs_f64()));
             // More UAVs may appear soon.

@@ -237,7 +237,7 @@ impl Violation<'_> {
                 };
                 Detail::differs(expected, found)
             }
-            Self::Nul(at) => Detail::new(format!("NUL at byte {at}, which ends the text")),
+            Self::Nul(at) => Detail::new(format!("NUL at byte {at}, which terminates the text")),
             Self::NotUtf8(at) => Detail::new(format!("invalid UTF-8 at byte {at}")).expected("UTF-8"),
         }
     }

@@ -21,7 +21,7 @@ const STATES: [ErrorCode; 6] = [
 pub(super) fn settable(number: u16) -> Result<ErrorCode, String> {
     let code = ErrorCode(number.into());
     if STATES.contains(&code) {
-        return Err(format!("error code {number} depends on the activity of the UAV and can't be set"));
+        return Err(format!("error code {number} depends on what the UAV is doing and can't be set"));
     }
     match code.class() {
         ErrorClass::NoError => Err("error code 0 means no error; omit it".to_owned()),

@@ -298,7 +298,7 @@ impl Hub {
             }
             // Prevents a second notification. The connection closes after all queued messages.
             session.since = Duration::MAX;
-            self.notify(id, &farewell("the maximum connection time is over"));
+            self.notify(id, &farewell("the maximum connection time was reached"));
             self.disconnect(id);
         }
     }

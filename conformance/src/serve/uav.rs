@@ -178,7 +178,7 @@ impl Uav {
         }
         let is_severe = |code: &ErrorCode| matches!(code.class(), ErrorClass::Error | ErrorClass::Fatal);
         if let Some(code) = self.codes().into_iter().find(is_severe) {
-            return Err(format!("it has the error code {code}"));
+            return Err(format!("it has error code {code}"));
         }
         self.activity = Activity::TakingOff;
         Ok(())

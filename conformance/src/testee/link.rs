@@ -164,7 +164,7 @@ impl Link {
             (Peer::Connection(_), Received::Closed) => Ok(()),
             (Peer::Connection(_), Received::Lost(how)) => Err(how),
             (Peer::Connection(_), _) => {
-                Err("the testee doesn't close the connection after uavspec has closed its half".to_owned())
+                Err("the testee doesn't close the connection after uavspec closes its half".to_owned())
             }
         }
     }

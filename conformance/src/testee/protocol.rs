@@ -129,9 +129,9 @@ impl Hello {
         }
         let text = |name: &str| value[name].as_str().map(str::to_owned);
         let list = |name: &str| -> Result<Vec<String>, String> {
-            let items = value[name].as_array().ok_or_else(|| format!("expected a list in \"{name}\""))?;
+            let items = value[name].as_array().ok_or_else(|| format!("expected \"{name}\" to be a list"))?;
             let items = items.iter().map(|item| item.as_str().map(str::to_owned));
-            items.collect::<Option<_>>().ok_or_else(|| format!("expected only strings in \"{name}\""))
+            items.collect::<Option<_>>().ok_or_else(|| format!("expected \"{name}\" to contain only strings"))
         };
         let (ops, formats) = (list("ops")?, value.get("formats").map(|_| list("formats")).transpose()?);
         let is_listed = |name: &str| formats.as_ref().is_none_or(|listed| listed.iter().any(|it| it == name));
@@ -170,7 +170,7 @@ impl Response {
     pub(crate) fn read(line: &[u8]) -> Result<(i64, Self), String> {
         let value = json(line)?;
         let id = Some(&value["id"]).filter(|id| id.is_number()).and_then(integer);
-        let id = id.and_then(|id| i64::try_from(id).ok()).ok_or("expected an integer in \"id\"")?;
+        let id = id.and_then(|id| i64::try_from(id).ok()).ok_or("expected \"id\" to be an integer")?;
         let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         let mut found = ["ok", "rejected", "unsupported", "error"]
             .into_iter()

@@ -276,7 +276,7 @@ impl<'s, 'r> Worker<'s, 'r> {
             && self.pending.is_empty()
             && let Some(what) = self.suspicion.take()
         {
-            self.shared.remark(what + ", but none of them causes this alone");
+            self.shared.remark(what + ", but none of them causes this on its own");
         }
     }
 

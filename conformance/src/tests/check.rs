@@ -134,7 +134,7 @@ fn reports_no_violations_that_a_missing_part_may_explain() {
     let (rules, corruption) = found(&corrupt);
     assert_eq!(rules, [""; 0]);
     assert!(
-        corruption.iter().any(|text| text.starts_with("data of id 5, which isn't subscribed")),
+        corruption.iter().any(|text| text.starts_with("data for id 5, which isn't subscribed")),
         "{corruption:?}"
     );
     // Positions after the format of the glider, and within the format of the mark.
@@ -228,8 +228,8 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
             value(|glider| glider.is_landed = 153),
             "glider.is_landed: expected 0 or 1, found 153",
         ),
-        ("PX-DATA-01", short, "glider: expected 80 bytes of data of id 5, found 20"),
-        ("PX-DATA-02", with(|log| _ = log.data(9, &[0; 20])), "id 9: data of id 9, which isn't subscribed"),
+        ("PX-DATA-01", short, "glider: expected 80 bytes of data for id 5, found 20"),
+        ("PX-DATA-02", with(|log| _ = log.data(9, &[0; 20])), "id 9: data for id 9, which isn't subscribed"),
         (
             "PX-DATA-03",
             with(|log| _ = log.subscribe(6, 0, "glider")),
@@ -246,7 +246,7 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
             with(|log| _ = log.format("tow:uint64_t timestamp;rope[2] ropes;")),
             "tow: format `tow` has the field `ropes`",
         ),
-        ("PX-FMT-03", no_timestamp, "glider: the format has no field `uint64_t timestamp`"),
+        ("PX-FMT-03", no_timestamp, "glider: the format has no `uint64_t timestamp` field"),
         ("PX-LEN-01", value(|glider| glider.num_marks = 4), "glider.num_marks: 4 exceeds the array length 3"),
         ("PX-NAN-01", value(|glider| glider.speed = f32::NAN), "glider.speed: NaN is not allowed here"),
         ("PX-QUEUE-01", burst, "glider: more than 2 messages with timestamp 1200000 µs"),
@@ -338,7 +338,7 @@ fn requires_a_timestamp_of_topics_without_data() {
         violated(&result)
     };
     for data in [false, true] {
-        let message = "sonde: the format has no field `uint64_t timestamp`";
+        let message = "sonde: the format has no `uint64_t timestamp` field";
         assert_eq!(checked(data), [("PX-FMT-03", message.to_owned())]);
     }
     // Formats without a subscription may be nested, and an unusable format has no size.

@@ -136,7 +136,7 @@ impl Fleet {
             Content::Closing(reason) => {
                 self.remark = Some(format!("the server is closing the connection: {reason}"));
             }
-            Content::Refused(reason) => self.remark = Some(format!("the server refuses: {reason}")),
+            Content::Refused(reason) => self.remark = Some(format!("the server refused a request: {reason}")),
             Content::Unreadable => self.unreadable = self.unreadable.saturating_add(1),
             Content::Other => {}
         }

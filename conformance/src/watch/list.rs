@@ -73,7 +73,7 @@ fn errors(uav: &Uav, codes: &Codes) -> String {
     let Some(state) = &uav.state else { return MISSING_VALUE.to_owned() };
     field(&state.errors, |errors| {
         let mut names: Vec<String> = errors.codes.iter().map(|code| codes.named(*code)).collect();
-        names.extend((errors.invalid > 0).then(|| format!("{} of a wrong type", errors.invalid)));
+        names.extend((errors.invalid > 0).then(|| format!("{} of the wrong type", errors.invalid)));
         names.extend((errors.more > 0).then(|| format!("{} more", errors.more)));
         if names.is_empty() { MISSING_VALUE.to_owned() } else { names.join(", ") }
     })
@@ -100,7 +100,7 @@ mod tests {
         let expected = "\
 ID             SEVERITY  MODE    VOLT  CHARGE  LATITUDE    LONGITUDE   AMSL   AHL  AGL  AGE  ERRORS
 glider-2       -         ?       ?     ?       -           -           -      -    -    0s   -
-glider-10      fatal     loiter  11.6  42%+    50.4980000  -9.9520000  905.0  -    1.5  0s   193 MAG, 66 LOWBAT, 1 of a wrong type
+glider-10      fatal     loiter  11.6  42%+    50.4980000  -9.9520000  905.0  -    1.5  0s   193 MAG, 66 LOWBAT, 1 of the wrong type
 kite\\u{1b}[2J  -         -       -     -       -           -           -      -    -    0s   -
 ";
         assert_eq!(table(&fleet, &Codes::new(&Definitions::built_in()), now), expected);

@@ -151,25 +151,29 @@ impl fmt::Display for Problem {
             Self::NoEnd => formatter
                 .write_str("the file ends without a footer: it is truncated, or its writer didn't finish"),
             Self::AfterEnd { length } => {
-                write!(formatter, "{} bytes follow the end of the file", Grouped(*length))
+                write!(formatter, "{} bytes follow the closing magic bytes", Grouped(*length))
             }
             Self::Skipped { found, length } => {
                 write!(formatter, "{found}; skipped {} bytes", Grouped(*length))
             }
             Self::Unreadable { opcode } => {
-                write!(formatter, "{} is unreadable: it has invalid UTF-8 or a duplicate key", Kind(*opcode))
+                write!(
+                    formatter,
+                    "{} is unreadable: it contains invalid UTF-8 or a duplicate key",
+                    Kind(*opcode)
+                )
             }
             Self::TooLong { opcode, length } => {
                 write!(
                     formatter,
-                    "skipped {} of {} bytes, which exceeds the limit",
+                    "skipped {} of {} bytes, because it exceeds the limit",
                     Kind(*opcode),
                     Grouped(*length)
                 )
             }
             Self::Packing { name } => write!(
                 formatter,
-                "a chunk has the unknown compression `{}`: expected zstd, lz4 or none",
+                "a chunk uses the unknown compression `{}`: expected zstd, lz4 or none",
                 name.escape_debug()
             ),
             Self::Unpack { unpacked, error } => {
@@ -177,7 +181,7 @@ impl fmt::Display for Problem {
             }
             Self::ChunkSize { stated, found, is_more } => write!(
                 formatter,
-                "a chunk has {}{} bytes, but its header says {}",
+                "a chunk contains {}{} bytes, but its header says {}",
                 if *is_more { "more than " } else { "" },
                 Grouped(*found),
                 Grouped(*stated)
@@ -201,7 +205,7 @@ impl fmt::Display for Malformed {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Length { opcode, length } => {
-                write!(formatter, "{} can't have {} bytes", Kind(*opcode), Grouped(*length))
+                write!(formatter, "{} can't be {} bytes long", Kind(*opcode), Grouped(*length))
             }
             Self::Beyond { opcode, length } => {
                 write!(
@@ -212,7 +216,7 @@ impl fmt::Display for Malformed {
                 )
             }
             Self::Parts { opcode } => {
-                write!(formatter, "{} has parts that don't match its length", Kind(*opcode))
+                write!(formatter, "the parts of {} don't match its length", Kind(*opcode))
             }
             Self::Follower { opcode } => {
                 write!(formatter, "{} isn't followed by a valid record", Kind(*opcode))
@@ -238,7 +242,7 @@ impl fmt::Display for Kind {
             op::ATTACHMENT => "an attachment",
             op::STATISTICS => "statistics",
             op::METADATA => "metadata",
-            op::SUMMARY_OFFSET => "an offset of the summary",
+            op::SUMMARY_OFFSET => "a summary offset",
             op::DATA_END => "an end of data",
             opcode => return write!(formatter, "a record of unknown kind {opcode:#04x}"),
         })

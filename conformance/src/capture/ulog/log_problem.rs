@@ -108,14 +108,14 @@ impl fmt::Display for LogProblem {
             }
             Self::FormatChanged { name } => write!(
                 formatter,
-                "format `{}` is repeated with other fields; the first one is used",
+                "format `{}` is declared again with different fields; the first declaration is used",
                 name.escape_debug()
             ),
             Self::LateFormat { name } => {
                 write!(formatter, "format `{}` appears after the definitions section", name.escape_debug())
             }
             Self::TooManyFormats => {
-                write!(formatter, "there are more than {MAX_FORMATS} formats; the others are ignored")
+                write!(formatter, "there are more than {MAX_FORMATS} formats; the rest are ignored")
             }
             Self::TooMuchText => {
                 write!(formatter, "formats and topics take more than {MAX_TEXT} bytes; this one is ignored")
@@ -134,21 +134,24 @@ impl fmt::Display for LogProblem {
             Self::LateSubscription { id, count, first } => {
                 write!(
                     formatter,
-                    "{count} messages of id {id} precede its subscription, the first one at byte {first}"
+                    "{count} messages with id {id} precede its subscription, the first at byte {first}"
                 )
             }
             Self::NotSubscribed { id } => write!(formatter, "id {id} is unsubscribed, but wasn't subscribed"),
-            Self::UnknownId { id } => write!(formatter, "data of id {id}, which isn't subscribed"),
-            Self::Unsubscribed { id } => write!(formatter, "data of id {id}, which was unsubscribed"),
-            Self::MissingFormat { id } => write!(formatter, "data of id {id}, whose topic has no format"),
+            Self::UnknownId { id } => write!(formatter, "data for id {id}, which isn't subscribed"),
+            Self::Unsubscribed { id } => write!(formatter, "data for id {id}, which was unsubscribed"),
+            Self::MissingFormat { id } => write!(formatter, "data for id {id}, whose topic has no format"),
             Self::UnusableFormat { id } => {
-                write!(formatter, "data of id {id}, whose format is invalid")
+                write!(formatter, "data for id {id}, whose format is invalid")
             }
             Self::DataSize { id, padded, no_padding, found } if padded == no_padding => {
-                write!(formatter, "expected {padded} bytes of data of id {id}, found {found}")
+                write!(formatter, "expected {padded} bytes of data for id {id}, found {found}")
             }
             Self::DataSize { id, padded, no_padding, found } => {
-                write!(formatter, "expected {padded} or {no_padding} bytes of data of id {id}, found {found}")
+                write!(
+                    formatter,
+                    "expected {padded} or {no_padding} bytes of data for id {id}, found {found}"
+                )
             }
         }
     }

@@ -24,7 +24,7 @@ pub enum Problem {
     },
     /// A `B` that isn't the first message is ignored.
     FlagBitsNotFirst,
-    /// `B` is longer than the 40 known bytes; the others are ignored.
+    /// `B` is longer than the 40 known bytes; the rest are ignored.
     FlagBitsLonger {
         /// The size of the payload, in bytes.
         size: usize,
@@ -181,7 +181,7 @@ impl fmt::Display for Problem {
                 formatter.write_str("flag bits are ignored unless they are the first message")
             }
             Self::FlagBitsLonger { size } => {
-                write!(formatter, "expected 40 bytes of flag bits, found {size}; the others are ignored")
+                write!(formatter, "expected 40 bytes of flag bits, found {size}; the rest are ignored")
             }
             Self::UnknownIncompatible(bits) => {
                 write!(formatter, "the log uses unsupported features: incompatible bits {bits:02x?}")
@@ -197,25 +197,25 @@ impl fmt::Display for Problem {
             }
             Self::EndsInPayload { kind, size, found } => write!(
                 formatter,
-                "the log is truncated within a message `{}`, after {found} of {size} bytes",
+                "the log is truncated within a `{}` message, after {found} of {size} bytes",
                 kind.escape_ascii()
             ),
             Self::Straddles { appended } => {
                 write!(formatter, "a message is truncated by the data appended at byte {appended}")
             }
             Self::UnknownKind(kind) => {
-                write!(formatter, "messages `{}` are of an unknown kind", kind.escape_ascii())
+                write!(formatter, "`{}` messages are of an unknown kind", kind.escape_ascii())
             }
             Self::Skipped { to, resync } => write!(formatter, "no valid messages up to byte {to}, {resync}"),
             Self::Malformed { kind, size, malformation } => {
                 write!(
                     formatter,
-                    "skipped a message `{}` of {size} bytes: {malformation}",
+                    "skipped a `{}` message of {size} bytes: {malformation}",
                     kind.escape_ascii()
                 )
             }
             Self::InvalidContent { kind, malformation } => {
-                write!(formatter, "message `{}`: {malformation}", kind.escape_ascii())
+                write!(formatter, "`{}` message: {malformation}", kind.escape_ascii())
             }
         }
     }
@@ -226,7 +226,7 @@ impl fmt::Display for Resync {
         formatter.write_str(match self {
             Self::Synchronisation => "where there is a sync message",
             Self::Messages => "where valid messages follow",
-            Self::Appended => "where data was appended",
+            Self::Appended => "where appended data starts",
             Self::End => "the end of the log",
         })
     }
@@ -242,14 +242,14 @@ impl fmt::Display for Malformation {
                 write!(formatter, "expected a key of {length} bytes, found {room} bytes")
             }
             Self::NotUtf8 { at } => write!(formatter, "invalid UTF-8 at byte {at} of its payload"),
-            Self::ValueNotUtf8 => formatter.write_str("its text value is invalid UTF-8"),
+            Self::ValueNotUtf8 => formatter.write_str("its string value is invalid UTF-8"),
             Self::NoColon => formatter.write_str("expected a name and a colon"),
             Self::NoType => formatter.write_str("expected a type, a space and a name"),
             Self::NoName => formatter.write_str("its name is empty"),
             Self::ValueSize { expected, found } => {
                 write!(formatter, "expected a value of {expected} bytes, found {found}")
             }
-            Self::SyncMagic => formatter.write_str("expected the magic of a sync message"),
+            Self::SyncMagic => formatter.write_str("expected the magic bytes of a sync message"),
         }
     }
 }

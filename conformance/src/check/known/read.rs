@@ -169,7 +169,7 @@ impl Reader<'_> {
         if text.is_none() {
             let message =
                 format!("`{}`: expected a string, found type {}", key.get_ref(), value.get_ref().type_str());
-            self.mistake("known-type", span, message, "put it in quotes");
+            self.mistake("known-type", span, message, "put the value in quotes");
         }
         text.map(|text| (text, span))
     }
@@ -197,7 +197,7 @@ impl Reader<'_> {
                     "known-selector",
                     span,
                     message,
-                    "add the `rule` that it restricts, or remove it",
+                    "add the `rule` that the key restricts, or remove the key",
                 );
             }
         }
@@ -221,7 +221,7 @@ impl Reader<'_> {
                 Some((Selector::Case(case), span))
             }
             (Some(_), Some((_, span))) => {
-                let help = "remove one of them: an entry is for a rule or for cases";
+                let help = "remove one of them: an entry applies to either a rule or cases";
                 self.mistake("known-selector", span, "`case` and `rule` in one entry", help);
                 None
             }

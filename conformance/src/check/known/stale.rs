@@ -181,7 +181,7 @@ impl Lists {
                 let expected = entry.message.as_deref()?;
                 let message =
                     format!("the message differs: expected {expected:?} at the start, found {found:?}");
-                let help = "investigate the failure; if it is known as well, update the message";
+                let help = "investigate the failure; if this failure is known too, update the message";
                 ("known-fails-otherwise", spans.message?, message, help)
             }
             StaleReason::MatchesNothing => {

@@ -52,7 +52,7 @@ impl Schemas {
             Some(known) if known.digest == digest => return Ok(()),
             Some(_) => {
                 return Err(format!(
-                    "schema {id} is declared again with other content; the first one is used"
+                    "schema {id} is declared again with different content; the first declaration is used"
                 ));
             }
             None => {}
@@ -68,8 +68,8 @@ impl Schemas {
             return Ok(());
         }
         Err(format!(
-            "schema {id} is too long to be compared: it has {} bytes, but the limit is {MAX_SCHEMA} bytes, \
-             and {MAX_SCHEMAS} for all schemas",
+            "schema {id} is too long to compare: it has {} bytes; the limit is {MAX_SCHEMA} bytes per \
+             schema and {MAX_SCHEMAS} bytes in total",
             text.len()
         ))
     }

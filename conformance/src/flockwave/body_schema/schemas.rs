@@ -93,8 +93,8 @@ impl Schemas {
                 }
             }
             if !is_any {
-                let problem = "no file `*.json` in this folder is the schema of a message: add a `const` or an `enum` to \
-                            its `properties.type`, or name it after the type, e.g. `SYS-VER.json`";
+                let problem = "no `*.json` file in this folder is a message schema: add a `const` or an `enum` to the \
+                            `properties.type` of a schema, or name the file after the type, e.g. `SYS-VER.json`";
                 return Err(SchemaError {
                     path: folder.clone(),
                     location: String::new(),
@@ -110,7 +110,7 @@ impl Schemas {
         if let Some(other) = known.iter().find(|other| other.direction == schema.direction) {
             let direction = schema.direction.map_or(String::new(), |direction| format!(" of a {direction}"));
             let problem = format!(
-                "{} is a schema for the body{direction} of {type_name} as well: remove one of them, or add the \
+                "{} is also a schema for the body{direction} of {type_name}: remove one of the files, or add the \
                  direction to their names",
                 other.file.display()
             );
@@ -181,8 +181,9 @@ impl Files {
         for entry in WalkDir::new(folder).sort_by_file_name() {
             let entry = entry.map_err(|error| {
                 let path = error.path().unwrap_or(folder).to_owned();
-                let error =
-                    error.io_error().map_or_else(|| "a link forms a loop".to_owned(), ToString::to_string);
+                let error = error
+                    .io_error()
+                    .map_or_else(|| "a symbolic link forms a loop".to_owned(), ToString::to_string);
                 at(&path, format!("can't be read: {error}"))
             })?;
             let path = entry.path();

@@ -127,7 +127,7 @@ impl Connection {
                 Head::Partial => {}
             }
             if self.buffer.len() > HEAD_LIMIT {
-                let reason = format!("the head of the request is longer than {HEAD_LIMIT} bytes");
+                let reason = format!("the request head is longer than {HEAD_LIMIT} bytes");
                 return Ok(Incoming::Refused(Response::refusal(
                     "431 Request Header Fields Too Large",
                     reason,
@@ -245,7 +245,7 @@ fn parse_head(bytes: &[u8]) -> Head {
 
 fn body_length(request: &Request) -> Result<usize, Response> {
     if request.header("transfer-encoding").is_some() {
-        return Err(Response::refusal("411 Length Required", "the body must have a Content-Length"));
+        return Err(Response::refusal("411 Length Required", "the request must have a Content-Length"));
     }
     let mut lengths =
         request.headers.iter().filter(|(name, _)| name == "content-length").map(|(_, value)| value);

@@ -114,7 +114,8 @@ fn limits_the_depth_of_reading_but_not_of_skipping() {
         for [open, close] in [["[", "]"], ["{\"a\":[", "]}"]] {
             let levels = depth / open.bytes().filter(|byte| matches!(byte, b'{' | b'[')).count();
             let text = open.repeat(levels) + &close.repeat(levels);
-            let is_too_deep = Tree::read(&text).is_err_and(|error| error.problem == "values nest too deep");
+            let is_too_deep =
+                Tree::read(&text).is_err_and(|error| error.problem == "values are nested too deeply");
             assert_eq!(is_too_deep, !is_readable, "{depth}");
             assert!(skips(&text), "{depth}");
         }

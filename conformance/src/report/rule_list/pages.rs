@@ -110,7 +110,7 @@ fn overview(rows: &[Row]) -> OutputFile {
     let mut page = Page::with_notice(NOTICE, OVERVIEW, "Conformance");
     page.block(
         "`uavspec check` checks captures with these rules, and `uavspec test` checks codecs. Data that violates a MUST \
-         does not conform. A violation of a SHOULD is a warning. An INFO is only shown.",
+         does not conform. A violation of a SHOULD is a warning. An INFO is informational and never affects the result.",
     );
     page.heading(2, "Rules");
     let columns = ["Rule", "Level", "Statement", "Applies to"].map(text_column);
@@ -127,7 +127,7 @@ fn overview(rows: &[Row]) -> OutputFile {
     page.heading(2, "Mutants");
     page.block(
         "A mutant is a conforming capture with one change that violates a rule. Tests check that the rule finds each \
-         of its mutants, that no other rules than those listed find it, and that no rule finds anything in the unchanged \
+         of its mutants, that only the listed rules find it, and that no rule finds anything in the unchanged \
          capture.",
     );
     page.table(&matrix(rows));

@@ -88,7 +88,7 @@ fn session(shared: &Shared, request: &Request) -> Result<Arc<Session>, Response>
         Some(sid) => {
             let session = shared.sessions.find(sid).ok_or_else(|| refused("unknown session"))?;
             let is_same = session.revision() == revision;
-            if is_same { Ok(session) } else { Err(refused("the session uses another revision")) }
+            if is_same { Ok(session) } else { Err(refused("the session uses a different revision")) }
         }
         None if request.method == "GET" => {
             let opened = shared.sessions.open(shared, revision);

@@ -154,7 +154,7 @@ fn await_operations(outbox: &Outbox, answer: &mut ParsedAnswer) {
                     &mut pending,
                     receipt,
                     "error",
-                    json!("the operation waits for the client; connect over TCP to resume it"),
+                    json!("the operation is waiting for the client; connect over TCP to resume it"),
                 );
             }
             "ASYNC-TIMEOUT" => {

@@ -49,13 +49,13 @@ pub(super) const ONE_ANSWER_EACH: Check = Check {
 pub(super) const IDS_OF_ANY_SIZE: Check = Check {
     id: "ids-of-any-size",
     statement: "ids may be any integers within ±2^53",
-    help: "store ids as signed 64-bit integers, as 64-bit floats, or as unparsed JSON",
+    help: "store ids as signed 64-bit integers, 64-bit floats or unparsed JSON",
     attempt: ids_of_any_size,
 };
 
 pub(super) const QUESTIONS_IN_ONE_WRITE: Check = Check {
     id: "questions-in-one-write",
-    statement: "several requests in one write all get responses",
+    statement: "every request in a single write gets a response",
     help: "read input line by line; one system read may return many lines",
     attempt: questions_in_one_write,
 };
@@ -70,14 +70,14 @@ pub(super) const QUESTION_IN_MANY_WRITES: Check = Check {
 pub(super) const LONG_QUESTION: Check = Check {
     id: "long-question",
     statement: "a request of 1 MiB gets a response",
-    help: "let the line buffer grow up to 16 MiB; \"rejected\" is a valid response",
+    help: "accept lines of up to 16 MiB; \"rejected\" is a valid response",
     attempt: long_question,
 };
 
 pub(super) const ONLY_ANSWERS: Check = Check {
     id: "only-answers",
     statement: "standard output contains responses only",
-    help: "write logs to standard error; uavspec shows the end of it if the testee fails",
+    help: "write logs to standard error; uavspec shows the last lines if the testee fails",
     attempt: only_answers,
 };
 
@@ -159,7 +159,7 @@ fn question_in_many_writes(bench: &mut Bench<'_>) -> CheckOutcome {
 
 fn long_question(bench: &mut Bench<'_>) -> CheckOutcome {
     let Some(case) = bench.known_case(|case| case.input != Input::Nothing).cloned() else {
-        return CheckOutcome::NotApplicable("no supported op has an input for a supported type".to_owned());
+        return CheckOutcome::NotApplicable("no supported op can be tested with a supported type".to_owned());
     };
     bench.run(|bench, session| {
         let (id, mut request) = session.request(&case);

@@ -8,7 +8,7 @@ const NUM_CASES: usize = 8;
 pub(super) const ANSWERS_BEFORE_END: Check = Check {
     id: "answers-before-end",
     statement: "requests sent before standard input closes get responses",
-    help: "process all lines up to the end of the input, write and flush all responses, and exit then",
+    help: "process all lines up to the end of the input, write and flush all responses, then exit",
     attempt: answers_before_end,
 };
 

@@ -24,7 +24,7 @@ pub(super) const UNKNOWN_TYPE: Check = Check {
 pub(super) const UNKNOWN_FORMAT: Check = Check {
     id: "unknown-format",
     statement: "an unknown format gets `unsupported` or `error`",
-    help: "compare \"format\" with each known name; don't treat all other names as the last known one",
+    help: "compare \"format\" with every known name; don't fall back to a known format for unknown names",
     attempt: unknown_format,
 };
 
@@ -54,7 +54,7 @@ fn unknown_type(bench: &mut Bench<'_>) -> CheckOutcome {
 
 fn unknown_format(bench: &mut Bench<'_>) -> CheckOutcome {
     let Some(case) = bench.known_case(|case| case.format.is_some()).cloned() else {
-        return CheckOutcome::NotApplicable("no supported op has a format for a supported type".to_owned());
+        return CheckOutcome::NotApplicable("no supported op uses a format with a supported type".to_owned());
     };
     bench.run(|_, session| refuses(session, &case, &["format"], Some(&"morse".into())))
 }
@@ -68,7 +68,7 @@ fn missing_member(bench: &mut Bench<'_>) -> CheckOutcome {
         }
     }
     if cases.is_empty() {
-        return CheckOutcome::NotApplicable("the testee supports no type of the definitions".to_owned());
+        return CheckOutcome::NotApplicable("the testee supports none of the defined types".to_owned());
     }
     bench.run(|_, session| {
         cases.iter().try_for_each(|case| {

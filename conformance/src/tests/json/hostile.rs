@@ -40,7 +40,7 @@ fn reports_unreadable_lines_and_continues() {
         let result = check_bytes(deep.as_bytes());
         assert_eq!(result.checked, 2);
         assert!(
-            corruption(&result)[0].starts_with("line 2: invalid JSON: values nest too deep"),
+            corruption(&result)[0].starts_with("line 2: invalid JSON: values are nested too deeply"),
             "{result:?}"
         );
     }

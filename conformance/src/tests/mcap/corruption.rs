@@ -43,17 +43,17 @@ fn skips_invalid_records() {
     let before = [start(), declarations(), gliders(1..=2)].concat();
     let huge = |opcode: u8| [&[opcode][..], &(1_u64 << 60).to_le_bytes(), &[7; 30]].concat();
     for (violated, message) in [
-        (vec![0; 50], "a record of unknown kind 0x00 can't have 0 bytes; skipped 50 bytes"),
-        (huge(5), "a message can't have 1,152,921,504,606,846,976 bytes; skipped 39 bytes"),
-        (huge(3), "a schema can't have 1,152,921,504,606,846,976 bytes; skipped 39 bytes"),
-        (huge(6), "a chunk has parts that don't match its length; skipped 39 bytes"),
-        (huge(9), "an attachment has parts that don't match its length; skipped 39 bytes"),
+        (vec![0; 50], "a record of unknown kind 0x00 can't be 0 bytes long; skipped 50 bytes"),
+        (huge(5), "a message can't be 1,152,921,504,606,846,976 bytes long; skipped 39 bytes"),
+        (huge(3), "a schema can't be 1,152,921,504,606,846,976 bytes long; skipped 39 bytes"),
+        (huge(6), "the parts of a chunk don't match its length; skipped 39 bytes"),
+        (huge(9), "the parts of an attachment don't match its length; skipped 39 bytes"),
         (
             huge(0x99),
-            "a record of unknown kind 0x99 can't have 1,152,921,504,606,846,976 bytes; skipped 39 bytes",
+            "a record of unknown kind 0x99 can't be 1,152,921,504,606,846,976 bytes long; skipped 39 bytes",
         ),
-        (record(2, &[&[0; 20]]), "a footer has parts that don't match its length; skipped 29 bytes"),
-        (record(4, &[&[9; 40]]), "a channel has parts that don't match its length; skipped 49 bytes"),
+        (record(2, &[&[0; 20]]), "the parts of a footer don't match its length; skipped 29 bytes"),
+        (record(4, &[&[9; 40]]), "the parts of a channel don't match its length; skipped 49 bytes"),
         (
             [&[5][..], &5_000_u64.to_le_bytes(), &[3, 0, 1, 1]].concat(),
             "a message of 5,000 bytes is longer than the rest of the file; skipped 13 bytes",
@@ -91,14 +91,14 @@ fn skips_corrupt_chunks() {
     let spoiled = [&inner[..], &[5, 255, 255, 255, 255, 255, 255, 255, 127, 1, 2]].concat();
     let whole = (packed.len() as u64, &packed[..]);
     let (short, long) = (length - 9, length + 9);
-    let bytes_left = format!("a chunk has {length} bytes, but its header says {long}");
+    let bytes_left = format!("a chunk contains {length} bytes, but its header says {long}");
     let wrong = format!(
         "a chunk has the checksum {checksum:08x}, but its header says 00000007: its content was changed"
     );
     for (violated, message, count) in [
         (
             raw_chunk("brotli", length, checksum, whole.0, whole.1),
-            "a chunk has the unknown compression `brotli`: expected zstd, lz4 or none",
+            "a chunk uses the unknown compression `brotli`: expected zstd, lz4 or none",
             3,
         ),
         (raw_chunk("zstd", length, 7, whole.0, whole.1), &wrong, 6),
@@ -118,12 +118,12 @@ fn skips_corrupt_chunks() {
         (chunk(Form::Lz4, &spoiled), "a chunk has no valid record after 321 bytes", 6),
         (
             raw_chunk("zstd", length, checksum, whole.0 + 5, whole.1),
-            "a chunk has parts that don't match its length; ",
+            "the parts of a chunk don't match its length; ",
             3,
         ),
         (
             raw_chunk("", length + 1, checksum, length, &inner),
-            "a chunk has parts that don't match its length; ",
+            "the parts of a chunk don't match its length; ",
             6,
         ),
     ] {
@@ -177,17 +177,17 @@ fn reports_contradicting_declarations() {
         glider(1),
         end(),
     ];
-    let unreadable = "a channel is unreadable: it has invalid UTF-8 or a duplicate key (2 times)";
+    let unreadable = "a channel is unreadable: it contains invalid UTF-8 or a duplicate key (2 times)";
     let expected = [
-        (2, "channel 3 is declared again with other content; the first one is used"),
-        (3, "schema 1 is declared again with other content; the first one is used"),
+        (2, "channel 3 is declared again with different content; the first declaration is used"),
+        (3, "schema 1 is declared again with different content; the first declaration is used"),
         (4, "a schema has the reserved id 0"),
         (5, "a message refers to channel 4, which isn't declared before it"),
         (6, "channel 8 refers to schema 77, which isn't declared before it"),
         (
             7,
-            "schema 9 is too long to be compared: it has 1048577 bytes, but the limit is 1048576 bytes, and \
-             8388608 for all schemas",
+            "schema 9 is too long to compare: it has 1048577 bytes; the limit is 1048576 bytes per schema \
+             and 8388608 bytes in total",
         ),
         (8, "channel 10: the topic or the encoding is longer than 256 bytes"),
         (9, unreadable),
@@ -209,12 +209,12 @@ fn reports_missing_headers_and_footers() {
     no_magic.truncate(no_magic.len() - 3);
     assert_corruption(
         &[start(), body.clone(), no_magic[..42].to_vec(), no_magic[42..].to_vec()],
-        &[(3, ends_early), (3, "5 bytes follow the end of the file")],
+        &[(3, ends_early), (3, "5 bytes follow the closing magic bytes")],
         1,
     );
     assert_corruption(
         &[start(), body.clone(), end(), vec![0; 7]],
-        &[(3, "7 bytes follow the end of the file")],
+        &[(3, "7 bytes follow the closing magic bytes")],
         1,
     );
     let mut checksum = crc32fast::Hasher::new();

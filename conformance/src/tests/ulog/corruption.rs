@@ -157,7 +157,7 @@ fn reads_sections_in_the_wrong_order() {
     let (found, records) = problems(&swapped);
     assert_eq!(records, 0);
     assert_eq!(found.iter().filter(|found| found.contains("which isn't subscribed")).count(), 120);
-    assert_eq!(found.iter().filter(|found| found.contains("6 messages of id")).count(), 20);
+    assert_eq!(found.iter().filter(|found| found.contains("6 messages with id")).count(), 20);
 }
 
 #[test]

@@ -24,15 +24,15 @@ fn reports_data_without_a_type() {
     let between = log.data(1, &[0; 14]);
     let longer = log.data(1, &[0; 17]);
     log.data(1, &[0; 12]);
-    let size = |found| format!("expected 16 or 12 bytes of data of id 1, found {found}");
+    let size = |found| format!("expected 16 or 12 bytes of data for id 1, found {found}");
     check(
         &log.bytes,
         &[
-            (early, "data of id 2, which isn't subscribed"),
-            (again, "data of id 2, which isn't subscribed"),
-            (late, &format!("2 messages of id 2 precede its subscription, the first one at byte {early}")),
-            (missing, "data of id 3, whose topic has no format"),
-            (gone, "data of id 1, which was unsubscribed"),
+            (early, "data for id 2, which isn't subscribed"),
+            (again, "data for id 2, which isn't subscribed"),
+            (late, &format!("2 messages with id 2 precede its subscription, the first at byte {early}")),
+            (missing, "data for id 3, whose topic has no format"),
+            (gone, "data for id 1, which was unsubscribed"),
             (twice, "id 1 is unsubscribed, but wasn't subscribed"),
             (same, "id 1 is subscribed again"),
             (other, "id 1 changes from `wind` 0 to `wind` 1"),
@@ -69,14 +69,14 @@ fn reports_unusable_and_late_formats() {
     check(
         &log.bytes,
         &[
-            (changed, "format `good` is repeated with other fields; the first one is used"),
+            (changed, "format `good` is declared again with different fields; the first declaration is used"),
             (own, "format `self` contains itself"),
             (waits, "format `waits` has the field `a` with the unknown type `later`"),
-            (recursive, "data of id 1, whose format is invalid"),
-            (waiting, "data of id 2, whose format is invalid"),
+            (recursive, "data for id 1, whose format is invalid"),
+            (waiting, "data for id 2, whose format is invalid"),
             (later, "format `later` appears after the definitions section"),
             (more, "format `more` appears after the definitions section"),
-            (recursive_still, "data of id 1, whose format is invalid"),
+            (recursive_still, "data for id 1, whose format is invalid"),
             (unused, "format `unused` appears after the definitions section"),
             (unused, "format `unused` has the field declaration `what is it`, expected a type and a name"),
         ],
@@ -91,7 +91,7 @@ fn stores_a_bounded_number_of_formats() {
         log.format(&format!("f{index}:uint8_t a;"));
     }
     let more = log.format("more:uint8_t a;");
-    check(&log.bytes, &[(more, "there are more than 8192 formats; the others are ignored")]);
+    check(&log.bytes, &[(more, "there are more than 8192 formats; the rest are ignored")]);
 
     let mut log = Writer::with_flags();
     let text = "x".repeat(60_000);
@@ -115,5 +115,5 @@ fn stores_a_bounded_number_of_formats() {
     let found = problems(&log.bytes).0;
     let problem = "too many formats appear after the definitions section; later ones are ignored";
     assert_eq!(found.iter().filter(|found| found.ends_with(problem)).count(), 1, "{found:?}");
-    assert!(found.last().is_some_and(|last| last.ends_with("data of id 29, whose format is invalid")));
+    assert!(found.last().is_some_and(|last| last.ends_with("data for id 29, whose format is invalid")));
 }

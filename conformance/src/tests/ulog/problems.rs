@@ -100,7 +100,7 @@ fn reports_or_refuses_unknown_flag_bits() {
     let mut log = Writer::new(1);
     log.flag_bits([0; 8], [0; 3], 5);
     log.sync();
-    check(&log.bytes, &[(16, "expected 40 bytes of flag bits, found 45; the others are ignored")]);
+    check(&log.bytes, &[(16, "expected 40 bytes of flag bits, found 45; the rest are ignored")]);
     let mut log = Writer::new(1);
     log.flag_bits([1, 0, 4, 0, 0, 0, 0, 0], [0; 3], 0);
     log.sync();
@@ -117,7 +117,7 @@ fn reports_a_log_that_ends_within_a_message() {
     let bytes = &log.bytes;
     check(
         &bytes[..bytes.len() - 1],
-        &[(last, "the log is truncated within a message `D`, after 17 of 18 bytes")],
+        &[(last, "the log is truncated within a `D` message, after 17 of 18 bytes")],
     );
     let cut = usize::try_from(last).expect("an offset") + 2;
     check(&bytes[..cut], &[(last, "the log is truncated within a message header, after 2 of 3 bytes")]);
@@ -182,7 +182,7 @@ fn reports_data_lost_before_appended_data() {
     let noise = log.offset();
     log.bytes.resize(100, 0xff);
     log.dropout(1);
-    check(&log.bytes, &[(noise, "no valid messages up to byte 100, where data was appended")]);
+    check(&log.bytes, &[(noise, "no valid messages up to byte 100, where appended data starts")]);
 }
 
 #[test]
@@ -198,7 +198,7 @@ fn reports_unknown_kinds_once_with_a_count() {
     log.message(b'x', &[b"at the end"]);
     check(
         &log.bytes,
-        &[(first, "messages `x` are of an unknown kind"), (other, "messages `\\xc4` are of an unknown kind")],
+        &[(first, "`x` messages are of an unknown kind"), (other, "`\\xc4` messages are of an unknown kind")],
     );
     assert_eq!(problems(&log.bytes).1, 4);
     let mut reader = Reader::new(&log.bytes[..]);
@@ -219,7 +219,7 @@ fn drops_malformed_messages() {
         (b'A', b"\x00\x01\x00\xff", "invalid UTF-8 at byte 3 of its payload"),
         (b'L', b"6\0\0", "expected at least 9 bytes, found 3"),
         (b'O', b"", "expected at least 2 bytes, found 0"),
-        (b'S', b"8 bytes.", "expected the magic of a sync message"),
+        (b'S', b"8 bytes.", "expected the magic bytes of a sync message"),
     ];
     for (kind, payload, text) in cases {
         let mut log = definitions();
@@ -227,7 +227,7 @@ fn drops_malformed_messages() {
         log.data(1, &[0; 16]);
         log.data(1, &[0; 16]);
         let kind = char::from(kind);
-        check(&log.bytes, &[(at, &format!("skipped a message `{kind}` of {} bytes: {text}", payload.len()))]);
+        check(&log.bytes, &[(at, &format!("skipped a `{kind}` message of {} bytes: {text}", payload.len()))]);
     }
 }
 
@@ -243,9 +243,9 @@ fn returns_unusual_messages_with_a_problem() {
     check(
         &log.bytes,
         &[
-            (value, "message `I`: expected a value of 4 bytes, found 5"),
-            (text, "message `I`: its text value is invalid UTF-8"),
-            (line, "message `L`: invalid UTF-8 at byte 12 of its payload"),
+            (value, "`I` message: expected a value of 4 bytes, found 5"),
+            (text, "`I` message: its string value is invalid UTF-8"),
+            (line, "`L` message: invalid UTF-8 at byte 12 of its payload"),
         ],
     );
     let mut reader = Reader::new(&log.bytes[..]);
@@ -282,7 +282,7 @@ fn loses_no_messages_after_a_wrong_size() {
     check(
         &log.bytes,
         &[
-            (wrong, "expected 16 or 12 bytes of data of id 1, found 15"),
+            (wrong, "expected 16 or 12 bytes of data for id 1, found 15"),
             (next - 1, &format!("no valid messages up to byte {next}, where valid messages follow")),
         ],
     );

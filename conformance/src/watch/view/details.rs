@@ -167,7 +167,8 @@ fn describe_errors(scene: &Scene<'_>, errors: &Errors, width: usize) -> Vec<Line
         lines.extend(meaning.into_iter().map(|part| Line::raw(format!("{:8}{part}", ""))));
     }
     if errors.invalid > 0 || errors.more > 0 {
-        let text = format!("{INVALID_VALUE}: {} of a wrong type, {} not shown", errors.invalid, errors.more);
+        let text =
+            format!("{INVALID_VALUE}: {} of the wrong type, {} not shown", errors.invalid, errors.more);
         lines.extend(labelled("errors", &text, width));
     }
     lines

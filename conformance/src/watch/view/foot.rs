@@ -18,11 +18,11 @@ const KEYS: [(&str, &str); 8] = [
     ("", ""),
     (
         "",
-        "A dash means that the UAV doesn't report the value, and ? that the value has a wrong type. A plus after \
+        "A dash means that the UAV doesn't report the value; ? means that the value has the wrong type. A plus after \
           the charge means that the battery is charging. AMSL, AHL and AGL are altitudes in metres above mean sea \
           level, the home position and the ground. AGE is the time since the last state; UAVs are dimmed after 10 \
           seconds. F, E, W and i are the severity of the most severe error code: fatal, error, warning or info. \
-          The meaning of this code follows the codes.",
+          The description of this code is shown after the list of codes.",
     ),
 ];
 

@@ -202,14 +202,14 @@ fn shows_all_details_of_a_uav() {
         "fatal   193 MAG",
         "        Magnetometer fault.",
         "info    1 GROUND",
-        "errors       ?: 1 of a wrong type, 0 not shown",
+        "errors       ?: 1 of the wrong type, 0 not shown",
         "q quit  Esc back  ↑↓ scroll  ? help",
     ] {
         assert!(lines.iter().any(|shown| shown == line), "{line}\n{}", lines.join("\n"));
     }
     watched.press(&[KeyCode::PageDown, KeyCode::PageDown, KeyCode::PageDown]);
     let end = watched.lines(40, 12);
-    assert_eq!(end[10], "             shown", "{}", end.join("\n"));
+    assert_eq!(end[10], "             not shown", "{}", end.join("\n"));
     watched.receive(r#"{"type": "OBJ-DEL", "ids": ["glider-2"]}"#);
     assert!(watched.draw(80, 40, true, 2).has("glider-2 has left the fleet"));
 }
@@ -242,7 +242,7 @@ fn shows_server_errors_and_keeps_known_states() {
     for text in [
         "lost, retry in 3 s",
         "reset\\u{1b}[0m by peer",
-        "the server refuses: log in\\u{7} first",
+        "the server refused a request: log in\\u{7} first",
         "1 unreadable message",
         "glider-1",
     ] {

@@ -33,12 +33,12 @@ error[known-selector]: `case` and `rule` in one entry
   --> known.toml:11:8
    |
 11 | case = "decode-cdr/*"
-   |        ^^^^^^^^^^^^^^ remove one of them: an entry is for a rule or for cases
+   |        ^^^^^^^^^^^^^^ remove one of them: an entry applies to either a rule or cases
 error[known-type]: `reason`: expected a string, found type integer
   --> known.toml:12:10
    |
 12 | reason = 7
-   |          ^ put it in quotes
+   |          ^ put the value in quotes
 error[known-date]: `expires`: expected a date
   --> known.toml:13:11
    |
@@ -58,12 +58,12 @@ error[known-selector]: `subject` without `rule`
   --> known.toml:16:11
    |
 16 | subject = "["
-   |           ^^^ add the `rule` that it restricts, or remove it
+   |           ^^^ add the `rule` that the key restricts, or remove the key
 error[known-selector]: `file` without `rule`
   --> known.toml:17:8
    |
 17 | file = "*.ulg"
-   |        ^^^^^^^ add the `rule` that it restricts, or remove it
+   |        ^^^^^^^ add the `rule` that the key restricts, or remove the key
 error[known-type]: `link` contains a line break or another control character
   --> known.toml:18:8
    |

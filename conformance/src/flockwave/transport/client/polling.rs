@@ -105,7 +105,7 @@ impl Opening {
                     Ok(None)
                 }
                 Some(socketio::Packet::Refusal(reason)) => {
-                    Err(invalid(format!("the server refuses the namespace: {reason}")))
+                    Err(invalid(format!("the server refused the namespace: {reason}")))
                 }
                 _ if self.early.len() < EARLY_LIMIT => {
                     self.early.push_back(packet.clone());
