@@ -1,4 +1,4 @@
-//! Characters that are not allowed in definitions and pages: they end lines in other tools, or hide text.
+//! Characters that are not allowed in definitions and pages, because they end lines in other tools or hide text.
 
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::span::Span;
@@ -40,7 +40,7 @@ pub(crate) fn check_invisible(line: &str, span: Span, diagnostics: &mut Vec<Diag
     }
 }
 
-/// Reports all disallowed characters in a line. A line of plain ASCII and tabs costs one pass over its bytes.
+/// Reports all disallowed characters in a line. A line of plain ASCII and tabs takes a single pass over its bytes.
 pub(crate) fn check(line: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
     if line.bytes().all(|byte| matches!(byte, b'\t' | b' '..=b'~')) {
         return;

@@ -84,12 +84,12 @@ impl Diagnostic {
     }
 }
 
-/// True if `diagnostics` contain an error, so no output is written.
+/// True if `diagnostics` contains an error. No output is written in this case.
 pub fn has_errors(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.iter().any(|diagnostic| diagnostic.level() == Level::Error)
 }
 
-/// Facts about all problems of one kind. In the templates, `{name}` is a placeholder.
+/// The facts shared by all problems of one kind. In the templates, `{name}` is a placeholder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProblemKind {
     /// The permanent identifier.
@@ -106,7 +106,7 @@ pub struct ProblemKind {
 macro_rules! problems {
     ($($(#[$doc:meta])* $kind:ident $({ $($field:ident: $type:ty),* })? = $level:ident $code:literal
         $message:literal, $hint:literal;)*) => {
-        /// A problem, with the values for its message.
+        /// A problem, with the values to insert into its message.
         #[derive(Clone, Debug, PartialEq)]
         #[allow(missing_docs)] // the messages name the fields
         pub enum Problem {
@@ -125,7 +125,7 @@ macro_rules! problems {
             /// The permanent identifiers of all problems.
             pub const CODES: &[&str] = &[$($code),*];
 
-            /// The severity of each problem, in the order of [`Problem::CODES`].
+            /// The severity of each problem, in the same order as [`Problem::CODES`].
             pub const LEVELS: &[Level] = &[$(Level::$level),*];
 
             /// The permanent identifier.
@@ -376,7 +376,7 @@ problems! {
     MisplacedAnnotation { annotation: &'static str, type_name: String } = Warning "misplaced-annotation"
         "`{annotation}` does not apply to `{type_name}`", "correct the type, or remove the annotation";
 
-    // Catalogues of translations
+    // Translation catalogues
     MalformedCatalogue { what: &'static str } = Error "malformed-catalogue"
         "{what}", "write each entry as `msgctxt`, `msgid` and `msgstr`, each followed by strings in quotes";
     CatalogueHeader = Error "catalogue-header"

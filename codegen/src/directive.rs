@@ -1,4 +1,4 @@
-//! Directives in comments: `uavspec:ignore RULE reason` tells [`lint`](crate::lint) to ignore a finding.
+//! Directives in comments: `uavspec:ignore RULE reason` makes [`lint`](crate::lint) ignore a finding.
 
 use crate::span::Span;
 
@@ -19,8 +19,8 @@ pub struct Directive<'s> {
     pub span: Span,
 }
 
-/// Finds the directive in `text`, which is located at `span`. Also returns the start of the directive's own comment
-/// within the text. The directive extends to the end of the line.
+/// Finds the directive in `text`, which is located at `span`. Also returns the position in the text where the
+/// directive's comment starts. The directive extends to the end of the line.
 pub(crate) fn find(text: &str, span: Span) -> Option<(Directive<'_>, usize)> {
     let at = text.find(MARK)?;
     let words = &text[at + MARK.len()..];

@@ -34,8 +34,8 @@ pub use self::emitter::{Emitter, Input};
 pub(crate) use self::emitter::{Others, Output, Table};
 pub use self::file::{GENERATED_BY, OutputFile};
 
-/// All emitters. A row has the name used as a key of `output` in the configuration and with `--emit`, a short
-/// description, and the option keys with their meanings.
+/// All emitters. Each row has a name, a short description, and the option keys with their meanings. The name is a key
+/// of `output` in the configuration and a value of `--emit`.
 #[cfg(feature = "files")]
 pub const EMITTERS: &[Emitter] = &[
     Emitter::new::<RustOptions>(
@@ -82,7 +82,7 @@ pub(crate) fn emitter(name: &str) -> Result<&'static Emitter, String> {
     })
 }
 
-/// Options of the Rust emitter. A build without the feature `rust` accepts no options for it.
+/// Options of the Rust emitter. A build without the `rust` feature accepts no options for this emitter.
 #[cfg(all(feature = "files", feature = "rust"))]
 type RustOptions = rust::Options;
 #[cfg(all(feature = "files", not(feature = "rust")))]

@@ -27,8 +27,8 @@ pub(crate) const TRANSLATED: Example = Example {
 /// The package of PX4 examples.
 const PACKAGE: &str = "demo";
 
-/// Adds the definitions among `files` (path and text) to `sources`, and returns their packages. Displayed paths start
-/// with `folder`.
+/// Adds the definitions in `files` (path and text) to `sources`, and returns their packages. Displayed paths start with
+/// `folder`.
 pub fn packages<'f>(
     files: impl IntoIterator<Item = (&'f str, &'f str)>,
     folder: &str,
@@ -50,7 +50,7 @@ pub fn packages<'f>(
     packages
 }
 
-/// Adds the catalogues among `files` to `sources`, like [`packages`].
+/// Adds the catalogues in `files` to `sources`, like [`packages`].
 pub fn catalogues<'f>(
     files: impl IntoIterator<Item = (&'f str, &'f str)>,
     folder: &str,

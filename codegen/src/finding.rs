@@ -1,4 +1,4 @@
-//! Findings of rules in definitions, shared by `lint` and `breaking`.
+//! Violations that rules find in definitions, shared by `lint` and `breaking`.
 //!
 //! A [`Diagnostic`] is a problem in reading a definition; a finding may also concern style. [`render`](crate::render)
 //! formats findings for people, [`report`](crate::report) for programs.
@@ -27,7 +27,8 @@ pub struct Finding {
     pub message: String,
     /// The advice or the consequence.
     pub help: String,
-    /// The location. In a comparison: the location in the new version, or of the enclosing item if it was removed.
+    /// The location. In a comparison, this is the location in the new version. If the item was removed, it is the
+    /// location of the enclosing item.
     pub span: Span,
     /// The compared locations.
     pub sides: Option<Sides>,
@@ -56,7 +57,7 @@ pub struct Edit {
 }
 
 impl Finding {
-    /// Creates a finding with only the required fields.
+    /// Creates a finding that has only the required fields.
     pub fn new(rule: &'static str, level: Level, span: Span, message: impl Into<String>) -> Self {
         Self {
             rule,

@@ -1,7 +1,7 @@
 //! The formatter for definitions and for pages with error-code tables. It maps text to text.
 //!
-//! Formatting never changes the meaning. Each result is parsed again. If the parsed model or a comment differs, or a
-//! second run would produce another text, the source is left unchanged.
+//! Formatting never changes the meaning. Each result is parsed again. If the parsed model or a comment differs, or if
+//! formatting the result again would change it, the source is left unchanged.
 
 mod aligned;
 mod comment;
@@ -19,12 +19,12 @@ use crate::source::{SourceId, SourceMap};
 pub struct Formatted {
     /// The formatted text.
     pub text: String,
-    /// True if the source was left unchanged because formatting would have changed its meaning. No known source
-    /// triggers this.
+    /// True if the source was left unchanged because formatting would have changed its meaning. No known source causes
+    /// this.
     pub is_kept: bool,
 }
 
-/// Formats the source `id`, which is written in `form`.
+/// Formats the source `id`, which has the given `form`.
 ///
 /// In `.msg`, `.srv` and `.action` files, it writes declarations with single spaces, aligns comments within each block
 /// of lines, and collapses consecutive blank lines. Annotations move to the start of their comment, in a fixed order
@@ -58,7 +58,7 @@ pub fn format(sources: &SourceMap, id: SourceId, form: Form) -> Result<Formatted
 struct Reading {
     /// The formatted source.
     text: String,
-    /// A description of its content, for comparison.
+    /// A description of the source's content, for comparison.
     meaning: Vec<String>,
 }
 

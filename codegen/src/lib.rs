@@ -8,61 +8,61 @@
 //! ```
 //!
 //! A stage uses only the types of the stage directly before it. Reading doesn't stop at the first error: each stage
-//! returns everything it could read, and a list of [`Diagnostic`]s. After `resolve`, names are no longer looked up and
-//! text is no longer parsed. Only `load`, `generate` and `cli` access files.
+//! returns everything it could read, and a list of [`Diagnostic`]s. No name is looked up and no text is parsed after
+//! `resolve`. Only `load`, `generate` and `cli` access files.
 //!
 //! # Design decisions
 //!
-//! - Spans count bytes across all sources of a run. A span is therefore eight bytes long and identifies its file.
-//! - The parser reads annotations and literals, not `resolve`. Values in the syntax tree are typed and in range, and
-//!   errors are reported at their line.
-//! - One sorted list contains the messages of all packages; a [`schema::MessageId`] is an index into it. Messages that
-//!   aren't selected stay in this list, but packages don't list them.
-//! - `[@enum Message.PREFIX]` refers to constants of another message. `battery_warning` of `FailsafeFlags` uses the
-//!   constants of `BatteryStatus`, and has the same enum type.
-//! - The constants of a mask are masks if all of them are powers of two, otherwise bit numbers. The model stores masks
-//!   in both cases.
-//! - ROS 2 rejects names that violate its style, so they are errors there. PX4 accepts them, so they are warnings.
-//!   Literals that only PX4 or only ROS 2 accepts are warnings too.
+//! - Spans count bytes across all sources of a run. A span therefore takes only eight bytes, yet identifies its file.
+//! - Annotations and literals are read by the parser, not by `resolve`. Values in the syntax tree are typed and in
+//!   range, and each error is reported on its line.
+//! - One sorted list contains the messages of all packages; a [`schema::MessageId`] is an index into it. Unselected
+//!   messages stay in this list, but packages don't list them.
+//! - `[@enum Message.PREFIX]` refers to constants of another message. For example, `battery_warning` of `FailsafeFlags`
+//!   uses the constants of `BatteryStatus`, and has the enum type of `BatteryStatus`.
+//! - If all constants of a flags field are powers of two, they are masks; otherwise they are bit numbers. The model
+//!   stores masks in both cases.
+//! - ROS 2 rejects names that violate its style, so these names are errors in ROS 2 definitions. PX4 accepts them, so
+//!   they are warnings in PX4 definitions. Literals that only PX4 or only ROS 2 accepts cause warnings too.
 //! - Types and messages on pages describe JSON only. They have a separate model ([`schema::json_type`]), emitters and
 //!   Rust module, because the model of `.msg` files is about memory layout and CDR.
-//! - Generated JSON types accept any value with the right structure, and don't check ranges, lengths and patterns. A
-//!   program that receives a value out of range can report it.
+//! - Generated JSON types accept any value with the right structure, and don't check ranges, lengths or patterns. A
+//!   program that receives an out-of-range value can therefore report it.
 //! - Generated types describe themselves to the runtime (`record!`), and all codecs, checks and strategies use this
-//!   description. This is less code to generate, read and compile than derives.
-//! - `tests/edge.rs` lists deviations from incorrect behaviour of the reference tools, each with a reason. It fails
-//!   when a deviation disappears.
-//! - [`mod@format`] parses its output again. If the meaning or the layout would change, the text is left unchanged.
+//!   description. This requires less code to generate, read and compile than derives.
+//! - `tests/edge.rs` lists where uavspec deliberately deviates from incorrect behaviour of the reference tools, each
+//!   with a reason. The test fails when a deviation disappears.
+//! - [`mod@format`] parses its output again. If this reveals a changed meaning or layout, the text is left unchanged.
 //!   White space within a comment is part of its meaning.
 //! - Parser warnings are [`lint`] rules as well, so users can configure their level. Rules on comments and white space
 //!   receive the syntax tree in addition to the model.
-//! - Translations ([`translation`]) are separate from the model, with permanent keys. Emitters look them up, and know
-//!   which texts are still in English.
-//! - TypeScript and Python output includes the translated labels, so users of other definitions have them too. Each
-//!   language contains its own texts only; missing texts fall back to English.
+//! - Translations ([`translation`]) are separate from the model, with permanent keys. Emitters look up translations by
+//!   key, and know which text is still in English.
+//! - TypeScript and Python output includes the translated labels, so users with other definitions get labels too. Each
+//!   language file contains only the text in that language; missing text falls back to English.
 //! - A comparison of two sets of definitions uses one [`SourceMap`], so a finding can refer to locations in both.
 //! - TypeScript and Python are printed from one intermediate form (`emit::binding`), so their names can't differ.
-//! - The JSON and the verdict of a vector come from the model, its bytes from [`dynamic`]. Its id names the case, not
-//!   the result, and is therefore permanent.
+//! - The JSON and the verdict of a vector come from the model; its bytes come from [`dynamic`]. Its id names the case,
+//!   not the result, and is therefore permanent.
 //!
 //! # Performance
 //!
-//! Medians on two cores, with PX4's 261 messages: reading and resolving 6.3 ms, emitting Rust 42 ms, JSON Schemas 5.3
-//! ms and documentation 18 ms. The whole command takes 128 ms (80 to 144) without existing output, mostly to create
-//! 1,050 files, and 80 ms if nothing has changed. With 4 and 16 times as many messages, reading takes 4.1 and 18 times
-//! as long, emitting Rust 4.0 and 16 times, and the whole command on unchanged output 3.9 and 16 times. Test vectors
-//! (26 MB) took at least 80 ms, and 290 ms including files, while two other programs used the machine. `cargo xtask
-//! bench codegen` prints these figures.
+//! These are medians on two cores, with PX4's 261 messages: reading and resolving 6.3 ms, emitting Rust 42 ms, JSON
+//! Schemas 5.3 ms and documentation 18 ms. The whole command takes 128 ms (80 to 144) without existing output, mostly
+//! spent on creating 1,050 files, and 80 ms if nothing has changed. With 4 and 16 times as many messages, reading takes
+//! 4.1 and 18 times as long, emitting Rust 4.0 and 16 times, and the whole command on unchanged output 3.9 and 16
+//! times. Test vectors (26 MB) took at least 80 ms, or 290 ms including writing the files, while two other programs
+//! were using the machine. `cargo xtask bench codegen` prints these figures.
 //!
 //! All [`lint`] rules on these messages, with 2,700 findings as text, take 27 ms; the command with the preset `px4`
-//! takes 14 to 21 ms. With 4 and 16 times as many messages it takes 4.9 and 19 times as long. [`mod@breaking`] between
-//! PX4 1.15 and main takes 22 ms, half of it to read both; the command takes 30 to 40 ms. Two other programs used the
-//! machine.
+//! takes 14 to 21 ms. With 4 and 16 times as many messages it takes 4.9 and 19 times as long. [`mod@breaking`] takes 22
+//! ms to compare PX4 1.15 with main, half of it to read both versions; the command takes 30 to 40 ms. Two other
+//! programs were using the machine.
 //!
-//! Run-time handling of messages ([`dynamic`]) compared with generated types, in parentheses, on the same bytes.
-//! Medians of three messages of 88 to 232 bytes, in one run: reading uORB 24 to 26 ns (9 to 17), reading uORB in place
-//! 8 ns (3), reading CDR 28 to 51 ns (8 to 18), uORB to CDR 48 to 62 ns (33 to 54), uORB to JSON text 1.9 to 2.4 µs
-//! (1.0 to 1.6). Allocation takes 20 ns of each read. Big-endian CDR takes 46 to 132 ns (9 to 111). `cargo bench -p
+//! The following figures compare [`dynamic`] with generated types (in parentheses) on the same bytes. They are medians
+//! of three messages of 88 to 232 bytes, in one run: reading uORB 24 to 26 ns (9 to 17), reading uORB in place 8 ns
+//! (3), reading CDR 28 to 51 ns (8 to 18), uORB to CDR 48 to 62 ns (33 to 54), uORB to JSON text 1.9 to 2.4 µs (1.0 to
+//! 1.6). Allocation accounts for 20 ns of each read. Big-endian CDR takes 46 to 132 ns (9 to 111). `cargo bench -p
 //! uavspec-codegen --bench dynamic` prints these figures.
 //!
 //! The documentation of `uavspec-runtime` lists compile times and speed of the generated crate.
@@ -80,7 +80,7 @@ mod example;
 mod failure;
 pub mod finding;
 pub mod format;
-// Only commands use some parts of these modules.
+// Some parts of these modules are used only by commands.
 #[cfg(feature = "files")]
 #[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 mod generate;

@@ -1,12 +1,11 @@
 //! The linter: finds definitions that are valid but misleading, incomplete or inconsistent.
 //!
-//! Each rule has a file with its texts, its examples and its check, and an entry in [`RULES`]. Parser warnings are
-//! rules as well (`Check::Reader`), so users can configure their level, ignore them and fix them. Parser errors are
-//! always reported.
+//! Each rule has a file with its text, examples and check, and an entry in [`RULES`]. Parser warnings are rules as well
+//! (`Check::Reader`), so users can configure their level, ignore them and fix them. Parser errors are always reported.
 //!
-//! A comment `# uavspec:ignore RULE reason` ignores a finding. At the end of a declaration or above it, it applies to
-//! that line. In the comment at the start of a file, it applies to the file. Pages use HTML comments:
-//! `<!-- uavspec:ignore RULE reason -->`.
+//! A comment `# uavspec:ignore RULE reason` ignores a finding. If the comment is at the end of a declaration or above
+//! it, it applies to that line. In the comment at the start of a file, it applies to the whole file. Pages use HTML
+//! comments: `<!-- uavspec:ignore RULE reason -->`.
 //!
 //! ```
 //! use uavspec_codegen::lint::{Settings, lint};
@@ -173,7 +172,8 @@ pub fn rule(id: &str) -> Option<&'static Rule> {
 
 /// Checks `packages` and the catalogues of their translations. The findings are sorted by location.
 ///
-/// Sources that other packages only refer to are not checked: without a selected message, only errors are reported.
+/// Sources that are only referred to by other packages are not checked: for a source without a selected message, only
+/// errors are reported.
 pub fn lint(
     sources: &SourceMap,
     packages: &[PackageInput],
@@ -227,7 +227,8 @@ impl Linter<'_> {
         findings
     }
 
-    /// Adds the findings of the rules. Messages in files with errors are skipped, since they are incomplete.
+    /// Adds the findings of the rules. Messages in files with errors are skipped, because these messages are
+    /// incomplete.
     fn check(&self, parsed: &[PackageSource<'_>], diagnostics: &[Diagnostic], findings: &mut Vec<Finding>) {
         let invalid: BTreeSet<SourceId> = diagnostics
             .iter()
@@ -255,7 +256,7 @@ impl Linter<'_> {
     }
 }
 
-/// The sources with a selected message.
+/// The sources that contain a selected message.
 fn selected(sources: &SourceMap, schema: &Schema, parsed: &[PackageSource<'_>]) -> BTreeSet<SourceId> {
     let mut selected = BTreeSet::new();
     for (package, source) in schema.packages.iter().zip(parsed) {

@@ -28,7 +28,8 @@ use crate::schema::{Form, Schema};
 use crate::source::SourceMap;
 use crate::translation::{self, Translations};
 
-/// Reads definitions from a configuration file, a folder with one, or files and folders with PX4 messages.
+/// Reads definitions from a configuration file, a folder that contains a configuration file, or files and folders with
+/// PX4 messages.
 ///
 /// Fails if the definitions contain errors; ignores warnings.
 pub fn read_definitions(path: impl AsRef<Path>) -> Result<(SourceMap, Schema), Failure> {
@@ -37,7 +38,7 @@ pub fn read_definitions(path: impl AsRef<Path>) -> Result<(SourceMap, Schema), F
     Ok((loaded.sources, schema))
 }
 
-/// Like [`read_definitions`], but also reads the translations. Fails if they contain errors.
+/// Like [`read_definitions`], but also reads the translations. Fails if the translations contain errors.
 pub fn read_definitions_translated(
     path: impl AsRef<Path>,
 ) -> Result<(SourceMap, Schema, Translations), Failure> {

@@ -1,10 +1,10 @@
-//! Checks that all JSON Schema validators interpret a regular expression in the same way, and finds examples that
-//! match them.
+//! Checks whether all JSON Schema validators interpret a regular expression in the same way, and finds matching
+//! examples.
 
 use regex_syntax::ParserBuilder;
 use regex_syntax::hir::{Class, Hir, HirKind};
 
-/// Syntax that only one dialect supports: Rust's, or that of ECMA-262, which JSON Schema uses.
+/// Syntax that is supported only by Rust's dialect, or only by the ECMA-262 dialect, which JSON Schema uses.
 const FOREIGN: [&str; 11] = ["(?", "\\A", "\\z", "\\Z", "\\x{", "\\p", "\\P", "[:", "&&", "--", "~~"];
 
 /// The maximum length of an example.
@@ -21,7 +21,7 @@ pub(crate) fn is_match(pattern: &str, text: &str) -> bool {
     regex_lite::Regex::new(pattern).is_ok_and(|regex| regex.is_match(text))
 }
 
-/// A short text that matches a regular expression, or `None` if none is found.
+/// A short text that matches a regular expression, or `None` if no such text is found.
 pub(crate) fn example(pattern: &str) -> Option<String> {
     let mut text = String::new();
     append(&parse(pattern)?, &mut text)?;

@@ -1,8 +1,8 @@
-//! Texts of definitions, escaped for Markdown and HTML.
+//! Text of definitions, escaped for Markdown and HTML.
 
 use std::fmt::Write as _;
 
-/// Escapes a text of several lines, but keeps paragraphs and simple lists.
+/// Escapes text of several lines, but keeps paragraphs and simple lists.
 pub(crate) fn block(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len() + 16);
     for (index, line) in text.lines().enumerate() {
@@ -22,7 +22,7 @@ pub(crate) fn block(text: &str) -> String {
     escaped
 }
 
-/// Escapes a text and puts it on one line, for cells of a table.
+/// Escapes text and puts it on one line, for table cells.
 pub(crate) fn inline(text: &str) -> String {
     let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     let mut escaped = String::with_capacity(text.len() + 16);
@@ -65,7 +65,7 @@ pub(crate) fn percent_encoded(text: &str) -> String {
     encoded
 }
 
-/// The first sentence of a text, truncated to `limit` characters.
+/// The first sentence of the text, truncated to `limit` characters.
 pub(crate) fn gist(text: &str, limit: usize) -> String {
     let sentence = &text[..sentence_end(text)];
     let Some((cut, _)) = sentence.char_indices().nth(limit) else { return sentence.to_owned() };
@@ -85,7 +85,7 @@ fn sentence_end(text: &str) -> usize {
     ends.find(is_end).map_or(paragraph, |at| at + 1)
 }
 
-/// True if a text ends with an abbreviation such as `e.g`, whose full stop doesn't end a sentence.
+/// True if the text ends with an abbreviation such as `e.g`, whose full stop doesn't end a sentence.
 fn is_abbreviated(text: &str) -> bool {
     let word = text.rsplit(char::is_whitespace).next().unwrap_or_default().trim_start_matches(['(', '[']);
     word.contains('.') || matches!(word, "cf" | "etc" | "vs")
@@ -145,7 +145,7 @@ fn address(text: &str) -> Option<&str> {
     is_plain.then_some(address)
 }
 
-/// Replaces control characters and direction marks, which could disguise a text, with U+FFFD.
+/// Replaces control characters and direction marks, which could disguise text, with U+FFFD.
 pub(crate) fn visible(character: char) -> char {
     let is_harmless = !character.is_control()
         && !matches!(character, '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{61c}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}');

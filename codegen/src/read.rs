@@ -1,4 +1,4 @@
-//! Parsing of packages: from source texts to the schema.
+//! Parsing of packages, from source text to the schema.
 
 use crate::diagnostic::Diagnostic;
 use crate::msg::{self, Kind};
@@ -14,13 +14,13 @@ pub struct PackageInput {
     pub name: String,
     /// The form of the sources.
     pub form: Form,
-    /// The name of the ROS package; by default the name of the package, and `px4_msgs` for PX4.
+    /// The name of the ROS package. The default is the name of the package, except for PX4, where it is `px4_msgs`.
     pub ros_package: Option<String>,
     /// The origin of the definitions.
     pub origin: Option<String>,
     /// The revision of the origin.
     pub revision: Option<String>,
-    /// The selected messages, which include referenced messages; `None` for all.
+    /// The selected messages. Messages that they refer to are also included. `None` selects all messages.
     pub select: Option<Vec<(String, Span)>>,
     /// The sources.
     pub sources: Vec<SourceId>,

@@ -59,7 +59,7 @@ pub fn findings(findings: &[Finding], sources: &SourceMap, styled: bool) -> Stri
     text
 }
 
-/// Renders an error of another tool at a source location, without `error: ` and colours.
+/// Renders another tool's error at a source location, without the `error: ` prefix and without colours.
 #[cfg(feature = "files")]
 pub(crate) fn plain(message: &str, span: Span, sources: &SourceMap) -> String {
     let snippet = quote(span, AnnotationKind::Primary, String::new(), sources);
@@ -67,7 +67,7 @@ pub(crate) fn plain(message: &str, span: Span, sources: &SourceMap) -> String {
     text.strip_prefix("error: ").map(str::to_owned).unwrap_or(text)
 }
 
-/// The rendered form of findings that differ only in category.
+/// The rendered form of a group of findings that differ only in category.
 fn group<'a>(same: &[Finding], sources: &'a SourceMap) -> Group<'a> {
     let finding = &same[0];
     let level = same.iter().map(|finding| finding.level).max().unwrap_or(Level::Note);
@@ -125,7 +125,7 @@ fn quote(
     let (text, range) = sources.locate(span);
     let first = text[..range.start].rfind('\n').map_or(0, |at| at + 1);
     let end_of_line = |from: usize| text[from..].find('\n').map_or(text.len(), |at| from + at);
-    // A span over several lines is marked on its first line only.
+    // A span that covers several lines is marked only on its first line.
     let last = end_of_line(range.start);
     let end = range.end.min(last);
     // The renderer counts columns from the start of the line, so only the end of an overlong line is omitted.

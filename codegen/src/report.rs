@@ -1,7 +1,7 @@
 //! Machine-readable reports of findings, in several formats.
 //!
-//! Checks of definitions, and the checks of the conformance suite, produce a [`Report`]. The formats are independent of
-//! spans and rules.
+//! Both the checks of definitions and the checks of the conformance suite produce a [`Report`]. The formats are
+//! independent of spans and rules.
 //!
 //! ```
 //! use uavspec_codegen::diagnostic::Level;

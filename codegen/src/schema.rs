@@ -1,7 +1,7 @@
 //! The resolved model of all definitions, checked and complete.
 //!
-//! Using the model can't fail because of user input, and requires no look-up by name: messages refer to each other by
-//! [`MessageId`]. Everything is sorted, so output doesn't depend on the order of the files.
+//! User input can't cause a failure when the model is used, and no look-up by name is needed: messages refer to each
+//! other by [`MessageId`]. Everything is sorted, so output doesn't depend on the order of the files.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};

@@ -1,4 +1,4 @@
-//! Source texts with their paths, and locations in them. Independent of the file system.
+//! Source text with file paths, and locations in the text. Independent of the file system.
 //!
 //! ```
 //! use uavspec_codegen::source::{Position, SourceMap};
@@ -44,7 +44,7 @@ struct Source {
 }
 
 impl Source {
-    /// The number of the line (from 0) that contains a position, and the start of this line.
+    /// The number (from 0) of the line that contains a position, and the start of that line.
     fn line(&self, at: usize) -> (usize, usize) {
         let starts = self
             .lines
@@ -54,7 +54,7 @@ impl Source {
     }
 }
 
-/// All sources of a run, in the order added.
+/// All sources of a run, in the order in which they were added.
 #[derive(Debug, Default)]
 pub struct SourceMap {
     sources: Vec<Source>,
@@ -99,13 +99,13 @@ impl SourceMap {
         Ok(id)
     }
 
-    /// A copy with the same ids, and new texts for some of the sources.
+    /// A copy with the same ids, but with new text for some of the sources.
     #[must_use]
     pub fn with_texts(&self, texts: &BTreeMap<SourceId, String>) -> Self {
         let mut sources = Self::default();
         for (at, source) in self.sources.iter().enumerate() {
             let text = texts.get(&SourceId(offset(at))).unwrap_or(&source.text);
-            // Add invalid texts as well, to preserve the ids.
+            // Add invalid text as well, to preserve the ids.
             let _ = sources.add(source.path.clone(), text.clone().into_bytes());
         }
         sources

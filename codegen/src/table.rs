@@ -31,8 +31,8 @@ pub(crate) enum Form {
 
 impl Form {
     /// Detects the format, by extension if it has one, otherwise by content. The content of Markdown files is always
-    /// checked, because the flattened form is often saved as Markdown. Parsed as Markdown, its tables would have one
-    /// column.
+    /// checked, because flattened pages are often saved as Markdown. Parsed as Markdown, the tables of a flattened page
+    /// would have only one column.
     pub(crate) fn of(path: &str, text: &str) -> Self {
         let extension = path.rsplit_once('.').map_or("", |(_, extension)| extension);
         let is = |names: &[&str]| names.iter().any(|name| extension.eq_ignore_ascii_case(name));
@@ -67,7 +67,7 @@ mod tests {
 
     use super::*;
 
-    /// One table in each format, which `Form::of` must distinguish.
+    /// One table in each of the formats that `Form::of` must distinguish.
     const FORMS: [(&str, &str); 5] = [
         (
             "page.md",
@@ -169,7 +169,7 @@ mod tests {
         }
     }
 
-    /// A table of 100 kB takes about 20 ms; in quadratic time it would take minutes.
+    /// Parsing a 100 kB table takes about 20 ms; a quadratic algorithm would take minutes.
     #[test]
     fn hostile_pages_are_read_in_linear_time() {
         let tables = ["", "|===\n|C |D\n\n|", "Code|Abbr|Description\n-|-|-\n", "a|b\n-|-\nx |\n"];

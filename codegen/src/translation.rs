@@ -1,4 +1,4 @@
-//! Translations of the texts in definitions.
+//! Translations of the text in definitions.
 //!
 //! ```text
 //!  definitions ──▶ Schema ──text──▶ texts with keys ─┐
@@ -8,11 +8,11 @@
 //!
 //! Each language has one catalogue, a gettext PO file named after the language (`uk.po`). All translation tools support
 //! this format. An entry contains the source text next to its translation, so a changed definition is detected by
-//! comparison, without hashes. `msgctxt` is the [key](Text::key) of the text. It ties an entry to its text when the
-//! text changes.
+//! comparison, without hashes. `msgctxt` is the [key](Text::key) of the text. The key ties an entry to its text even
+//! when the text changes.
 //!
-//! Existing PO crates report no positions, discard previous texts and obsolete entries, and panic on some inputs. The
-//! required subset is small.
+//! Existing PO crates report no positions, discard previous text and obsolete entries, and panic on some inputs. This
+//! module therefore has its own parser; the required subset of the format is small.
 
 pub(crate) mod catalogue;
 mod language;

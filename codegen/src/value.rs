@@ -32,7 +32,7 @@ impl Value {
         self.number().map(Number::as_f64)
     }
 
-    /// The value as a number that is either an integer or a float, if it is a number.
+    /// The value as an integer or float, if it is a number.
     pub fn number(&self) -> Option<Number> {
         match self {
             Self::Int(value) => Some(Number::Int(*value)),
@@ -41,7 +41,7 @@ impl Value {
         }
     }
 
-    /// The value as an integer, if it is one.
+    /// The value as an integer, if it is an integer.
     pub fn as_int(&self) -> Option<i128> {
         match self {
             Self::Int(value) => Some(*value),

@@ -1,4 +1,5 @@
-//! Tests of the TypeScript and Python modules that need neither language. The tests in `xtask` run their type checkers.
+//! Tests of the TypeScript and Python modules that require neither language to be installed. The tests in `xtask` run
+//! the type checkers.
 
 use crate::support;
 

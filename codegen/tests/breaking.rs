@@ -1,8 +1,8 @@
-//! Each rule of `breaking`: its examples, what they break, and real edits of PX4's messages.
+//! Tests of the rules of `breaking`, with the rules' examples and with real edits of PX4's messages.
 //!
-//! The examples of a rule give what `fixtures/breaking/<rule>.txt` holds. `fixtures/breaking/<case>/` holds
-//! further cases: `old/`, `new/`, and all that is said in `expected.txt`. After a change that is meant:
-//! `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen breaking::`.
+//! `fixtures/breaking/<rule>.txt` contains the expected findings for a rule's examples. Each folder
+//! `fixtures/breaking/<case>/` is a further case, with the definitions in `old/` and `new/`, and all expected findings
+//! in `expected.txt`. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen breaking::`.
 
 use crate::support;
 
@@ -21,7 +21,7 @@ use uavspec_codegen::{SourceMap, read, render};
 
 use support::{differs, files_below, shared};
 
-/// Files as they are shown, and their texts.
+/// Displayed paths of files, and their text.
 type Files = Vec<(String, String)>;
 
 fn fixtures() -> PathBuf {
@@ -113,7 +113,7 @@ fn each_further_case_says_what_is_expected() {
     );
 }
 
-/// Names that findings of these rules put first: `Message.NAME`.
+/// The names quoted in the messages of these rules' findings, without the message name.
 fn named(findings: &[Finding], rules: &[&str]) -> BTreeSet<String> {
     let of_rules = findings.iter().filter(|finding| rules.contains(&finding.rule));
     let words =
@@ -126,7 +126,7 @@ fn strings(value: &Value) -> BTreeSet<String> {
     list.iter().map(|item| item.as_str().expect("a string").to_owned()).collect()
 }
 
-/// What a real edit gives otherwise than `expect.json` says.
+/// The differences between the findings for a real edit and those in `expect.json`.
 fn check_edit(folder: &Path) -> Vec<String> {
     let expected: Value =
         serde_json::from_str(&fs::read_to_string(folder.join("expect.json")).expect("a text")).expect("JSON");
@@ -168,7 +168,8 @@ fn real_edits_break_what_they_broke() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Two sets compared both ways: what is new one way is gone the other, and what is the same is so both ways.
+/// Compares two sets in both directions. An item added in one direction must be removed in the other, and other changes
+/// must be found in both.
 fn check_reverse(old: &Files, new: &Files) {
     let (_, forth) = compare(old, new, Between::Releases);
     let (_, back) = compare(new, old, Between::Releases);

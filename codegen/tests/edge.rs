@@ -57,7 +57,7 @@ const COMPANIONS: [(&str, &str, &str); 5] = [
     ("builtin_interfaces", "Duration.msg", "int32 sec\nuint32 nanosec\n"),
 ];
 
-/// Reads a case. Returns the model of the message and true if there are warnings, or the rendered errors.
+/// Reads a case. Returns the model of the message, and true if there are warnings. Fails with the rendered errors.
 fn read_case(text: &str, dialect: Dialect) -> Result<(Json, bool), String> {
     let mut sources = SourceMap::default();
     let mut packages: BTreeMap<&str, PackageInput> = BTreeMap::new();
@@ -88,7 +88,7 @@ fn declarations(message: &Json, keys: &[&str]) -> Json {
     json!({ "fields": pick("fields", keys), "constants": pick("constants", &["type", "name", "value"]) })
 }
 
-/// Types without the package names that the tool adds, and NaN in our notation.
+/// Removes the package names that the tool adds to types, and writes NaN in our notation.
 fn normalised(text: &str) -> Json {
     let text = text.replace("\"pkg/", "\"").replace("\"nan\"", "\"NaN\"");
     serde_json::from_str(&text).expect("JSON")
@@ -129,7 +129,7 @@ fn px4_deviation(case: &Json) -> Option<String> {
     }
 }
 
-/// PX4's generator rejects messages without a timestamp, so the oracle added one to the cases without.
+/// PX4's generator rejects messages without a timestamp, so the oracle added a timestamp to the cases that have none.
 fn layout_deviation(case: &Json, text: &str) -> Option<String> {
     let stamped =
         if text.contains("timestamp") { text.to_owned() } else { format!("{text}\nuint64 timestamp\n") };

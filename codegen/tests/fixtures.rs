@@ -4,7 +4,7 @@
 //! no diagnostics. `<code>-<case>` is a further case of a code.
 //!
 //! Markdown, `AsciiDoc` and text files are pages, and `.po` files are catalogues of translations. Other files are PX4
-//! definitions. If a file `dialect` contains `ros2`, they are ROS 2 definitions, and each subfolder is a package.
+//! definitions. If a `dialect` file contains `ros2`, they are ROS 2 definitions, and each subfolder is a package.
 //!
 //! To update: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen fixtures::`.
 

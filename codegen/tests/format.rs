@@ -1,7 +1,7 @@
 //! Tests of the formatter: the meaning is preserved, the result matches the fixtures, and a second run changes nothing.
 //!
 //! Each folder in `fixtures/format` is a case with the files `in.*` and `out.*`, which contains the expected result. A
-//! file `dialect` selects `ros2` in place of px4. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p
+//! `dialect` file selects `ros2` instead of `px4`. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p
 //! uavspec-codegen format::`.
 
 use crate::support;

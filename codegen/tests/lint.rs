@@ -1,10 +1,10 @@
-//! Each rule of `lint`: its examples, and definitions that break it, with all that is said of them.
+//! Tests of the rules of `lint`, with the rules' examples and with other definitions that violate them.
 //!
-//! The bad example of a rule gives what `fixtures/lint/<rule>.txt` holds, and the good one nothing of that
-//! rule. Where it is mended, the good one comes of it. `fixtures/lint/<rule>-<case>/` holds definitions of
-//! one more case, and in `expected.txt` what the rule says of them; where it can mend any, `mended.txt` holds
-//! what comes of that. After a change that is meant:
-//! `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen lint::`.
+//! `fixtures/lint/<rule>.txt` contains the expected findings for a rule's bad example. The good example must cause no
+//! finding of the rule. If the rule has a fix, the fix must turn the bad example into the good one. Each folder
+//! `fixtures/lint/<rule>-<case>/` contains the definitions of a further case, and the rule's expected findings in
+//! `expected.txt`. If any of the findings can be fixed, `mended.txt` contains the fixed text. To accept intended
+//! changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen lint::`.
 
 use crate::support;
 
@@ -28,14 +28,14 @@ fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/lint")
 }
 
-/// Every rule is on, also one that `strict` leaves out.
+/// Enables all rules, including those that `strict` leaves out.
 fn all() -> Settings {
     let others = RULES.iter().filter(|rule| rule.levels.strict.is_none());
     let levels = others.map(|rule| (rule.id.to_owned(), rule.levels.px4)).collect();
     Settings { preset: Preset::Strict, levels, ignores: Vec::new() }
 }
 
-/// What all rules say of some files: paths and texts.
+/// The findings of all rules for the given files.
 fn judge(files: &[File]) -> (SourceMap, Vec<Finding>) {
     let mut sources = SourceMap::default();
     let files = files.iter().map(|(path, text)| (path.as_str(), text.as_str()));
@@ -87,7 +87,7 @@ fn each_rule_finds_its_bad_example_and_not_its_good_one() {
     );
 }
 
-/// The rule that a folder is named after. Ids may start with other ids: the longest counts.
+/// The rule that a folder is named after: the longest matching id, because an id may be the prefix of another.
 fn rule_of(case: &str) -> Option<&'static Rule> {
     let starts = |rule: &&&Rule| case.strip_prefix(rule.id).is_some_and(|rest| rest.starts_with('-'));
     RULES.iter().filter(starts).max_by_key(|rule| rule.id.len()).copied()
@@ -136,7 +136,7 @@ fn each_warning_of_the_readers_is_a_rule_and_no_error_is() {
     }
 }
 
-/// A path and what the file says.
+/// A path and the content of the file.
 type File = (String, String);
 
 /// Definitions in memory: packages, each with its files.
@@ -146,13 +146,13 @@ struct Definitions {
 }
 
 impl Definitions {
-    /// Those below a folder, as one package.
+    /// Reads the definitions below a folder as one package.
     fn of_folder(folder: &Path, form: Form) -> Self {
         let name = folder.file_name().expect("a name").to_string_lossy().into_owned();
         Self { packages: vec![(name, form, texts_below(folder))] }
     }
 
-    /// Those below the subfolders of a folder, each a package of ROS 2.
+    /// Reads the definitions below the subfolders of a folder, each of which is a ROS 2 package.
     fn of_ros(folder: &Path) -> Self {
         let folders = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
         let mut folders: Vec<PathBuf> = folders.filter(|path| path.is_dir()).collect();
@@ -174,7 +174,7 @@ impl Definitions {
         (sources, packages)
     }
 
-    /// How many findings of each rule there are.
+    /// The number of findings of each rule.
     fn counts(&self) -> BTreeMap<&'static str, usize> {
         let (sources, packages) = self.load();
         let mut counts = BTreeMap::new();
@@ -184,7 +184,7 @@ impl Definitions {
         counts
     }
 
-    /// All that the definitions say, wherever it stands.
+    /// The model of the definitions, without locations.
     fn model(&self) -> String {
         let (sources, packages) = self.load();
         let (schema, _) = read(&sources, &packages);
@@ -193,7 +193,7 @@ impl Definitions {
         let mut model = String::with_capacity(text.len());
         while let Some(line) = lines.next() {
             if line.ends_with(": Span {") {
-                // Start, end, and the brace.
+                // Skip the start, the end and the closing brace.
                 lines.by_ref().take(3).for_each(drop);
             } else {
                 model.push_str(line);
@@ -203,7 +203,7 @@ impl Definitions {
         model
     }
 
-    /// Mends once all that can be; none where nothing can.
+    /// Applies all automatic fixes once. Returns `None` if there are none.
     fn mended(&self) -> Option<Self> {
         let (sources, packages) = self.load();
         let mended = apply(&lint(&sources, &packages, &[], &all()), &sources);
@@ -230,7 +230,7 @@ fn texts_below(folder: &Path) -> Vec<File> {
         .collect()
 }
 
-/// Passes after which nothing is left to mend, in the worst definitions known.
+/// The number of passes that fix the worst known definitions completely.
 const MAX_PASSES: usize = 12;
 
 fn check_mending(name: &str, definitions: &Definitions) {
@@ -259,7 +259,7 @@ fn mending_changes_nothing_that_is_said() {
             }
         }
     }
-    // Catalogues are mended by people alone.
+    // Catalogues have no automatic fixes.
     for rule in RULES.iter().filter(|rule| !is_catalogue(rule.bad.path)) {
         let example = rule.bad;
         let dialect = if example.path.starts_with("ros2/") { Dialect::Ros2 } else { Dialect::Px4 };
@@ -275,7 +275,7 @@ fn mending_changes_nothing_that_is_said() {
     }
 }
 
-/// Definitions that nobody would write, of pieces that rules look at.
+/// Unrealistic definitions, composed of pieces that rules look for.
 fn odd_definitions() -> impl Strategy<Value = String> {
     let pieces = vec![
         "[@range 1, 0]",
@@ -368,7 +368,7 @@ fn what_was_measured_holds() {
         assert_eq!(found, measured, "findings of {}", rule.id);
         if let Some(measured) = rule.measured {
             assert!(measured.sample == measured.findings.min(30), "{}", rule.id);
-            // What is only worth a look may well be meant; what is called wrong mostly has to be.
+            // A note may point to something intended, but most warnings and errors must be correct.
             let is_note =
                 [rule.levels.px4, rule.levels.strict].into_iter().flatten().max() == Some(Level::Note);
             let is_mostly_right = is_note || 10 * measured.right >= 8 * measured.sample;

@@ -1,4 +1,4 @@
-//! The tasks of this repository: the commands of uavspec-codegen, and further ones.
+//! The tasks of this repository: the commands of uavspec-codegen, and further commands.
 //!
 //! Exit status, as for uavspec-codegen: 0 success; 1 findings or outdated files; 2 the command failed.
 
@@ -92,7 +92,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The message of a failure without the prefix `error: `, which [`main`] adds.
+/// The message of a failure without the `error: ` prefix, which [`main`] adds.
 fn message_of(failure: &Failure) -> String {
     failure.to_string().trim_start_matches("error: ").to_owned()
 }

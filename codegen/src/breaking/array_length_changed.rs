@@ -50,7 +50,7 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     let message = format!("`{}.{}` has {now} instead of {before}", pair.name(), new.name);
     let is_counted = |field: &Field| !matches!(field.ty.shape, Shape::Single | Shape::Array(_));
     let is_string = matches!(new.ty.element, Element::String { .. }) && old.ty.shape == new.ty.shape;
-    // They have a length prefix, so only values that are too long are misread.
+    // Sequences and strings have a length prefix, so only values that are too long are misread.
     let cdr = if is_string || is_counted(old) && is_counted(new) {
         "existing readers reject longer values, and the type hash changes"
     } else {

@@ -84,7 +84,8 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Packages with the same name, and the remaining ones if each version has exactly one of the same form.
+/// Pairs of packages with the same name. The remaining packages are also paired if each version has exactly one, and
+/// both have the same form.
 fn packages<'a>(old: &'a Schema, new: &'a Schema) -> Vec<(Option<&'a Package>, Option<&'a Package>)> {
     let find = |among: &'a Schema, name: &str| among.packages.iter().find(|package| package.name == name);
     let mut pairs: Vec<(Option<&Package>, Option<&Package>)> = Vec::new();
@@ -132,7 +133,8 @@ impl<'a> Matcher<'a> {
         self.changes.extend(removed.chain(added));
     }
 
-    /// The old and new names of renamed messages, which are detected by their fields. The most similar pairs come first.
+    /// The old and new names of renamed messages. Renamed messages are detected by their fields, and the most similar
+    /// pairs come first.
     fn renamed(
         &self,
         old: &BTreeMap<&'a str, MessageId>,
@@ -237,7 +239,7 @@ fn named(message: &Message) -> Named<'_> {
     Named { kind: message.kind, name: &message.name, span: message.span }
 }
 
-/// True if a code has another meaning: neither its abbreviation nor its description resembles the old one.
+/// True if a code has a different meaning: neither its abbreviation nor its description resembles the old one.
 fn is_other(old: &ErrorCode, new: &ErrorCode) -> bool {
     let abbreviations = [old, new].map(|code| code.abbreviation.as_deref().unwrap_or(""));
     abbreviations[0] != abbreviations[1]

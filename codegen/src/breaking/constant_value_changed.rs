@@ -49,10 +49,10 @@ fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     };
 }
 
-/// The maximum number of constants that are searched. No known enum has more.
+/// The maximum number of constants to search. No known enum has more.
 const MAX_CONSTANTS: usize = 1_000;
 
-/// True if a constant has another one's old value and the same first word.
+/// True if a constant has the old value of another constant and the same first word.
 fn takes_value_of(old: &Constant, other: &Constant) -> bool {
     let is_related = old.name.split('_').next() == other.name.split('_').next();
     other.value == old.value && other.name != old.name && is_related

@@ -45,7 +45,7 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
         .breaks(Category::Semantic, "receivers don't recognize the code if a peer still sends it");
 }
 
-/// The name of a code in messages.
+/// The name of a code, as shown in messages.
 pub(super) fn name(code: &ErrorCode) -> String {
     match &code.abbreviation {
         Some(abbreviation) => format!("{} ({abbreviation})", code.code),

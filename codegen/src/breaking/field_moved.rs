@@ -1,4 +1,4 @@
-//! `field-moved`: a field moved among the others.
+//! `field-moved`: a field moved relative to the other fields.
 
 use super::message::Pair;
 use super::message::{Kept, both};
@@ -33,7 +33,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Message(check),
 };
 
-/// The maximum number of comparisons to find the field that swapped places with a moved one.
+/// The maximum number of comparisons when searching for the field that swapped places with a moved field.
 const MAX_COMPARISONS: usize = 1_000_000;
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {

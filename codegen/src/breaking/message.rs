@@ -12,7 +12,7 @@ use crate::source::Span;
 /// The kind of the compared versions, which determines how `MESSAGE_VERSION` may change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Between {
-    /// Between commits, the version of a changed message is higher by one.
+    /// Between commits, the version of a changed message must be higher by one.
     #[default]
     Commits,
     /// Between releases, it may be higher by more, since the message may have changed several times.
@@ -23,7 +23,7 @@ pub enum Between {
 pub(super) const VERSION: &str = "MESSAGE_VERSION";
 pub(super) const QUEUE_LENGTH: &str = "ORB_QUEUE_LENGTH";
 
-/// The minimum likeness of a renamed item.
+/// The minimum similarity between a renamed item and the original.
 const ALIKE: f64 = 0.5;
 
 /// A message in both versions.
@@ -45,7 +45,7 @@ pub(crate) struct Pair<'a> {
     pub between: Between,
 }
 
-/// A field in one or both versions, by index.
+/// A field in one or both versions, as an index.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum FieldChange {
     /// In both versions.
@@ -81,7 +81,7 @@ pub(crate) enum Held {
         /// True if its memory layout changed.
         uorb: bool,
     },
-    /// Another scalar, string or message.
+    /// A different scalar, string or message.
     Other,
 }
 
@@ -96,7 +96,7 @@ pub(crate) enum ConstantChange<'a> {
     Renamed(&'a Constant, &'a Constant),
     /// A new constant with the value of a removed one.
     Reused(&'a Constant, &'a Constant),
-    /// A constant with the old name.
+    /// A constant whose name is unchanged.
     Same(&'a Constant, &'a Constant),
 }
 
@@ -114,7 +114,7 @@ impl<'a> Pair<'a> {
         self.kept().map(|kept| (&self.old.fields[kept.old], &self.new.fields[kept.new]))
     }
 
-    /// True if a change requires a new version in PX4: names, types, lengths or order of fields.
+    /// True if the names, types, lengths or order of fields changed, which requires a new version in PX4.
     pub(crate) fn has_changed_fields(&self) -> bool {
         let is_changed = |change: &FieldChange| match change {
             FieldChange::Removed(_) | FieldChange::Added(_) => true,
@@ -162,7 +162,7 @@ pub(super) fn both(old: Span, new: Span) -> Sides {
     Sides { old: Some(old), new: Some(new) }
 }
 
-/// The context in which pairs are made.
+/// The context for matching messages.
 pub(super) struct PairOf<'a, 'm> {
     pub(super) old: &'a Schema,
     pub(super) new: &'a Schema,
@@ -198,7 +198,7 @@ impl<'a> PairOf<'a, '_> {
             let field = |at: usize| &old.fields[removed[at]];
             let can_match = |left: usize, right: usize| {
                 let (before, after) = (field(left), &new.fields[added[right]]);
-                // A field with another unit is another field, although it may have the same type.
+                // A field with a different unit is a different field, even if it has the same type.
                 let is_other_unit =
                     before.unit.is_some() && after.unit.is_some() && before.unit != after.unit;
                 before.ty.shape == after.ty.shape
@@ -257,7 +257,7 @@ fn same_names(old: &Message, new: &Message) -> BTreeMap<usize, usize> {
     names.filter_map(|(at, field)| Some((at, *by_name.get(field.name.as_str())?))).collect()
 }
 
-/// The unmatched fields, by the name of the matched field before them.
+/// The unmatched fields, grouped by the name of the matched field that precedes them.
 fn gaps(fields: &[Field], is_known: impl Fn(usize) -> bool) -> BTreeMap<&str, Vec<usize>> {
     let mut gaps: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     let mut anchor = "";
@@ -283,7 +283,7 @@ fn constants<'a>(old: &'a Message, new: &'a Message) -> Vec<ConstantChange<'a>> 
             None => removed.push(before),
         }
     }
-    // Grouped by value to limit the number of comparisons.
+    // Constants are grouped by value to limit the number of comparisons.
     let mut added: BTreeMap<String, Vec<&Constant>> = BTreeMap::new();
     for constant in after.into_values() {
         added.entry(constant.value.to_string()).or_default().push(constant);
@@ -301,8 +301,9 @@ fn constants<'a>(old: &'a Message, new: &'a Message) -> Vec<ConstantChange<'a>> 
     changes
 }
 
-/// Removes the most similar of `candidates`, which have the same value. The flag is true if it is the same constant
-/// under another name. Candidates that are not similar and have another first word are ignored.
+/// Removes and returns the most similar of `candidates`, which all have the same value. The returned flag is true if
+/// the candidate is the same constant under a different name. Candidates that are not similar and have a different
+/// first word are ignored.
 fn take_twin<'a>(constant: &Constant, candidates: &mut Vec<&'a Constant>) -> Option<(&'a Constant, bool)> {
     /// The maximum number of compared candidates. Enums have fewer aliases.
     const MAX_CANDIDATES: usize = 100;
@@ -319,7 +320,7 @@ fn take_twin<'a>(constant: &Constant, candidates: &mut Vec<&'a Constant>) -> Opt
     (score >= ALIKE || is_related).then(|| (candidates.remove(at), score >= ALIKE))
 }
 
-/// The length of the common words, up to a `_`, at the start of two names.
+/// The length of the prefix that two names have in common, up to the last complete word.
 fn common_words(left: &str, right: &str) -> usize {
     let common = left.bytes().zip(right.bytes()).take_while(|(left, right)| left == right).count();
     left.as_bytes()[..common].iter().rposition(|byte| *byte == b'_').map_or(0, |at| at + 1)

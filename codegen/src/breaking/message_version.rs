@@ -1,4 +1,4 @@
-//! `message-version`: a version that doesn't reflect a change.
+//! `message-version`: a message version that doesn't reflect a change.
 
 use super::message::VERSION;
 use super::message::{Between, Pair};

@@ -1,4 +1,4 @@
-//! Rules about changes and their findings.
+//! Rules about changes, and the findings of these rules.
 
 use super::comparison::{CodeChange, MessageChange};
 use super::message::{ConstantChange, Pair};
@@ -19,7 +19,7 @@ pub enum Category {
     Cdr,
     /// Users of uORB memory, and readers of logs (`ULog`).
     Uorb,
-    /// Users of PX4's versioning rule: a changed versioned message has a higher version.
+    /// Users of PX4's versioning rule: a versioned message must get a higher version when it changes.
     Version,
     /// Users of a value's meaning: units, frames, constants, error codes.
     Semantic,
@@ -52,9 +52,9 @@ pub struct Rule {
     pub statement: &'static str,
     /// The consequences of the change.
     pub why: &'static str,
-    /// The way to avoid them.
+    /// The way to avoid the consequences.
     pub fix: &'static str,
-    /// The categories that it can break, with their levels.
+    /// The categories that the change can break, with their levels.
     pub breaks: &'static [(Category, Level)],
     /// Example definitions before the change.
     pub old: &'static [Example],
@@ -69,9 +69,9 @@ pub struct Rule {
 pub(crate) enum Check {
     /// Checks each message, service and action that was added, removed or renamed.
     Interface(fn(&MessageChange<'_>, &mut Sink<'_>)),
-    /// Checks each message that is in both versions.
+    /// Checks each message that exists in both versions.
     Message(fn(&Pair<'_>, &mut Sink<'_>)),
-    /// Checks each field that is in both versions, including renamed ones.
+    /// Checks each field that exists in both versions, including renamed fields.
     Field(fn(&Pair<'_>, &Field, &Field, &mut Sink<'_>)),
     /// Checks each matched constant.
     Constant(fn(&Pair<'_>, &ConstantChange<'_>, &mut Sink<'_>)),
@@ -94,7 +94,7 @@ pub(crate) struct Change<'s, 'f> {
 }
 
 impl<'f> Sink<'f> {
-    /// Reports a change. `span` is its location in the new version, or that of its container.
+    /// Reports a change. `span` is the location of the changed item in the new version, or of its container.
     pub(super) fn change(&mut self, span: Span, sides: Sides, message: String) -> Change<'_, 'f> {
         let finding = Finding::new(self.rule.id, Level::Note, span, message);
         Change { sink: self, finding: Finding { sides: Some(sides), ..finding } }

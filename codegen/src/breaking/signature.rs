@@ -1,11 +1,11 @@
-//! Detects whether messages have the same bytes in two versions, including nested messages.
+//! Detects whether messages, including their nested messages, have the same bytes in two versions.
 
 use std::collections::HashMap;
 
 use crate::schema::{Element, MessageId, Schema, Shape};
 use uavspec_runtime::Scalar;
 
-/// Numbers for the layouts of messages, without names. Equal layouts have equal numbers.
+/// Numbers that identify the layouts of messages. Names don't matter: identical layouts have the same number.
 #[derive(Debug, Default)]
 pub(super) struct Signatures {
     known: HashMap<Vec<Member>, u32>,
@@ -40,7 +40,8 @@ impl SchemaSignatures {
 }
 
 impl Signatures {
-    /// Computes the signatures of all messages of `schema`. They can be compared with those of another version.
+    /// Computes the signatures of all messages of `schema`. The signatures can be compared with those of another
+    /// version.
     pub(super) fn of(&mut self, schema: &Schema) -> SchemaSignatures {
         let count = schema.messages.len();
         let mut found = SchemaSignatures { cdr: vec![0; count], uorb: vec![0; count] };

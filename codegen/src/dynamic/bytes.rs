@@ -50,7 +50,7 @@ fn swap<const N: usize>(from: &[u8], to: &mut [u8]) {
     }
 }
 
-/// The offset of the first element of a sequence, and the number of elements. `at` is the offset of the sequence.
+/// The offset of a sequence's first element, and the number of elements. `at` is the offset of the sequence.
 pub fn sequence(memory: &[u8], at: usize) -> (usize, usize) {
     slot(memory, at)
 }

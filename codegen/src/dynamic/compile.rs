@@ -20,11 +20,11 @@ pub(super) const MAX_DEPTH: usize = 32;
 /// Maximum number of steps of a nested message that is inlined into its parent.
 const MAX_COPIED_STEPS: usize = 16;
 
-/// Maximum number of copies of a packed type. Each element of an array of messages counts. Larger types are executed
-/// step by step.
+/// Maximum number of copies of a packed type. In an array of messages, each element counts separately. Types with more
+/// copies are executed step by step.
 const MAX_MOVES: usize = 512;
 
-/// Maximum CDR size of a packed type in bytes. No uORB message is as large.
+/// Maximum CDR size of a packed type in bytes. All uORB messages are smaller.
 const MAX_SIZE: usize = 1 << 16;
 
 /// A type before its layout is computed.
@@ -109,7 +109,7 @@ impl Field {
     }
 }
 
-/// Compiles the plans. A message is compiled after the messages nested in it.
+/// Compiles the plans. Each message is compiled after the messages nested in it.
 pub(super) fn compile(drafts: Vec<Draft>) -> Vec<Plan> {
     let depths = depths(&drafts);
     let mut order: Vec<usize> = (0..drafts.len()).filter(|index| depths[*index].is_some()).collect();
@@ -343,7 +343,7 @@ fn sequence(element: Element) -> Sequence {
     }
 }
 
-/// The copies of a type with these steps. Returns `None` if its size varies or it needs too many copies.
+/// The copies of a type with these steps. Returns `None` if the type's size varies or the type needs too many copies.
 fn packed(steps: &[Step], padded: usize, plans: &[Plan]) -> Option<Packed> {
     let mut moves = Vec::new();
     let mut size = 0;

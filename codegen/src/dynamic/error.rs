@@ -9,8 +9,8 @@ use uavspec_runtime::Fault;
 pub struct Error {
     /// The cause.
     pub reason: Reason,
-    /// Path to the value in the message, such as `events[2].id`, or the name of the message if the error concerns all
-    /// of it.
+    /// Path to the value in the message, such as `events[2].id`. If the error concerns the whole message, the name of
+    /// the message.
     pub path: String,
     /// Byte offset in the input.
     pub offset: Option<usize>,
@@ -32,7 +32,7 @@ pub enum Reason {
     Defect(Defect),
 }
 
-/// The cause for which a type is unusable.
+/// The reason why a type is unusable.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Defect {

@@ -1,5 +1,5 @@
-//! Copies for messages of fixed size. Each byte has a fixed offset in memory and in CDR, so the conversion is a list of
-//! copies that is computed once.
+//! Copies for fixed-size messages. Each byte has a fixed offset in memory and in CDR, so the list of copies for the
+//! conversion is computed only once.
 
 use uavspec_runtime::cdr::{ByteOrder, HEADER, is_padding};
 
@@ -13,7 +13,7 @@ pub(super) struct Packed {
     size: usize,
     /// Ranges that are contiguous in both forms.
     copies: Box<[Move]>,
-    /// The ranges of `copies`, split by number width to allow byte swapping.
+    /// The ranges in `copies`, split by number width to allow byte swapping.
     swaps: Box<[Move]>,
     /// The ranges of `bool`s in both forms.
     bools: Box<[Move]>,

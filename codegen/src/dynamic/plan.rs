@@ -28,9 +28,9 @@ pub(super) struct Plan {
     pub(super) steps: Box<[Step]>,
     /// Copies of the whole message, if it has a fixed size and few enough copies.
     pub(super) packed: Option<Packed>,
-    /// True if a field has a nonzero default, including fields of nested messages.
+    /// True if any field, including fields of nested messages, has a nonzero default.
     pub(super) has_defaults: bool,
-    /// True if a field is a `bool`, including fields of nested messages.
+    /// True if any field, including fields of nested messages, is a `bool`.
     pub(super) has_bools: bool,
     /// True if a value of the message can violate a rule.
     pub(super) is_restricted: bool,
@@ -98,8 +98,8 @@ impl Element {
     }
 }
 
-/// Size of a string or sequence inside its message: the offset of its bytes or elements from the start of the buffer,
-/// and their number, each as `u32`.
+/// Size of the slot for a string or sequence inside its message. The slot contains the offset of the bytes or elements
+/// from the start of the buffer, and their number, each as `u32`.
 pub(super) const SLOT: usize = 8;
 
 /// Maximum growth from CDR to memory. A message with one `uint8` is padded to eight bytes.

@@ -22,7 +22,7 @@ impl Types {
         Self { plans, by_name }
     }
 
-    /// The type of a message of the schema from which these types were created.
+    /// The type of a message in the schema from which these types were created.
     ///
     /// # Panics
     ///

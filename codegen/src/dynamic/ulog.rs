@@ -1,6 +1,6 @@
 //! Types from the formats in a `ULog` file: `name:type field;type[4] field;…`.
 //!
-//! Fields are in memory order, and padding is declared as fields. The types are those of C++:
+//! Fields are in memory order, and padding is declared as fields. The type names come from C++:
 //! <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>, section "F: Format Message".
 
 use std::collections::{HashMap, HashSet};
@@ -31,11 +31,11 @@ pub struct FormatError {
     pub problem: FormatProblem,
 }
 
-/// The cause for which a format is unusable.
+/// The reason why a format is unusable.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FormatProblem {
-    /// An earlier format has the same name and is used.
+    /// An earlier format has the same name and is used instead.
     Repeated,
     /// The format has no fields.
     Empty,
@@ -43,7 +43,7 @@ pub enum FormatProblem {
     NotAField(String),
     /// The length of an array isn't a number from 1 to 65533.
     ArrayLength(String),
-    /// Two fields have this name.
+    /// Two fields have the same name.
     RepeatedField(String),
     /// A field has a type that is neither basic nor defined by a format.
     UnknownType {
@@ -96,7 +96,7 @@ impl Types {
     /// Creates the types of a `ULog` file from the names and fields of its formats. Usable types are in the package
     /// [`ULOG_PACKAGE`]. Each unusable format causes an error.
     ///
-    /// As in the package `px4`, `char[N]` is text. The only rule that values can violate is that text is UTF-8. Fields
+    /// As in the `px4` package, `char[N]` is text. Values can violate only one rule: text must be valid UTF-8. Fields
     /// whose names start with `_padding` are skipped.
     ///
     /// The [`MessageId`](crate::schema::MessageId) of a type is the index of its format, not counting repeated names.
@@ -155,7 +155,7 @@ fn draft(name: &str, fields: Vec<Field>) -> Draft {
     Draft {
         package: ULOG_PACKAGE.into(),
         name: name.into(),
-        // A type without fields takes no space, so an array of any length would be accepted.
+        // A type without fields takes no space, so arrays of any length would otherwise be accepted.
         defect: fields.is_empty().then_some(Defect::Unreadable),
         fields,
         placement: Placement::AsGiven,

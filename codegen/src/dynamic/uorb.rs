@@ -1,4 +1,4 @@
-//! The memory form. A message of fixed size is stored in this form, apart from padding and noncanonical `bool`s.
+//! The memory form. Fixed-size messages are stored in this form, apart from padding and noncanonical `bool`s.
 
 use std::ops::ControlFlow;
 
@@ -108,7 +108,7 @@ fn write(types: &Types, plan: &Plan, from: &[u8], to: &mut [u8]) {
                     write(types, plan, from.get(start..).unwrap_or_default(), to);
                 }
             }
-            // A message of fixed size contains none of these.
+            // A fixed-size message contains none of these.
             Step::Strings { .. } | Step::Sequence { .. } | Step::Empty => {}
         }
     }

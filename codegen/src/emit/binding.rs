@@ -1,7 +1,7 @@
 //! Declarations of the JSON types, shared by the TypeScript and Python emitters.
 //!
-//! The schema is lowered once to named declarations with texts, and each language prints them. Names are therefore the
-//! same in both languages. Texts are plain; the printers escape them.
+//! The schema is lowered once to named declarations with documentation. Each language prints these declarations, so
+//! names are the same in both languages. All text is plain; the printers escape it.
 
 mod declaration;
 mod declare;

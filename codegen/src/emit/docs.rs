@@ -9,9 +9,9 @@
 //!
 //! Translated pages are next to the English page: `<Message>.uk.md`, `error-codes.uk.md`.
 //!
-//! `site` stores where each item is described and which items refer to it. Pages are written from top to bottom with
-//! the functions of `markdown`. All text from definitions passes through `scope`, which links the names in it, or
-//! through an escape function of `markdown`. Both use `emit::prose`.
+//! `site` stores the page that describes each item, and the items that refer to it. Pages are written from top to
+//! bottom with the functions of `markdown`. All text from definitions passes either through `scope`, which turns names
+//! into links, or through an escape function of `markdown`. Both use `emit::prose`.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};

@@ -69,8 +69,8 @@ pub(crate) fn upper_case(name: &str) -> String {
     words(name).into_iter().map(str::to_ascii_uppercase).collect::<Vec<_>>().join("_")
 }
 
-/// Names the constant of each code: the abbreviation, followed by the severity if several codes share the abbreviation,
-/// or by the code if they also share the severity.
+/// Names the constant of each code after its abbreviation. If several codes share the abbreviation, the severity
+/// follows; if they also share the severity, the code follows instead.
 pub(crate) fn error_code_names(codes: &[&ErrorCode]) -> Vec<String> {
     let plain = |code: &ErrorCode| match &code.abbreviation {
         Some(abbreviation) if !upper_case(abbreviation).is_empty() => upper_case(abbreviation),

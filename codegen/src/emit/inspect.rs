@@ -1,4 +1,4 @@
-//! The schema as JSON, as the command `inspect` prints it.
+//! The schema as JSON, in the form that the `inspect` command prints.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};

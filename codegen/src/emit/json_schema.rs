@@ -1,15 +1,16 @@
-//! JSON Schemas, draft 2020-12. Each message, part of a service, set of error codes, type of a page, and direction of a
-//! message of a page has a file. Each package has a bundle, for tools that can't follow references between files.
+//! JSON Schemas, draft 2020-12. Each message, service part and set of error codes has a file. So does each type on a
+//! page, and each direction of a message on a page. Each package has a bundle, for tools that can't follow references
+//! between files.
 //!
-//! The schema of a `.msg` file is closed, and all fields are required. Definitions on pages are closed only if the page
-//! says so. All assertions have the same meaning in draft 7, so older tools can use the bundles. These tools check the
-//! number of elements of a tuple, but not the elements.
+//! The schema of a `.msg` file is closed, and all fields are required. The schema of a definition on a page is closed
+//! only if the page says so. All assertions have the same meaning in draft 7, so older tools can use the bundles. These
+//! tools check the number of elements of a tuple, but not the elements.
 //!
 //! # Annotations
 //!
 //! Units, frames, topics, hashes and similar data are members whose names start with `x-`. They are not next to the
-//! keywords of their schema, because ajv in strict mode rejects unknown keywords. Instead, they are in a subschema
-//! `annotations` in the `$defs` of that schema. All drafts since 2019-09 allow `$defs` at any depth. Nothing refers to
+//! keywords of their schema, because ajv in strict mode rejects unknown keywords. Instead, they are in an `annotations`
+//! subschema in the `$defs` of their schema. All drafts since 2019-09 allow `$defs` at any depth. Nothing refers to
 //! this subschema, so validators ignore it:
 //!
 //! ```json
@@ -23,14 +24,14 @@
 //! # Alternatives
 //!
 //! Each alternative repeats the type of the enclosing schema, because code generators look at each alternative
-//! separately, and some need the type. Disjoint alternatives use `oneOf`, others `anyOf`. `cargo xtask interop` shows
-//! the results of validators and code generators.
+//! separately, and some need the type. Disjoint alternatives use `oneOf`; overlapping alternatives use `anyOf`. `cargo
+//! xtask interop` shows the results of validators and code generators.
 //!
 //! # Numbers
 //!
-//! NaN is null, which all floats allow. Ranges are enforced, except for the value that means "no data". Readers that
-//! store all numbers as 64-bit floats, such as JavaScript, can't distinguish the bounds of 64-bit integers from
-//! adjacent values.
+//! NaN is represented as null, which is valid for all floats. Ranges are enforced, except for the value that means "no
+//! data". Readers that store all numbers as 64-bit floats, such as JavaScript, can't distinguish the bounds of 64-bit
+//! integers from adjacent values.
 //!
 //! # Texts
 //!
@@ -145,7 +146,7 @@ pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<T
 struct Emitter<'s> {
     schema: &'s Schema,
     options: &'s Options,
-    /// The members of each schema, except members that depend on the file.
+    /// The members of each schema, except the members that depend on the file.
     definitions: BTreeMap<Target, Vec<Member<'s>>>,
 }
 
@@ -185,9 +186,9 @@ impl<'s> Emitter<'s> {
         }
     }
 
-    /// Creates the bundle of a package, with everything its messages refer to. As a schema, the bundle matches any
-    /// definition of the package; without an assertion, it would accept any value. If pages define messages, the bundle
-    /// matches only those, because some types are plain strings or numbers.
+    /// Creates the bundle of a package, with everything its messages refer to. As a schema, the bundle accepts
+    /// instances of any definition in the package; without this assertion, it would accept any value. If pages define
+    /// messages, the bundle accepts only these messages, because some types are plain strings or numbers.
     fn bundle(&self, package: &Package, own: Vec<Target>) -> Option<OutputFile> {
         if own.is_empty() {
             return None;

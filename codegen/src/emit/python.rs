@@ -18,8 +18,8 @@
 //!
 //! # Labels
 //!
-//! If there are translations, the package `labels` provides the texts of the definitions in all languages. Each
-//! language is a module that is imported on demand.
+//! If there are translations, the `labels` package provides the text of the definitions in all languages. Each language
+//! is a module that is imported on demand.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};

@@ -164,7 +164,7 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
     modules
 }
 
-/// Sets the location of a message, and names its enums in `scope`, the scope of the module.
+/// Sets the location of a message, and names its enums. `scope` is the scope of the module.
 fn set_place(context: &mut Context<'_>, id: MessageId, place: Place, scope: &mut Scope) {
     let message = context.schema.message(id);
     let names: Vec<String> = message
@@ -301,8 +301,8 @@ fn kind_module(context: &Context<'_>, package: &Package, interfaces: &[&Interfac
     header_of_package(package) + &layout_file(quote!(#doc #(#modules)* #layouts))
 }
 
-/// Asserts at compile time the layout of messages of fixed size that contain other messages. Without nested messages,
-/// the generator knows the complete layout.
+/// Creates compile-time assertions for the layout of fixed-size messages that contain other messages. For a message
+/// without nested messages, the generator knows the complete layout.
 fn assert_layouts<'p>(
     context: &Context<'_>,
     messages: impl IntoIterator<Item = &'p (MessageId, Place)>,

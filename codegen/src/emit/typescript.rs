@@ -1,21 +1,22 @@
 //! TypeScript modules. Each package is a module with the JSON types of its messages, its constants, enums and error
-//! codes. The module `index` exports each package as a namespace.
+//! codes. The `index` module exports each package as a namespace.
 //!
 //! The names match those of [`super::python`]. Properties that TypeScript types can't express, such as ranges, units
 //! and lengths, are in comments. JSON Schemas check them.
 //!
 //! # Numbers
 //!
-//! 64-bit integers are `number`, the type that `JSON.parse` returns; values beyond 2^53 are rounded. Constants that are
-//! not exact as `number` have the type `bigint`. Floats may be `null`, which represents NaN.
+//! 64-bit integers are `number`, the type that `JSON.parse` returns; values beyond 2^53 are rounded. Constants that a
+//! `number` can't represent exactly have the type `bigint`. Floats may be `null`, which represents NaN.
 //!
 //! # Open sets
 //!
-//! Enums and sets of known values are open. The type lists the known values for completion, and accepts all others.
+//! Enums and sets of known values are open. The type lists the known values for completion, and accepts all other
+//! values.
 //!
 //! # Labels
 //!
-//! If there are translations, the module `labels` provides the texts of the definitions in all languages. Each language
+//! If there are translations, the `labels` module provides the text of the definitions in all languages. Each language
 //! is a module, such as `labels/uk`, that is loaded on demand.
 //!
 //! ```

@@ -1,5 +1,5 @@
-//! Test vectors: valid and invalid values of each message, as JSON and as bytes, with the violated rule. There are
-//! vectors for error codes, and for the types and messages of pages, too.
+//! Test vectors: valid and invalid values of each message, as JSON and as bytes, with the violated rule. There are also
+//! vectors for error codes, and for types and messages on pages.
 //!
 //! Each type has two files. `<package>/<Name>.vectors.json` tests codecs and validators:
 //!
@@ -13,11 +13,11 @@
 //! }
 //! ```
 //!
-//! - `json` and the bytes represent the same message: each encodes to and decodes from the other. A form that a case
-//!   doesn't have is absent.
+//! - `json` and the bytes represent the same message: each encodes to and decodes from the other. If a case lacks a
+//!   form, the member is absent.
 //! - `uorb` is the complete payload in memory. `cdr` is little-endian and includes the header. Both are hexadecimal.
-//! - `decoded` replaces `json` if the bytes are valid, but a little-endian encoder produces others. Examples are
-//!   big-endian payloads and payloads with different padding.
+//! - `decoded` replaces `json` if the bytes are valid, but differ from those that a little-endian encoder produces.
+//!   Examples are big-endian payloads and payloads with different padding.
 //! - An invalid case violates exactly one rule. Its bytes, if any, may still decode without error: the rule determines
 //!   whether the payload or a value in it is invalid.
 //! - Definitions on pages have JSON cases only. Their rules `SHAPE-TYPE`, `SHAPE-REQUIRED`, `SHAPE-FURTHER`,
@@ -28,11 +28,12 @@
 //! `vectors.schema.json` describes these files.
 //!
 //! `json-schema-test-suite/tests/draft2020-12/<package>/<Name>.json` is for JSON Schema validators. It has the format
-//! and folder structure of that suite: a test group whose schema refers to the published schema by its `$id`. A case is
-//! valid there if the schema accepts it, so undocumented values of enums and null floats are valid. Integers that
-//! 64-bit floats can't distinguish from the bounds of their type are omitted.
+//! and folder structure of the JSON Schema Test Suite: a test group whose schema refers to the published schema by its
+//! `$id`. A case is valid there if the schema accepts it, so undocumented values of enums and null floats are valid.
+//! Integers that 64-bit floats can't distinguish from the bounds of their type are omitted.
 //!
-//! There are no cases for messages without a valid value, longer than 64 KiB, or nested more than 32 levels deep.
+//! There are no cases for messages that have no valid value, are longer than 64 KiB, or are nested more than 32 levels
+//! deep.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
@@ -80,7 +81,7 @@ const SUITE: &str = "json-schema-test-suite/tests/draft2020-12";
 
 #[cfg(feature = "files")]
 impl Output for Options {
-    /// The vectors refer to the emitted schemas, so their default base is the same.
+    /// The vectors refer to the emitted schemas, so both have the same default base.
     fn complete(&mut self, others: &Others<'_>) {
         let base = self.base.take();
         self.base = base.or_else(|| others.text("json_schema", "base").map(str::to_owned));

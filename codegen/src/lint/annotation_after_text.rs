@@ -52,7 +52,7 @@ fn fix(diagnostic: &Diagnostic, sources: &SourceMap) -> Vec<Edit> {
 /// True if the text before and after an annotation keeps its meaning when the annotation is removed.
 fn can_close(before: &str, after: &str) -> bool {
     let count = |bracket: char| before.matches(bracket).count();
-    // The last annotation of a kind takes effect, so the first must be moved first.
+    // If several annotations have the same kind, the last one takes effect, so the first must be moved first.
     before.len() <= MAX_TEXT_LEN
         && !before.contains("[@")
         && !before.contains("(@")

@@ -46,7 +46,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         let text = line.comment.as_ref().map_or("", |comment| comment.text);
         let found = match text.split('|').count() {
             1 => 0,
-            // Text after the last `|` is a parameter too, if the closing `|` is missing.
+            // If the closing `|` is missing, the text after the last `|` is a parameter too.
             parts => parts - 2 + usize::from(!text.trim_end().ends_with('|')),
         };
         let found = match found {

@@ -60,7 +60,7 @@ struct Block {
     place: Option<Span>,
     /// True if the line before is a declaration, or continues its comment.
     is_after_item: bool,
-    /// True if a list of topics is among them, which they may describe.
+    /// True if one of the comments is a list of topics. The other comments may describe it.
     is_of_topics: bool,
 }
 

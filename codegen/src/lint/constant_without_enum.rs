@@ -34,7 +34,7 @@ pub(super) const RULE: Rule = Rule {
 /// Constants with a special meaning in PX4.
 pub(super) const KNOWN_BY_NAME: [&str; 2] = ["MESSAGE_VERSION", "ORB_QUEUE_LENGTH"];
 
-/// First and last words of constants that are limits, counts or versions, and no values of a field.
+/// First and last words of constants that are limits, counts or versions rather than field values.
 const LIMIT_STARTS: [&str; 4] = ["MAX_", "MIN_", "NUM_", "LATEST_"];
 const LIMIT_ENDS: [&str; 6] = ["_MIN", "_MAX", "_LENGTH", "_SIZE", "_DIM", "_VERSION"];
 
@@ -71,7 +71,7 @@ pub(super) fn names(message: &Message) -> BTreeSet<&str> {
     message.constants.iter().map(|constant| constant.name.as_str()).collect()
 }
 
-/// True if the name shows that the constant is no value of a field.
+/// True if the name shows that the constant is not a field value.
 fn is_plain(name: &str, names: &BTreeSet<&str>) -> bool {
     KNOWN_BY_NAME.contains(&name)
         || enumeration::is_sentinel_among(name, names)

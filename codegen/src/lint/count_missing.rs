@@ -65,7 +65,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// True for an array that may be partly used, so not for text, vectors and quaternions.
+/// True for an array that may be partly used. Text, vectors and quaternions are always used completely.
 fn is_list(field: &Field, subject: &Subject<'_>) -> bool {
     !field.is_text(subject.dialect) && matches!(field.ty.shape, Shape::Array(length) if length > 4)
 }
@@ -75,7 +75,7 @@ fn looks_like_count(field: &Field, array: &Field) -> bool {
     let is_integer = matches!(field.ty.element, Element::Scalar(scalar) if scalar.integer_bounds().is_some());
     let mut named = STARTS.iter().filter_map(|start| name.strip_prefix(start));
     let mut named_before = ENDS.iter().filter_map(|end| name.strip_suffix(end));
-    // The name in the count may be singular.
+    // The name of the count may contain the singular.
     let is_array =
         |rest: &str| array.name.strip_prefix(rest).is_some_and(|rest| matches!(rest, "" | "s" | "es"));
     is_integer

@@ -51,14 +51,14 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// Caches which enums consist of bits, since any number of fields may use an enum.
+/// Caches which enums consist of bits, because many fields may use the same enum.
 #[derive(Default)]
 pub(super) struct Bits {
     known: BTreeMap<EnumRef, bool>,
 }
 
 impl Bits {
-    /// True if the constants of a field are bits, whatever its annotation is.
+    /// True if the constants of a field are bits, regardless of its annotation.
     pub(super) fn are_bits(&mut self, field: &Field, reference: EnumRef, schema: &Schema) -> bool {
         let check = || {
             let found = schema.enumeration(reference);

@@ -33,7 +33,7 @@ pub fn apply(findings: &[Finding], sources: &SourceMap) -> BTreeMap<SourceId, St
     by_source.into_iter().map(text).collect()
 }
 
-/// True if an edit touches none of the chosen edits. These don't touch each other.
+/// True if an edit touches none of the chosen edits. The chosen edits don't touch each other.
 fn is_apart(edit: &Edit, chosen: &BTreeSet<&Edit>) -> bool {
     let before =
         chosen.range::<&Edit, _>(..edit).next_back().is_none_or(|other| other.span.end < edit.span.start);

@@ -70,7 +70,7 @@ struct Request<'s> {
 }
 
 enum Scope {
-    /// Findings that start in this line.
+    /// Findings that start on this line.
     Line(Span),
     /// Findings in this source.
     Source(SourceId),
@@ -223,10 +223,10 @@ fn find<'r>(rules: &[&'r Rule], id: &str) -> Option<&'r Rule> {
     rules.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| rules[at])
 }
 
-/// Finds the rule with the most similar id, if any is similar.
+/// Finds the rule with the most similar id, if there is a similar one.
 fn similar(id: &str, rules: &[&Rule]) -> Option<&'static str> {
     let distances = rules.iter().map(|rule| (strsim::damerau_levenshtein(rule.id, id), rule.id));
-    // Ids are short, and the cost of a comparison is the product of the lengths. Much longer texts are no ids.
+    // Ids are short, so much longer text is not an id. The cost of a comparison is the product of the lengths.
     distances
         .filter(|(distance, known)| id.len() < 60 && *distance <= 1 + known.len() / 5)
         .min()

@@ -36,11 +36,11 @@ const FAILURES: &str = "breached breach broken corrupt corrupted critical denied
     low missing overheated overload overloaded rejected spoofed stale stuck timeout triggered \
     unavailable unhealthy unsafe unstable violated violation warning weak";
 
-/// Words that may follow without changing the meaning: a threshold, or the part that failed. Other words change the
-/// meaning: `high_accuracy_available` and `failure_cleared` are true if there is no failure.
+/// Words that may follow a failure word without changing its meaning: a threshold, or the part that failed. Other words
+/// change the meaning: `high_accuracy_available` and `failure_cleared` are true if there is no failure.
 const QUALIFIERS: [&str; 3] = ["prop", "relaxed", "remaining_time"];
 
-/// Words before it that negate the meaning.
+/// Words before a failure word that negate its meaning.
 const NEGATIONS: [&str; 4] = ["never", "no", "not", "without"];
 
 /// The prefix of the masks of flight modes, which describe requirements.

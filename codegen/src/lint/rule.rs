@@ -64,16 +64,17 @@ impl Levels {
 pub struct Measured {
     /// The number of findings.
     pub findings: usize,
-    /// The number of findings that were reviewed: all, or a random sample of thirty.
+    /// The number of reviewed findings: either all findings, or a random sample of thirty.
     pub sample: usize,
-    /// The number of correct findings in the sample: an expert would change the definition.
+    /// The number of findings in the sample that are correct: an expert would change the definition.
     pub right: usize,
 }
 
 /// The check of a rule.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Check {
-    /// The parser reports it as a warning with the same id. The function returns the edits that fix it, if possible.
+    /// The parser reports the violation as a warning with the same id. The function returns the edits that fix the
+    /// violation, if possible.
     Reader(fn(&Diagnostic, &SourceMap) -> Vec<Edit>),
     /// Checks the text of each source.
     Text(fn(&SourceText<'_>, &mut Sink<'_>)),
@@ -85,7 +86,7 @@ pub(crate) enum Check {
     Ignores,
 }
 
-/// The fix of rules that can't be fixed automatically.
+/// The fix function of rules whose findings can't be fixed automatically.
 pub(super) fn no_fix(_: &Diagnostic, _: &SourceMap) -> Vec<Edit> {
     Vec::new()
 }

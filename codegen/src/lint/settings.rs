@@ -29,7 +29,7 @@ impl Settings {
 pub struct Ignore {
     /// The rule.
     pub rule: String,
-    /// The sources that it applies to. `None` for all sources.
+    /// The sources that the entry applies to. `None` for all sources.
     pub sources: Option<BTreeSet<SourceId>>,
     /// The reason.
     pub reason: String,

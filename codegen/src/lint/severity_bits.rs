@@ -76,7 +76,8 @@ fn check(package: &Package, _: &SourceMap, sink: &mut Sink<'_>) {
     }
 }
 
-/// The severity in a title such as `Warnings of the winch`, if there is exactly one. `Error codes` counts as none.
+/// The severity in a title such as `Warnings of the winch`, if there is exactly one. `Error codes` doesn't count as a
+/// severity.
 fn title_severity(title: &str) -> Option<Severity> {
     let lower = title.to_lowercase().replace("error code", "code");
     let words = lower.split(|c: char| !c.is_alphanumeric()).map(|word| word.trim_end_matches('s'));

@@ -1,4 +1,4 @@
-//! `topic-redundant`: a list with the default topic only.
+//! `topic-redundant`: a list that contains only the default topic.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;

@@ -167,7 +167,7 @@ impl Config {
 
     pub(crate) fn plan(self) -> Result<Plan, Failure> {
         let folder = &self.folder;
-        // Paths in a folder `definitions` are displayed relative to its parent: `definitions/px4/…`.
+        // Paths in a `definitions` folder are displayed relative to its parent: `definitions/px4/…`.
         let root = if folder.ends_with("definitions") { folder.join("..") } else { folder.clone() };
         let outputs = outputs(self.file.output, folder)
             .map_err(|(range, message)| unreadable_at(&self.path, &self.text, range, &message))?;
@@ -198,7 +198,7 @@ impl Config {
     }
 }
 
-/// The failure for a configuration file that can't be parsed.
+/// The failure for an unparsable configuration file.
 fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
     match error.span() {
         Some(range) => unreadable_at(path, text, range, error.message()),
@@ -212,8 +212,7 @@ fn unreadable_at(path: &str, text: &str, range: Range<usize>, message: &str) -> 
         .with_hint("see the chapter \"Use it in your build\" of the guide for all keys")
 }
 
-/// The outputs of the tables `output.NAME`, in the order of [`EMITTERS`]. Fails with the location and message of an
-/// error.
+/// The outputs of the `output.NAME` tables, in the order of [`EMITTERS`]. Errors contain a location and a message.
 fn outputs(
     tables: BTreeMap<Spanned<String>, Spanned<toml::Value>>,
     folder: &Path,

@@ -37,7 +37,7 @@ pub(crate) struct Loaded {
     pub(crate) config: Option<Span>,
 }
 
-/// Reads all sources of `plan`, and the ROS 2 packages in neighbouring folders that they refer to.
+/// Reads all sources of `plan`, and the ROS 2 packages that they refer to in neighbouring folders.
 pub(crate) fn load(plan: &Plan) -> Result<Loaded, Failure> {
     load_into(plan, SourceMap::default())
 }
@@ -123,7 +123,7 @@ impl Loader<'_> {
     }
 
     /// Groups files by ROS package. ROS stores a package's files in `package/msg`. If the inputs span several such
-    /// folders, each is a package; otherwise all files belong to the configured package.
+    /// folders, each folder is a package; otherwise all files belong to the configured package.
     fn by_package(&mut self, package: &PlannedPackage, files: Vec<PathBuf>) -> Vec<(String, Vec<PathBuf>)> {
         if package.form != Form::Msg(Dialect::Ros2) {
             return vec![(package.name.clone(), files)];
@@ -252,7 +252,7 @@ fn ros_package_of(file: &Path) -> Option<(String, PathBuf)> {
         return None;
     }
     let folder = kind_folder.parent()?;
-    // A relative path may have no further parent: `msg/A.msg`.
+    // A relative path such as `msg/A.msg` may have no further parent.
     let absolute = std::path::absolute(folder).ok()?;
     Some((absolute.file_name()?.to_str()?.to_owned(), absolute))
 }

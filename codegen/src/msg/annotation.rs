@@ -1,8 +1,8 @@
 //! Annotations: bracketed statements at the start of a trailing comment, such as
 //! `# [m/s] [@range 0, 20] [@invalid NaN] text`.
 //!
-//! A near miss is read as intended, with a warning. Other text in brackets stays text. Descriptions in tables of a page
-//! have different annotations: see [`Vocabulary`].
+//! A near miss is read as intended, with a warning. Other text in brackets stays text. Descriptions in the tables of a
+//! page allow different annotations: see [`Vocabulary`].
 
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
@@ -181,7 +181,7 @@ impl<'s> Reader<'s, '_> {
                     copied = end;
                     from = end;
                 }
-                // At the start it was already reported.
+                // An annotation at the start was already reported.
                 Reading::Text(Some(problem)) if !self.text[self.at..start].trim().is_empty() => {
                     self.report(problem, start..end);
                 }
@@ -245,8 +245,8 @@ fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
     None
 }
 
-/// The end of the bracket at the start of `text`. The brackets of the regular expression in it are balanced, except
-/// after a backslash.
+/// The end of the bracket at the start of `text`. Brackets in a regular expression must be balanced, except after a
+/// backslash.
 fn bracketed_pattern(text: &str) -> Option<usize> {
     let mut depth = 0_usize;
     let mut is_escaped = false;
@@ -263,7 +263,7 @@ fn bracketed_pattern(text: &str) -> Option<usize> {
     None
 }
 
-/// True if `text` is one pair of brackets: a bracket in its contents may close it early.
+/// True if `text` is a single pair of brackets. A bracket in the contents may close the pair early.
 pub(crate) fn is_bracketed(text: &str) -> bool {
     bracketed(text, 0).is_some_and(|(_, end)| end == text.len())
 }

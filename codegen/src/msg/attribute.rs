@@ -12,14 +12,14 @@
 //! assert_eq!(schema.messages[0].fields[1].attribute(&FRAME), None);
 //! ```
 
-/// A kind of attribute. All stages handle every attribute by the data in this struct.
+/// A kind of attribute. All stages handle attributes generically, using the data in this struct.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Attribute {
     /// The name, as in `[@frame NED]`; also used in the printed model and in translation keys.
     pub name: &'static str,
     /// The syntax, as shown in messages.
     pub form: &'static str,
-    /// Arguments that definitions write without the name by mistake: `[NED]`.
+    /// Arguments that definitions mistakenly write without the attribute name: `[NED]`.
     pub bare: &'static [&'static str],
     /// The text in the documentation, in which the name in braces is a placeholder for the argument. Translations of
     /// the generator's texts contain it.

@@ -7,7 +7,7 @@ use std::fmt;
 pub enum Dialect {
     /// PX4 uORB messages: fixed size, topics, versions, queue lengths.
     Px4,
-    /// ROS 2 interfaces: also strings, sequences, defaults, other packages.
+    /// ROS 2 interfaces, which also have strings, sequences, defaults and references to other packages.
     Ros2,
 }
 

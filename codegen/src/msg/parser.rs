@@ -51,7 +51,7 @@ pub(super) fn parse(
         let reported = diagnostics.len();
         let line = LineParser { line, span: place, at: 0, dialect, diagnostics: &mut diagnostics }.line();
         if line.is_invalid && has_bad_character {
-            // The character is the cause, so report only that.
+            // The character is the cause of the error, so report only the character.
             diagnostics.truncate(reported);
         }
         bad_lines += usize::from(line.is_invalid || has_bad_character);
@@ -174,7 +174,7 @@ impl<'s> LineParser<'s, '_> {
         })
     }
 
-    /// Checks the style of a name. ROS 2 rejects names of another style; PX4 accepts most of them.
+    /// Checks the style of a name. ROS 2 rejects names that violate the style; PX4 accepts most of them.
     fn check_style(&mut self, name: Name<'_>, is_constant: bool) {
         let well_formed = |is_letter: fn(u8) -> bool| {
             name.text.bytes().all(|byte| is_letter(byte) || byte.is_ascii_digit() || byte == b'_')

@@ -67,7 +67,7 @@ pub(crate) const FORMATS: [&str; 1] = ["base64"];
 /// A prefix of the names of constants.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Prefix<'s> {
-    /// The message that defines the constants, if it is a different one: `Message.PREFIX`.
+    /// The message that defines the constants, if it is a different message: `Message.PREFIX`.
     pub message: Option<&'s str>,
     /// The prefix, without the `_` that follows it.
     pub prefix: &'s str,
@@ -136,7 +136,7 @@ fn is_pattern(text: &str) -> bool {
     !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::pattern::is_known(text)
 }
 
-/// Parses a length: two bounds separated by a comma, one of which may be absent, or one exact length.
+/// Parses a length: either one exact length, or two bounds separated by a comma, one of which may be absent.
 fn length(argument: &str) -> Option<Statement<'_>> {
     let bound = |text: &str| match text.trim() {
         "" => Some(None),
@@ -160,7 +160,7 @@ fn prefixes(argument: &str) -> Option<Vec<Prefix<'_>>> {
             (is_identifier(prefix) && message.is_none_or(is_identifier)).then_some(Prefix { message, prefix })
         })
         .collect();
-    // All prefixes of an enum refer to the same message.
+    // All prefixes of an enum must refer to the same message.
     prefixes.filter(|prefixes| {
         prefixes.first().is_some_and(|first| prefixes.iter().all(|prefix| prefix.message == first.message))
     })

@@ -10,7 +10,7 @@ use crate::schema::{Element, Enum, Member, Message};
 /// An enum, and the members that are out of range.
 pub(super) struct Candidate {
     pub(super) found: Enum,
-    /// Constants that don't fit the type: index and value.
+    /// The index and value of each constant that doesn't fit the type.
     pub(super) out_of_range: Vec<(usize, i128)>,
 }
 
@@ -18,7 +18,7 @@ pub(super) struct Candidate {
 pub(super) struct ByPrefix {
     /// The members of each claimed prefix, in declaration order.
     members: BTreeMap<String, Vec<Member>>,
-    /// The sorted names of all constants.
+    /// The names of all constants, sorted.
     names: BTreeSet<String>,
 }
 

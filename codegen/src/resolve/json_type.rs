@@ -22,10 +22,10 @@ use crate::table::type_table::{
 };
 use crate::table::{Page, Text, type_table::Expression as Written};
 
-/// Phrases for an object without further fields.
+/// Phrases that forbid further fields in an object.
 const CLOSED: [&str; 2] = ["closed object", "object is closed"];
 
-/// The phrase for an object with further fields.
+/// The phrase that allows further fields in an object.
 const OPEN: &str = "further fields are allowed";
 
 /// The maximum number of elements of a tuple.
@@ -191,7 +191,8 @@ impl Resolver<'_, '_> {
         }
     }
 
-    /// True if the paragraphs above a set declare it as open. Reports an error unless exactly one of both is declared.
+    /// True if the paragraphs above a set declare it as open. Reports an error unless the paragraphs declare exactly
+    /// one of open and closed.
     fn is_open(&mut self, name: &str, paragraphs: &[&Text], span: Span) -> bool {
         let says = |word: &str| {
             let mut words =

@@ -58,7 +58,7 @@ pub enum Definition {
 pub struct Object {
     /// The fields, in order.
     pub fields: Vec<Member>,
-    /// True if the object has no further fields; otherwise they are allowed and ignored.
+    /// True if further fields are forbidden; otherwise they are allowed and ignored.
     pub is_closed: bool,
 }
 

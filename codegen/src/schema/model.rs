@@ -26,7 +26,7 @@ pub struct Schema {
     pub packages: Vec<Package>,
     /// All messages, including the parts of services and actions, by package and name.
     pub messages: Vec<Message>,
-    /// All messages, after the messages that they contain.
+    /// All messages, each after the messages it contains.
     pub nested_first: Vec<MessageId>,
     /// All types on pages, by package and name.
     pub json_types: Vec<JsonType>,

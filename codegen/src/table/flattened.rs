@@ -31,7 +31,7 @@ pub(super) fn is_likely(text: &str) -> bool {
             }
             is_body = false;
         }
-        // Skip tables of one column, because they are identical in Markdown.
+        // Skip tables with one column, because they look the same in Markdown.
         is_body |= pipe::is_divider(line) && pipe::cells(line).len() > 1;
     }
     false

@@ -17,7 +17,6 @@ const MAX_NAMED: usize = 3;
 ///
 /// A language may leave a message, service, action or set of error codes in English. If a catalogue contains no entry
 /// for it, nothing is reported as missing.
-/// language may leave it to English.
 pub fn resolve(
     sources: &SourceMap,
     schema: &Schema,

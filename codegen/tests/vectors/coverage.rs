@@ -1,5 +1,5 @@
-//! Checks that the cases cover all important values. It derives these from the definitions alone, independently of the
-//! emitter.
+//! Checks that the cases cover all important values. It derives these values from the definitions alone, independently
+//! of the emitter.
 
 use std::collections::BTreeSet;
 

@@ -49,7 +49,7 @@ impl ByteOrder {
         }
     }
 
-    /// The byte order that the header of a payload names.
+    /// The byte order named in a payload's header.
     pub fn of(payload: &[u8]) -> Result<Self, Fault> {
         match *payload {
             [0, 1, _, _, ..] => Ok(Self::LittleEndian),
@@ -60,13 +60,13 @@ impl ByteOrder {
     }
 }
 
-/// True if `left` bytes after a message that ends at `end` can be padding: transports pad payloads to a multiple of 4.
+/// True if the `left` bytes after a message ending at `end` can be padding: transports pad payloads to a multiple of 4.
 pub const fn is_padding(end: usize, left: usize) -> bool {
     end + left <= end.next_multiple_of(4)
 }
 
-/// The characters of a wide string, with an error for each surrogate without a partner. A code unit of more than 16
-/// bits ends the string with an error.
+/// The characters of a wide string, with an error for each unpaired surrogate. A code unit of more than 16 bits ends
+/// the string with an error.
 pub fn wide_characters(bytes: &[u8], order: ByteOrder) -> impl Iterator<Item = Result<char, Fault>> {
     let unit = move |bytes: &[u8]| {
         u16::try_from(match order {
@@ -109,7 +109,7 @@ fn decode_body<T: Message, const BIG: bool, const STRICT: bool>(payload: &[u8]) 
     finish(T::DESCRIPTOR, message, end + HEADER, body.len().saturating_sub(end), failure)
 }
 
-/// The encoding of messages of fixed size, which needs no length prefixes.
+/// The encoding of fixed-size messages, which needs no length prefixes.
 struct Packed<const BIG: bool>;
 
 impl<const BIG: bool> Encoding for Packed<BIG> {
@@ -131,7 +131,7 @@ impl<const BIG: bool> Encoding for Packed<BIG> {
     }
 }
 
-/// The error for a payload that is too short for its message of fixed size.
+/// The error for a payload that is too short for its fixed-size message.
 #[cold]
 fn truncated(message: &'static MessageDescriptor, size: usize) -> DecodeError {
     let mut path = Path::default();
@@ -143,7 +143,8 @@ fn truncated(message: &'static MessageDescriptor, size: usize) -> DecodeError {
     DecodeError { fault, offset: offset + HEADER, path }
 }
 
-/// Finds the first value that doesn't fit in `end` bytes, and its offset. Advances `at` past the values that fit.
+/// Finds the first value that doesn't end within the first `end` bytes, and its offset. Advances `at` past the values
+/// that do.
 fn find_end(
     message: &'static MessageDescriptor,
     at: &mut usize,
@@ -207,7 +208,7 @@ struct Reader<'b, const BIG: bool, const STRICT: bool> {
     /// The bytes after the header.
     body: &'b [u8],
     at: usize,
-    /// A reference, so the compiler can keep the other fields in registers.
+    /// Stored as a reference, so the compiler can keep the other fields in registers.
     failure: &'b mut Option<DecodeError>,
 }
 
@@ -223,7 +224,7 @@ impl<'b, const BIG: bool, const STRICT: bool> Reader<'b, BIG, STRICT> {
     #[inline]
     fn take(&mut self, size: usize, alignment: usize) -> &'b [u8] {
         let start = self.at.next_multiple_of(alignment);
-        // The end overflows only if the payload is too short anyway.
+        // The addition overflows only if the payload is too short anyway.
         if let Some(bytes) = start.checked_add(size).and_then(|end| self.body.get(start..end)) {
             self.at = start + size;
             return bytes;
@@ -426,7 +427,7 @@ struct Writer<'b, const BIG: bool> {
     message: &'static MessageDescriptor,
     body: &'b mut [u8],
     at: usize,
-    /// A reference, so the compiler can keep the other fields in registers.
+    /// Stored as a reference, so the compiler can keep the other fields in registers.
     failure: &'b mut Option<EncodeError>,
     /// Index of the array element that is being written.
     element: Option<usize>,

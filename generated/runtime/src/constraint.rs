@@ -55,8 +55,8 @@ impl fmt::Display for Number {
     }
 }
 
-/// The values that a definition allows for a number. The published JSON Schema has the same constraints, but it doesn't
-/// restrict documented values and NaN.
+/// The values that a definition allows for a number. The published JSON Schema has the same constraints, except that it
+/// allows NaN and undocumented values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constraint<'k> {
     /// Minimum (`@range`).
@@ -66,7 +66,7 @@ pub struct Constraint<'k> {
     /// Values that mean "no data" (`@invalid`) or "set point not controlled" (`@uncontrolled`). They are valid even
     /// out of range.
     pub special: &'k [Number],
-    /// Length of the array whose used entries the value counts (`@count`).
+    /// If the value counts the used entries of an array, the length of that array (`@count`).
     pub count: Option<u32>,
     /// The documented values (`@enum`), or the masks of the documented flags (`@flags`).
     pub known: Option<&'k [i128]>,
@@ -74,7 +74,7 @@ pub struct Constraint<'k> {
     pub names: &'k [&'k str],
     /// True if a value is a combination of the `known` masks (`@flags`).
     pub is_flags: bool,
-    /// True if NaN is not allowed. NaN is allowed in a float that the definition doesn't restrict at all.
+    /// True if NaN is not allowed. A float without any restrictions allows NaN.
     pub forbids_nan: bool,
 }
 
@@ -112,7 +112,7 @@ impl Constraint<'_> {
     fn is_documented(&self, value: Number) -> bool {
         let (Some(known), Number::Int(value)) = (self.known, value) else { return true };
         if self.is_flags {
-            // In negative numbers and negative masks alike, all bits above those of the type are set.
+            // Negative numbers and negative masks are both sign-extended: all bits above those of the type are set.
             value & !known.iter().fold(0, |all, mask| all | mask) == 0
         } else {
             known.contains(&value)
@@ -140,7 +140,7 @@ impl Constraint<'static> {
         Self { special, ..self }
     }
 
-    /// Declares a count of the used entries of an array of `length`.
+    /// Declares that the value counts the used entries of an array with `length` elements.
     #[must_use]
     pub const fn counting(self, length: u32) -> Self {
         Self { count: Some(length), ..self }
@@ -166,7 +166,7 @@ impl Constraint<'static> {
 }
 
 impl Constraint<'_> {
-    /// The bounds that a JSON Schema asserts for ordinary values of a field of this type, or `None` for `bool`.
+    /// The bounds that a JSON Schema asserts for the ordinary values of a field with this type, or `None` for `bool`.
     /// The schema lists special and documented values as alternatives, and NaN as null.
     #[doc(hidden)]
     pub fn asserted(&self, scalar: Scalar) -> Option<Constraint<'static>> {
@@ -203,7 +203,7 @@ impl Constraint<'_> {
     }
 }
 
-/// Minimum and maximum of a type in JSON, or `None` for `bool`.
+/// The minimum and maximum of a type in JSON, or `None` for `bool`.
 const fn json_bounds(scalar: Scalar) -> Option<(Number, Number)> {
     /// The shortest decimal that reads back as `f32::MAX`. Most programs write this form, which is slightly above the
     /// exact value.
@@ -217,20 +217,20 @@ const fn json_bounds(scalar: Scalar) -> Option<(Number, Number)> {
     }
 }
 
-/// A rule that a value can violate. Its [`id`](Self::id) is permanent.
+/// A rule that a value can violate. The rule's [`id`](Self::id) is permanent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Rule {
-    /// A count is at most the length of the array that it counts.
+    /// A count must not exceed the length of its array.
     Count,
-    /// A sequence or string doesn't exceed its bound.
+    /// A sequence or string must not exceed its bound.
     Bound,
-    /// Text of fixed size is valid UTF-8 up to its first NUL.
+    /// Fixed-size text must be valid UTF-8 up to its first NUL.
     Text,
-    /// A field with `@enum` or `@flags` contains documented values only.
+    /// A field with `@enum` or `@flags` must contain only documented values.
     Enum,
-    /// A value is within its `@range`, unless it is a special value such as `@invalid`.
+    /// A value must be within its `@range`, unless it is a special value such as `@invalid`.
     Range,
-    /// A restricted field is NaN only if its definition says what NaN means.
+    /// A restricted field may be NaN only if its definition says what NaN means.
     Nan,
 }
 
@@ -238,7 +238,7 @@ impl Rule {
     /// All rules.
     pub const ALL: [Self; 6] = [Self::Count, Self::Bound, Self::Text, Self::Enum, Self::Range, Self::Nan];
 
-    /// The permanent id, which the conformance suite reports as well.
+    /// The permanent id, which also appears in reports of the conformance suite.
     pub const fn id(self) -> &'static str {
         match self {
             Self::Count => "PX-LEN-01",
@@ -250,8 +250,8 @@ impl Rule {
         }
     }
 
-    /// Writes why `found` violates the rule, followed by the rule id. The explanation uses the constraint of a number,
-    /// or the bound of a sequence or string.
+    /// Writes why `found` violates the rule, followed by the rule id. For a number, the explanation uses its
+    /// constraint; for a sequence or string, its bound.
     pub fn explain(
         self,
         found: Number,

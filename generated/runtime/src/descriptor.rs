@@ -25,7 +25,7 @@ pub struct MessageDescriptor {
 }
 
 impl MessageDescriptor {
-    /// A placeholder until the message is known.
+    /// A placeholder, used until the message is known.
     pub(crate) const NONE: Self = Self { name: "", fields: &[], size: None };
 
     /// Size in memory without the trailing padding, or 0 if the size varies.
@@ -65,7 +65,7 @@ pub struct FieldDescriptor {
 pub enum Element {
     /// A number, a `bool`, a `byte` or a `char`.
     Scalar(Scalar),
-    /// PX4's `char[N]`: text, whose size in bytes is the array length in the shape.
+    /// PX4's `char[N]`: text. Its size in bytes is the array length in the shape.
     Text,
     /// A string.
     String {
@@ -78,7 +78,7 @@ pub enum Element {
     Message(&'static MessageDescriptor),
 }
 
-/// Messages are equal if their names are equal. Nested messages are not compared.
+/// Two messages are equal if they have the same name. Their fields are not compared.
 impl PartialEq for Element {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -94,7 +94,7 @@ impl PartialEq for Element {
     }
 }
 
-/// The number of elements of a field.
+/// The number of elements in a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Shape {
     /// One value.
@@ -161,7 +161,7 @@ impl FieldDescriptor {
 pub mod field {
     use super::{Element, FieldDescriptor, Shape};
     use crate::record::Record;
-    // Private: generated code imports the whole module next to its own types.
+    // Private, because generated code imports the whole module next to its own types.
     use crate::{Constraint, Number, Scalar};
 
     const fn new(name: &'static str, element: Element, offset: usize) -> FieldDescriptor {
@@ -182,7 +182,7 @@ pub mod field {
         int64 Int64 uint64 UInt64 float32 Float32 float64 Float64
     );
 
-    /// A field of type `char[N]`: PX4's text of fixed size.
+    /// A field of type `char[N]`: PX4's fixed-size text.
     pub const fn text(name: &'static str, offset: usize) -> FieldDescriptor {
         new(name, Element::Text, offset)
     }

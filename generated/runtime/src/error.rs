@@ -35,9 +35,9 @@ pub enum Fault {
     },
     /// A string is not valid UTF-8, or a wide string is not valid UTF-16.
     NotUnicode,
-    /// A string doesn't end with a NUL, or contains another one.
+    /// A string doesn't end with a NUL, or contains a NUL before its end.
     Nul,
-    /// A `bool` is neither 0 nor 1. Only strict mode reports this.
+    /// A `bool` is neither 0 nor 1. Reported only in strict mode.
     Bool(u8),
     /// More bytes follow the message and its padding.
     Trailing(usize),

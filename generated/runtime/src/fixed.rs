@@ -1,4 +1,4 @@
-//! Codec for messages of fixed size, generic over the encoding.
+//! Codec for fixed-size messages, generic over the encoding.
 //!
 //! The caller checks the number of bytes once, so no field can be truncated. Everything is inlined, so the compiler
 //! knows each offset and can load or store several values in one instruction.
@@ -12,7 +12,7 @@ use crate::descriptor::{MessageDescriptor, Shape};
 use crate::error::{DecodeError, Fault};
 use crate::record::{FieldSink, FieldSource, Primitive, Record, Sink, Source, Value};
 
-/// An encoding of messages of fixed size.
+/// An encoding of fixed-size messages.
 pub(crate) trait Encoding {
     /// True if fields are at the offsets of the memory layout. Otherwise each field follows the previous one.
     const HAS_OFFSETS: bool;
@@ -27,7 +27,7 @@ pub(crate) trait Encoding {
     fn write<P: Primitive>(number: P, bytes: &mut [u8]);
 }
 
-/// Reads a message. `bytes` must be long enough. In strict mode a `bool` other than 0 and 1 is a fault.
+/// Reads a message. `bytes` must be long enough. In strict mode, a `bool` other than 0 or 1 is a fault.
 #[inline(always)]
 pub(crate) fn read<T: Record, F: Encoding, const STRICT: bool>(
     bytes: &[u8],
@@ -50,7 +50,7 @@ struct Reader<'b, F, const STRICT: bool> {
     message: &'static MessageDescriptor,
     bytes: &'b [u8],
     at: usize,
-    /// A reference, so the compiler can keep the other fields in registers.
+    /// Stored as a reference, so the compiler can keep the other fields in registers.
     failure: &'b mut Option<DecodeError>,
     encoding: PhantomData<F>,
 }

@@ -24,7 +24,7 @@ impl Flag {
 }
 
 /// Implements `set_flags()` for a message. Each line consists of a field, its name, its group and its label. If the
-/// field is not a `bool`, a comparison that yields one follows the field.
+/// field is not a `bool`, the field is followed by a comparison that yields a `bool`.
 #[macro_export]
 macro_rules! flags {
     ($type:ident; $($field:ident $(. $inner:tt)? $(!= $unset:literal)? $name:literal $group:literal $label:literal;)*) => {
@@ -40,12 +40,12 @@ macro_rules! flags {
     };
 }
 
-/// Implements `contains_failure()` for a message. Each flag of the message must report a failure.
+/// Implements `contains_failure()` for a message. Every flag of the message must report a failure.
 #[macro_export]
 macro_rules! failure_flags {
     ($type:ident;) => {
         impl $type {
-            /// True if any flag is set. Each flag of this message reports a failure.
+            /// True if any flag is set. Every flag of this message reports a failure.
             pub fn contains_failure(&self) -> bool {
                 self.set_flags().next().is_some()
             }

@@ -1,6 +1,6 @@
-//! JSON form of messages, through serde. The published schemas describe this form.
+//! The JSON form of messages, through serde. The published schemas describe this form.
 //!
-//! A message is an object with all fields in declared order. NaN is `null`. Infinity has no JSON form, so it is an
+//! A message is an object with all fields in declared order. NaN is `null`. Infinity has no JSON form: writing it is an
 //! error that names the field. PX4's `char[N]` is a string.
 //!
 //! Reading accepts the fields in any order, and rejects missing, repeated and unknown fields. Integers have no
@@ -44,12 +44,12 @@ use crate::Text;
 use crate::descriptor::MessageDescriptor;
 use crate::record::{FieldSink, Record, Value};
 
-/// A message that can read single fields by index.
+/// A message whose fields can be read one by one, by index.
 #[doc(hidden)]
 pub trait Fields: Record + Default {
     /// The names of the fields, in declared order.
     const NAMES: &'static [&'static str];
-    /// A bit set with one bit per field, for the fields that have been read.
+    /// A bit set that records which fields have been read, with one bit per field.
     type Seen: AsMut<[u64]>;
     /// The empty bit set.
     const UNSEEN: Self::Seen;
@@ -146,7 +146,7 @@ impl<T: Field> Serialize for Named<'_, T> {
 }
 
 struct RecordVisitor<T> {
-    /// True for a text format. In text a message is always an object, never a list.
+    /// True for a text format. In text formats, a message is always an object, never a list.
     is_human_readable: bool,
     marker: PhantomData<T>,
 }
@@ -190,7 +190,7 @@ impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
     }
 }
 
-/// Reads the remaining fields, after the first `read` fields, starting with the field `next`.
+/// Reads the remaining fields after the first `read` fields, starting with `next`.
 #[cold]
 fn read_in_any_order<'de, T: Fields, A: MapAccess<'de>>(
     mut record: T,
@@ -289,7 +289,7 @@ impl<T: Fields> Visitor<'_> for KeySeed<T> {
         formatter.write_str("a field name")
     }
 
-    // Not inlined, so the caller is small enough to be inlined into the loop over the fields.
+    // Not inlined, which keeps the caller small enough to be inlined into the loop over the fields.
     #[inline(never)]
     fn visit_str<E: serde::de::Error>(self, key: &str) -> Result<usize, E> {
         match T::NAMES.get(self.0) {
@@ -340,7 +340,7 @@ impl<T: Fields> Field for T {
     }
 }
 
-/// Implements `Field` for floats. In text formats NaN is `null` and infinity is an error. Binary formats support both.
+/// Implements `Field` for floats. In text formats, NaN is `null` and infinity is an error. Binary formats support both.
 macro_rules! float_fields {
     ($($type:ty),*) => {
         $(impl Field for $type {

@@ -1,12 +1,12 @@
-//! Building blocks for generated types of JSON messages: objects, tuples, sets and alternatives, as specification
-//! pages define them.
+//! Building blocks for the generated types of JSON messages: objects, tuples, sets and alternatives, as defined on
+//! specification pages.
 //!
 //! Each generated type calls one of the macros, which implement `Serialize` and `Deserialize`.
 //!
 //! Reading accepts the fields of an object in any order, and rejects missing and repeated fields. It ignores unknown
 //! fields unless the page forbids them. An optional field may be absent, but `null` is an error unless the page allows
 //! it. Integers have no fraction: reading rejects `1.0`, although JSON Schema accepts it as the integer 1. Reading
-//! doesn't check ranges, lengths and patterns, so a program can read an invalid message and report the violation.
+//! doesn't check ranges, lengths or patterns, so a program can read an invalid message and report the violation.
 //!
 //! ```
 //! use uavspec_runtime::json_object;
@@ -43,7 +43,7 @@ pub use serde_json::Value as Json;
 /// The field that contains the message type.
 const TYPE: &str = "type";
 
-/// Reads the value of the field `name`. A repeated field is an error.
+/// Reads the value of the `name` field. A repeated field is an error.
 pub fn read<'de, T: Deserialize<'de>, A: MapAccess<'de>>(
     field: &mut Option<T>,
     name: &'static str,
@@ -106,7 +106,7 @@ impl<'de> Deserialize<'de> for Key<'de> {
     }
 }
 
-// Names that the macros declare start with two underscores, because a page can define a type of any other name.
+// Names declared by the macros start with two underscores, because a page can define a type with any other name.
 
 /// Splits a message into its type and its other fields.
 pub fn split_message<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(String, Json), D::Error> {
@@ -134,8 +134,8 @@ pub fn read_body<T: DeserializeOwned, E: serde::de::Error>(name: &str, value: Js
     T::deserialize(value).map_err(|error| E::custom(format!("{name}: {error}")))
 }
 
-/// An object that can write its fields into a map with other fields. A message has its type before the fields of its
-/// body.
+/// An object that can write its fields into a map that already has fields. In a message, the `type` field precedes the
+/// fields of the body.
 pub trait Object {
     /// Writes the fields.
     fn write_fields<M: SerializeMap>(&self, map: &mut M) -> Result<(), M::Error>;
@@ -267,10 +267,10 @@ macro_rules! __json_known {
     };
 }
 
-/// Implements reading and writing of a struct as a JSON array with a meaning for each position:
-/// `json_tuple! { Mark; lat required; height nullable; }`.
+/// Implements reading and writing of a struct as a JSON array in which each position has a meaning: `json_tuple! {
+/// Mark; lat required; height nullable; }`.
 ///
-/// All elements but the `required` ones have the type `Option`. A `nullable` element is `null` for `None`. An
+/// Every element has the type `Option`, unless it is `required`. A `nullable` element is `null` for `None`. An
 /// `optional` element can be absent at the end of the array. An `omissible` element can be `null` or absent.
 #[macro_export]
 macro_rules! json_tuple {
@@ -280,7 +280,7 @@ macro_rules! json_tuple {
                 &self,
                 serializer: S,
             ) -> ::core::result::Result<S::Ok, S::Error> {
-                // Writes all elements up to the last present element.
+                // Writes all elements up to the last one that is present.
                 let is_needed = [$($crate::__json_is_needed!($presence self.$field)),*];
                 let length = is_needed.iter().rposition(|is_needed| *is_needed).map_or(0, |last| last + 1);
                 let mut list =
@@ -442,7 +442,7 @@ macro_rules! json_strings {
     };
 }
 
-/// The part of [`json_strings!`](crate::json_strings!) that open and closed enums share.
+/// The part of [`json_strings!`](crate::json_strings!) shared by open and closed enums.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __json_strings {
@@ -530,7 +530,7 @@ macro_rules! json_integers {
     };
 }
 
-/// The part of [`json_integers!`](crate::json_integers!) that open and closed enums share.
+/// The part of [`json_integers!`](crate::json_integers!) shared by open and closed enums.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __json_integers {
@@ -563,7 +563,7 @@ macro_rules! __json_integers {
 
 /// Implements reading and writing of a newtype as its inner value: `json_named! { Instant value; }`.
 ///
-/// For a newtype over a string, use `text` instead of `value`. It adds conversions from and to strings.
+/// For a newtype over a string, use `text` instead of `value`, which adds conversions from and to strings.
 #[macro_export]
 macro_rules! json_named {
     ($type:ident value;) => {
@@ -586,8 +586,8 @@ macro_rules! json_named {
     };
 }
 
-/// Implements reading and writing of an enum whose variants each contain a value of another type:
-/// `json_either! { Place; Mark; String; }`.
+/// Implements reading and writing of an enum in which each variant contains a value of a different type: `json_either!
+/// { Place; Mark; String; }`.
 ///
 /// Reading tries the variants in order and uses the first variant that accepts the value.
 #[macro_export]
@@ -623,11 +623,11 @@ macro_rules! json_either {
     };
 }
 
-/// Implements reading and writing of an enum with one variant per message type of a direction:
-/// `json_messages! { Request; GliderInf glider_inf "GLIDER-INF"; }`.
+/// Implements reading and writing of an enum with one variant for each message type of a direction: `json_messages! {
+/// Request; GliderInf glider_inf "GLIDER-INF"; }`.
 ///
-/// The field `type` of a message selects the variant. Each variant contains a message body, which is the type with the
-/// enum's name in the given module. The variant `Other` contains the JSON of a message of any other type.
+/// The `type` field of a message selects the variant. Each variant contains a message body: the type in the given
+/// module that has the enum's name. The `Other` variant contains the JSON of a message of any other type.
 #[macro_export]
 macro_rules! json_messages {
     ($type:ident; $($variant:ident $module:ident $name:literal;)*) => {
@@ -640,7 +640,7 @@ macro_rules! json_messages {
         )*
 
         impl $type {
-            /// The message type. Empty if the variant `Other` has no type.
+            /// The message type. Empty for an `Other` message without a type.
             pub fn message_type(&self) -> &str {
                 match self {
                     $(Self::$variant(_) => $name,)*

@@ -1,8 +1,9 @@
 //! The memory layout of uORB messages, which is also the payload of `ULog` data messages.
 //!
-//! PX4's generator sorts the members of a message by the size of their element type, largest first. Members of equal
-//! element size keep the declared order. Nested messages come last, each aligned to 8 bytes. The message is padded to a
-//! multiple of 8. uavspec-codegen computes layouts with [`place`], and generated code checks them at compile time.
+//! PX4's generator sorts the members of a message by the size of their element type, largest first. Members with the
+//! same element size keep their declared order. Nested messages come last, each aligned to 8 bytes. The message is
+//! padded to a multiple of 8 bytes. uavspec-codegen computes layouts with [`place`], and generated code checks them at
+//! compile time.
 //!
 //! ```
 //! use uavspec_runtime::layout::{Member, Size, place};
@@ -87,13 +88,13 @@ const fn align(offset: usize) -> usize {
     }
 }
 
-/// True if the offsets of the fields and the size of a message follow the layout rules.
+/// True if a message's field offsets and size follow the layout rules.
 ///
-/// The algorithm differs from that of [`place`], so that each checks the other. It first adds up the space for each
-/// element size, then checks the offset of each field in declared order.
+/// The algorithm differs from [`place`] on purpose, so each verifies the other. This one first adds up the space for
+/// each element size, then checks the offset of each field in declared order.
 pub const fn is_consistent(message: &MessageDescriptor) -> bool {
     let Some(size) = message.size else { return false };
-    // Offsets of the next field with elements of 8, 4, 2 and 1 bytes, and of the next nested message.
+    // The offset of the next field with elements of 8, 4, 2 and 1 bytes, and of the next nested message.
     let mut next = [0; 5];
     let mut index = 0;
     while index < message.fields.len() {
@@ -123,7 +124,7 @@ pub const fn is_consistent(message: &MessageDescriptor) -> bool {
     size.no_padding == end && size.padded == align(end)
 }
 
-/// The class of a field's element size as an index, and the size of the whole field.
+/// The index of the field's element-size class, and the size of the whole field.
 const fn class_and_size(field: &FieldDescriptor) -> (usize, usize) {
     let (class, element_size) = match field.element {
         Element::Scalar(scalar) => (3 - scalar.size().ilog2() as usize, scalar.size()),

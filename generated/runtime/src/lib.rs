@@ -1,7 +1,7 @@
-//! The runtime of code that uavspec-codegen generates: message traits with codecs and checks, and field types that
-//! Rust lacks. The generator itself uses the types for scalars, layouts and severities as well.
+//! The runtime of code that uavspec-codegen generates: message traits with codecs and checks, and field types that Rust
+//! lacks. The generator itself also uses the scalar, layout and severity types.
 //!
-//! The crate is `no_std`, has no unsafe code, and doesn't allocate for messages of fixed size.
+//! The crate is `no_std`, has no unsafe code, and doesn't allocate for fixed-size messages.
 //!
 //! | feature | adds |
 //! |---|---|
@@ -15,8 +15,8 @@
 //!
 //! # Performance
 //!
-//! Medians on a machine with two cores. `cargo xtask bench codec` runs each codec next to an alternative for the same
-//! bytes:
+//! These are medians on a machine with two cores. `cargo xtask bench codec` compares each codec with an alternative on
+//! the same bytes:
 //!
 //! | | this crate | alternative |
 //! |---|---|---|
@@ -29,13 +29,13 @@
 //! | JSON of `FailsafeFlags`, with `serde_json` | read 995 ns, write 726 ns | serde's derive 900 and 711 ns |
 //! | JSON of `ArmingCheckReply` | read 2.71 µs, write 1.35 µs | serde's derive 2.43 and 1.34 µs |
 //!
-//! For a message of fixed size, the compiler turns the codec into loads and stores of several values each. Nested
-//! messages are decoded one after the other. Reading JSON takes a tenth longer than with serde's derive, mostly to
-//! compare keys, but the code compiles much faster.
+//! For a fixed-size message, the compiler turns the codec into loads and stores of several values each. Nested messages
+//! are decoded one after the other. Reading JSON takes a tenth longer than with serde's derive, mostly because keys are
+//! compared, but the code compiles much faster.
 //!
 //! `cargo xtask bench compile` measures how long `cargo check` takes, in seconds. "Generated" is the crate generated
-//! from PX4's 261 messages. "Derives" is a crate of plain structs with the same fields and only the derives of the
-//! respective crates:
+//! from PX4's 261 messages. "Derives" is a crate of plain structs with the same fields, which uses only the derives of
+//! the enabled features:
 //!
 //! | features | generated | derives |
 //! |---|---|---|
@@ -88,16 +88,16 @@ mod validate;
 mod value;
 mod without;
 
-/// Re-export of the crate that the feature `defmt` uses, for generated code.
+/// Re-export of the `defmt` crate, for generated code.
 #[cfg(feature = "defmt")]
 pub use defmt;
-/// Re-export of the crate that the feature `proptest` uses, for generated code.
+/// Re-export of the `proptest` crate, for generated code.
 #[cfg(feature = "proptest")]
 pub use proptest;
-/// Re-export of the crate that the feature `schemars` uses, for generated code.
+/// Re-export of the `schemars` crate, for generated code.
 #[cfg(feature = "schemars")]
 pub use schemars;
-/// Re-export of the crate that the feature `serde` uses, for generated code.
+/// Re-export of the `serde` crate, for generated code.
 #[cfg(feature = "serde")]
 pub use serde;
 
@@ -112,35 +112,35 @@ pub use severity::{ErrorClass, ErrorList, Severity};
 pub use text::{Text, TextError};
 pub use validate::Violation;
 
-/// Functions for the macros of this crate only.
+/// Functions that only the macros of this crate may call.
 #[doc(hidden)]
 pub mod __private {
     pub use crate::open::{flag_names, fmt_enum, fmt_flags};
 }
 
-/// A field value with a JSON form. Without the feature `serde`, every type implements it.
+/// A field value with a JSON form. Without the `serde` feature, every type implements this trait.
 #[cfg(feature = "serde")]
 #[doc(hidden)]
 pub use json::Field as JsonField;
 
-/// A field value with a JSON form. Without the feature `serde`, every type implements it.
+/// A field value with a JSON form. Without the `serde` feature, every type implements this trait.
 #[cfg(not(feature = "serde"))]
 #[doc(hidden)]
 pub use without::JsonField;
 
-/// Expands to the given code if the feature `json` is enabled, and to nothing otherwise.
+/// Expands to the given code if the `json` feature is enabled, and to nothing otherwise.
 #[cfg(feature = "json")]
 #[macro_export]
 macro_rules! with_json {
     ($($code:tt)*) => { $($code)* };
 }
 
-/// A message with a JSON Schema. Without the feature `schemars`, every type implements it.
+/// A message with a JSON Schema. Without the `schemars` feature, every type implements this trait.
 #[cfg(feature = "schemars")]
 #[doc(hidden)]
 pub use schema::SchemaRecord;
 
-/// A message with a JSON Schema. Without the feature `schemars`, every type implements it.
+/// A message with a JSON Schema. Without the `schemars` feature, every type implements this trait.
 #[cfg(not(feature = "schemars"))]
 #[doc(hidden)]
 pub use without::SchemaRecord;

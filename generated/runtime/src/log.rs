@@ -1,5 +1,5 @@
-//! Messages in [`defmt`] logs, for devices that can't afford to format text. The device sends values and the index of a
-//! format string. The host has the format strings and formats the log.
+//! Messages in [`defmt`] logs, for devices that can't afford to format text. The device sends only values and the index
+//! of a format string. The host has the format strings and formats the log.
 //!
 //! ```text
 //! defmt::info!("{}", event);    Event { timestamp: 0, id: 7, event_sequence: 0, … }
@@ -7,13 +7,13 @@
 //!
 //! # Size of the log
 //!
-//! The generator puts the names of a message and of its fields into one format string, so the device never sends
-//! names. Numbers of known type are sent in binary. The overhead is:
+//! The generator puts the names of a message and of its fields into one format string, so the device never sends names.
+//! Numbers are sent in binary, without their types. The overhead is:
 //!
 //! | value | bytes |
 //! |---|---|
 //! | message | 6 plus its values: the index of the format string, a start and an end |
-//! | array of anything but bytes | 2 plus its elements |
+//! | array, except an array of bytes | 2 plus its elements |
 //! | enum, shown by its name | 6 in total |
 //! | flags, shown in hexadecimal | 8 plus their number |
 //! | text of fixed size | 10 plus its characters |
@@ -23,7 +23,7 @@
 //! # Compile time
 //!
 //! Each format string needs one call of a defmt macro. `#[derive(defmt::Format)]` saves four bytes per message, because
-//! it can use private functions of defmt. But it adds 0.9 s to `cargo check` of PX4's 261 messages, and this
+//! it can use private functions of defmt. However, it adds 0.9 s to `cargo check` of PX4's 261 messages, whereas this
 //! implementation adds 0.4 to 0.6 s. The derive also needs a feature and a dependency on defmt in the crate that
 //! contains the messages.
 
@@ -60,7 +60,7 @@ macro_rules! format_record {
     ($type:ident $text:literal; $($field:ident)*;) => {
         impl $crate::defmt::Format for $type {
             fn format(&self, formatter: $crate::defmt::Formatter<'_>) {
-                // The expanded code of the macro refers to a crate of this name.
+                // The expanded code of the macro refers to a crate with this name.
                 use $crate::defmt;
                 defmt::write!(formatter, $text $(, self.$field)*);
             }

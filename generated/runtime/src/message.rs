@@ -30,7 +30,7 @@ pub struct Definition {
 }
 
 impl Definition {
-    /// The constants of a message without topics, version, hashes and fixed CDR size.
+    /// The constants of a message that has no topics, version, hashes or fixed CDR size.
     pub const fn new(package: &'static str, name: &'static str) -> Self {
         Self {
             package,
@@ -87,10 +87,10 @@ pub trait Message: Record + Clone + Default + PartialEq {
     const HASH: u32 = Self::DEFINITION.hash;
     /// The ROS type hash: `RIHS01_` and 64 hexadecimal digits.
     const TYPE_HASH: &'static str = Self::DEFINITION.type_hash;
-    /// Size in CDR with the header, in bytes, if it is fixed.
+    /// The fixed CDR size in bytes, including the header, or `None` if the size varies.
     const CDR_SIZE: Option<usize> = Self::DEFINITION.cdr_size;
 
-    /// Decodes a CDR payload in either byte order. A `bool` is true unless its byte is 0.
+    /// Decodes a CDR payload in either byte order. A `bool` is false if its byte is 0, otherwise true.
     ///
     /// Up to three bytes of padding to a multiple of four may follow the message.
     fn from_cdr(payload: &[u8]) -> Result<Self, DecodeError> {
@@ -118,7 +118,7 @@ pub trait Message: Record + Clone + Default + PartialEq {
 
     /// All violations of the definition, at most one per value.
     ///
-    /// A default message can have violations, because 0 is not valid in every field.
+    /// Even a default message can have violations, because 0 is not valid in every field.
     #[cfg(feature = "alloc")]
     fn validate(&self) -> alloc::vec::Vec<Violation> {
         let mut violations = alloc::vec::Vec::new();
@@ -132,7 +132,7 @@ pub trait Message: Record + Clone + Default + PartialEq {
     }
 }
 
-/// A message of fixed size, which has a memory layout in uORB.
+/// A fixed-size message. It has a memory layout in uORB.
 pub trait UorbMessage: Message {
     /// Size with the padding at its end, in bytes.
     const SIZE: usize = Self::DESCRIPTOR.padded_size();
@@ -148,7 +148,7 @@ pub trait UorbMessage: Message {
     /// Reads all fields of a view.
     fn from_view(view: Self::View<'_>) -> Self;
 
-    /// Decodes a payload, with or without the padding at its end. A `bool` is true unless its byte is 0.
+    /// Decodes a payload, with or without the padding at its end. A `bool` is false if its byte is 0, otherwise true.
     #[inline]
     fn from_uorb(payload: &[u8]) -> Result<Self, DecodeError> {
         uorb::decode::<Self, false>(payload)
@@ -160,7 +160,7 @@ pub trait UorbMessage: Message {
         uorb::decode::<Self, true>(payload)
     }
 
-    /// Creates a view of a payload, with or without the padding at its end. Reads only the requested fields.
+    /// Creates a view of a payload, with or without the padding at its end. A field is read only when it is accessed.
     #[inline]
     fn view(payload: &[u8]) -> Result<Self::View<'_>, DecodeError> {
         Ok(uorb::View::at(uorb::payload::<Self>(payload)?, 0))

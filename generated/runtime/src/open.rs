@@ -5,7 +5,8 @@ use core::fmt;
 use crate::Scalar;
 use crate::record::Primitive;
 
-/// An enum, a set of flags or an error code. It is open: it can also represent values that the definition doesn't name.
+/// An enum, a set of flags or an error code. The type is open: it can also represent values that the definition doesn't
+/// name.
 pub trait Open: Sized {
     /// The name of the type.
     const NAME: &'static str;
@@ -13,7 +14,7 @@ pub trait Open: Sized {
     const SCALAR: Scalar;
     /// The numbers of the documented values, or the masks of the flags.
     const KNOWN: &'static [i128];
-    /// The names of the documented values, without prefix. Empty for an error code without an abbreviation.
+    /// The names of the documented values, without their prefix. Empty for an error code without an abbreviation.
     const NAMES: &'static [&'static str];
     /// True if values are combinations of the documented masks.
     const IS_FLAGS: bool;
@@ -54,12 +55,12 @@ pub fn fmt_flags<T: Open, P: Primitive>(
     formatter.write_str(")")
 }
 
-/// The names of the flags that are set in `value`. A flag with several names yields the first.
+/// The names of the flags that are set in `value`. A flag with several names yields only the first.
 pub fn flag_names<T: Open>(value: impl Primitive) -> impl Iterator<Item = &'static str> {
     let bits = value.bits();
     let flags = T::KNOWN.iter().zip(T::NAMES).enumerate();
     flags.filter_map(move |(index, (mask, name))| {
-        // Drops the bits of a negative mask above the size of the number.
+        // Drops a negative mask's bits above the size of the number.
         let mask_bits = mask & i128::from(u64::MAX >> (64 - 8 * T::SCALAR.size()));
         let is_set = mask_bits != 0 && i128::from(bits) & mask_bits == mask_bits;
         (is_set && !T::KNOWN[..index].contains(mask)).then_some(*name)
@@ -143,7 +144,7 @@ macro_rules! open {
     };
 }
 
-/// The part of [`open!`](crate::open!) that enums and flags share.
+/// The part of [`open!`](crate::open!) shared by enums and flags.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __open {
@@ -203,7 +204,7 @@ macro_rules! error_code {
     };
 }
 
-/// The part that enums, flags and error codes share.
+/// The part shared by enums, flags and error codes.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __documented {

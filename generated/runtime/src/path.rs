@@ -15,7 +15,7 @@ pub struct Path {
     /// The steps, starting with the outermost field.
     steps: [Step; DEPTH],
     len: u8,
-    /// The array element that the next call of [`enclose`](Self::enclose) adds to the enclosing field.
+    /// The array element that the next call to [`enclose`](Self::enclose) adds to the enclosing field.
     element: u32,
 }
 
@@ -35,7 +35,7 @@ impl Default for Path {
     }
 }
 
-/// Paths are equal if the message names and the steps are equal.
+/// Two paths are equal if they have the same message name and steps.
 impl PartialEq for Path {
     fn eq(&self, other: &Self) -> bool {
         self.message.name == other.message.name
@@ -76,7 +76,7 @@ impl Path {
         self.len = self.len.saturating_sub(1);
     }
 
-    /// Prepends an array element. [`enclose`](Self::enclose) adds its field.
+    /// Prepends an array element. The next call to [`enclose`](Self::enclose) adds the field of the array.
     pub(crate) fn within(&mut self, element: usize) {
         self.element = number(element);
     }

@@ -1,9 +1,9 @@
-//! Messages as lists of fields: the interface between messages and codecs or checks.
+//! Messages as lists of fields: the interface between messages on one side, and codecs and checks on the other.
 //!
 //! Each generated message implements [`Record::write_fields`] and [`Record::read_fields`] once. Each format implements
 //! a sink, which receives the fields, and a source, which returns them. Sinks and sources store the first fault, and a
-//! source returns zeros after it. So generated code needs no `?` for each field, which would cost compile time and a
-//! branch.
+//! source returns zeros after a fault. Generated code therefore needs no `?` for each field, which would cost compile
+//! time and a branch.
 //!
 //! ```
 //! use uavspec_runtime::Scalar;
@@ -29,7 +29,7 @@ pub trait Record: Default + crate::JsonField + crate::SchemaRecord {
 }
 
 /// A sink for the fields of one message. The sink stores the message descriptor, so generated code passes one argument
-/// less for each field and compiles faster.
+/// fewer per field and compiles faster.
 pub trait FieldSink {
     /// Writes the field with this index.
     fn field<T: Value>(&mut self, index: usize, value: &T);
@@ -55,7 +55,7 @@ pub trait Sink: FieldSink {
         self.select(None);
     }
 
-    /// Writes text of fixed size.
+    /// Writes fixed-size text.
     fn text(&mut self, bytes: &[u8]);
 
     /// Writes the length of a sequence.
@@ -79,8 +79,8 @@ pub trait Source: FieldSource {
     /// Reads an array of numbers.
     fn scalars<P: Primitive>(&mut self, values: &mut [P]);
 
-    /// Reads the length of a sequence whose elements take at least `element_size` bytes each. The remaining bytes can
-    /// contain at least that many elements.
+    /// Reads the length of a sequence whose elements take at least `element_size` bytes each. The remaining bytes are
+    /// enough for that many elements.
     fn length(&mut self, shape: Shape, element_size: usize) -> usize;
 
     /// Reads a string of at most `bound` characters.
@@ -93,16 +93,16 @@ pub trait Source: FieldSource {
     /// True if there was a fault. All values after the fault are zero.
     fn has_failed(&self) -> bool;
 
-    /// Records which array element contains the first fault.
+    /// Adds the index of the array element to the location of the first fault.
     fn locate_fault(&mut self, element: usize);
 }
 
 /// A field value.
 pub trait Value: Sized + crate::JsonField {
-    /// Minimum size in CDR without alignment, in bytes.
+    /// The minimum CDR size in bytes, without alignment padding.
     const LEAST_SIZE: usize;
 
-    /// The value before reading. Replaces `Default`, which arrays of arbitrary length don't implement.
+    /// The initial value, before reading. Replaces `Default`, which arrays of arbitrary length don't implement.
     fn initial() -> Self;
 
     /// Writes the value to `sink`.
@@ -124,7 +124,7 @@ pub trait Value: Sized + crate::JsonField {
     /// Reads all values of an array of fixed length.
     #[inline]
     fn read_array<S: Source, const N: usize>(source: &mut S, field: &'static FieldDescriptor) -> [Self; N] {
-        // This compiles to much better code than `from_fn` with a function that reads.
+        // This compiles to much better code than `array::from_fn` with a closure that reads.
         let mut values = core::array::from_fn(|_| Self::initial());
         for (index, value) in values.iter_mut().enumerate() {
             *value = element(source, index, field);
@@ -162,12 +162,12 @@ fn element<T: Value, S: Source>(source: &mut S, index: usize, field: &'static Fi
     value
 }
 
-/// A number of fixed size.
+/// A fixed-size number.
 pub trait Primitive: Copy + Default + 'static {
     /// The scalar type. `byte` and `char` count as `uint8`.
     const SCALAR: Scalar;
 
-    /// Size in bytes. The alignment is equal.
+    /// Size in bytes, which is also the alignment.
     const SIZE: usize;
 
     /// Reads a little-endian number, or zero if there are too few bytes.
@@ -182,7 +182,7 @@ pub trait Primitive: Copy + Default + 'static {
     /// Writes the number to `bytes` in big-endian order.
     fn write_be(self, bytes: &mut [u8]);
 
-    /// The number in the form that checks use.
+    /// The number, in the form that checks use.
     fn number(self) -> Number;
 
     /// The bits of the number, without sign extension.
@@ -243,7 +243,7 @@ primitives!(
     i64 Int Int64, f32 Float Float32, f64 Float Float64,
 );
 
-/// Any byte but 0 is true: real logs contain 153, 94 and 194.
+/// Any byte other than 0 is true: real logs contain 153, 94 and 194.
 impl Primitive for bool {
     const SCALAR: Scalar = Scalar::Bool;
     const SIZE: usize = 1;
@@ -279,11 +279,11 @@ impl Primitive for bool {
     }
 }
 
-/// Implements the codecs of a message. The arguments are its name, the number of its fields, and for each field the
-/// index, name and descriptor.
+/// Implements the codecs of a message. The arguments are the message name, the number of fields, and the index, name
+/// and descriptor of each field.
 ///
-/// A message of fixed size additionally has the name of its view, its padded size and its size without padding. Each of
-/// its fields also has a [`View`](crate::uorb::View) type.
+/// For a fixed-size message, the arguments also include the name of its view, its size with padding and its size
+/// without padding. Each field then also has a [`View`](crate::uorb::View) type.
 #[macro_export]
 macro_rules! record {
     ($type:ident[$count:literal], $view:ident, $size:literal, $no_padding:literal;
@@ -335,7 +335,7 @@ macro_rules! record {
     };
 }
 
-/// The part of [`record!`](crate::record!) for messages of fixed and variable size.
+/// The part of [`record!`](crate::record!) that fixed-size and variable-size messages share.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __record {
@@ -344,7 +344,7 @@ macro_rules! __record {
             const DESCRIPTOR: &'static $crate::descriptor::MessageDescriptor = {
                 #[allow(unused_imports)]
                 use $crate::descriptor::field::*;
-                // A separate constant compiles four times as fast as a borrowed array.
+                // A separate constant compiles in a quarter of the time that a borrowed array takes.
                 const FIELDS: [$crate::descriptor::FieldDescriptor; $count] = [$($descriptor),*];
                 &$crate::descriptor::MessageDescriptor { name: stringify!($type), fields: &FIELDS, size: $size }
             };

@@ -73,7 +73,7 @@ impl Scalar {
         Self::ALL.into_iter().find(|scalar| scalar.name() == name)
     }
 
-    /// Size in bytes. The alignment in uORB and CDR is equal.
+    /// Size in bytes, which is also the alignment in uORB and CDR.
     pub const fn size(self) -> usize {
         match self {
             Self::Bool | Self::Byte | Self::Char | Self::Int8 | Self::UInt8 => 1,

@@ -1,9 +1,9 @@
-//! JSON Schemas of messages, for the crate [`schemars`].
+//! JSON Schemas of messages, for the [`schemars`] crate.
 //!
 //! Each schema accepts the same instances as the published schema of the message. Objects have exactly the fields of
-//! the message, integers have the bounds of their types, and floats may be null. Ranges apply except for special
-//! values. Counts don't exceed the length of their array. Nested messages are references. Only the published schemas
-//! contain descriptions and units.
+//! the message, integers have the bounds of their types, and floats may be null. Ranges apply to all values except
+//! special values. Counts must not exceed the length of their array. Nested messages are references. Only the published
+//! schemas contain descriptions and units.
 //!
 //! Each schema is built from the message descriptor at run time, so messages need no additional code.
 //!
@@ -112,7 +112,7 @@ fn number(scalar: Scalar, constraint: &Constraint<'_>) -> Schema {
     } else {
         let mut within = any.clone();
         insert_all(&mut within, &used);
-        // Code generators turn alternatives into a union only for `oneOf`, which requires that they don't overlap.
+        // Code generators create a union type only for `oneOf`, which requires that the alternatives don't overlap.
         let keyword = if are_disjoint(&used, &outside, scalar) { "oneOf" } else { "anyOf" };
         let exact = outside.into_iter().map(|value| exactly(value, scalar));
         let alternatives: Vec<Schema> = core::iter::once(within).chain(exact).collect();
@@ -144,7 +144,7 @@ fn are_disjoint(used: &Constraint<'static>, outside: &[Number], scalar: Scalar) 
     all.iter().enumerate().all(is_disjoint)
 }
 
-/// The documented values, followed by a schema for any other value.
+/// Schemas for the documented values, followed by a schema for any other value.
 fn documented(constraint: &Constraint<'_>, any: Schema) -> Vec<Schema> {
     let known = constraint.known.unwrap_or_default().iter().enumerate();
     let values = known.map(|(index, value)| {
@@ -158,8 +158,8 @@ fn documented(constraint: &Constraint<'_>, any: Schema) -> Vec<Schema> {
     values.chain([any]).collect()
 }
 
-/// The constraint that allows exactly `value`, in each form that it has in JSON: programs write a `float32` widened to
-/// 64 bits or as its shortest decimal.
+/// The constraint that allows exactly `value`, in each of its JSON forms: some programs widen a `float32` to 64 bits,
+/// others write its shortest decimal.
 #[allow(clippy::cast_possible_truncation)] // rounding is intended
 fn bounds_of(value: Number, scalar: Scalar) -> Constraint<'static> {
     let exact = value.as_f64();
@@ -193,7 +193,8 @@ fn exactly(value: Number, scalar: Scalar) -> Schema {
     schema
 }
 
-/// Inserts a number. Whole numbers have no fraction, because some validators don't accept `1` for the constant `1.0`.
+/// Inserts a number. Whole numbers are written without a fraction, because some validators don't accept `1` for the
+/// constant `1.0`.
 fn insert(schema: &mut Schema, keyword: &str, value: Number) {
     let value = match value {
         #[allow(clippy::cast_possible_truncation)] // it is less than 2^53
@@ -208,13 +209,13 @@ fn insert(schema: &mut Schema, keyword: &str, value: Number) {
     schema.insert(keyword.to_string(), value);
 }
 
-/// Finds the schemas of nested messages. The descriptor doesn't contain their Rust types, so this source reads a dummy
-/// message and records the type of each field that is a message.
+/// Finds the schemas of nested messages. The descriptor doesn't contain their Rust types. This source therefore reads a
+/// dummy message and records the type of each field that contains a message.
 struct References<'g> {
     generator: &'g mut SchemaGenerator,
     /// The message whose fields are read.
     message: &'static MessageDescriptor,
-    /// The schema of the nested message, for each field.
+    /// For each field, the schema of its nested message.
     found: Vec<Option<Schema>>,
     /// The field that is being read.
     field: usize,
@@ -297,7 +298,7 @@ macro_rules! __schema_number {
     };
 }
 
-/// Implements `JsonSchema` with a function.
+/// Implements `JsonSchema` by calling a function.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __schema {

@@ -3,13 +3,13 @@
 use core::fmt;
 use core::ops::RangeInclusive;
 
-/// The severity of an error code. Two bits of the code contain it.
+/// The severity of an error code, encoded in two bits of the code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
 pub enum Severity {
     /// Information only, no danger.
     Informational = 0,
-    /// No danger yet, but action is needed to prevent one.
+    /// No danger yet, but action is needed to prevent it.
     Warning = 1,
     /// Normal operation can't continue.
     Error = 2,
@@ -50,11 +50,11 @@ impl fmt::Display for Severity {
     }
 }
 
-/// Methods of a list of error codes that a UAV reports.
+/// Methods for a list of error codes reported by a UAV.
 pub trait ErrorList {
     /// True if the UAV is ready for takeoff: the list contains code 1 (on the ground) and no other code.
     ///
-    /// An empty list means that there is no error, but not that the UAV is on the ground.
+    /// An empty list means that there is no error. It doesn't mean that the UAV is on the ground.
     fn is_ready_for_takeoff(&self) -> bool;
 
     /// The severity of the most severe code, or `None` for an empty list.

@@ -1,10 +1,9 @@
 //! Strategies for property tests with [`proptest`].
 //!
 //! Every message, enum, set of flags and error code implements [`Arbitrary`](proptest::arbitrary::Arbitrary), so
-//! `any::<BatteryStatus>()` works, alone or within other strategies. It generates [`valid`] values: they have no
-//! violations, and JSON can represent them. Edge cases are frequent: limits of ranges and types, values that mean
-//! "no data", allowed NaN, `-0.0`, subnormal floats, empty and full sequences, strings and text, and multi-byte
-//! characters.
+//! `any::<BatteryStatus>()` works, alone or within other strategies. It generates [`valid`] values, which have no
+//! violations and can be represented in JSON. Edge cases are frequent: limits of ranges and types, values that mean "no
+//! data", allowed NaN, `-0.0`, subnormal floats, empty and full sequences, strings and text, and multi-byte characters.
 //!
 //! [`invalid`] generates messages that violate one rule in one field, together with the rule and the path of the field.
 //! [`undocumented`] generates enum values, flags and error codes that the definition doesn't name.
@@ -35,12 +34,13 @@
 //! });
 //! ```
 //!
-//! The strategies draw a list of numbers according to the message descriptor, and decode the message from this list as
-//! from a payload. So messages need no additional code, and a case with three hundred numbers takes about ten
+//! The strategies draw a list of numbers according to the message descriptor, then decode the message from this list
+//! like a payload. Messages therefore need no additional code, and a case with three hundred numbers takes about ten
 //! microseconds.
 //!
-//! Simplification of a failing case changes one number at a time. It moves numbers towards zero or the nearest number
-//! in the range, and documented values towards the smallest. It removes elements of sequences and characters of text.
+//! Simplification of a failing case changes one number at a time. It moves numbers towards zero, or towards the number
+//! in the range that is closest to zero, and documented values towards the smallest one. It removes elements of
+//! sequences and characters of text.
 
 mod draw;
 mod fault;
@@ -64,7 +64,7 @@ use self::replay::Replay;
 use self::tree::Node;
 use crate::{Constraint, Message, Open, Path, Rule};
 
-/// Messages without violations, which JSON can represent.
+/// Messages without violations that JSON can represent.
 pub const fn valid<T: Message>() -> Valid<T> {
     Valid(PhantomData)
 }
@@ -82,7 +82,7 @@ pub const fn documented<T: Open>() -> Documented<T> {
     Documented(PhantomData)
 }
 
-/// Values that the definition doesn't name, or flags with at least one such bit. `None` if all values have names.
+/// Values that the definition doesn't name, or flags with at least one unnamed bit. `None` if all values have names.
 pub fn undocumented<T: Open>() -> Option<Undocumented<T>> {
     let has_any = !fault::values(T::SCALAR, constraint::<T>(), Rule::Enum).is_empty();
     has_any.then_some(Undocumented(PhantomData))
@@ -171,19 +171,19 @@ fn constraint<T: Open>() -> &'static Constraint<'static> {
     Of::<T>::CONSTRAINT
 }
 
-/// A message of [`Valid`] during simplification.
+/// A [`Valid`] message during simplification.
 pub struct ValidTree<T> {
     root: Node,
     marker: PhantomData<T>,
 }
 
-/// A message of [`Invalid`] during simplification.
+/// An [`Invalid`] message during simplification.
 pub struct InvalidTree<T> {
     root: Node,
     marker: PhantomData<T>,
 }
 
-/// A value of [`Documented`] or [`Undocumented`] during simplification.
+/// A [`Documented`] or [`Undocumented`] value during simplification.
 pub struct OpenTree<T> {
     leaf: Leaf,
     marker: PhantomData<T>,
@@ -239,7 +239,7 @@ impl<T: Open + Debug> ValueTree for OpenTree<T> {
     }
 }
 
-/// Implements traits without the bounds on `T` that a derive would add.
+/// Implements traits without the `T` bounds that a derive would add.
 macro_rules! plain {
     ($($type:ident $name:literal;)*) => {$(
         impl<T> Clone for $type<T> {

@@ -1,9 +1,9 @@
-//! Text of fixed size: PX4's `char[N]`.
+//! Fixed-size text: PX4's `char[N]`.
 
 use core::fmt;
 use core::str::FromStr;
 
-/// Text of at most `N` bytes: a PX4 field of type `char[N]`. A NUL ends the text if it is shorter.
+/// Text of at most `N` bytes: a PX4 field of type `char[N]`. Shorter text ends with a NUL.
 ///
 /// Firmware may send invalid UTF-8. The bytes are preserved, and [`as_str`](Self::as_str) returns an error.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]

@@ -1,4 +1,4 @@
-//! The memory layout of messages of fixed size, as uORB transports them and `ULog` files contain them.
+//! The memory layout of fixed-size messages, as transported by uORB and stored in `ULog` files.
 //!
 //! Numbers are little-endian, at the offsets of [`layout`](crate::layout). A payload may omit the padding at its end.
 //! Encoding writes padding as zeros, and decoding ignores it.
@@ -126,7 +126,7 @@ impl<M, const N: usize> Clone for Fields<'_, M, N> {
 impl<M, const N: usize> Copy for Fields<'_, M, N> {}
 
 impl<'b, M: Record, const N: usize> Fields<'b, M, N> {
-    /// The message at `offset`. Zeros if there are too few bytes, which generated code can't cause.
+    /// The message at `offset`. All zeros if there are too few bytes; generated code can't cause this.
     #[inline]
     pub fn at(bytes: &'b [u8], offset: usize) -> Self {
         let bytes = bytes.get(offset..).and_then(<[u8]>::first_chunk).unwrap_or(&[0; N]);
@@ -155,13 +155,12 @@ impl<M: Record + fmt::Debug, const N: usize> fmt::Debug for Fields<'_, M, N> {
 
 /// A value that is read from a payload on access.
 ///
-/// Numbers, enums and text implement it themselves. [`Elements`] is the view of an array, and each message has a view
-/// type.
+/// Numbers, enums and text are their own views. [`Elements`] is the view of an array, and each message has a view type.
 pub trait View<'b>: Copy {
     /// Distance between the elements of an array, in bytes.
     const STRIDE: usize;
 
-    /// The value at `offset`. Zeros if there are too few bytes.
+    /// The value at `offset`. Zero if there are too few bytes.
     fn at(bytes: &'b [u8], offset: usize) -> Self;
 }
 

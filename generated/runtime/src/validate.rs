@@ -13,7 +13,7 @@ pub struct Violation {
     pub rule: Rule,
     /// The field or element.
     pub path: Path,
-    /// The value. For a sequence or string, its length. For text, the number of valid UTF-8 bytes.
+    /// The value. For a sequence or string, this is its length; for text, the number of valid UTF-8 bytes.
     pub found: Number,
     /// The constraint on the numbers of the field.
     pub constraint: Option<&'static Constraint<'static>>,
@@ -113,7 +113,7 @@ impl Sink for Validator<'_> {
 }
 
 impl FieldDescriptor {
-    /// True if the type of the field allows values that violate a rule.
+    /// True if the field's type allows values that violate a rule.
     #[inline]
     const fn is_restricted(&self) -> bool {
         match self.element {

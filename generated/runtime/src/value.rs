@@ -55,7 +55,7 @@ macro_rules! numbers {
 numbers!(bool, u8, i8, u16, i16, u32, i32, u64, i64, f32, f64);
 
 impl<T: Record> Value for T {
-    // A lower bound is enough, because `read_sequence` allocates memory only for messages that it could read.
+    // A lower bound is enough, because `read_sequence` allocates memory only for messages that it has read.
     const LEAST_SIZE: usize = 1;
 
     #[inline]

@@ -1,13 +1,13 @@
 //! Empty stand-ins for the traits and macros of disabled features.
 
-/// A field value with a JSON form. Without the feature `serde`, every type implements it.
+/// A field value with a JSON form. Without the `serde` feature, every type implements this trait.
 #[cfg(not(feature = "serde"))]
 pub trait JsonField {}
 
 #[cfg(not(feature = "serde"))]
 impl<T> JsonField for T {}
 
-/// A message with a JSON Schema. Without the feature `schemars`, every type implements it.
+/// A message with a JSON Schema. Without the `schemars` feature, every type implements this trait.
 #[cfg(not(feature = "schemars"))]
 pub trait SchemaRecord {}
 
@@ -64,7 +64,7 @@ macro_rules! __schema_number {
 }
 
 #[cfg(not(feature = "defmt"))]
-/// Implements `defmt::Format` for a message if the feature `defmt` is enabled.
+/// Implements `defmt::Format` for a message if the `defmt` feature is enabled.
 #[macro_export]
 macro_rules! format_record {
     ($($tokens:tt)*) => {};
@@ -91,7 +91,7 @@ macro_rules! __format_error_code {
     ($($tokens:tt)*) => {};
 }
 
-/// Expands to the given code if the feature `json` is enabled, and to nothing otherwise.
+/// Expands to the given code if the `json` feature is enabled, and to nothing otherwise.
 #[cfg(not(feature = "json"))]
 #[macro_export]
 macro_rules! with_json {

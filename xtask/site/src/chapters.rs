@@ -87,7 +87,7 @@ pub(crate) fn by_hand() -> impl Iterator<Item = &'static Chapter> {
 /// The folders of `generated/` that are copied to the site unchanged.
 pub(crate) const GENERATED: [&str; 3] = ["docs", "schemas", "vectors"];
 
-/// Returns the table of contents. `reference` is the one of the generated documentation.
+/// Returns the table of contents. `reference` is the table of contents of the generated documentation.
 pub(crate) fn summary(reference: &str) -> String {
     let mut text = format!("# Summary\n\n[{}]({})\n\n# Look up\n\n", START.title, START.page);
     text.push_str(&below_docs(reference));

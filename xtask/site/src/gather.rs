@@ -9,7 +9,7 @@ use walkdir::WalkDir;
 use crate::chapters::{GENERATED, by_hand, summary};
 use crate::links::Links;
 
-/// Style sheet and script that the site adds to a book.
+/// The style sheet and script that the site adds to a book.
 const ADDITIONS: [(&str, &str); 2] =
     [("site.css", include_str!("../site.css")), ("site.js", include_str!("../site.js"))];
 
@@ -17,7 +17,7 @@ const ADDITIONS: [(&str, &str); 2] =
 pub(crate) struct Gathered {
     /// The number of pages.
     pub(crate) count: usize,
-    /// Pages in other languages than English, which are excluded from the search.
+    /// Pages in languages other than English, which are excluded from the search.
     pub(crate) translated: Vec<String>,
 }
 

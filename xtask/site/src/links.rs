@@ -1,4 +1,4 @@
-//! Adjusts links of documents whose path on the site differs from that in the repository.
+//! Adjusts links in documents whose path on the site differs from their path in the repository.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ impl<'r> Links<'r> {
 
     /// Returns a document with the links of the site. Links to files that the site doesn't have become plain text.
     ///
-    /// Links to files that don't exist, and links that don't contain their address, are added to `errors`.
+    /// Links to missing files, and links that don't contain their address, are added to `errors`.
     pub(crate) fn moved(&self, text: &str, chapter: &Chapter, errors: &mut Vec<String>) -> String {
         let mut moved = String::with_capacity(text.len());
         let mut end = 0;

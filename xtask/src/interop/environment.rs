@@ -93,7 +93,8 @@ impl Installation {
         })
     }
 
-    /// Installs unless an installation with the same lock file exists. A copy of the lock file marks the installation.
+    /// Installs an environment, unless an installation with the same lock file exists. A copy of the lock file marks
+    /// the installation.
     fn once(
         &self,
         lock: &Path,

@@ -38,7 +38,7 @@ pub(super) struct Entry {
     pub(super) reason: String,
 }
 
-/// The correct party.
+/// The party that is correct.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Right {
@@ -92,8 +92,9 @@ impl Known {
         errors
     }
 
-    /// Classifies the disagreements of the tools that ran. The first matching entry explains a disagreement. An entry
-    /// must explain at least one disagreement of each of its tools that ran, and each of its patterns at least one.
+    /// Classifies the disagreements of the tools that ran. The first matching entry explains a disagreement. For each
+    /// tool that ran, an entry must explain at least one disagreement. Each pattern of an entry must also match at
+    /// least one.
     pub(super) fn classify(&self, tallies: &BTreeMap<String, Tally>) -> Classification {
         let mut classification = Classification::default();
         let entries: Vec<Matcher<'_>> = self.disagreement.iter().map(Matcher::new).collect();

@@ -30,8 +30,8 @@ pub(super) struct Count {
     pub(super) disagreed: usize,
     /// The number of cases without a verdict, usually because the tool could not use their schema.
     pub(super) not_run: usize,
-    /// The number of invalid cases that generated code rejects. It may accept them, because types can't express all
-    /// constraints.
+    /// The number of invalid cases that generated code rejects. It may accept invalid cases, because types can't
+    /// express all constraints.
     pub(super) refused: usize,
     /// The number of invalid cases that generated code accepts.
     pub(super) taken: usize,
@@ -41,7 +41,7 @@ pub(super) struct Count {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Disagreement {
     pub(super) form: Form,
-    /// The type, followed by `#` and the case if the disagreement concerns one.
+    /// The type, followed by `#` and the case if the disagreement concerns a single case.
     pub(super) place: String,
     pub(super) does: Does,
     /// The message of the tool.
@@ -60,7 +60,7 @@ pub(super) enum Does {
     Fails,
     /// The tool rejects a schema.
     RefusesSchema,
-    /// The tool gives no answer on a schema, or on a case of a compiled schema.
+    /// The tool gives no answer for a schema, or for a case of a compiled schema.
     SaysNothing,
 }
 

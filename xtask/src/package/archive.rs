@@ -14,7 +14,7 @@ const MODE: u32 = 0o644;
 /// The compression level. Packages are built rarely and downloaded often.
 const LEVEL: u32 = 9;
 
-/// The time of all files in tar archives, 26 October 1985, 08:15, as in npm's archives. It is after 1980, so that the
+/// The time of all files in tar archives, 26 October 1985, 08:15, as in npm's archives. The time is after 1980, so the
 /// archives can be converted to formats that don't support earlier times.
 const TIME: u64 = 499_162_500;
 

@@ -9,7 +9,7 @@ use uavspec_codegen::load::read_definitions_translated;
 use super::metadata::VERSION;
 use crate::message_of;
 
-/// Endings of files, which the manifest omits.
+/// File name endings that the manifest omits.
 const BUNDLE: &str = ".bundle.schema.json";
 const SCHEMA: &str = ".schema.json";
 const VECTORS: &str = ".vectors.json";

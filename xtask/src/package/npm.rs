@@ -1,5 +1,5 @@
-//! Builds the npm package: ECMAScript and `CommonJS` modules with their types. Data is in separate files, so that
-//! bundlers include only the required ones.
+//! Builds the npm package: ECMAScript and `CommonJS` modules with their types. Data is in separate files, so bundlers
+//! include only the required data.
 
 use serde_json::{Map, Value, json};
 

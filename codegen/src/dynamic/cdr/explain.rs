@@ -1,4 +1,4 @@
-//! Finds the cause for which a CDR payload was rejected.
+//! Finds the reason why a CDR payload was rejected.
 //!
 //! This slow pass reads field by field, like the typed codec, and reports the same errors.
 
@@ -13,8 +13,8 @@ use crate::dynamic::trail::Trail;
 use crate::dynamic::types::{MessageType, Types};
 use crate::schema::Shape;
 
-/// Finds the fault of a payload, if any. For a message of fixed size, a truncated payload takes precedence over an
-/// invalid `bool`. Otherwise, the first fault is returned.
+/// Finds the fault of a payload, if any. In a fixed-size message, truncation takes precedence over an invalid `bool`.
+/// Otherwise, the first fault is returned.
 pub(super) fn explain(ty: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Error> {
     let end = if ty.plan.is_fixed && is_strict { first_fault(ty, payload, false) } else { None };
     end.filter(|error| matches!(error.reason, Reason::Fault(Fault::Truncated { .. })))

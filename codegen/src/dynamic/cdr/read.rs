@@ -193,7 +193,7 @@ mod tests {
     use crate::schema::Form;
     use crate::{PackageInput, SourceMap};
 
-    /// Each level claims as many elements as the payload could contain, and then the payload ends.
+    /// Each level claims as many elements as the rest of the payload could contain. Then the payload ends.
     #[test]
     fn bounds_the_allocation_for_nested_sequences_with_false_lengths() {
         let mut sources = SourceMap::default();

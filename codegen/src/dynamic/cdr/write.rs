@@ -37,7 +37,7 @@ fn write<const BIG: bool>(view: DynamicView<'_>, order: ByteOrder) -> Option<Vec
 struct Writer<'b, const BIG: bool> {
     types: &'b Types,
     bytes: &'b [u8],
-    /// The payload with its header. The length of the header is half the maximum alignment.
+    /// The payload with its header. The header is half as long as the maximum alignment.
     out: Vec<u8>,
 }
 
@@ -149,7 +149,7 @@ fn fault(text: &str, bounds: Bounds) -> Option<Fault> {
 #[cold]
 fn refuse(view: DynamicView<'_>) -> Error {
     let mut search = Search { message: &view.plan.name, found: None };
-    // The walk finds nothing if a length exceeds 32 bits.
+    // The walk finds nothing if the cause is a length of more than 32 bits.
     let _ = walk(view, &mut Trail::default(), &mut search);
     search.found.unwrap_or_else(|| Error {
         reason: Reason::TooLarge,

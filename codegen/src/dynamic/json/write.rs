@@ -171,7 +171,7 @@ fn text<S: Serializer>(field: &Field, bytes: &[u8], serializer: S) -> Result<S::
     serializer.serialize_str(text)
 }
 
-/// Finds the value for which a message has no JSON form.
+/// Finds the value that prevents a message from having a JSON form.
 #[cold]
 pub(in crate::dynamic) fn explain(view: DynamicView<'_>, fallback: &serde_json::Error) -> Error {
     let mut search = Search { message: &view.plan.name, found: None };

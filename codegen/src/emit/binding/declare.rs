@@ -84,7 +84,7 @@ fn directions(schema: &Schema, names: &mut Names, index: usize, package: &Packag
     declarations
 }
 
-/// Declares a map of all messages by name, and the union of them.
+/// Declares a map of all messages by name, and their union.
 fn all_messages(schema: &Schema, names: &mut Names, index: usize, package: &Package) -> Vec<Declaration> {
     let plain = package.messages.iter();
     let mut entries: Vec<(String, Type)> =

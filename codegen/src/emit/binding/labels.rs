@@ -1,4 +1,4 @@
-//! Labels: the texts of definitions in all languages, for user interfaces.
+//! Labels: the text of definitions in all languages, for user interfaces.
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,9 +10,9 @@ use crate::translation::{
 
 /// The texts of all languages, and the enums of fields.
 pub(in crate::emit) struct Labels<'s> {
-    /// The language of the definitions, which has all texts, followed by the others sorted by tag.
+    /// The language of the definitions, which is always complete, followed by the other languages sorted by tag.
     pub(in crate::emit) languages: Vec<LabelLanguage<'s>>,
-    /// Values with the keys of their texts, for each enum used by a field. If several names share a value, only the
+    /// For each enum used by a field, its values with the keys of their text. If several names share a value, only the
     /// first is included.
     pub(in crate::emit) enumerations: Vec<Vec<(i128, String)>>,
     /// By the key of a field, the index of its enum in `enumerations`.
@@ -29,14 +29,14 @@ pub(in crate::emit) struct LabelLanguage<'s> {
 }
 
 impl LabelLanguage<'_> {
-    /// True for the language of the definitions, which is the fallback for missing texts.
+    /// True for the language of the definitions, which is the fallback for missing text.
     pub(in crate::emit) fn is_source(&self) -> bool {
         self.tag == SOURCE_LANGUAGE
     }
 }
 
-/// Collects the labels of all languages. Without translations there are none, because the modules contain the original
-/// texts.
+/// Collects the labels of all languages. There are no labels without translations, because the modules contain the
+/// original text.
 pub(in crate::emit) fn labels<'s>(schema: &'s Schema, translations: &'s Translations) -> Option<Labels<'s>> {
     if translations.languages.is_empty() {
         return None;

@@ -1,4 +1,4 @@
-//! Names of declarations. A reserved word of one language is escaped in both.
+//! Names of declarations. A word that is reserved in one language is escaped in both.
 
 use std::collections::BTreeMap;
 
@@ -107,7 +107,7 @@ pub(super) struct Names {
     pub(super) json_types: Vec<String>,
     /// By message and direction.
     pub(super) parts: BTreeMap<(JsonMessageId, Direction), String>,
-    /// By package, the scope for names that no definition provides, such as unions of messages.
+    /// By package, the scope for names that no definition provides, such as the names of message unions.
     scopes: Vec<Scope>,
 }
 

@@ -47,7 +47,7 @@ fn number(value: &Value) -> String {
     name.map_or_else(|| inline(&value.to_string()), |(_, name)| format!("{sign}{name}"))
 }
 
-/// The valid values of a constraint, or a value with a special meaning. `text` is the description of the constraint.
+/// The values that a constraint allows, or a value with a special meaning. `text` is the constraint's description.
 /// Returns `None` if all values are valid.
 pub(super) fn constraint(scope: Scope<'_, '_>, constraint: &Constraint, text: MessageText) -> Option<String> {
     let words = scope.site.words;

@@ -1,5 +1,5 @@
-//! Data for the script that lets readers compose a message: fields, offsets in memory, and labels. Without the script,
-//! the page shows only one sentence.
+//! Data for the script with which readers compose a message: fields, offsets in memory, and labels. If the script
+//! doesn't run, the page shows only one sentence.
 
 use serde_json::{Map, Value as Json, json};
 
@@ -18,7 +18,7 @@ const MAX_CONTROLS: usize = 500;
 /// Maximum length of a label, in characters.
 const MAX_LABEL: usize = 160;
 
-/// Texts of the user interface, by the names used in the script.
+/// Text of the user interface, by the names used in the script.
 const WORDS: [(&str, Word); 20] = [
     ("fieldsOf", words::FIELDS_OF),
     ("setToZero", words::SET_TO_ZERO),

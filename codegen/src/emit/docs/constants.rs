@@ -1,4 +1,4 @@
-//! Constants outside enums: values of command parameters, and others.
+//! Constants outside enums: values of command parameters, and other constants.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -82,7 +82,7 @@ fn common_start<'n>(left: &'n str, right: &str) -> &'n str {
     left.get(..length).unwrap_or_default()
 }
 
-/// The prefixes named by command parameters, except those of enums of the message.
+/// The prefixes named by command parameters, except prefixes of the message's own enums.
 fn parameter_enums(message: &Message) -> BTreeMap<&str, ParameterEnum> {
     let known: BTreeSet<&str> =
         message.enums.iter().flat_map(|found| &found.prefixes).map(String::as_str).collect();

@@ -19,8 +19,8 @@ use crate::translation::{error_code_key, error_codes_unit, error_table_key};
 /// Heading of sections about error codes.
 pub(super) const TITLE: &str = words::ERROR_CODES.english();
 
-/// The symbol of a severity. A fuller circle is more severe. Style sheets colour it; the adjacent text has the same
-/// meaning.
+/// The symbol of a severity: the fuller the circle, the more severe. Style sheets colour the symbol; the adjacent text
+/// has the same meaning.
 fn sign(severity: Severity) -> String {
     let sign = match severity {
         Severity::Informational => '○',
@@ -263,7 +263,8 @@ impl<'p, 's> Codes<'p, 's> {
         let description =
             self.site.localized(|| error_code_key(self.package, found.code), &found.description);
         let text = with_links(description.text, |previous, word| {
-            // In English, other numbers in the text may not be codes. In translations, the preceding words are unknown.
+            // In English text, a number is a reference only after words such as "code". In translations, these words
+            // are unknown.
             let is_reference = description.is_translated
                 || matches!(previous.to_ascii_lowercase().as_str(), "code" | "codes" | "or" | "and")
                 || !previous.is_empty() && previous.bytes().all(|byte| byte.is_ascii_digit());

@@ -1,4 +1,4 @@
-//! Pages of the types and messages that pages of a specification define.
+//! Pages for the types and messages that are defined on specification pages.
 
 mod directory;
 mod member;

@@ -56,7 +56,7 @@ pub(super) fn heading(page: &mut Page, words: Words, level: usize, word: Word) {
     }
 }
 
-/// Marks inline Markdown that is in another language than the page, for screen readers.
+/// Marks inline Markdown in a language other than that of the page, for screen readers.
 pub(super) fn marked(markdown: &str, tag: Option<&str>) -> String {
     match tag {
         Some(tag) if !markdown.is_empty() => format!("<span {}>{markdown}</span>", attributes(tag)),

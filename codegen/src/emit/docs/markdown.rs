@@ -1,6 +1,6 @@
 //! Markdown building blocks of pages: headings, paragraphs, tables, links.
 //!
-//! They are public so that other generators can produce pages with the same look.
+//! They are public, so other generators can produce pages with the same look.
 //!
 //! ```
 //! use uavspec_codegen::emit::docs::markdown::{Page, Table, code, text_column};
@@ -71,7 +71,7 @@ impl Page {
     /// Adds a translated heading, given as Markdown, with the anchor of the English heading.
     pub(super) fn heading_for(&mut self, level: usize, heading: &str, english: &str) {
         let id = heading_anchor(english);
-        // mdBook and GitHub number repeated headings from the second one on.
+        // mdBook and GitHub append a number to repeated headings, starting with the second one.
         let known = self.headings.entry(id.clone()).or_default();
         let number = std::mem::replace(known, *known + 1);
         self.anchor(&if number == 0 { id } else { format!("{id}-{number}") });
@@ -231,7 +231,7 @@ pub fn inline(text: &str) -> String {
     if escaped.contains('{') { escaped.replace('{', "&#123;") } else { escaped }
 }
 
-/// Escapes a text that marks code with backticks, for use on one line.
+/// Escapes text that marks code with backticks, for use on one line.
 pub fn with_code(text: &str) -> String {
     let parts: Vec<&str> = text.split('`').collect();
     if parts.len().is_multiple_of(2) {

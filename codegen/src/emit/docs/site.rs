@@ -1,4 +1,4 @@
-//! Index of the documentation: the pages of all items, and references between them.
+//! Index of the documentation: the page of each item, and the references between items.
 
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -65,7 +65,7 @@ pub(super) struct Site<'s> {
     languages: &'s [Language],
     /// The language of the site, or `None` for English. Units without a translation use the English page.
     pub(super) language: Option<&'s Language>,
-    /// The fixed texts of pages.
+    /// The fixed text of pages.
     pub(super) words: Words,
     /// By message, the keys of its texts. Filled lazily.
     keys: Vec<OnceCell<MessageKeys<'s>>>,
@@ -75,7 +75,7 @@ pub(super) struct Site<'s> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Localized<'t> {
     pub(super) text: &'t str,
-    /// Language of the text, if it differs from the fixed texts of the page.
+    /// Language of the text, if it differs from the language of the page's fixed text.
     pub(super) tag: Option<&'t str>,
     /// True if the text is a translation.
     pub(super) is_translated: bool,
@@ -342,7 +342,7 @@ fn parts(message: &Message) -> HashMap<&str, Part> {
     enums.chain(constants).chain(fields).collect()
 }
 
-/// The path of the translation of the page `path`. It is in the same folder, so relative links are the same.
+/// The path of the translated version of the page `path`. It is in the same folder, so relative links stay the same.
 pub(super) fn path_in(path: &str, tag: &str) -> String {
     format!("{}.{tag}.md", path.strip_suffix(".md").unwrap_or(path))
 }

@@ -1,4 +1,4 @@
-//! The fixed texts of pages, in English and in other languages.
+//! The fixed text of pages, in English and in other languages.
 //!
 //! Translations are in PO files like those of definitions, such as `words/uk.po`, with the English text as `msgid`.
 //! Languages without a file use English.
@@ -234,8 +234,8 @@ impl Words {
         self.count(COUNT_OF_CODES, "code", count)
     }
 
-    /// A count with its noun. Other languages have complex plural forms, so their texts avoid inflected nouns: `Б` for
-    /// bytes.
+    /// A count with its noun. Other languages have complex plural forms, so their text avoids inflected nouns, for
+    /// example by writing `Б` for bytes.
     fn count(self, word: Word, noun: &str, count: u64) -> String {
         if self.are_english() {
             plural(count, noun)

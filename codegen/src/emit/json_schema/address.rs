@@ -72,8 +72,7 @@ impl<'s> Address<'s> {
         join(base, &encode(&self.path()))
     }
 
-    /// The URL of `other`, relative to this file. References therefore remain valid wherever the files are moved
-    /// together.
+    /// The URL of `other`, relative to this file. References therefore remain valid if all files are moved together.
     pub(super) fn refer_to(self, other: Address<'_>) -> String {
         let mut reference = String::new();
         if self.folder.is_some() {

@@ -22,7 +22,7 @@ pub(super) fn list<'s>(nodes: impl IntoIterator<Item = Node<'s>>) -> Option<Node
     (!nodes.is_empty()).then_some(Node::List(nodes))
 }
 
-/// An object of the present members, unless there are none.
+/// An object with the members that are present, unless there are none.
 pub(super) fn object<'s>(members: impl IntoIterator<Item = Option<Member<'s>>>) -> Option<Node<'s>> {
     let members: Vec<Member<'s>> = members.into_iter().flatten().collect();
     (!members.is_empty()).then_some(Node::Object(members))
@@ -43,7 +43,7 @@ pub(super) fn prefixes(prefixes: &[String]) -> Option<String> {
     (!prefixes.is_empty()).then(|| prefixes.join(" "))
 }
 
-/// The values of a constraint. `instance` converts a single value, or `None` for the empty value.
+/// The values of a constraint. `instance` converts a single value; its argument is `None` for the empty value.
 pub(super) fn stated<'s>(
     stated: &'s Stated,
     instance: impl Fn(Option<&'s Value>) -> Option<Node<'s>>,

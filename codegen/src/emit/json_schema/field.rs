@@ -108,7 +108,8 @@ impl<'s> FieldSchema<'s> {
             .all(|(index, found)| all.iter().skip(index + 1).all(|other| bounds::are_disjoint(found, other)))
     }
 
-    /// The special values outside `used`. NaN is skipped: it is null, which all floats allow.
+    /// The special values outside `used`. NaN is skipped, because it is represented as null, which is valid for all
+    /// floats.
     fn outside(self, used: &Numbers, whole: &Numbers, scalar: Scalar) -> Vec<Node<'s>> {
         let nodes = self.field.constraints.iter().filter_map(|special| {
             let Effect::Allows { title, .. } = special.kind.effect else { return None };
@@ -177,7 +178,7 @@ impl<'s> FieldSchema<'s> {
         }
     }
 
-    /// The enum with the message that declares its constants. Text has none, even though `char` is a number.
+    /// The enum, and the message that declares its constants. Text has no enum, even though `char` is a number.
     fn enumeration(self) -> Option<(&'s Message, &'s Enum)> {
         let reference: EnumRef = self.field.enumeration.filter(|_| !self.is_text())?;
         Some((self.schema.message(reference.message), self.schema.enumeration(reference)))
@@ -188,7 +189,7 @@ impl<'s> FieldSchema<'s> {
     }
 }
 
-/// The documented values, and any other value, because newer firmware may send more.
+/// The documented values, plus any other value, because newer firmware may send undocumented values.
 fn open_enum<'s>(owner: &'s Message, found: &'s Enum, ty: Node<'s>) -> Node<'s> {
     let documented = found.members.iter().map(|entry| {
         let constant = owner.constants.get(entry.constant);

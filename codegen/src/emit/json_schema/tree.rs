@@ -168,7 +168,7 @@ impl Printer<'_> {
             '\\' => self.text.push_str("\\\\"),
             '\n' => self.text.push_str("\\n"),
             '\t' => self.text.push_str("\\t"),
-            // The remaining escaped characters are at most U+FFFF, so one escape is enough.
+            // The remaining characters to escape are at most U+FFFF, so each needs only one escape.
             other => {
                 let _ = write!(self.text, "\\u{:04x}", u32::from(other));
             }

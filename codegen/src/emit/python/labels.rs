@@ -1,5 +1,5 @@
-//! Labels: the package `labels` lists the languages and returns the labels of one. Each language is a module with its
-//! texts that is imported on demand.
+//! Labels: the `labels` package lists the languages and returns the labels of a given language. Each language is a
+//! module that contains its text and is imported on demand.
 
 use super::text::header;
 use crate::emit::binding::{LabelLanguage, Labels, quoted};
@@ -189,7 +189,7 @@ fn texts(language: &LabelLanguage<'_>) -> String {
     format!("from typing import Final\n\nTEXTS: Final[dict[str, str]] = {{\n{entries}}}\n")
 }
 
-/// The modules' data about enums: values with the keys of their texts, and the enum of each field.
+/// The modules' data about enums: values with the keys of their text, and the enum of each field.
 fn enumerations(labels: &Labels<'_>) -> String {
     let mut text =
         String::from("from typing import Final\n\nENUMERATIONS: Final[list[dict[int, str]]] = [\n");

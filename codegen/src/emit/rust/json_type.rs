@@ -1,8 +1,8 @@
-//! The module `json` of a package: types and messages defined on pages.
+//! The `json` module of a package: types and messages defined on pages.
 //!
 //! `json/types.rs` contains the types, `json/<message>.rs` the bodies of a message for each direction, and `json.rs` an
-//! enum of all messages for each direction. The package module includes them with one macro call, which the runtime
-//! disables without its feature `json`.
+//! enum of all messages for each direction. The package module includes these files with one macro call. The macro
+//! expands to nothing if the runtime's `json` feature is disabled.
 
 mod default;
 mod message;

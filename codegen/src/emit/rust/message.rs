@@ -116,7 +116,7 @@ impl Parts<'_> {
         (!constants.is_empty()).then(|| quote!(impl #name { #(#constants)* }))
     }
 
-    /// The implementation of the trait `Message`.
+    /// The implementation of the `Message` trait.
     fn message_trait(&self) -> TokenStream {
         let Self { name, message, .. } = self;
         let package = &self.context.schema.package_of(message).name;
@@ -247,7 +247,7 @@ impl Parts<'_> {
         quote!(::uavspec_runtime::format_record! { #name #text; #(#fields)*; })
     }
 
-    /// The method `set_flags()`, for messages with flags.
+    /// The `set_flags()` method, for messages with flags.
     fn flags(&self) -> Option<TokenStream> {
         let Self { name, message, fields, .. } = self;
         let reports_failures = self.reports_failures();
@@ -271,7 +271,7 @@ impl Parts<'_> {
         (!entries.is_empty()).then(|| quote!(::uavspec_runtime::flags! { #name; #(#entries)* } #failures))
     }
 
-    /// True if each set flag reports a failure, which PX4 documents for `FailsafeFlags`.
+    /// True if each set flag reports a failure. PX4 documents this for `FailsafeFlags`.
     fn reports_failures(&self) -> bool {
         types::dialect(self.context, self.id) == Dialect::Px4 && self.message.name == "FailsafeFlags"
     }

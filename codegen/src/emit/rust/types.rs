@@ -52,7 +52,7 @@ pub(super) fn field(context: &Context<'_>, id: MessageId, field: &Field) -> Toke
     }
 }
 
-/// The type of a field in the view of a message of fixed size. It may use the lifetime `'b` of the bytes.
+/// The type of a field in the view of a fixed-size message. It may use the lifetime `'b` of the bytes.
 pub(super) fn view(context: &Context<'_>, id: MessageId, viewed: &Field) -> TokenStream {
     let element = match viewed.ty.element {
         Element::Message(nested) => {
@@ -88,7 +88,7 @@ pub(super) fn enumeration(context: &Context<'_>, id: MessageId, reference: EnumR
     context.enum_path(id, reference.message, name)
 }
 
-/// True if `Default` can be derived for a field. Arrays implement it up to 32 elements.
+/// True if `Default` can be derived for a field. Arrays implement `Default` only up to 32 elements.
 pub(super) fn derives_default(context: &Context<'_>, id: MessageId, field: &Field) -> bool {
     field.default.is_none()
         && match field.ty.shape {

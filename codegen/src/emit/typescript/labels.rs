@@ -1,5 +1,5 @@
-//! Labels: the module `labels` lists the languages and loads one. Each language is a module with its texts. Shared code
-//! is in modules whose names start with `_`, which are internal and need no type declarations.
+//! Labels: the `labels` module lists the languages and loads a given language. Each language is a module that contains
+//! its text. Shared code is in modules whose names start with `_`, which are internal and need no type declarations.
 
 use super::comment;
 use super::comment::header;
@@ -69,7 +69,7 @@ pub(super) fn files(labels: &Labels<'_>, language: Language) -> Vec<OutputFile> 
     files
 }
 
-/// The list of languages, and the function that loads the labels of one.
+/// The list of languages, and the function that loads the labels of a language.
 fn entry(labels: &Labels<'_>, language: Language) -> String {
     let entries: String =
         labels.languages.iter().map(|found| format!("  {{ {} }},\n", description(found))).collect();
@@ -177,7 +177,7 @@ const texts{record} = {{
     )
 }
 
-/// The modules' data about enums: values with the keys of their texts, and the enum of each field.
+/// The modules' data about enums: values with the keys of their text, and the enum of each field.
 fn enumerations(labels: &Labels<'_>, language: Language) -> String {
     let export = |name: &str, ty: &str| match language {
         Language::CommonJs => format!("exports.{name} = "),
@@ -263,7 +263,7 @@ const enumerationOf = /* @__PURE__ */ new Map(/* @__PURE__ */ Object.entries(fie
     )
 }
 
-/// The members of an object with tag, name and direction of a language.
+/// The members of an object with a language's tag, name and direction.
 fn description(language: &LabelLanguage<'_>) -> String {
     format!(
         "tag: \"{}\", name: {}, isRightToLeft: {}",

@@ -29,7 +29,7 @@ pub(super) struct Verdict {
     pub(super) passes_schema: bool,
     /// True if a message can contain the value, so that it can be encoded.
     pub(super) is_encodable: bool,
-    /// True if readers that store all numbers as 64-bit floats reach the same verdict.
+    /// True if readers that store all numbers as 64-bit floats arrive at the same verdict.
     pub(super) suits_doubles: bool,
 }
 
@@ -71,7 +71,7 @@ impl Verdict {
     }
 }
 
-/// A valid or invalid value of a field.
+/// A valid or invalid field value.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
     /// The end of the id, unique within the field.
@@ -87,7 +87,7 @@ pub(super) struct Sample {
 /// A change to the encoded bytes of a sample.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
-    /// Another value of the field. The change applies where the bytes of both begin to differ.
+    /// Another value of the field. The change applies at the first byte where the two encodings differ.
     pub(super) reference: String,
     pub(super) change: Change,
 }
@@ -125,7 +125,7 @@ impl Sample {
         Self::new(name, words, json, Verdict::malformed(rule::TYPE))
     }
 
-    /// Adds a change to the bytes, where they begin to differ from those of `reference`.
+    /// Adds a change to the first byte that differs from the bytes of `reference`.
     pub(super) fn patched(self, reference: impl Into<String>, change: Change) -> Self {
         Self { patch: Some(Patch { reference: reference.into(), change }), ..self }
     }
@@ -156,6 +156,6 @@ pub(super) struct Case {
     pub(super) cdr: Option<Vec<u8>>,
     /// Class and severity of an error code.
     pub(super) class: Option<(&'static str, &'static str)>,
-    /// The verdict of the published schema for the JSON. `None` if it is not to be tested.
+    /// The published schema's verdict on the JSON. `None` if the verdict is not tested.
     pub(super) schema_verdict: Option<bool>,
 }

@@ -153,7 +153,7 @@ impl<'s> FieldSamples<'s> {
         samples
     }
 
-    /// Values in place of an array that aren't arrays.
+    /// Values that replace an array but aren't arrays.
     fn no_list(self, element: String) -> impl Iterator<Item = Sample> {
         let is_bytes = matches!(self.field.ty.element, Element::Scalar(scalar) if scalar.size() == 1);
         let base64 = Sample::mistyped("base64", "bytes in base64", "\"AAAA\"");
@@ -162,7 +162,8 @@ impl<'s> FieldSamples<'s> {
         [single, Sample::mistyped("array-null", "null", "null")].into_iter().chain(is_bytes.then_some(base64))
     }
 
-    /// Size that an element adds to CDR in bytes. For a message it is the minimum, for a string the size of its length.
+    /// The number of bytes that an element adds to CDR. For a message, this is the minimum; for a string, the size of
+    /// its length prefix.
     fn cdr_size(self) -> usize {
         match self.field.ty.element {
             Element::Scalar(scalar) => scalar.size(),
@@ -176,7 +177,7 @@ impl<'s> FieldSamples<'s> {
     }
 }
 
-/// The JSON of `message` with adjacent bytes that all differ.
+/// The JSON of a `message` value whose adjacent bytes all differ.
 pub(super) fn message_typical(
     schema: &Schema,
     message: &Message,
@@ -268,7 +269,7 @@ fn bounded(
     [full, long].into_iter().chain(in_cdr)
 }
 
-/// A list of `length` elements, of which one may be replaced.
+/// A list of `length` elements, one of which may be replaced.
 fn list(element: &str, length: u32, other: Option<(u32, &str)>) -> String {
     let mut json = String::with_capacity((element.len() + 1) * length as usize + 2);
     json.push('[');

@@ -7,7 +7,7 @@ use crate::msg::constraint::{Effect, Probe};
 use crate::schema::{Enum, Field, Message, Restriction, Schema};
 use crate::value::Value;
 
-/// A distance from the bound of a 64-bit integer that is also visible after conversion to a 64-bit float.
+/// A distance from a 64-bit integer bound that is large enough to survive conversion to a 64-bit float.
 const FAR: i128 = 1 << 12;
 
 /// Samples of a numeric field, or of the elements of an array.
@@ -62,7 +62,7 @@ impl<'s> NumberSamples<'s> {
 
     /// All sample values.
     pub(super) fn samples(mut self) -> Vec<Sample> {
-        // If a value has several names, the first is used. The most specific names therefore come first.
+        // If the same value has several names, the first name is used. The most specific names therefore come first.
         self.documented();
         for constraint in &self.field.constraints {
             let Effect::Allows { sample: (name, words), .. } = constraint.kind.effect else { continue };

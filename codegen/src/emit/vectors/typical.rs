@@ -2,7 +2,7 @@
 
 use uavspec_runtime::Scalar;
 
-/// Maximum length of a sequence. It is reduced by one per nesting level to bound the total number of elements.
+/// Maximum length of a sequence. It decreases by one per nesting level to limit the total number of elements.
 const SEQUENCE: u32 = 3;
 
 /// A source of values that numbers bytes from 1 to 255 repeatedly.

@@ -6,7 +6,7 @@ use uavspec_runtime::{Number, Scalar};
 
 use crate::value::Value;
 
-/// A kind of constraint. All stages handle every constraint by the data in this struct.
+/// A kind of constraint. All stages handle constraints generically, using the data in this struct.
 pub struct ConstraintKind {
     /// The name, as in `[@range 0, 1]`; also used in the printed model and in translation keys.
     pub name: &'static str,
@@ -169,7 +169,7 @@ impl Constraint {
         }
     }
 
-    /// True if it allows a value with a special meaning.
+    /// True if the constraint allows a value with a special meaning.
     pub(crate) fn is_special(&self) -> bool {
         matches!(self.kind.effect, Effect::Allows { .. })
     }

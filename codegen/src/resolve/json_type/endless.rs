@@ -6,13 +6,13 @@ use crate::schema::json_type::{Definition, Expression, JsonType, Member};
 /// The maximum number of reported cycles.
 const MAX_REPORTED: usize = 20;
 
-/// The maximum number of types that one type may be an alias or union of, through all referenced names.
+/// The maximum number of types that a single alias or union may comprise, through all referenced names.
 const MAX_ALTERNATIVES: usize = 256;
 
 /// The number of names at each end of a displayed path; the middle of longer paths is omitted.
 const MAX_PATH_END: usize = 8;
 
-/// Reports types without finite values, and names that are defined by themselves. `first` is the id of the first type.
+/// Reports types without finite values, and names defined in terms of themselves. `first` is the id of the first type.
 pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     let mut diagnostics = cycles(types, first, |definition| match definition {
         Definition::Object(object) => needed_by_members(&object.fields),

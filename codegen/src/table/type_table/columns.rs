@@ -61,7 +61,7 @@ fn near(table: &Table) -> Option<&'static [&'static str]> {
     if all_but_one(&TUPLE) {
         return Some(&TUPLE);
     }
-    // Many tables in prose have the other columns, so the column `Field` is required.
+    // Many tables in prose have the other columns, so the `Field` column is required.
     (all_but_one(&OBJECT) && has(&&OBJECT[0])).then_some(&OBJECT)
 }
 

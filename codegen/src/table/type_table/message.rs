@@ -58,7 +58,7 @@ impl fmt::Display for Direction {
 /// A message as written.
 #[derive(Debug)]
 pub(crate) struct MessageDefinition<'p> {
-    /// The message type, which is also the value of the field `type` of its body.
+    /// The message type, which is also the value of the `type` field in the body.
     pub name: &'p str,
     /// The heading.
     pub span: Span,
@@ -106,8 +106,8 @@ impl Headings {
     }
 }
 
-/// The headings of all messages of a page. A heading is a message only if any of its subheadings has a table of fields
-/// or a paragraph that it has no fields; other pages use such subheadings too.
+/// The headings of all messages of a page. A heading defines a message only if one of its subheadings has a table of
+/// fields, or a paragraph saying that there are no fields. Other pages use the same subheadings for other purposes.
 pub(super) fn headings(page: &Page) -> Vec<Headings> {
     let mut messages: Vec<Headings> = Vec::new();
     // The enclosing headings, from the outermost.

@@ -33,7 +33,7 @@ const UNUSUAL: [char; 14] = [
     '\\',
 ];
 
-/// Bytes that make a text invalid UTF-8 at its end.
+/// Bytes that make text invalid UTF-8 when appended to it.
 const BAD_BYTES: [u8; 4] = [0xff, 0x80, 0xc3, 0xf0];
 
 pub(super) struct Draw {
@@ -153,7 +153,7 @@ impl Draw {
         if is_bad { text.violating(Rule::Text) } else { text }
     }
 
-    /// Draws any character but NUL, which would end a text.
+    /// Draws any character except NUL, which would end the text.
     fn character(&mut self) -> char {
         match self.random.below(16) {
             0 | 1 => self.random.pick(&UNUSUAL).copied().unwrap_or('é'),
@@ -166,8 +166,7 @@ impl Draw {
     }
 }
 
-/// Splits a fault index: into the index if it is among the next `count` faults, or into the index among the later
-/// faults.
+/// Splits a fault index. Returns the index among the next `count` faults, or the index among the faults after them.
 fn split(fault: Option<usize>, count: impl FnOnce() -> usize) -> (Option<usize>, Option<usize>) {
     let Some(fault) = fault else { return (None, None) };
     match fault.checked_sub(count()) {

@@ -11,7 +11,7 @@ use super::tree::Node;
 use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 use crate::{Constraint, Number, Path, Rule, Scalar};
 
-/// The maximum bound that a fault exceeds. More elements would take too long to generate.
+/// The largest bound that a fault may exceed. More elements would take too long to generate.
 const GREATEST_BOUND: u32 = 4096;
 
 /// The number of faults in a message.
@@ -19,7 +19,7 @@ pub(super) fn count(message: &MessageDescriptor) -> usize {
     message.fields.iter().map(in_field).sum()
 }
 
-/// The number of faults in a field: first those of its length, then those of its elements.
+/// The number of faults in a field: the faults in its length, followed by the faults in its elements.
 pub(super) fn in_field(field: &FieldDescriptor) -> usize {
     let is_empty = matches!(field.shape, Shape::Array(0) | Shape::Bounded(0));
     in_length(field.shape) + if is_empty { 0 } else { in_element(field) }
@@ -52,7 +52,7 @@ pub(super) fn rules(scalar: Scalar, constraint: &'static Constraint<'static>) ->
     Rule::ALL.into_iter().filter(move |rule| !values(scalar, constraint, *rule).is_empty())
 }
 
-/// Numbers of a type that violate `rule`, starting with those closest to the valid range.
+/// Numbers of a type that violate `rule`, starting with the numbers closest to the valid range.
 pub(super) fn values(scalar: Scalar, constraint: &Constraint<'_>, rule: Rule) -> Vec<Number> {
     let allowed = Allowed { scalar, constraint };
     let candidates: Vec<Number> = if scalar.is_float() {
@@ -68,9 +68,9 @@ pub(super) fn fits(scalar: Scalar, value: i128) -> bool {
     scalar.integer_bounds().is_some_and(|(least, most)| (least..=most).contains(&value))
 }
 
-/// Integers next to the allowed ones, and the extremes of the type.
+/// Integers adjacent to the allowed values, and the extremes of the type.
 fn integers(allowed: Allowed<'_>) -> Vec<i128> {
-    /// Number of documented values whose neighbours are tried.
+    /// The number of documented values whose neighbours are tried.
     const NEIGHBOURS: usize = 32;
     let Some((least, most)) = allowed.scalar.integer_bounds() else { return Vec::new() };
     let (low, high) = allowed.integers().unwrap_or((least, most));
@@ -96,7 +96,7 @@ fn integers(allowed: Allowed<'_>) -> Vec<i128> {
     values
 }
 
-/// NaN, finite floats next to the allowed ones, and the finite extremes of the type.
+/// NaN, finite floats adjacent to the allowed values, and the finite extremes of the type.
 #[allow(clippy::cast_possible_truncation)] // 32-bit floats don't change
 fn floats(allowed: Allowed<'_>) -> Vec<f64> {
     let is_single = allowed.scalar == Scalar::Float32;
@@ -113,7 +113,8 @@ fn floats(allowed: Allowed<'_>) -> Vec<f64> {
     finite.chain([f64::NAN]).collect()
 }
 
-/// Finds the fault in the message of `root`. Extends `path` to its location and returns the violated rule.
+/// Finds the fault in the message with the given `root`. Extends `path` to the location of the fault and returns the
+/// violated rule.
 pub(super) fn locate(message: &'static MessageDescriptor, root: &Node, path: &mut Path) -> Rule {
     let parts = root.parts().iter().enumerate();
     let faulty = parts.zip(message.fields).find(|((_, part), _)| part.fault.is_some());

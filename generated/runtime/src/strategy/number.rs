@@ -54,7 +54,7 @@ impl Leaf {
     ) -> Option<Self> {
         let mut values = fault::values(scalar, constraint, rule);
         if random.once_in(2) {
-            // Adds a random number that violates the rule, if the draw finds one.
+            // Adds a random number that violates the rule, if the draw finds such a number.
             let any_number = Allowed { scalar, constraint: &Constraint::NONE };
             let far = any_number.draw(random).filter(|value| constraint.violated_by(*value) == Some(rule));
             values.extend(far);
@@ -133,7 +133,7 @@ fn next_valid(kind: Kind, value: Number, mut next: Option<Number>, search: &mut 
     next
 }
 
-/// The value without its next flag that can be removed.
+/// The value without the next flag that can be removed.
 fn remove_flag(constraint: &Constraint<'_>, value: i128, next: &mut usize) -> Option<i128> {
     let known = constraint.known.unwrap_or_default();
     while let Some(mask) = known.get(*next) {
@@ -285,7 +285,7 @@ impl Allowed<'_> {
             4 => self.round((random.below(20_001) as f64 - 10_000.0) / 10.0, random),
             _ => self.uniform(low, high, random),
         };
-        // Other draws almost never hit a narrow range, so falls back to a number within the range.
+        // These draws almost never hit a narrow range, so the fallback is a number within the range.
         let is_allowed = |value: &f64| *value >= low && *value <= high;
         Some(drawn).filter(is_allowed).or_else(|| Some(self.uniform(low, high, random).clamp(low, high)))
     }
@@ -316,7 +316,7 @@ impl Allowed<'_> {
     fn uniform(self, low: f64, high: f64, random: &mut Random) -> f64 {
         #[allow(clippy::cast_precision_loss)] // 53 bits are exact
         let share = (random.bits() >> 11) as f64 / (1_u64 << 53) as f64;
-        // `high - low` could overflow to infinity, the two products can't.
+        // `high - low` could overflow to infinity; the two products can't.
         self.round(low * (1.0 - share) + high * share, random)
     }
 

@@ -4,8 +4,8 @@ use proptest::num::u64::ANY;
 use proptest::strategy::{Strategy as _, ValueTree as _};
 use proptest::test_runner::{Reason, TestRunner};
 
-/// `SplitMix64`, seeded by the runner once per case. It is faster than proptest's generator, and a message may need
-/// thousands of numbers.
+/// `SplitMix64`, seeded by the runner once per case. It is faster than proptest's generator, which matters because a
+/// message may need thousands of numbers.
 pub(super) struct Random(u64);
 
 impl Random {

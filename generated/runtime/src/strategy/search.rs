@@ -34,12 +34,12 @@ impl Floats {
         }
     }
 
-    /// The number of whole numbers, and the first one. The number is 0 for large floats, which are all whole.
+    /// The count of whole numbers, and the first one. The count is 0 for large floats, because all of them are whole.
     fn whole(&self) -> (u64, f64) {
         let limit = if self.is_single { 1_u64 << 24 } else { 1 << 53 };
         let first = self.simplest.floor() + 1.0;
         let count = self.drawn.trunc() - first + 1.0;
-        // Both are less than 2^53.
+        // Both values are less than 2^53.
         #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         if count >= 1.0 && self.drawn < limit as f64 { (count as u64, first) } else { (0, self.simplest) }
     }
@@ -102,7 +102,7 @@ impl Domain {
 /// A binary search by rank. It tries the simplest value first.
 pub(super) struct Search {
     domain: Domain,
-    /// All lower ranks are known or assumed to pass.
+    /// All lower ranks are known to pass, or assumed to.
     low: u64,
     /// A rank that is known to fail.
     high: u64,

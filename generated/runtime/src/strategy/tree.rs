@@ -1,4 +1,4 @@
-//! The values of a message as a tree, which is simplified leaf by leaf.
+//! A tree of a message's values, which is simplified leaf by leaf.
 
 use std::string::String;
 use std::vec::Vec;
@@ -38,7 +38,7 @@ pub(super) struct List {
     chunk_size: usize,
     /// Index of the first part that has been tried in this round.
     end: usize,
-    /// The parts that were removed last, and their index.
+    /// The most recently removed parts, and their index.
     removed: Option<(usize, Vec<Node>)>,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct List {
 pub(super) enum ListKind {
     Sequence,
     String,
-    /// Text in a field of `room` bytes. A `bad_byte` at its end makes it invalid UTF-8.
+    /// Text in a field of `room` bytes. A `bad_byte` at the end makes the text invalid UTF-8.
     Text {
         room: usize,
         bad_byte: Option<u8>,
@@ -153,7 +153,7 @@ impl List {
         }
     }
 
-    /// Removes all parts, then halves, quarters and so on, then simplifies the remaining parts.
+    /// Removes all parts, then half of them, then a quarter, and so on. Then simplifies the remaining parts.
     fn simplify(&mut self) -> bool {
         self.removed = None;
         while self.chunk_size > 0 {

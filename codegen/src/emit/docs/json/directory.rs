@@ -1,4 +1,4 @@
-//! Index of the types and messages of a package: their pages, and where types are used.
+//! Index of a package's types and messages: their pages, and the uses of each type.
 
 use std::collections::{BTreeMap, HashMap};
 

@@ -1,4 +1,4 @@
-//! Arrangement of the bytes of a layout in rows of eight, without the middle of long fields.
+//! Arrangement of a layout's bytes in rows of eight, with the middle of long fields omitted.
 
 use std::ops::Range;
 
@@ -36,7 +36,7 @@ impl Tint {
     }
 }
 
-/// A slot of the layout with the properties needed to draw it.
+/// A slot of the layout, with the properties needed to draw it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Member<'s> {
     pub(super) slot: &'s Slot,
@@ -73,7 +73,7 @@ pub(super) enum Line {
     Break {
         /// The omitted bytes.
         bytes: Range<usize>,
-        /// True for a torn edge. A nested message has none, because its fields have a picture on another page.
+        /// True for a torn edge. Nested messages have no torn edge, because another page has a picture of their fields.
         is_torn: bool,
     },
 }
@@ -105,7 +105,7 @@ pub(super) struct Cell<'s> {
 }
 
 impl Cell<'_> {
-    /// The segment for the name: the first one, unless the second is wider.
+    /// The segment that contains the name: the first segment, unless the second is wider.
     pub(super) fn label(&self) -> Option<&Segment> {
         self.segments
             .iter()

@@ -31,7 +31,7 @@ const TORN: usize = 4;
 const MAX_NAME_LINES: usize = 4;
 /// Height of the legend.
 const BOTTOM: usize = 30;
-/// Letter width of a name in tenths of a pixel: at the default size, and at the large size.
+/// Width of a name's letters in tenths of a pixel, at the default size and at the large size.
 const LETTER: usize = 53;
 const WIDE_LETTER: usize = 68;
 /// Margin between the edge of a box and its text.
@@ -205,7 +205,7 @@ impl Svg {
     fn breaks(&mut self, grid: &Grid<'_>, rows: &Rows) {
         for (index, line) in grid.lines.iter().enumerate() {
             let Line::Break { bytes, is_torn } = line else { continue };
-            // A break within a box is on its colour; a torn break is on the page background.
+            // A break within a box is drawn on the colour of the box; a torn break is drawn on the page background.
             let class = if *is_torn { "o" } else { "s" };
             let y = usize::midpoint(rows.top(index), rows.below(index)) + 3;
             self.put(format_args!(

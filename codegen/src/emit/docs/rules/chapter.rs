@@ -21,7 +21,7 @@ pub(super) struct Chapter {
     pub(super) pages: Vec<RulePage>,
 }
 
-/// The contents of a rule's page. `statement`, `why` and `fix` are plain text with code in backticks.
+/// The contents of a rule's page. The fields `statement`, `why` and `fix` are plain text with code in backticks.
 pub(super) struct RulePage {
     pub(super) id: &'static str,
     pub(super) statement: &'static str,

@@ -1,4 +1,4 @@
-//! The parser errors. They are no rules: if a definition has errors, nothing is generated.
+//! The parser errors. These errors are not rules: if a definition has errors, nothing is generated.
 
 use std::fmt::Write as _;
 
@@ -24,7 +24,7 @@ pub(super) fn page() -> OutputFile {
         "uavspec generates no output from a definition with one of these errors, and the errors can't be ignored. \
          Words in braces are placeholders. Parser warnings are {rules}."
     ));
-    // Codes that are also rules have a page.
+    // Only codes that are also rules have a separate page.
     let (rules, others): (Vec<&ProblemKind>, Vec<&ProblemKind>) =
         Problem::KINDS.iter().partition(|kind| lint::rule(kind.code).is_some());
     for kind in others {

@@ -16,7 +16,7 @@ pub(in crate::emit::rust) const MODULE: &str = "json";
 /// Name of the module with the types.
 pub(super) const TYPES: &str = "types";
 
-/// Names of a package's types, and groups of mutually recursive types.
+/// Names of a package's types, and the groups of mutually recursive types.
 pub(super) struct Names {
     /// The id of the first type.
     first: u32,
@@ -161,7 +161,7 @@ pub(super) fn text(docs: &crate::schema::Docs, what: &str, name: &str) -> String
     text
 }
 
-/// True if a field of a body is a field of its struct. The field `type` is not.
+/// True if a field of a body is also a field of the struct. The `type` field is not.
 pub(super) fn is_struct_field(member: &Member) -> bool {
     member.name != TYPE_FIELD
 }

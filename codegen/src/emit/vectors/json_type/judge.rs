@@ -87,7 +87,7 @@ impl Judge<'_> {
             }
             Expression::Named(id) => {
                 let mut rules = self.type_violations(*id, value);
-                // Restrictions of this use apply only if the value has the right type.
+                // The restrictions at the place of use apply only if the value has the right type.
                 if let Some(plain) = self.schema.plain(expression).filter(|_| !rules.contains(rule::TYPE)) {
                     rules.extend(self.violations(&plain, limits, value));
                 }
@@ -112,7 +112,7 @@ impl Judge<'_> {
         rules
     }
 
-    /// Empty if any alternative accepts the value. Otherwise, the rules violated in the only alternative of the same
+    /// Empty if any alternative accepts the value. Otherwise, the violated rules of the only alternative with the same
     /// JSON type.
     fn either_violations(&self, alternatives: &[Expression], limits: &Limits, value: &Json) -> Rules {
         let all: Vec<Rules> =

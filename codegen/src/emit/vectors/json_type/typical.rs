@@ -17,7 +17,7 @@ const MAX_DEPTH: usize = 16;
 /// Maximum length of lists and strings.
 const MAX_LENGTH: usize = 1_000;
 
-/// Maximum total number of values. It bounds the size of types with many fields that are nested in each other.
+/// Maximum total number of values. Limits the size of nested types with many fields.
 const MAX_PARTS: usize = 2_000;
 
 /// A source of values with distinct numbers and texts.
@@ -80,7 +80,7 @@ impl<'s> Typical<'s> {
                 Some(Json::Object(map))
             }
             Expression::Either(alternatives) => {
-                // In deep values, null ends recursion.
+                // In deeply nested values, null ends the recursion.
                 let is_short = self.depth > MAX_OPTIONAL_DEPTH && expression.is_nullable();
                 if is_short {
                     return Some(Json::Null);
