@@ -96,11 +96,7 @@ fn init(modules: &[Module]) -> String {
     let imports = modules.iter().map(|module| format!("from . import {}\n", module.name));
     let names = modules.iter().map(|module| format!("\"{}\"", module.name)).collect::<Vec<_>>().join(", ");
     format!(
-        "{}\"\"\"Types of drone interface definitions. Each package is a module.\"\"\"
-
-        {}
-        __all__ = [{names}]
-        ",
+        "{}\"\"\"Types of drone interface definitions. Each package is a module.\"\"\"\n\n{}\n__all__ = [{names}]\n",
         header("the definitions"),
         imports.collect::<String>()
     )

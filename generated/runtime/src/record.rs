@@ -305,6 +305,7 @@ macro_rules! record {
         #[derive(Clone, Copy)]
         pub struct $view<'b>($crate::uorb::Fields<'b, $type, $no_padding>);
 
+        #[allow(clippy::len_without_is_empty)] // a field may be called `len`
         impl<'b> $view<'b> {
             $(
                 /// Reads the field with this name.
