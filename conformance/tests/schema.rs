@@ -178,7 +178,7 @@ fn reports_an_invalid_schema_with_its_location() {
             "a.json",
             "no file in the folder is named `none.json`, and remote schemas aren't fetched",
         ),
-        (&[("s/a.json", json!({ "type": "object" }))], "s: no file `*.json` in this folder", "SYS-VER.json"),
+        (&[("s/a.json", json!({ "type": "object" }))], "s: no `*.json` file in this folder", "SYS-VER.json"),
         (
             &[("s/a.json", good()), ("s/b.json", good())],
             "b.json: ",
