@@ -301,7 +301,7 @@ macro_rules! record {
             }
         }
 
-        #[doc = concat!("A view of a payload that contains a [`", stringify!($type), "`]. Each method reads the field with its name.")]
+        #[doc = concat!("A view of a payload that contains a [`", stringify!($type), "`]. Each method reads the field of the same name.")]
         #[derive(Clone, Copy)]
         pub struct $view<'b>($crate::uorb::Fields<'b, $type, $no_padding>);
 
