@@ -33,7 +33,8 @@ pub(crate) fn inline(text: &str) -> String {
 /// Formats a name or value as code.
 #[cfg(feature = "rust")]
 pub(crate) fn code(text: &str) -> String {
-    format!("`{}`", text.replace(['`', '\n'], "'"))
+    let text: String = text.chars().map(|c| if matches!(c, '`' | '\n') { '\'' } else { visible(c) }).collect();
+    format!("`{text}`")
 }
 
 /// Escapes text and attribute values for XML and HTML.
@@ -155,6 +156,12 @@ pub(crate) fn visible(character: char) -> char {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(feature = "rust")]
+    #[test]
+    fn replaces_control_characters_in_code() {
+        assert_eq!(code("a`b\nc\0d\u{1}e"), "`a'b'c\u{fffd}d\u{fffd}e`");
+    }
 
     #[test]
     fn gist_is_the_first_sentence() {

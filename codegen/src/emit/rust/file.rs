@@ -8,13 +8,14 @@ use quote::quote;
 use super::context::Context;
 use super::imports;
 use crate::emit::file::notice;
+use crate::prose;
 use crate::schema::Package;
 use crate::span::Span;
 
 /// The header of a generated file.
 pub(super) fn header(from: &str) -> String {
-    // A path with a line break would end the comment.
-    let from = from.replace(['\n', '\r'], " ");
+    // A line break in a path would end the comment.
+    let from: String = from.chars().map(prose::visible).collect();
     format!("// {}\n\n", notice(&from))
 }
 
