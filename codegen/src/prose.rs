@@ -33,7 +33,8 @@ pub(crate) fn inline(text: &str) -> String {
 /// Formats a name or value as code.
 #[cfg(feature = "rust")]
 pub(crate) fn code(text: &str) -> String {
-    let text: String = text.chars().map(|c| if matches!(c, '`' | '\n') { '\'' } else { visible(c) }).collect();
+    let text: String =
+        text.chars().map(|c| if matches!(c, '`' | '\n') { '\'' } else { visible(c) }).collect();
     format!("`{text}`")
 }
 
