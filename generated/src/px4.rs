@@ -6,38 +6,43 @@
 //!
 //! Revision: release/1.15, and 1.17 before its release.
 
-use uavspec_runtime::assert_layouts;
+use uavspec_runtime::{assert_layouts, with_views};
 
 /// [`ArmingCheckReply`](struct@ArmingCheckReply) and the types of its fields.
 pub mod arming_check_reply;
-pub use self::arming_check_reply::{ArmingCheckReply, ArmingCheckReplyView};
+pub use self::arming_check_reply::ArmingCheckReply;
 /// [`ArmingCheckRequest`](struct@ArmingCheckRequest) and the types of its fields.
 pub mod arming_check_request;
-pub use self::arming_check_request::{ArmingCheckRequest, ArmingCheckRequestView};
+pub use self::arming_check_request::ArmingCheckRequest;
 /// [`BatteryStatus`](struct@BatteryStatus) and the types of its fields.
 pub mod battery_status;
-pub use self::battery_status::{BatteryStatus, BatteryStatusView};
+pub use self::battery_status::BatteryStatus;
 /// [`Event`](struct@Event) and the types of its fields.
 pub mod event;
-pub use self::event::{Event, EventView};
+pub use self::event::Event;
 /// [`FailsafeFlags`](struct@FailsafeFlags) and the types of its fields.
 pub mod failsafe_flags;
-pub use self::failsafe_flags::{FailsafeFlags, FailsafeFlagsView};
+pub use self::failsafe_flags::FailsafeFlags;
 /// [`RegisterExtComponentReply`](struct@RegisterExtComponentReply) and the types of its fields.
 pub mod register_ext_component_reply;
-pub use self::register_ext_component_reply::{
-    RegisterExtComponentReply, RegisterExtComponentReplyView,
-};
+pub use self::register_ext_component_reply::RegisterExtComponentReply;
 /// [`RegisterExtComponentRequest`](struct@RegisterExtComponentRequest) and the types of its fields.
 pub mod register_ext_component_request;
-pub use self::register_ext_component_request::{
-    RegisterExtComponentRequest, RegisterExtComponentRequestView,
-};
+pub use self::register_ext_component_request::RegisterExtComponentRequest;
 /// [`UnregisterExtComponent`](struct@UnregisterExtComponent) and the types of its fields.
 pub mod unregister_ext_component;
-pub use self::unregister_ext_component::{
-    UnregisterExtComponent, UnregisterExtComponentView,
-};
+pub use self::unregister_ext_component::UnregisterExtComponent;
+
+with_views! {
+    pub use self::arming_check_reply::ArmingCheckReplyView;
+    pub use self::arming_check_request::ArmingCheckRequestView;
+    pub use self::battery_status::BatteryStatusView;
+    pub use self::event::EventView;
+    pub use self::failsafe_flags::FailsafeFlagsView;
+    pub use self::register_ext_component_reply::RegisterExtComponentReplyView;
+    pub use self::register_ext_component_request::RegisterExtComponentRequestView;
+    pub use self::unregister_ext_component::UnregisterExtComponentView;
+}
 
 assert_layouts! {
     ArmingCheckReply;

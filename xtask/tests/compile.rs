@@ -75,8 +75,8 @@ impl Crate {
     }
 }
 
-const FEATURES: &str =
-    "uavspec-runtime/defmt,uavspec-runtime/proptest,uavspec-runtime/schemars,uavspec-runtime/serde";
+const FEATURES: &str = "uavspec-runtime/defmt,uavspec-runtime/proptest,uavspec-runtime/schemars,\
+    uavspec-runtime/serde,uavspec-runtime/views";
 
 fn repository() -> PathBuf {
     fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).expect("the repository")
@@ -102,7 +102,7 @@ fn messages_of_fixed_size_require_no_allocator() {
     let generated = repository().join("generated");
     let manifest = format!(
         "[package]\nname = \"bare-metal\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[lib]\npath = \"lib.rs\"\n\
-         crate-type = [\"staticlib\"]\n\n[dependencies]\nuavspec = {{ path = {generated:?}, default-features = false }}\n\
+         crate-type = [\"staticlib\"]\n\n[dependencies]\nuavspec = {{ path = {generated:?}, default-features = false, features = [\"views\"] }}\n\
          uavspec-runtime = {{ path = {:?}, default-features = false }}\n\n[profile.dev]\npanic = \"abort\"\n\n[workspace]\n",
         generated.join("runtime")
     );

@@ -240,7 +240,7 @@ fn package_files(
             "[`{0}`](struct@{0}) and the types of its fields.",
             ident(&place.type_name)
         ));
-        re_export(&doc, &place.modules[1], place.names())
+        re_export(&doc, &place.modules[1], [&place.type_name])
     });
     let kinds: Vec<TokenStream> = [("srv", "Services."), ("action", "Actions.")]
         .into_iter()
@@ -263,8 +263,9 @@ fn package_files(
         json = Some(json_type::declaration());
         files.append(&mut json_type::files(context, package, module));
     }
+    let views = re_export_views(modules.messages.iter().map(|(_, place)| (place.modules[1].as_str(), place)));
     let layouts = assert_layouts(context, &modules.messages);
-    let tokens = quote!(#doc #error_codes #(#messages)* #(#kinds)* #json #layouts);
+    let tokens = quote!(#doc #error_codes #(#messages)* #(#kinds)* #json #views #layouts);
     let text = header_of_package(package) + &layout_file(tokens);
     files.push(OutputFile { path: format!("{module}.rs"), text });
     for kind in ["srv", "action"] {
@@ -295,10 +296,14 @@ fn kind_module(context: &Context<'_>, package: &Package, interfaces: &[&Interfac
     let modules = interfaces.iter().map(|interface| {
         let doc =
             documentation(&format!("Parts of {}.", prose::code(&package.interfaces[interface.index].name)));
-        re_export(&doc, &interface.module, interface.parts.iter().flat_map(|(_, place)| place.names()))
+        re_export(&doc, &interface.module, interface.parts.iter().map(|(_, place)| &place.type_name))
     });
+    let views =
+        re_export_views(interfaces.iter().flat_map(|interface| {
+            interface.parts.iter().map(|(_, place)| (interface.module.as_str(), place))
+        }));
     let layouts = assert_layouts(context, interfaces.iter().flat_map(|interface| &interface.parts));
-    header_of_package(package) + &layout_file(quote!(#doc #(#modules)* #layouts))
+    header_of_package(package) + &layout_file(quote!(#doc #(#modules)* #views #layouts))
 }
 
 /// Creates compile-time assertions for the layout of fixed-size messages that contain other messages. For a message
@@ -325,6 +330,18 @@ fn re_export<'n>(
     let module = ident(module);
     let names = names.into_iter().map(|name| ident(name));
     quote!(#doc pub mod #module; pub use self::#module::{#(#names),*};)
+}
+
+/// Re-exports the views of messages, given with their modules, if the feature `views` of the runtime is enabled.
+fn re_export_views<'p>(messages: impl Iterator<Item = (&'p str, &'p Place)>) -> Option<TokenStream> {
+    let lines: Vec<TokenStream> = messages
+        .filter(|(_, place)| !place.view_name.is_empty())
+        .map(|(module, place)| {
+            let (module, name) = (ident(module), ident(&place.view_name));
+            quote!(pub use self::#module::#name;)
+        })
+        .collect();
+    (!lines.is_empty()).then(|| quote!(::uavspec_runtime::with_views! { #(#lines)* }))
 }
 
 /// Creates the files of all messages. They are independent, so the work is distributed among the processors.

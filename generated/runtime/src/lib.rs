@@ -12,6 +12,7 @@
 //! | `schemars` | JSON Schemas, with the crate schemars: module `schema` |
 //! | `json` | types of JSON messages, which specification pages define: module `json_type`; enables `serde` and `std` |
 //! | `serde` | JSON and other serde formats: module `json` |
+//! | `views` | access to single fields of a uORB payload without decoding the others: module `view` |
 //!
 //! # Performance
 //!
@@ -86,6 +87,8 @@ mod text;
 pub mod uorb;
 mod validate;
 mod value;
+#[cfg(feature = "views")]
+pub mod view;
 mod without;
 
 /// Re-export of the `defmt` crate, for generated code.

@@ -143,9 +143,11 @@ pub trait UorbMessage: Message {
     /// A payload of zeros.
     const ZEROS: Self::Bytes = <Self::Bytes as uorb::Bytes>::ZEROS;
     /// A view of a payload. Each method of the view reads one field.
-    type View<'b>: uorb::View<'b>;
+    #[cfg(feature = "views")]
+    type View<'b>: crate::view::View<'b>;
 
     /// Reads all fields of a view.
+    #[cfg(feature = "views")]
     fn from_view(view: Self::View<'_>) -> Self;
 
     /// Decodes a payload, with or without the padding at its end. A `bool` is false if its byte is 0, otherwise true.
@@ -161,9 +163,10 @@ pub trait UorbMessage: Message {
     }
 
     /// Creates a view of a payload, with or without the padding at its end. A field is read only when it is accessed.
+    #[cfg(feature = "views")]
     #[inline]
     fn view(payload: &[u8]) -> Result<Self::View<'_>, DecodeError> {
-        Ok(uorb::View::at(uorb::payload::<Self>(payload)?, 0))
+        Ok(crate::view::View::at(uorb::payload::<Self>(payload)?, 0))
     }
 
     /// Encodes the message, with the padding at its end.

@@ -170,14 +170,7 @@ macro_rules! __open {
             }
         }
 
-        impl $crate::uorb::View<'_> for $type {
-            const STRIDE: usize = <$number as $crate::uorb::View<'_>>::STRIDE;
-
-            #[inline]
-            fn at(bytes: &[u8], offset: usize) -> Self {
-                Self($crate::uorb::View::at(bytes, offset))
-            }
-        }
+        $crate::__view_number!($type $number);
 
         impl ::core::convert::From<$number> for $type {
             fn from(number: $number) -> Self {

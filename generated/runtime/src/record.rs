@@ -283,7 +283,7 @@ impl Primitive for bool {
 /// and descriptor of each field.
 ///
 /// For a fixed-size message, the arguments also include the name of its view, its size with padding and its size
-/// without padding. Each field then also has a [`View`](crate::uorb::View) type.
+/// without padding. Each field then also has the type that its view returns.
 #[macro_export]
 macro_rules! record {
     ($type:ident[$count:literal], $view:ident, $size:literal, $no_padding:literal;
@@ -293,43 +293,10 @@ macro_rules! record {
 
         impl $crate::UorbMessage for $type {
             type Bytes = [u8; $size];
-            type View<'b> = $view<'b>;
-
-            #[inline]
-            fn from_view(view: $view<'_>) -> Self {
-                view.0.read()
-            }
+            $crate::__view_items!($view);
         }
 
-        #[doc = concat!("A view of a payload that contains a [`", stringify!($type), "`]. Each method reads the field of the same name.")]
-        #[derive(Clone, Copy)]
-        pub struct $view<'b>($crate::uorb::Fields<'b, $type, $no_padding>);
-
-        #[allow(clippy::len_without_is_empty)] // a field may be called `len`
-        impl<'b> $view<'b> {
-            $(
-                /// Reads the field with this name.
-                #[inline]
-                pub fn $field(self) -> $field_view {
-                    self.0.get($index)
-                }
-            )*
-        }
-
-        impl<'b> $crate::uorb::View<'b> for $view<'b> {
-            const STRIDE: usize = $size;
-
-            #[inline]
-            fn at(bytes: &'b [u8], offset: usize) -> Self {
-                Self($crate::uorb::Fields::at(bytes, offset))
-            }
-        }
-
-        impl ::core::fmt::Debug for $view<'_> {
-            fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-                ::core::fmt::Debug::fmt(&self.0, formatter)
-            }
-        }
+        $crate::__view! { $type $view $size $no_padding; $($index $field $field_view;)* }
     };
     ($type:ident[$count:literal]; $($index:literal $field:ident = $descriptor:expr;)*) => {
         $crate::__record!($type[$count], ::core::option::Option::None; $($index $field $descriptor;)*);

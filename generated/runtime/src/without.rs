@@ -97,3 +97,31 @@ macro_rules! __format_error_code {
 macro_rules! with_json {
     ($($code:tt)*) => {};
 }
+
+#[cfg(not(feature = "views"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __view_items {
+    ($($tokens:tt)*) => {};
+}
+
+#[cfg(not(feature = "views"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __view {
+    ($($tokens:tt)*) => {};
+}
+
+#[cfg(not(feature = "views"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __view_number {
+    ($($tokens:tt)*) => {};
+}
+
+/// Expands to the given code if the `views` feature is enabled, and to nothing otherwise.
+#[cfg(not(feature = "views"))]
+#[macro_export]
+macro_rules! with_views {
+    ($($code:tt)*) => {};
+}

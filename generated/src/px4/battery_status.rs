@@ -2,8 +2,11 @@
 
 //! [`BatteryStatus`](struct@BatteryStatus) and the types of its fields.
 
-use uavspec_runtime::uorb::Elements;
 use uavspec_runtime::{Definition, Message, flags, format_record, open, record};
+
+uavspec_runtime::with_views! {
+    use uavspec_runtime::view::Elements;
+}
 
 /// Battery state: measurements, estimates, warnings and faults
 ///

@@ -2,8 +2,11 @@
 
 //! [`Event`](struct@Event) and the types of its fields.
 
-use uavspec_runtime::uorb::Elements;
 use uavspec_runtime::{Definition, Message, format_record, record};
+
+uavspec_runtime::with_views! {
+    use uavspec_runtime::view::Elements;
+}
 
 /// Event on the vehicle, in a form that ground stations translate into text
 ///

@@ -10,7 +10,7 @@ use super::{cargo, derive};
 const RUNS: usize = 5;
 
 /// The features of the runtime that add trait implementations to messages.
-pub(super) const FEATURES: [&str; 4] = ["defmt", "proptest", "schemars", "serde"];
+pub(super) const FEATURES: [&str; 5] = ["defmt", "proptest", "schemars", "serde", "views"];
 
 pub(super) fn run() -> Result<(), String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");

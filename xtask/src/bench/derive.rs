@@ -14,6 +14,7 @@ defmt = ["dep:defmt"]
 proptest = ["dep:proptest", "dep:proptest-derive"]
 schemars = ["dep:schemars"]
 serde = ["dep:serde"]
+views = []
 
 [dependencies]
 defmt = { version = "1", features = ["alloc"], optional = true }

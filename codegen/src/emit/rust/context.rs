@@ -16,13 +16,6 @@ pub(super) struct Place {
     pub(super) view_name: String,
 }
 
-impl Place {
-    /// The names of the message type and the view type.
-    pub(super) fn names(&self) -> impl Iterator<Item = &String> {
-        [&self.type_name, &self.view_name].into_iter().filter(|name| !name.is_empty())
-    }
-}
-
 /// The shared context of the emitter.
 pub(super) struct Context<'s> {
     pub(super) schema: &'s Schema,

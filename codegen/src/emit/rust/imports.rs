@@ -12,6 +12,9 @@ use super::identifier::ident;
 /// The crates whose paths are shortened.
 const CRATES: [&str; 2] = ["core", "uavspec_runtime"];
 
+/// The module of the runtime that a feature enables. Its imports would be unused without the feature.
+const VIEWS: [&str; 2] = ["uavspec_runtime", "view"];
+
 /// Names of `core` that are in the prelude.
 const PRELUDE: [&str; 9] = [
     "Default",
@@ -102,13 +105,19 @@ impl Imports {
             }
         }
         let mut modules: Vec<_> = modules.into_iter().collect();
-        // Nested modules come before their parent.
+        // Nested modules come before their parent, and optional imports last.
         let key = |module: &[String]| module.iter().cloned().chain(["~".to_owned()]).collect::<Vec<_>>();
-        modules.sort_by_cached_key(|(module, _)| key(module));
+        modules.sort_by_cached_key(|(module, _)| (*module == VIEWS, key(module)));
         let declarations = modules.into_iter().map(|(module, names)| {
-            let module = module.iter().map(|segment| ident(segment));
+            let is_optional = module == VIEWS;
+            let segments = module.iter().map(|segment| ident(segment));
+            let path = quote!(#(#segments::)*);
             let names = names.into_iter().map(|name| ident(name));
-            quote!(use #(#module::)* {#(#names),*};)
+            if is_optional {
+                quote!(uavspec_runtime::with_views! { #(use #path #names;)* })
+            } else {
+                quote!(use #path {#(#names),*};)
+            }
         });
         declarations.collect()
     }
@@ -222,6 +231,15 @@ mod tests {
         let expected = "#![allow(x)]usecore::{array,fmt};useuavspec_runtime::alloc::vec::{Vec};\
                         useuavspec_runtime::{Message,Text,record};structA{a:Vec<Option<u8>>,b:Text<3>}implMessageforA{fnf()->\
                         fmt::Result{g(Some(array::from_fn(|_|Default::default())))}}record!{A;}";
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn imports_names_of_views_only_if_views_are_enabled() {
+        let found =
+            shortened("::uavspec_runtime::record! { A; 0 a: ::uavspec_runtime::view::Elements<'b, u8, 2>; }");
+        let expected = "useuavspec_runtime::{record};uavspec_runtime::with_views!{useuavspec_runtime::view::Elements;}\
+                        record!{A;0a:Elements<'b,u8,2>;}";
         assert_eq!(found, expected);
     }
 

@@ -64,7 +64,7 @@ pub(super) fn view(context: &Context<'_>, id: MessageId, viewed: &Field) -> Toke
     match viewed.ty.shape {
         Shape::Array(length) if !viewed.is_text(dialect(context, id)) => {
             let length = Literal::u32_unsuffixed(length);
-            quote!(::uavspec_runtime::uorb::Elements<'b, #element, #length>)
+            quote!(::uavspec_runtime::view::Elements<'b, #element, #length>)
         }
         Shape::Single => element,
         _ => field(context, id, viewed),
