@@ -1,7 +1,7 @@
-//! How long it takes to read and to generate the whole of PX4: 261 messages, and 4 and 16 times as
-//! many, to show that time grows with their number.
+//! Benchmarks of reading and generating all 261 PX4 messages, and 4 and 16 times as many. They show how the time grows
+//! with the number of messages.
 //!
-//! `cargo bench -p uavspec-codegen`, or `cargo xtask bench codegen`. Needs the corpus.
+//! Run with `cargo bench -p uavspec-codegen` or `cargo xtask bench codegen`. Requires the corpus.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -18,18 +18,18 @@ use uavspec_codegen::schema::{Form, Schema};
 use uavspec_codegen::translation::Translations;
 use uavspec_codegen::{PackageInput, SourceMap, generate, read, render};
 
-/// How many times over the corpus is read.
+/// The numbers of copies of the corpus that are read.
 const TIMES: [usize; 3] = [1, 4, 16];
 
 fn main() {
     if corpus(MAIN).is_none() {
-        eprintln!("left out: corpus/px4/main is absent; set UAVSPEC_CORPUS to the corpus");
+        eprintln!("skipped: corpus/px4/main is absent; set UAVSPEC_CORPUS to the path of the corpus");
         return;
     }
     divan::main();
 }
 
-/// The newest definitions of PX4 in the corpus.
+/// The newest PX4 definitions in the corpus.
 const MAIN: &str = "px4/main/msg";
 
 fn corpus(release: &str) -> Option<Vec<PathBuf>> {
@@ -62,14 +62,14 @@ fn input(times: usize) -> Input {
     Input { sources, packages, messages: files.len() * times }
 }
 
-/// Text to model: parse and resolve.
+/// Parses and resolves the definitions.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn read_definitions(bencher: Bencher<'_, '_>, times: usize) {
     let input = input(times);
     bencher.counter(ItemsCount::new(input.messages)).bench_local(|| read(&input.sources, &input.packages));
 }
 
-/// All rules, and what they say of it as text: what `lint` does beside reading files.
+/// Applies all rules and renders the findings as text. This is the work of `lint`, except for reading files.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn lint_definitions(bencher: Bencher<'_, '_>, times: usize) {
     let input = input(times);
@@ -80,7 +80,7 @@ fn lint_definitions(bencher: Bencher<'_, '_>, times: usize) {
     });
 }
 
-/// PX4 1.15 and main, read and compared, and what there is to say of it as text.
+/// Reads PX4 1.15 and main, compares them, and renders the findings as text.
 #[divan::bench(max_time = 2, sample_size = 1)]
 fn compare_releases(bencher: Bencher<'_, '_>) {
     let mut sources = SourceMap::default();
@@ -105,7 +105,7 @@ fn emitter(bencher: Bencher<'_, '_>, times: usize, emit: impl Fn(&Schema, &Sourc
     bencher.counter(ItemsCount::new(input.messages)).bench_local(|| emit(&schema, &input.sources));
 }
 
-/// Model to Rust.
+/// Emits Rust from the model.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_rust(bencher: Bencher<'_, '_>, times: usize) {
     emitter(bencher, times, |schema, sources| {
@@ -113,7 +113,7 @@ fn emit_rust(bencher: Bencher<'_, '_>, times: usize) {
     });
 }
 
-/// Model to JSON Schemas.
+/// Emits JSON Schemas from the model.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_json_schema(bencher: Bencher<'_, '_>, times: usize) {
     emitter(bencher, times, |schema, _| {
@@ -121,7 +121,7 @@ fn emit_json_schema(bencher: Bencher<'_, '_>, times: usize) {
     });
 }
 
-/// Model to documentation.
+/// Emits documentation from the model.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_docs(bencher: Bencher<'_, '_>, times: usize) {
     emitter(bencher, times, |schema, sources| {
@@ -129,13 +129,13 @@ fn emit_docs(bencher: Bencher<'_, '_>, times: usize) {
     });
 }
 
-/// Model to test vectors.
+/// Emits test vectors from the model.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_vectors(bencher: Bencher<'_, '_>, times: usize) {
     emitter(bencher, times, |schema, _| emit::vectors::emit(schema, &emit::vectors::Options::default()));
 }
 
-/// A workspace on disk whose definitions are those of the corpus.
+/// A workspace on disk with copies of the definitions in the corpus.
 fn workspace(times: usize) -> TempDir {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a temporary folder");
     let mut config = "[output]\nrust = \"rust\"\njson_schema = \"schemas\"\ndocs = \"docs\"\n".to_owned();
@@ -155,7 +155,7 @@ fn workspace(times: usize) -> TempDir {
     folder
 }
 
-/// The whole command, files to files, where no output is there yet.
+/// The whole command, without existing output.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn generate_all(bencher: Bencher<'_, '_>, times: usize) {
     let messages = corpus(MAIN).unwrap_or_default().len() * times;
@@ -170,7 +170,7 @@ fn generate_all(bencher: Bencher<'_, '_>, times: usize) {
         .bench_local_values(|()| generate(folder.path().join("uavspec.toml")).expect("output"));
 }
 
-/// The whole command, where all output is up to date.
+/// The whole command, if all output is up to date.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn generate_unchanged(bencher: Bencher<'_, '_>, times: usize) {
     let messages = corpus(MAIN).unwrap_or_default().len() * times;

@@ -1,6 +1,6 @@
-//! Messages handled without types, beside the generated types on the same bytes.
+//! Benchmarks of `dynamic` messages, compared with generated types on the same bytes.
 //!
-//! `cargo bench -p uavspec-codegen --bench dynamic`
+//! Run with `cargo bench -p uavspec-codegen --bench dynamic`.
 
 use std::sync::LazyLock;
 

@@ -1,4 +1,4 @@
-//! Compares two versions of definitions, and reports the changes and which users they affect.
+//! Compares two versions of definitions, and reports the changes and the users that each change affects.
 //!
 //! Messages, fields and constants are matched first, including renamed ones (`Comparison`, `Pair`). Then each rule
 //! checks the result. Each rule covers one kind of change, and reports one finding for each [`Category`] that the
@@ -112,8 +112,8 @@ pub fn rule(id: &str) -> Option<&'static Rule> {
     RULES.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| RULES[at])
 }
 
-/// Compares two versions of definitions. Both must be free of errors, and `sources` must contain the sources of both.
-/// The findings are sorted by location.
+/// Compares two versions of definitions. Both versions must be free of errors, and `sources` must contain the sources
+/// of both versions. The findings are sorted by location.
 pub fn breaking(sources: &SourceMap, old: &Schema, new: &Schema, between: Between) -> Vec<Finding> {
     let comparison = Comparison::new(old, new, between);
     let mut findings = Vec::new();

@@ -40,7 +40,8 @@ pub(crate) fn check_invisible(line: &str, span: Span, diagnostics: &mut Vec<Diag
     }
 }
 
-/// Reports all disallowed characters in a line. A line of plain ASCII and tabs takes a single pass over its bytes.
+/// Reports all disallowed characters in a line. A line of plain ASCII and tabs requires only a single pass over its
+/// bytes.
 pub(crate) fn check(line: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
     if line.bytes().all(|byte| matches!(byte, b'\t' | b' '..=b'~')) {
         return;

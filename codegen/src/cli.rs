@@ -1,4 +1,4 @@
-//! The command line that an `xtask` embeds, in this workspace and in others.
+//! The command line of an `xtask`, in this workspace or another.
 //!
 //! ```no_run
 //! fn main() -> std::process::ExitCode {
@@ -8,8 +8,9 @@
 //!
 //! A build script calls [`generate`](crate::generate()) instead, which prints nothing.
 //!
-//! Exit status: 0 success; 1 errors in the definitions, or stale output or layout with `--check`; 2 the command failed
-//! because of wrong usage, missing input or unwritable output.
+//! The exit status is 0 on success. It is 1 if the definitions contain errors, if `--check` finds outdated files, or if
+//! `lint` or `breaking` has findings at the `--deny` level or above. It is 2 if the command failed because of invalid
+//! usage, missing input or unwritable output.
 
 mod arguments;
 mod breaking;
@@ -50,21 +51,21 @@ pub enum Command {
     Fmt(format::FmtArgs),
     /// Print the model of the definitions as JSON
     Inspect(inspect::InspectArgs),
-    /// Check the style of definitions, and fix it with --fix
+    /// Check definitions for style problems, and fix them with --fix
     Lint(lint::LintArgs),
-    /// Create translation catalogues, or update them
+    /// Create or update translation catalogues
     Translate(translate::TranslateArgs),
     /// Compare the definitions with an earlier version
     Breaking(breaking::BreakingArgs),
 }
 
-/// The command line of an `xtask` without other commands.
+/// Runs the command line of an `xtask` that has no other commands.
 pub fn main() -> ExitCode {
     Cli::parse().command.run()
 }
 
 impl Command {
-    /// Runs the command, and reports on standard error.
+    /// Runs the command. Its messages go to standard error.
     pub fn run(self) -> ExitCode {
         let result = match self {
             Self::Codegen(args) => codegen::run(&args),

@@ -114,7 +114,7 @@ macro_rules! problems {
         }
 
         impl Problem {
-            /// Every kind of problem, in reading order.
+            /// All kinds of problems, grouped by processing stage.
             pub const KINDS: &[ProblemKind] = &[$(ProblemKind {
                 code: $code,
                 level: Level::$level,
@@ -163,7 +163,7 @@ problems! {
     SourceTooLong { len: usize, max: usize } = Error "source-too-long"
         "the file is {len} bytes long; the limit is {max} bytes", "check that this file is a definition";
     LineSeparator { name: &'static str } = Error "line-separator"
-        "{name} within a line", "remove it, or end the line with LF; some tools read the rest as a definition";
+        "{name} within a line", "remove it, or end the line with LF; some tools read the text after it as a definition";
     ControlCharacter { code: u32 } = Error "control-character"
         "control character U+{code:04X}", "remove it";
     InvisibleCharacter { code: u32 } = Warning "invisible-character"
@@ -368,8 +368,8 @@ problems! {
         "`Answer:` is not allowed in a {what}",
         "move the line below `Request`, or below the heading of a message with a request";
     UnknownAnswer { name: String } = Error "unknown-answer"
-        "no message named `{name}` has a response", "list messages with a heading `Response`: `Answer: ACK-ACK, \
-            ACK-NAK`";
+        "no message named `{name}` has a response", "name messages that have a `Response` heading, as in \
+            `Answer: ACK-ACK, ACK-NAK`";
     MissingAnswer { name: String } = Warning "missing-answer"
         "the request of `{name}` has no answer",
         "define a response, or name the messages that answer it: `Answer: ACK-ACK`";
@@ -386,16 +386,17 @@ problems! {
         "the header declares the charset `{charset}`",
         "save the file as UTF-8, and write `Content-Type: text/plain; charset=UTF-8`";
     CatalogueName { stem: String } = Error "catalogue-name"
-        "`{stem}` is not the tag of a language other than English",
+        "`{stem}` is not a valid language tag for a translation",
         "name the file after its language in BCP 47 form, such as `uk.po` or `pt-BR.po`; definitions are in English";
     CatalogueLanguage { found: String, tag: String } = Error "catalogue-language"
         "the language is `{found}` in the header, but `{tag}` in the file name", "correct one of them";
     DuplicateCatalogue { tag: String } = Error "duplicate-catalogue"
-        "duplicate catalogue for `{tag}`", "move its entries to the first; each language has one file";
+        "duplicate catalogue for `{tag}`", "move its entries to the first catalogue; each language has one file";
     DuplicateTranslation { key: String } = Error "duplicate-translation"
         "duplicate entry for `{key}`", "remove one of them";
     UnknownTranslation { what: String } = Warning "unknown-translation"
-        "{what} does not match any definition", "correct it, or run `cargo xtask translate` to set the entry aside";
+        "{what} does not match any definition",
+        "correct it, or run `cargo xtask translate` to mark the entry as obsolete";
     TranslationStale { key: String } = Warning "translation-stale"
         "`{key}` has changed since it was translated",
         "run `cargo xtask translate`, translate the new text, and remove the `fuzzy` flag; until then the translation \

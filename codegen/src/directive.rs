@@ -8,7 +8,7 @@ pub(crate) const MARK: &str = "uavspec:ignore";
 /// The start of a comment that contains a directive.
 const OPENINGS: [&str; 3] = ["<!--", "//", "#"];
 
-/// An exception from a rule at one location.
+/// An exception to a rule at one location.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Directive<'s> {
     /// The id of the rule; empty if absent.

@@ -43,7 +43,7 @@ pub const EMITTERS: &[Emitter] = &[
         "Rust modules",
         &[
             ("root", "the root file of the module tree: `mod.rs`, or `lib.rs` for a whole crate"),
-            ("readme", "a Markdown file for the documentation of the root module"),
+            ("readme", "a Markdown file to include in the documentation of the root module"),
         ],
     ),
     Emitter::new::<json_schema::Options>(
@@ -54,23 +54,27 @@ pub const EMITTERS: &[Emitter] = &[
     Emitter::new::<vectors::Options>(
         "vectors",
         "Test vectors in JSON",
-        &[("base", "the URL prefix of every `$id`, the same as for the schemas by default")],
+        &[("base", "the URL prefix of every `$id` (default: the same as for the schemas)")],
     ),
     Emitter::new::<docs::Configuration>(
         "docs",
-        "Documentation in Markdown, structured for mdBook",
+        "Markdown documentation for mdBook",
         &[
             ("title", "the title of the book"),
             ("rules", "`true` to include the pages about the lint and breaking-change rules"),
-            ("contents", "a file or a list of files with links for the table of contents"),
+            ("contents", "a file, or a list of files, with links to add to the table of contents"),
         ],
     ),
     Emitter::new::<typescript::Options>(
         "typescript",
-        "TypeScript modules, with `labels` if there are translations",
-        &[("form", "`source`, or `compiled` for JavaScript with declarations")],
+        "TypeScript modules, including `labels` if there are translations",
+        &[("form", "`source`, or `compiled` for JavaScript with type declarations")],
     ),
-    Emitter::new::<python::Options>("python", "Python modules, with `labels` if there are translations", &[]),
+    Emitter::new::<python::Options>(
+        "python",
+        "Python modules, including `labels` if there are translations",
+        &[],
+    ),
 ];
 
 /// Returns the emitter with this name, or an error that lists the known names.

@@ -10,8 +10,8 @@ use crate::source::{SourceId, SourceMap};
 /// An example definition.
 #[derive(Clone, Copy, Debug)]
 pub struct Example {
-    /// The file name. A `.msg` file in a folder belongs to a ROS 2 package, otherwise to PX4. A `.po` file translates
-    /// `TRANSLATED`.
+    /// The file name. A `.msg` file inside a folder belongs to a ROS 2 package; other `.msg` files belong to PX4. A
+    /// `.po` file translates `TRANSLATED`.
     pub path: &'static str,
     /// The content.
     pub text: &'static str,
@@ -77,7 +77,7 @@ impl Example {
         (self.path, self.text)
     }
 
-    /// The path and text, preceded by the definition that it translates.
+    /// The path and text. A catalogue is preceded by the definition that it translates.
     pub fn files(&self) -> Vec<(&'static str, &'static str)> {
         if is_catalogue(self.path) { vec![TRANSLATED.file(), self.file()] } else { vec![self.file()] }
     }

@@ -1,4 +1,4 @@
-//! Violations that rules find in definitions, shared by `lint` and `breaking`.
+//! Rule violations in definitions, for both `lint` and `breaking`.
 //!
 //! A [`Diagnostic`] is a problem in reading a definition; a finding may also concern style. [`render`](crate::render)
 //! formats findings for people, [`report`](crate::report) for programs.
@@ -50,7 +50,7 @@ pub struct Sides {
 /// A change to a source.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Edit {
-    /// The replaced text; an empty span is an insertion.
+    /// The span to replace. An empty span is an insertion.
     pub span: Span,
     /// The new text.
     pub text: String,

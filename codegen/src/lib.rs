@@ -8,8 +8,8 @@
 //! ```
 //!
 //! A stage uses only the types of the stage directly before it. Reading doesn't stop at the first error: each stage
-//! returns everything it could read, and a list of [`Diagnostic`]s. No name is looked up and no text is parsed after
-//! `resolve`. Only `load`, `generate` and `cli` access files.
+//! returns everything it could read, and a list of [`Diagnostic`]s. After `resolve`, no names are looked up and no text
+//! is parsed. Only `load`, `generate` and `cli` access files.
 //!
 //! # Design decisions
 //!
@@ -34,30 +34,30 @@
 //!   with a reason. The test fails when a deviation disappears.
 //! - [`mod@format`] parses its output again. If this reveals a changed meaning or layout, the text is left unchanged.
 //!   White space within a comment is part of its meaning.
-//! - Parser warnings are [`lint`] rules as well, so users can configure their level. Rules on comments and white space
-//!   receive the syntax tree in addition to the model.
+//! - Parser warnings are [`lint`] rules as well, so users can configure their level. Rules about comments and white
+//!   space receive the syntax tree in addition to the model.
 //! - Translations ([`translation`]) are separate from the model, with permanent keys. Emitters look up translations by
 //!   key, and know which text is still in English.
 //! - TypeScript and Python output includes the translated labels, so users with other definitions get labels too. Each
 //!   language file contains only the text in that language; missing text falls back to English.
 //! - A comparison of two sets of definitions uses one [`SourceMap`], so a finding can refer to locations in both.
 //! - TypeScript and Python are printed from one intermediate form (`emit::binding`), so their names can't differ.
-//! - The JSON and the verdict of a vector come from the model; its bytes come from [`dynamic`]. Its id names the case,
-//!   not the result, and is therefore permanent.
+//! - The JSON and the verdict of a test vector come from the model, and its bytes come from [`dynamic`]. The vector's
+//!   id describes the case rather than the result, so the id is permanent.
 //!
 //! # Performance
 //!
 //! These are medians on two cores, with PX4's 261 messages: reading and resolving 6.3 ms, emitting Rust 42 ms, JSON
 //! Schemas 5.3 ms and documentation 18 ms. The whole command takes 128 ms (80 to 144) without existing output, mostly
-//! spent on creating 1,050 files, and 80 ms if nothing has changed. With 4 and 16 times as many messages, reading takes
-//! 4.1 and 18 times as long, emitting Rust 4.0 and 16 times, and the whole command on unchanged output 3.9 and 16
-//! times. Test vectors (26 MB) took at least 80 ms, or 290 ms including writing the files, while two other programs
-//! were using the machine. `cargo xtask bench codegen` prints these figures.
+//! to create 1,050 files, and 80 ms if nothing has changed. With 4 and 16 times as many messages, reading takes 4.1 and
+//! 18 times as long, emitting Rust 4.0 and 16 times, and the whole command on unchanged output 3.9 and 16 times. Test
+//! vectors (26 MB) took at least 80 ms, or 290 ms including writing the files, while two other programs were using the
+//! machine. `cargo xtask bench codegen` prints these figures.
 //!
 //! All [`lint`] rules on these messages, with 2,700 findings as text, take 27 ms; the command with the preset `px4`
 //! takes 14 to 21 ms. With 4 and 16 times as many messages it takes 4.9 and 19 times as long. [`mod@breaking`] takes 22
 //! ms to compare PX4 1.15 with main, half of it to read both versions; the command takes 30 to 40 ms. Two other
-//! programs were using the machine.
+//! programs were using the machine during these measurements.
 //!
 //! The following figures compare [`dynamic`] with generated types (in parentheses) on the same bytes. They are medians
 //! of three messages of 88 to 232 bytes, in one run: reading uORB 24 to 26 ns (9 to 17), reading uORB in place 8 ns
@@ -65,7 +65,7 @@
 //! 1.6). Allocation accounts for 20 ns of each read. Big-endian CDR takes 46 to 132 ns (9 to 111). `cargo bench -p
 //! uavspec-codegen --bench dynamic` prints these figures.
 //!
-//! The documentation of `uavspec-runtime` lists compile times and speed of the generated crate.
+//! The documentation of `uavspec-runtime` lists the compile times and the speed of the generated crate.
 
 pub mod breaking;
 mod characters;

@@ -3,9 +3,9 @@
 //! Each rule has a file with its text, examples and check, and an entry in [`RULES`]. Parser warnings are rules as well
 //! (`Check::Reader`), so users can configure their level, ignore them and fix them. Parser errors are always reported.
 //!
-//! A comment `# uavspec:ignore RULE reason` ignores a finding. If the comment is at the end of a declaration or above
-//! it, it applies to that line. In the comment at the start of a file, it applies to the whole file. Pages use HTML
-//! comments: `<!-- uavspec:ignore RULE reason -->`.
+//! A comment `# uavspec:ignore RULE reason` ignores a finding. At the end of a declaration, or above one, it applies to
+//! that declaration. In the description at the start of a file, it applies to the whole file. Pages use HTML comments:
+//! `<!-- uavspec:ignore RULE reason -->`.
 //!
 //! ```
 //! use uavspec_codegen::lint::{Settings, lint};
@@ -170,9 +170,9 @@ pub fn rule(id: &str) -> Option<&'static Rule> {
     RULES.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| RULES[at])
 }
 
-/// Checks `packages` and the catalogues of their translations. The findings are sorted by location.
+/// Checks `packages` and their translation catalogues. The findings are sorted by location.
 ///
-/// Sources that are only referred to by other packages are not checked: for a source without a selected message, only
+/// A source without a selected message is present only because other packages refer to it. For such a source, only
 /// errors are reported.
 pub fn lint(
     sources: &SourceMap,

@@ -28,8 +28,7 @@ use crate::schema::{Form, Schema};
 use crate::source::SourceMap;
 use crate::translation::{self, Translations};
 
-/// Reads definitions from a configuration file, a folder that contains a configuration file, or files and folders with
-/// PX4 messages.
+/// Reads definitions from a configuration file, a folder that contains one, or a file or folder of PX4 messages.
 ///
 /// Fails if the definitions contain errors; ignores warnings.
 pub fn read_definitions(path: impl AsRef<Path>) -> Result<(SourceMap, Schema), Failure> {

@@ -1,7 +1,7 @@
 //! The `.msg` language and the related `.srv` and `.action` languages: text to syntax tree.
 //!
 //! The parser reads line by line and doesn't stop at errors: it reports an invalid line and continues with the next
-//! one. The tree preserves everything, including comments and empty lines.
+//! line. The tree preserves everything, including comments and empty lines.
 //!
 //! ```
 //! use uavspec_codegen::msg::{Dialect, Kind};

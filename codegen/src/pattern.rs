@@ -1,5 +1,4 @@
-//! Checks whether all JSON Schema validators interpret a regular expression in the same way, and finds matching
-//! examples.
+//! Checks that all JSON Schema validators interpret a regular expression in the same way, and finds texts that match.
 
 use regex_syntax::ParserBuilder;
 use regex_syntax::hir::{Class, Hir, HirKind};
@@ -28,7 +27,7 @@ pub(crate) fn example(pattern: &str) -> Option<String> {
     is_match(pattern, &text).then_some(text)
 }
 
-/// Characters are ASCII, because classes such as `\d` contain only ASCII in ECMA-262.
+/// Parses a regular expression, with ASCII-only classes as in ECMA-262: `\d` matches only ASCII digits.
 fn parse(pattern: &str) -> Option<Hir> {
     ParserBuilder::new().unicode(false).utf8(false).build().parse(pattern).ok()
 }
@@ -50,7 +49,7 @@ fn append(hir: &Hir, text: &mut String) -> Option<()> {
     (text.len() <= MAX_EXAMPLE_LEN).then_some(())
 }
 
-/// A letter or digit of the class, otherwise another visible character or a space.
+/// A letter or digit in the class if it contains one, otherwise another visible character or a space.
 fn character(class: &Class) -> Option<char> {
     let Class::Bytes(class) = class else { return None };
     let contains =

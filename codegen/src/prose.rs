@@ -128,7 +128,7 @@ fn needs_escape(character: char, previous: char, next: char, is_at_start: bool) 
     }
 }
 
-/// True for the `.` or `)` after a number at the start of a line, which would start a list.
+/// True for a `.` or `)` that would start a list because it follows a number at the start of a line.
 fn is_ordinal_mark(line: &str, rest: &str, character: char) -> bool {
     let before = &line[..line.len() - rest.len()];
     matches!(character, '.' | ')') && !before.is_empty() && before.bytes().all(|byte| byte.is_ascii_digit())

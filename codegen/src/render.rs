@@ -78,7 +78,7 @@ fn group<'a>(same: &[Finding], sources: &'a SourceMap) -> Group<'a> {
     };
     let title = title.primary_title(shorten(finding.message.clone())).id(finding.rule);
     let mut group = Group::with_title(title);
-    // Without categories, the help is the label of the caret. With categories, it is a note for each category.
+    // Without categories, the help is the caret's label. With categories, there is a note for each category.
     let label = if finding.category.is_none() { shorten(finding.help.clone()) } else { String::new() };
     match finding.sides {
         None => group = group.element(quote(finding.span, AnnotationKind::Primary, label, sources)),

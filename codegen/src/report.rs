@@ -1,7 +1,7 @@
 //! Machine-readable reports of findings, in several formats.
 //!
-//! Both the checks of definitions and the checks of the conformance suite produce a [`Report`]. The formats are
-//! independent of spans and rules.
+//! The checks of definitions and the conformance suite both produce a [`Report`]. The formats are independent of spans
+//! and rules.
 //!
 //! ```
 //! use uavspec_codegen::diagnostic::Level;

@@ -21,8 +21,8 @@ use self::resolver::Resolver;
 use crate::diagnostic::{Diagnostic, has_errors};
 use crate::schema::Schema;
 
-/// Resolves all packages together. They must be sorted by name. If the diagnostics contain an error, the schema is
-/// incomplete, and no output should be generated from it.
+/// Resolves all packages together. The packages must be sorted by name. If the diagnostics contain an error, the schema
+/// is incomplete, and no output should be generated from it.
 pub(crate) fn resolve(packages: &[PackageSource<'_>]) -> (Schema, Vec<Diagnostic>) {
     let mut resolver = Resolver::default();
     resolver.declare(packages);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// A byte range in a source of a [`SourceMap`](crate::SourceMap).
 ///
-/// A span has only eight bytes, because positions count through all sources of the map.
+/// A span has only eight bytes, because positions are counted across all sources of the map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Span {
     /// The position of the first byte.
@@ -20,7 +20,7 @@ impl Span {
         Self { start: self.start, end: other.end }
     }
 
-    /// The part of this span in `range`, relative to its start.
+    /// The part of this span in `range`, which is relative to the start of the span.
     #[must_use]
     pub fn part(self, range: Range<usize>) -> Self {
         Self { start: self.start + offset(range.start), end: self.start + offset(range.end) }

@@ -30,9 +30,9 @@ pub(crate) enum Form {
 }
 
 impl Form {
-    /// Detects the format, by extension if it has one, otherwise by content. The content of Markdown files is always
-    /// checked, because flattened pages are often saved as Markdown. Parsed as Markdown, the tables of a flattened page
-    /// would have only one column.
+    /// Detects the format by extension if possible, otherwise by content. The content of Markdown files is always
+    /// checked, because flattened pages are often saved as Markdown. If a flattened page were parsed as Markdown, its
+    /// tables would have only one column.
     pub(crate) fn of(path: &str, text: &str) -> Self {
         let extension = path.rsplit_once('.').map_or("", |(_, extension)| extension);
         let is = |names: &[&str]| names.iter().any(|name| extension.eq_ignore_ascii_case(name));

@@ -16,7 +16,7 @@ use uavspec_runtime::Number;
 pub enum Value {
     /// A `bool`.
     Bool(bool),
-    /// Any integer type, including `byte` and `char`.
+    /// An integer of any type, including `byte` and `char`.
     Int(i128),
     /// A float; may be NaN or infinite.
     Float(f64),

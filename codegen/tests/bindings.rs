@@ -1,5 +1,5 @@
-//! Tests of the TypeScript and Python modules that require neither language to be installed. The tests in `xtask` run
-//! the type checkers.
+//! Tests of the TypeScript and Python modules. They don't require the languages to be installed; the tests in `xtask`
+//! run the type checkers.
 
 use crate::support;
 
@@ -11,7 +11,7 @@ use uavspec_codegen::schema::{Form, Schema};
 use uavspec_codegen::translation::{self, Translations};
 use uavspec_codegen::{SourceMap, read};
 
-/// Emits definitions without translations.
+/// No translations.
 const NONE: Translations = Translations { languages: Vec::new() };
 
 const WIND: &str = "# Wind over ground: */ \"\"\" {@link x} \\\n\nuint8 KIND_STEADY=0 # Blows\nuint8 KIND_GUST=1\n\

@@ -52,7 +52,7 @@ fn files_in(folder: &Path) -> Files {
     let files = files_below(folder, &["msg", "srv", "action", "md"]);
     let shown = |file: &PathBuf| {
         let path =
-            file.strip_prefix(folder).expect("a file of the folder").to_string_lossy().replace('\\', "/");
+            file.strip_prefix(folder).expect("a file in the folder").to_string_lossy().replace('\\', "/");
         (path, fs::read_to_string(file).expect("a text"))
     };
     files.iter().map(shown).collect()
@@ -68,7 +68,7 @@ fn check_examples(rule: &Rule) -> Vec<String> {
     let found: BTreeSet<(&str, Level)> =
         findings.iter().filter_map(|finding| Some((finding.category?, finding.level))).collect();
     if found != declared {
-        failures.push(format!("{}: breaks {found:?}, and declares {declared:?}", rule.id));
+        failures.push(format!("{}: found {found:?}, but the rule declares {declared:?}", rule.id));
     }
     let text = render::findings(&findings, &sources, false);
     failures.extend(differs(&fixtures().join(format!("{}.txt", rule.id)), &text));
@@ -82,23 +82,23 @@ fn check_examples(rule: &Rule) -> Vec<String> {
 }
 
 #[test]
-fn each_rule_finds_its_example_and_breaks_what_it_declares() {
+fn each_rule_finds_its_example_in_the_declared_categories() {
     let failures: Vec<String> = RULES.iter().flat_map(|rule| check_examples(rule)).collect();
     assert!(
         failures.is_empty(),
-        "{}\nUAVSPEC_UPDATE_FIXTURES=1 takes what is said for expected",
+        "{}\nUAVSPEC_UPDATE_FIXTURES=1 accepts the current findings",
         failures.join("\n")
     );
 }
 
 #[test]
-fn each_further_case_says_what_is_expected() {
+fn each_further_case_has_the_expected_findings() {
     let mut failures = Vec::new();
     for entry in fs::read_dir(fixtures()).expect("fixtures") {
         let folder = entry.expect("an entry").path();
         if !folder.is_dir() {
             let name = folder.file_stem().expect("a name").to_string_lossy().into_owned();
-            assert!(RULES.iter().any(|rule| rule.id == name), "{name} is no rule");
+            assert!(RULES.iter().any(|rule| rule.id == name), "{name} is not a rule");
             continue;
         }
         let between = if folder.join("releases").is_file() { Between::Releases } else { Between::Commits };
@@ -108,12 +108,12 @@ fn each_further_case_says_what_is_expected() {
     }
     assert!(
         failures.is_empty(),
-        "{}\nUAVSPEC_UPDATE_FIXTURES=1 takes what is said for expected",
+        "{}\nUAVSPEC_UPDATE_FIXTURES=1 accepts the current findings",
         failures.join("\n")
     );
 }
 
-/// The names quoted in the messages of these rules' findings, without the message name.
+/// The names quoted in the findings of these rules, without the message name.
 fn named(findings: &[Finding], rules: &[&str]) -> BTreeSet<String> {
     let of_rules = findings.iter().filter(|finding| rules.contains(&finding.rule));
     let words =
@@ -136,16 +136,16 @@ fn check_edit(folder: &Path) -> Vec<String> {
     let mut failures = Vec::new();
     let mut expect = |what: &str, found: bool, expected: bool| {
         if found != expected {
-            failures.push(format!("{}: {what} is {found}", folder.display()));
+            failures.push(format!("{}: {what}: expected {expected}, found {found}", folder.display()));
         }
     };
     let is_layout = |finding: &Finding| matches!(finding.category, Some("json" | "cdr" | "uorb"));
     let fields_changed = expected["fields_changed"] == true;
-    expect("fields changed", has(&is_layout), fields_changed);
+    expect("changed fields", has(&is_layout), fields_changed);
     let is_missing = |finding: &Finding| finding.rule == "message-version";
-    expect("version missing", has(&is_missing), expected["version_bump_missing"] == true);
+    expect("missing version change", has(&is_missing), expected["version_bump_missing"] == true);
     let is_needless = |finding: &Finding| finding.rule == "message-version-needless";
-    expect("version needless", has(&is_needless), expected["version_bump_needless"] == true);
+    expect("needless version change", has(&is_needless), expected["version_bump_needless"] == true);
     let changed = strings(&expected["constants_changed"]);
     let found = named(&findings, &["constant-value-changed", "queue-length-changed"]);
     expect("renumbered constants", changed.is_subset(&found), true);
@@ -153,13 +153,13 @@ fn check_edit(folder: &Path) -> Vec<String> {
     let found = named(&findings, &["constant-removed", "constant-renamed", "constant-reused"]);
     expect("removed constants", removed.is_subset(&found), true);
     if !fields_changed && changed.is_empty() && removed.is_empty() {
-        expect("an alarm", has(&|finding| finding.level > Level::Note), false);
+        expect("a warning or error", has(&|finding| finding.level > Level::Note), false);
     }
     failures
 }
 
 #[test]
-fn real_edits_break_what_they_broke() {
+fn real_edits_have_the_expected_findings() {
     let Some(corpus) = shared("corpus/breaking") else { return };
     let edits: Vec<PathBuf> =
         fs::read_dir(corpus).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
@@ -168,8 +168,8 @@ fn real_edits_break_what_they_broke() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Compares two sets in both directions. An item added in one direction must be removed in the other, and other changes
-/// must be found in both.
+/// Compares two sets in both directions. An item added in one direction must be removed in the other. All other changes
+/// must be found in both directions.
 fn check_reverse(old: &Files, new: &Files) {
     let (_, forth) = compare(old, new, Between::Releases);
     let (_, back) = compare(new, old, Between::Releases);
@@ -194,7 +194,7 @@ fn check_reverse(old: &Files, new: &Files) {
 }
 
 #[test]
-fn releases_compared_both_ways_say_the_same() {
+fn comparing_releases_in_reverse_finds_the_reverse_changes() {
     let Some(corpus) = shared("corpus/px4") else { return };
     let releases = ["1.15", "1.16", "main"].map(|release| files_in(&corpus.join(release).join("msg")));
     check_reverse(&releases[0], &releases[1]);
@@ -203,7 +203,7 @@ fn releases_compared_both_ways_say_the_same() {
 }
 
 #[test]
-fn no_id_stands_for_two_rules() {
+fn rule_ids_are_unique() {
     let mut ids: Vec<&str> = RULES.iter().map(|rule| rule.id).collect();
     ids.extend(lint::RULES.iter().map(|rule| rule.id));
     let count = ids.len();
@@ -211,6 +211,6 @@ fn no_id_stands_for_two_rules() {
     ids.dedup();
     assert_eq!(ids.len(), count);
     for rule in RULES {
-        assert!(!Problem::CODES.contains(&rule.id), "{} is what the readers report", rule.id);
+        assert!(!Problem::CODES.contains(&rule.id), "{} is also the id of a parser diagnostic", rule.id);
     }
 }

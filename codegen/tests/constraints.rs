@@ -1,4 +1,4 @@
-//! Tests that each constraint reaches all outputs. A row in the list of constraints must be sufficient.
+//! Tests that each constraint reaches all outputs. Adding a row to the list of constraints must be sufficient.
 
 use uavspec_codegen::breaking::{Between, breaking};
 use uavspec_codegen::emit::{docs, inspect, json_schema, python, rust, typescript, vectors};
@@ -10,7 +10,7 @@ use uavspec_codegen::{PackageInput, SourceMap, read};
 
 use crate::support::layout::laid_out;
 
-/// Two arguments of a constraint, and the text in outputs for the first.
+/// Two arguments of a constraint, and the output text for the first argument.
 fn arguments(kind: &ConstraintKind) -> (&'static str, &'static str, &'static str) {
     match kind.name {
         "range" => ("0, 60", "0, 50", "0 to 60"),

@@ -1,6 +1,5 @@
 //! Tests of the list of emitters.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
@@ -17,15 +16,13 @@ fn error_of(output: &str) -> String {
     generate(&config).expect_err(output).to_string()
 }
 
-/// The row of an emitter in the guide.
-fn documentation(emitter: &Emitter) -> String {
-    let keys: String = emitter.options.iter().map(|(key, _)| format!(", {key}")).collect();
-    let table = if keys.is_empty() { String::new() } else { format!(", or `{{ path{keys} }}`") };
-    let mut row = format!("| `output.{}` | {}: a folder{table}", emitter.name, emitter.help);
+/// The rows of an emitter and its options in the guide.
+fn documentation(emitter: &Emitter) -> Vec<String> {
+    let mut rows = vec![format!("| `output.{}` | {} |", emitter.name, emitter.help)];
     for (key, meaning) in emitter.options {
-        let _ = write!(row, "; `{key}` is {meaning}");
+        rows.push(format!("| `output.{}.{key}` | {meaning} |", emitter.name));
     }
-    row + " |"
+    rows
 }
 
 #[test]
@@ -33,7 +30,7 @@ fn the_guide_documents_each_output() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../xtask/site/guide/your-build.md");
     let page = fs::read_to_string(path).expect("the page");
     let found: Vec<&str> = page.lines().filter(|line| line.starts_with("| `output.")).collect();
-    let expected: Vec<String> = EMITTERS.iter().map(documentation).collect();
+    let expected: Vec<String> = EMITTERS.iter().flat_map(documentation).collect();
     assert!(found == expected, "expected in xtask/site/guide/your-build.md:\n{}", expected.join("\n"));
 }
 
@@ -63,10 +60,16 @@ fn errors_in_outputs_are_shown_with_their_location() {
         ),
         (
             "docs = 7",
-            ["uavspec.toml:6:8", "expected a path, or a table of `path`, `title`, `rules`, `contents`"],
+            [
+                "uavspec.toml:6:8",
+                "expected a path, or a table with the keys `path`, `title`, `rules`, `contents`",
+            ],
         ),
-        ("docs = {}", ["uavspec.toml:6:8", "expected a path, or a table of `path`, `title`"]),
-        ("python = { path = 1 }", ["uavspec.toml:6:10", "expected a path, or a table of `path`\n"]),
+        ("docs = {}", ["uavspec.toml:6:8", "expected a path, or a table with the keys `path`, `title`"]),
+        (
+            "python = { path = 1 }",
+            ["uavspec.toml:6:10", "expected a path, or a table with the keys `path`\n"],
+        ),
         ("typescript = { path = \"o\", form = \"c\" }", ["uavspec.toml:6:14", "unknown variant `c`"]),
     ] {
         let message = error_of(output);

@@ -1,9 +1,9 @@
-//! Fixtures of diagnostics. Each folder contains definitions, and all diagnostics in `expected.txt`.
+//! Fixtures for diagnostics. Each folder contains definitions, and all expected diagnostics in `expected.txt`.
 //!
-//! `err/<code>` causes at least the error `<code>`, `warn/<code>` at least this warning and no error, and `ok/<name>`
-//! no diagnostics. `<code>-<case>` is a further case of a code.
+//! A case in `err/<code>` causes at least the error `<code>`. A case in `warn/<code>` causes at least this warning, and
+//! no error. A case in `ok/<name>` causes no diagnostics. A folder `<code>-<case>` is a further case for the same code.
 //!
-//! Markdown, `AsciiDoc` and text files are pages, and `.po` files are catalogues of translations. Other files are PX4
+//! Markdown, `AsciiDoc` and text files are pages, and `.po` files are translation catalogues. Other files are PX4
 //! definitions. If a `dialect` file contains `ros2`, they are ROS 2 definitions, and each subfolder is a package.
 //!
 //! To update: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen fixtures::`.
@@ -38,7 +38,7 @@ fn cases(kind: &str) -> Vec<String> {
     names
 }
 
-/// The code in the name of a folder: the longest matching one, because codes may be prefixes of others.
+/// The code in the name of a folder: the longest matching code, because one code may be a prefix of another.
 fn code_of(case: &str) -> Option<&'static str> {
     let starts =
         |code: &&&str| case.strip_prefix(**code).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'));

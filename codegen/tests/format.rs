@@ -1,6 +1,6 @@
 //! Tests of the formatter: the meaning is preserved, the result matches the fixtures, and a second run changes nothing.
 //!
-//! Each folder in `fixtures/format` is a case with the files `in.*` and `out.*`, which contains the expected result. A
+//! Each folder in `fixtures/format` is a case. Its file `out.*` contains the expected result for its file `in.*`. A
 //! `dialect` file selects `ros2` instead of `px4`. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p
 //! uavspec-codegen format::`.
 
@@ -114,7 +114,7 @@ fn our_own_definitions_are_formatted() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions");
     for (sub, form) in [("px4", Form::Msg(Dialect::Px4)), ("flockwave", Form::Table)] {
         for (path, text) in texts(files_below(&folder.join(sub), &["msg", "md"])) {
-            let found = laid_out(&path, &text, form).expect("no mistakes");
+            let found = laid_out(&path, &text, form).expect("no errors");
             assert!(found.text == text && !found.is_kept, "{path}: run `cargo xtask fmt`\n{}", found.text);
         }
     }
@@ -123,6 +123,6 @@ fn our_own_definitions_are_formatted() {
 #[test]
 fn reports_all_errors() {
     let diagnostics =
-        laid_out("A.msg", "uint8 A = 300\nuint8[0] b\n", Form::Msg(Dialect::Px4)).expect_err("two mistakes");
+        laid_out("A.msg", "uint8 A = 300\nuint8[0] b\n", Form::Msg(Dialect::Px4)).expect_err("two errors");
     assert!(has_errors(&diagnostics) && diagnostics.len() == 2, "{diagnostics:?}");
 }

@@ -211,12 +211,12 @@ proptest! {
     #![proptest_config(support::usual(4))]
 
     #[test]
-    fn px4_definitions_say_the_same_as_before((path, text) in definition(Dialect::Px4)) {
+    fn preserves_the_meaning_of_px4_definitions((path, text) in definition(Dialect::Px4)) {
         check_definition(Dialect::Px4, path, &text)?;
     }
 
     #[test]
-    fn ros2_definitions_say_the_same_as_before((path, text) in definition(Dialect::Ros2)) {
+    fn preserves_the_meaning_of_ros2_definitions((path, text) in definition(Dialect::Ros2)) {
         check_definition(Dialect::Ros2, path, &text)?;
     }
 

@@ -35,7 +35,7 @@ fn read_all(form: Form, files: &[(String, Vec<u8>)]) -> (Schema, Vec<Diagnostic>
     (schema, diagnostics)
 }
 
-/// The codes for a single message.
+/// The diagnostic codes for a single message.
 fn codes(form: Form, text: impl Into<Vec<u8>>) -> Vec<&'static str> {
     codes_of(form, &[("Glider.msg".to_owned(), text.into())])
 }
@@ -116,14 +116,14 @@ fn keywords_of_other_languages_are_valid_names() {
 fn reads_a_file_of_100_000_lines() {
     let mut text = String::new();
     for line in 0..20_000 {
-        // Each line requires a look-up among all others.
+        // Each line requires a lookup among all other lines.
         writeln!(text, "uint8 num_list{line}\nuint8[2] list{line}  # [@count num_list{line}]")
             .expect("a string");
         writeln!(text, "uint32 MODE_{line}={line}\nuint32 mode{line}  # [@enum MODE] x\n  # and more")
             .expect("a string");
     }
     let (schema, diagnostics) = read_all(PX4, &[file("Glider", text)]);
-    assert_eq!(diagnostics.len(), 20_000, "no list is a count");
+    assert_eq!(diagnostics.len(), 20_000, "each list is rejected as a count");
     assert_eq!(schema.messages[0].fields.len(), 60_000);
     assert_eq!(schema.messages[0].enums.len(), 1, "all fields share one enum");
     let comments = "uint8 a  # x\n".to_owned() + &"  # y\n".repeat(100_000);
@@ -136,7 +136,7 @@ fn reads_a_file_of_100_000_lines() {
     assert!(bad.len() < 2_000, "reading stops after too many invalid lines");
 }
 
-/// Repeats `text` to one megabyte, or to an eighth of it in a quick run.
+/// Repeats `text` up to one megabyte, or up to an eighth of a megabyte in a quick run.
 fn megabyte(text: &str) -> String {
     text.repeat(support::extent(1_000_000, 125_000) / text.len())
 }
@@ -293,7 +293,7 @@ fn reads_tables_of_types_in_linear_time() {
         .map(|number| format!("## M-{number}\n\n### Request\n\nNo fields besides type.\n\nAnswer: M-{}\n\n### Response\n\nNo fields besides type.\n\n", number + 1))
         .collect();
     let files = [("messages.md".to_owned(), format!("# Messages\n\n{messages}").into_bytes())];
-    assert_eq!(codes_of(Form::Table, &files), ["unknown-answer"], "only the last one has no answer");
+    assert_eq!(codes_of(Form::Table, &files), ["unknown-answer"], "only the last message has no answer");
 }
 
 #[test]

@@ -19,8 +19,8 @@ const PX4: Form = Form::Msg(Dialect::Px4);
 const ROS2: Form = Form::Msg(Dialect::Ros2);
 
 /// Keywords with the same meaning in draft 7 and in all drafts since 2019-09. (`$defs` replaces `definitions`, and
-/// references to it are valid.) A strict validator rejects all others. The exception is `prefixItems`, which older
-/// drafts ignore.
+/// references to it are valid.) A strict validator rejects all other keywords. The exception is `prefixItems`, which
+/// older drafts ignore.
 const KEYWORDS: [&str; 27] = [
     "$schema",
     "$id",
@@ -69,7 +69,7 @@ impl Documents {
             (id, Resource::from_contents(document.clone()))
         });
         let registry =
-            Registry::new().extend(resources).expect("addresses").prepare().expect("references that hold");
+            Registry::new().extend(resources).expect("addresses").prepare().expect("valid references");
         Self { by_path, registry }
     }
 
@@ -86,10 +86,10 @@ impl Documents {
     /// A validator for the schema at `address`, relative to the base URL.
     fn validator(&self, address: &str) -> Validator {
         let schema = json!({ "$ref": format!("{DEFAULT_BASE}{address}") });
-        jsonschema::options().with_registry(&self.registry).build(&schema).expect("a schema that compiles")
+        jsonschema::options().with_registry(&self.registry).build(&schema).expect("a valid schema")
     }
 
-    /// The verdict on `instance`. The file of `demo/name` and its copy in the bundle must agree.
+    /// True if the schema of `demo/name` accepts `instance`. The schema file and its copy in the bundle must agree.
     fn accepts(&self, name: &str, instance: &Json) -> bool {
         let file = self.validator(&format!("demo/{name}.schema.json")).is_valid(instance);
         let definition = name.replace('/', ".");
@@ -377,7 +377,7 @@ fn validates_nested_messages_across_files_and_in_the_bundle() {
     assert!(!documents.accepts("srv/Inner_Response", &json!({ "far": far(json!(1)) })));
     assert!(
         documents.accepts("Inner", &json!({ "a": 1 })),
-        "a service doesn't stand in the way of a message"
+        "a service must not replace a message with the same name"
     );
     let bundle = &documents.by_path["demo.bundle.schema.json"];
     let definitions: Vec<&String> = bundle["$defs"].as_object().expect("definitions").keys().collect();
@@ -534,7 +534,7 @@ fn closes_objects_only_if_the_page_does() {
     let bundle = documents.validator("demo.bundle.schema.json");
     assert!(
         bundle.is_valid(&json!({ "type": "FIELD-CLOSE" })) && !bundle.is_valid(&json!("D1")),
-        "messages alone"
+        "the bundle accepts only messages"
     );
     let ack = json!({ "type": "TOWER-ACK" });
     check_values(&documents, "TOWER-ACK.response", &[ack], &[json!({ "type": "TOWER-ACK", "else": 1 })]);
@@ -652,7 +652,7 @@ fn does_not_depend_on_the_order_of_the_input() {
     }
 }
 
-/// Every document satisfies the meta-schema, and contains no keyword that a strict validator rejects.
+/// Checks that each document satisfies the meta-schema, and contains no keyword that a strict validator rejects.
 fn check_documents(documents: &Documents) {
     for (path, document) in &documents.by_path {
         if let Err(error) = jsonschema::meta::validate(document) {
@@ -667,12 +667,12 @@ fn check_documents(documents: &Documents) {
 
 fn check_keywords(place: &str, schema: &Json) {
     let Some(members) = schema.as_object() else {
-        assert!(schema.is_boolean(), "{place} is no schema");
+        assert!(schema.is_boolean(), "{place} is not a schema");
         return;
     };
     for (keyword, value) in members {
         let place = format!("{place}/{keyword}");
-        assert!(KEYWORDS.contains(&keyword.as_str()), "{place} is unknown");
+        assert!(KEYWORDS.contains(&keyword.as_str()), "{place} is not an allowed keyword");
         match keyword.as_str() {
             "items" | "additionalProperties" => check_keywords(&place, value),
             "anyOf" | "oneOf" | "allOf" | "prefixItems" => {
@@ -716,7 +716,7 @@ fn escapes_malicious_texts() {
     let files = emit(&schema, &Options::default());
     assert!(
         files.iter().all(|file| !file.text.contains(['\u{202e}', '\u{feff}'])),
-        "nothing changes how a file looks"
+        "files must not contain invisible characters"
     );
     let documents = Documents::of(&files);
     check_documents(&documents);

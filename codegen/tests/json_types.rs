@@ -67,7 +67,7 @@ fn round<T: DeserializeOwned + Serialize + PartialEq + Debug>(value: &T, json: &
 }
 
 fn refused<T: DeserializeOwned + Debug>(json: &Json, expected: &str) {
-    let error = serde_json::from_str::<T>(&json.to_string()).expect_err("a refusal").to_string();
+    let error = serde_json::from_str::<T>(&json.to_string()).expect_err("an error").to_string();
     assert!(error.contains(expected), "{json}: {error}");
 }
 
@@ -80,7 +80,7 @@ fn checks_lengths_of_tuples() {
     round(&mark(1, None, None), &json!([1, 2]));
     round(&mark(1, Some(3), None), &json!([1, 2, 3]));
     round(&mark(1, None, Some(0.5)), &json!([1, 2, null, 0.5]));
-    let read: Mark = serde_json::from_value(json!([1, 2, null])).expect("a null in the place of nothing");
+    let read: Mark = serde_json::from_value(json!([1, 2, null])).expect("null for an omitted element");
     assert_eq!(read, mark(1, None, None));
     refused::<Mark>(&json!([1]), "invalid length 1");
     refused::<Mark>(&json!([1, 2, 3, 4.0, 5]), "invalid length 5");
@@ -131,7 +131,7 @@ fn distinguishes_absent_from_null() {
     refused::<Glider>(&json!({ "id": "D1" }), "missing field `time`");
     refused::<Glider>(&json!(["D1", 5]), "an object with the fields of Glider");
     let twice = serde_json::from_str::<Glider>(r#"{"id":"D1","time":1,"time":2}"#);
-    assert!(twice.expect_err("a refusal").to_string().contains("duplicate field `time`"));
+    assert!(twice.expect_err("an error").to_string().contains("duplicate field `time`"));
 }
 
 #[test]
@@ -186,7 +186,7 @@ fn check_vectors<T: DeserializeOwned + Serialize + PartialEq + Debug>(
             (Some("SHAPE-RANGE" | "SHAPE-PATTERN" | "SHAPE-UNIQUE") | None, read) => {
                 let read = read.unwrap_or_else(|error| panic!("{name}: {case}: {error}"));
                 let written = serde_json::to_value(&read).expect("JSON");
-                let again: T = serde_json::from_value(written).expect("what was written");
+                let again: T = serde_json::from_value(written).expect("the written value is valid");
                 assert_eq!(again, read, "{name}: {case}");
             }
             // Lengths are checked for tuples only.

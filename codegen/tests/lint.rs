@@ -28,7 +28,7 @@ fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/lint")
 }
 
-/// Enables all rules, including those that `strict` leaves out.
+/// Enables all rules, including rules that `strict` omits.
 fn all() -> Settings {
     let others = RULES.iter().filter(|rule| rule.levels.strict.is_none());
     let levels = others.map(|rule| (rule.id.to_owned(), rule.levels.px4)).collect();
@@ -59,20 +59,24 @@ fn check_examples(rule: &Rule) -> Vec<String> {
     let (sources, findings) = judge_example(rule.bad);
     let findings = of_rule(findings, rule.id);
     if findings.is_empty() {
-        failures.push(format!("{}: nothing is found in the bad example", rule.id));
+        failures.push(format!("{}: no finding in the bad example", rule.id));
     }
     let found = render::findings(&findings, &sources, false);
     failures.extend(differs(&fixtures().join(format!("{}.txt", rule.id)), &found));
     if findings.iter().any(|finding| !finding.fix.is_empty()) {
         let mended: Vec<String> = apply(&findings, &sources).into_values().collect();
         if mended != [rule.good.text] {
-            failures.push(format!("{}: mended to\n{}", rule.id, mended.concat()));
+            failures.push(format!("{}: the fix results in\n{}", rule.id, mended.concat()));
         }
     }
     let (sources, findings) = judge_example(rule.good);
     let findings = of_rule(findings, rule.id);
     if !findings.is_empty() {
-        failures.push(format!("{}, good: {}", rule.id, render::findings(&findings, &sources, false)));
+        failures.push(format!(
+            "{}: the good example has findings: {}",
+            rule.id,
+            render::findings(&findings, &sources, false)
+        ));
     }
     failures
 }
@@ -82,7 +86,7 @@ fn each_rule_finds_its_bad_example_and_not_its_good_one() {
     let failures: Vec<String> = RULES.iter().flat_map(|rule| check_examples(rule)).collect();
     assert!(
         failures.is_empty(),
-        "{}\nUAVSPEC_UPDATE_FIXTURES=1 takes what is said for expected",
+        "{}\nUAVSPEC_UPDATE_FIXTURES=1 accepts the current findings",
         failures.join("\n")
     );
 }
@@ -94,20 +98,20 @@ fn rule_of(case: &str) -> Option<&'static Rule> {
 }
 
 #[test]
-fn each_further_case_says_what_is_expected() {
+fn each_further_case_has_the_expected_findings() {
     let mut failures = String::new();
     for entry in fs::read_dir(fixtures()).expect("fixtures") {
         let folder = entry.expect("an entry").path();
         let name = folder.file_name().expect("a name").to_string_lossy().into_owned();
         if !folder.is_dir() {
-            assert!(RULES.iter().any(|rule| name == format!("{}.txt", rule.id)), "{name}: of no rule");
+            assert!(RULES.iter().any(|rule| name == format!("{}.txt", rule.id)), "{name}: no such rule");
             continue;
         }
-        let rule = rule_of(&name).unwrap_or_else(|| panic!("{name}: of no rule"));
+        let rule = rule_of(&name).unwrap_or_else(|| panic!("{name}: no such rule"));
         let files: Vec<File> = files_below(&folder, &["msg", "srv", "action", "md", "adoc", "po"])
             .iter()
             .map(|file| {
-                let path = file.strip_prefix(&folder).expect("below").to_string_lossy().replace('\\', "/");
+                let path = file.strip_prefix(&folder).expect("a prefix").to_string_lossy().replace('\\', "/");
                 (path, fs::read_to_string(file).expect("a text"))
             })
             .collect();
@@ -123,11 +127,11 @@ fn each_further_case_says_what_is_expected() {
             writeln!(failures, "{failure}").expect("a string");
         }
     }
-    assert!(failures.is_empty(), "{failures}UAVSPEC_UPDATE_FIXTURES=1 takes what is said for expected");
+    assert!(failures.is_empty(), "{failures}UAVSPEC_UPDATE_FIXTURES=1 accepts the current findings");
 }
 
 #[test]
-fn each_warning_of_the_readers_is_a_rule_and_no_error_is() {
+fn each_parser_warning_is_a_rule_and_no_parser_error_is() {
     assert_eq!(Problem::CODES.len(), Problem::LEVELS.len());
     for (code, level) in Problem::CODES.iter().zip(Problem::LEVELS) {
         let is_rule = rule(code).map(Rule::is_parser_warning);
@@ -152,7 +156,7 @@ impl Definitions {
         Self { packages: vec![(name, form, texts_below(folder))] }
     }
 
-    /// Reads the definitions below the subfolders of a folder, each of which is a ROS 2 package.
+    /// Reads each subfolder of a folder as a ROS 2 package.
     fn of_ros(folder: &Path) -> Self {
         let folders = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
         let mut folders: Vec<PathBuf> = folders.filter(|path| path.is_dir()).collect();
@@ -174,7 +178,7 @@ impl Definitions {
         (sources, packages)
     }
 
-    /// The number of findings of each rule.
+    /// The number of findings for each rule.
     fn counts(&self) -> BTreeMap<&'static str, usize> {
         let (sources, packages) = self.load();
         let mut counts = BTreeMap::new();
@@ -214,7 +218,7 @@ impl Definitions {
         for ((_, _, files), package) in definitions.packages.iter_mut().zip(&packages) {
             for ((_, text), source) in files.iter_mut().zip(&package.sources) {
                 if let Some(new) = mended.get(source) {
-                    assert_ne!(text, new, "a fix that changes nothing");
+                    assert_ne!(text, new, "a fix must change the text");
                     text.clone_from(new);
                 }
             }
@@ -230,7 +234,7 @@ fn texts_below(folder: &Path) -> Vec<File> {
         .collect()
 }
 
-/// The number of passes that fix the worst known definitions completely.
+/// The maximum number of passes. The worst known definitions need no more.
 const MAX_PASSES: usize = 12;
 
 fn check_mending(name: &str, definitions: &Definitions) {
@@ -239,13 +243,13 @@ fn check_mending(name: &str, definitions: &Definitions) {
     for _ in 0..MAX_PASSES {
         let Some(mended) = current.mended() else { return };
         current = mended;
-        assert!(current.model() == model, "{name}: mended, it says something else");
+        assert!(current.model() == model, "{name}: a fix changes the meaning");
     }
-    assert!(current.mended().is_none(), "{name}: mending doesn't end");
+    assert!(current.mended().is_none(), "{name}: fixes remain after {MAX_PASSES} passes");
 }
 
 #[test]
-fn mending_changes_nothing_that_is_said() {
+fn fixes_preserve_the_meaning_of_real_definitions() {
     let px4 = Form::Msg(Dialect::Px4);
     if let Some(corpus) = shared("corpus") {
         for release in ["main", "1.16", "1.15"] {
@@ -351,7 +355,7 @@ proptest! {
     #![proptest_config(support::config(1_000))]
 
     #[test]
-    fn mending_odd_definitions_changes_nothing_that_is_said(text in odd_definitions()) {
+    fn fixes_preserve_the_meaning_of_odd_definitions(text in odd_definitions()) {
         let files = vec![("Glider.msg".to_owned(), text.clone())];
         let packages = vec![("demo".to_owned(), Form::Msg(Dialect::Px4), files)];
         check_mending(&text, &Definitions { packages });
@@ -359,7 +363,7 @@ proptest! {
 }
 
 #[test]
-fn what_was_measured_holds() {
+fn measured_counts_are_up_to_date() {
     let Some(main) = shared("corpus/px4/main") else { return };
     let counts = Definitions::of_folder(&main, Form::Msg(Dialect::Px4)).counts();
     for rule in RULES {
@@ -378,14 +382,14 @@ fn what_was_measured_holds() {
 }
 
 #[test]
-fn definitions_of_ros_are_not_held_to_the_standard_of_px4() {
+fn ros_definitions_are_not_checked_against_the_px4_standard() {
     let Some(folder) = shared("corpus/ros2") else { return };
     let counts = Definitions::of_ros(&folder).counts();
     assert_eq!(counts.into_keys().collect::<Vec<_>>(), ["trailing-white-space"]);
 }
 
 #[test]
-fn what_no_rule_allows_for_is_still_looked_at_in_linear_time() {
+fn checks_unusual_definitions_in_linear_time() {
     let many = 20_000;
     let lines = |line: &dyn Fn(usize) -> String| (0..many).map(line).collect::<String>();
     let head = "# Glider\n\nuint64 timestamp  # [us] Time\n";
@@ -418,7 +422,7 @@ fn what_no_rule_allows_for_is_still_looked_at_in_linear_time() {
 }
 
 #[test]
-fn the_definitions_of_this_project_keep_all_strict_rules() {
+fn the_definitions_of_this_project_satisfy_all_strict_rules() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions");
     let mut messages = Definitions::of_folder(&folder.join("px4"), Form::Msg(Dialect::Px4));
     messages.packages.append(&mut Definitions::of_folder(&folder.join("flockwave"), Form::Table).packages);

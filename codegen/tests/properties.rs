@@ -255,7 +255,7 @@ proptest! {
     }
 }
 
-/// A declaration, as in a definition and as in the model.
+/// A declaration as written in a definition, and as represented in the model.
 #[derive(Clone, Debug)]
 struct Declaration {
     is_constant: bool,
@@ -352,7 +352,7 @@ fn string() -> impl Strategy<Value = (String, Json)> {
     })
 }
 
-/// A field of any type, in ROS 2 optionally with a default.
+/// A field of any type. In ROS 2, it may have a default.
 fn field(dialect: Dialect) -> impl Strategy<Value = (String, Option<String>, Json)> {
     let lists = (scalar(dialect), 1..5_usize, 0..4_u8, any::<bool>());
     let field = lists.prop_map(move |((ty, written, value), count, shape, has_default)| {
@@ -400,7 +400,7 @@ fn declaration(dialect: Dialect) -> impl Strategy<Value = Declaration> {
     prop_oneof![field, constant]
 }
 
-/// A message of declarations with different names, with any allowed white space.
+/// A message whose declarations have unique names and any allowed white space.
 fn message(dialect: Dialect) -> impl Strategy<Value = (Vec<Declaration>, String)> {
     let blanks = || select(vec![" ", "  ", " \t", " "]);
     let line = (
@@ -532,7 +532,7 @@ fn page() -> impl Strategy<Value = Vec<(usize, Vec<PageRow>)>> {
         .prop_map(|(tables, rows)| tables.into_iter().zip(rows).collect())
 }
 
-/// The page in Markdown, in `AsciiDoc` and flattened. Each ends with a table of the codes 998 and 999.
+/// The page in Markdown, in `AsciiDoc` and flattened. Each form ends with a table of the codes 998 and 999.
 fn printed(page: &[(usize, Vec<PageRow>)]) -> [(&'static str, String); 3] {
     let mut forms = ["md", "adoc", "txt"].map(|extension| (extension, String::new()));
     let [(_, markdown), (_, asciidoc), (_, flattened)] = &mut forms;

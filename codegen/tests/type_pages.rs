@@ -57,7 +57,7 @@ fn plain() -> impl Strategy<Value = (String, &'static str)> {
     ]
 }
 
-/// An expression of the type with the number `own`; it may refer to earlier types.
+/// An expression for the type with the number `own`. It may refer to earlier types.
 fn member(own: usize) -> impl Strategy<Value = Member> {
     let named = (0..own.max(1), select(&["", "list of ", "map of ", "list of list of "][..]), any::<bool>());
     let named = named.prop_map(move |(index, around, is_nullable)| {
@@ -164,7 +164,7 @@ proptest! {
         prop_assert_eq!(&model["json_messages"]["WIND-INF"]["request"]["answers"], &json!(["WIND-INF"]));
     }
 
-    /// The verdicts of vectors come from the model; the JSON Schema validator is independent of it.
+    /// The verdicts of vectors come from the model; the JSON Schema validator is independent of the model.
     #[test]
     fn schemas_and_vectors_agree(types in types()) {
         let (_, schema) = read_page(&page(&types));

@@ -372,7 +372,7 @@ fn creates_no_cases_for_oversized_definitions() {
     assert!((1..20).contains(&wide), "{wide} cases, but expected none for single fields");
 }
 
-/// Cases of pages cover every rule about body schemas, and omit each field once.
+/// The cases for pages cover every rule about body schemas, and omit each field once.
 #[test]
 fn cases_of_pages_cover_every_rule_about_body_schemas() {
     let emitted = Emitted::of(support::texts(Form::Table, &PAGES));
@@ -408,5 +408,5 @@ fn cases_of_pages_cover_every_rule_about_body_schemas() {
         "ropes-item-null",
     ];
     let missing: Vec<_> = expected.into_iter().filter(|id| !ids.contains(id)).collect();
-    assert_eq!(missing, ["log-text-5"], "a value that violates two rules is no case: {ids:?}");
+    assert_eq!(missing, ["log-text-5"], "a value that violates two rules is not a case: {ids:?}");
 }

@@ -1,18 +1,20 @@
-//! Measures how fast captures are checked with all rules, in comparison with other libraries:
+//! Measures the speed of checks with all rules, and compares it with other libraries:
 //! `cargo bench -p uavspec-conformance --bench checking`.
 //!
 //! Words after `--` select comparisons by title. The environment variable `ROUNDS` sets the number of runs.
 //!
-//! The contestants take turns. The output shows the medians of throughputs and ratios, so that other load on the
-//! machine has little effect. Each contestant runs on one core.
+//! The contestants take turns. The output shows median throughputs and ratios, so other load on the machine has little
+//! effect. Each contestant runs on one core.
 //!
-//! - Each fast path against the general one: messages without templates, and status reports without the cache. A fast
-//!   path must be at least 1.3 times as fast to be worth it.
-//! - JSON Lines of `FailsafeFlags` against `serde_json` skipping the values (`IgnoredAny`), which is the practical
-//!   limit for its users, and against `serde_json` to a tree with the crate `jsonschema` and the published schema.
-//! - Status reports of a fleet, with one UAV each and with fifty, against the same two. The schema is that of their
-//!   bodies.
-//! - PX4 logs, if the corpus is available, against pyulog, if Python has it; and two at a time on two cores.
+//! - Each fast path against the general path (messages without templates, status reports without the cache). A fast
+//!   path is worthwhile only if it is at least 1.3 times as fast.
+//! - `FailsafeFlags` as JSON Lines, against two others. One skips the values with `serde_json` (`IgnoredAny`), which is
+//!   the practical limit for its users. The other builds a tree with `serde_json`, and validates it with the
+//!   `jsonschema` crate and the published schema.
+//! - Status reports of a fleet, with one or fifty UAVs per report, against the same two. `jsonschema` validates only
+//!   the bodies.
+//! - PX4 logs, if the corpus is available, against pyulog, if it is installed. uavspec also checks copies of a log two
+//!   at a time, on two cores.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -33,7 +35,7 @@ const LINES: usize = 10_000;
 /// The default number of runs.
 const ROUNDS: usize = 31;
 
-/// The published schema.
+/// The published schema of `FailsafeFlags`.
 const SCHEMA: &str = include_str!("../../generated/schemas/px4/FailsafeFlags.schema.json");
 
 /// The schemas of all Flockwave messages.
@@ -42,7 +44,7 @@ const SCHEMAS: &str = include_str!("../../generated/schemas/flockwave.bundle.sch
 /// The number of UAVs in a fleet.
 const FLEET: usize = 1_000;
 
-/// The total number of states in the reports of a fleet.
+/// The total number of UAV states in a fleet's reports.
 const STATES: usize = 30_000;
 
 const LOGS: [&str; 3] = ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"];
@@ -84,7 +86,7 @@ impl<'c> Contestant<'c> {
     }
 }
 
-/// Runs the contestants in turn, and prints the throughput of each and its ratio to the first.
+/// Runs the contestants in turn. Prints each throughput, and the first contestant's throughput as a multiple of it.
 fn compare(title: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
     if !is_selected(title) {
         return;
@@ -114,14 +116,14 @@ fn compare(title: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
     }
 }
 
-/// True if the command line selects no comparison, or contains a word of this title.
+/// True if the command line contains a word of this title, or doesn't select comparisons.
 fn is_selected(title: &str) -> bool {
     let mut words = std::env::args().skip(1).filter(|word| !word.starts_with('-')).peekable();
     words.peek().is_none() || words.any(|word| title.contains(&word))
 }
 
 /// The throughput in MB/s.
-#[allow(clippy::cast_precision_loss)] // the values fit well
+#[allow(clippy::cast_precision_loss)] // the values are small enough
 fn throughput(bytes: usize, time: Duration) -> f64 {
     bytes as f64 / time.as_secs_f64() / 1e6
 }
@@ -186,14 +188,14 @@ fn json() {
     compare("JSON Lines of FailsafeFlags", text.len(), contestants);
 }
 
-/// A capture of status reports of a fleet without findings, each with `each` UAVs.
+/// A capture of a fleet's status reports without findings. Each report contains `each` UAVs.
 fn reports(each: usize) -> String {
     let mut text = String::new();
     for (number, first) in (0..STATES).step_by(each).enumerate() {
         let time = 1_790_000_000_000 + first / 5;
         let states = (first..first + each).map(|at| {
             let uav = format!("glider-{:03}", at % FLEET);
-            #[allow(clippy::cast_possible_wrap)] // it is small
+            #[allow(clippy::cast_possible_wrap)] // the value is small
             let value = (at * 7_919 % 100_000) as i64;
             let state = json!({
                 "id": uav, "timestamp": time, "mode": "mission", "heading": value % 3_600,
@@ -206,7 +208,7 @@ fn reports(each: usize) -> String {
         });
         let body = json!({ "type": "UAV-INF", "status": states.collect::<serde_json::Map<_, _>>() });
         let message = json!({ "$fw.version": "1.0", "id": format!("say-{number}"), "body": body });
-        #[allow(clippy::cast_precision_loss)] // times fit well
+        #[allow(clippy::cast_precision_loss)] // times are small enough
         let time = time as f64 / 1e3;
         let line = json!({ "t": time, "conn": "tcp#1", "dir": "in", "msg": message });
         writeln!(text, "{line}").expect("a string");
@@ -250,7 +252,7 @@ fn flockwave() {
             Contestant::new("serde_json to a tree, jsonschema", tree),
         ];
         let uavs = if each == 1 { "one UAV".to_owned() } else { format!("{each} UAVs") };
-        compare(&format!("Reports of Flockwave on {uavs} each"), text.len(), contestants);
+        compare(&format!("Flockwave reports with {uavs} each"), text.len(), contestants);
     }
 }
 
@@ -261,7 +263,7 @@ fn logs(corpus: &Path) {
         let path = corpus.join(format!("ulog/{name}.ulg"));
         let bytes = fs::read(&path).expect("a log");
         let uavspec = Contestant::new("uavspec", || _ = black_box(checked(&bytes)));
-        compare(&format!("{name}.ulg by the definitions of PX4 main"), bytes.len(), vec![uavspec]);
+        compare(&format!("{name}.ulg with the definitions of PX4 main"), bytes.len(), vec![uavspec]);
         match pyulog(&path) {
             Some(time) => println!("  {:<34} {:>8.0} MB/s", "pyulog", throughput(bytes.len(), time)),
             None => println!("  skipped: python3 has no pyulog"),
@@ -280,7 +282,7 @@ fn logs(corpus: &Path) {
     compare("sample.ulg, eight times", 8 * bytes.len(), contestants);
 }
 
-/// The time that pyulog takes for a log.
+/// The time that pyulog takes to read a log.
 fn pyulog(path: &Path) -> Option<Duration> {
     let output = Command::new("python3").arg("-c").arg(PYULOG).arg(path).arg("5").output().ok()?;
     let seconds = String::from_utf8_lossy(&output.stdout).trim().parse().ok()?;

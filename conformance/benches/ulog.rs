@@ -1,4 +1,4 @@
-//! Measures how fast logs are read: three logs of the corpus, with repeated messages, and invalid bytes.
+//! Measures the speed of reading three logs from the corpus, with repeated messages, and of searching invalid bytes.
 //!
 //! `cargo bench -p uavspec-conformance --bench ulog`
 
@@ -16,10 +16,10 @@ fn main() {
 
 const LOGS: [&str; 3] = ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"];
 
-/// The minimum size of a log in bytes, so that its start and caches have little effect.
+/// The minimum size of a log, in bytes. It is so large that caches and the start of the log have little effect.
 const SIZE: usize = 64 << 20;
 
-/// A log with everything after its file header repeated. `None` without the corpus.
+/// A log in which everything after the file header is repeated. `None` without the corpus.
 fn log(name: &str) -> Option<Vec<u8>> {
     let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
     let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or(default, Into::into);
@@ -32,7 +32,7 @@ fn log(name: &str) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// Copies the bytes through a buffer of the same size as the reader's, which is the upper limit.
+/// Copies the bytes through a buffer as large as the reader's. The result is the upper limit.
 #[divan::bench(args = LOGS)]
 fn copy(bencher: Bencher<'_, '_>, name: &str) {
     let Some(bytes) = log(name) else { return };
@@ -78,7 +78,7 @@ fn search(bencher: Bencher<'_, '_>, name: &str) {
         match name {
             "zeros" => 0,
             "noise" => state.to_be_bytes()[0],
-            // Each byte looks like the header of a log line, and so do the following ones.
+            // Each byte could start the header of a log line, and so could the bytes that follow.
             _ => b"L0"[usize::from(state & 2 != 0)],
         }
     }));

@@ -4,8 +4,8 @@
 //! |---:|---|
 //! | 0 | conforms |
 //! | 1 | does not conform |
-//! | 2 | wrong usage, or unreadable definitions or lists |
-//! | 3 | an input can't be read to the end, a report can't be written, or a testee or server failed |
+//! | 2 | invalid usage, or unreadable definitions or lists |
+//! | 3 | an input can't be read completely, a report can't be written, or a testee or server failed |
 //! | 4 | an entry in a list of known failures no longer applies |
 //! | 5 | nothing was checked |
 //!
@@ -48,8 +48,8 @@ const EXAMPLES: &str = "Examples:
 const STATUS: &str = "Exit status:
   0  conforms, or success
   1  does not conform
-  2  wrong usage, or unreadable definitions or lists
-  3  an input, a testee or a server failed, or a report can't be written
+  2  invalid usage, or unreadable definitions or lists
+  3  an unreadable input, an unwritable report, or a failed testee or server
   4  an entry in a list of known failures no longer applies
   5  nothing was checked
 
@@ -83,24 +83,25 @@ enum Command {
     ///
     /// These trials may crash a server that has bugs. Never probe a server that is controlling flying UAVs.
     ///
-    /// With --allow-commands, the given UAVs take off, fly to 10 m above home, return and land. They are tested,
-    /// calibrated, put to sleep and woken. The probe also adjusts the server's clock by zero seconds.
+    /// With --allow-commands, the given UAVs take off, fly at 10 m above home, return and land. They are also tested,
+    /// calibrated, put to sleep and woken up. The probe also adjusts the server's clock by zero seconds.
     Probe(probe::ProbeArgs),
     /// Run a reference Flockwave server with a simulated fleet.
     ///
-    /// The server prints one line per transport with its address. Port 0 selects a free port. HTTP and Socket.IO
-    /// addresses serve both transports.
+    /// The server prints one line per transport with its address. Port 0 selects a free port. Each HTTP or
+    /// Socket.IO address serves both of these transports.
     ///
-    /// Clients can send commands to the UAVs. In addition, OBJ-CMD accepts the commands error (arguments: error codes;
-    /// none clears them), battery (argument: charge in percent) and lose (the UAV stops reporting).
+    /// Clients can send commands to the UAVs. OBJ-CMD also accepts three simulation commands. The command error sets
+    /// the error codes in its arguments, or clears all codes if it has no arguments. The command battery sets the charge
+    /// in percent. After the command lose, the UAV stops reporting.
     ///
     /// Anyone who can reach an address can use the server. Prefer loopback addresses.
     Serve(serve::ServeArgs),
     /// Show the fleet of a Flockwave server in the terminal.
     ///
-    /// It requests the UAVs and their states, and changes nothing on the server. UAVs that the server doesn't report by
-    /// itself are requested every two seconds. If the connection is lost, it reconnects, and the last known states
-    /// remain visible.
+    /// The display requests the UAVs and their states, and changes nothing on the server. If the server reports nothing
+    /// about a UAV for two seconds, the UAV's state is requested. If the connection is lost, the display reconnects and
+    /// keeps the last known states visible.
     ///
     /// Press ? for a list of all keys. The environment variable `NO_COLOR` disables colours.
     Watch(watch::WatchArgs),
@@ -108,15 +109,15 @@ enum Command {
     Rules(rules::RulesArgs),
     /// Test uavspec itself.
     ///
-    /// It generates captures that conform to the definitions, and captures that violate each rule. It then probes the
-    /// reference server without bugs, and with the bug of each rule. Each rule must find its violations and nothing
-    /// else.
+    /// The self-test generates captures that conform to the definitions, and captures that violate each rule. It then
+    /// probes the reference server, first without bugs and then with one bug for each rule. Each rule must find its
+    /// violations and nothing else.
     ///
     /// The probes use free ports of 127.0.0.1 and take about half a minute.
     SelfTest(self_test::SelfTestArgs),
 }
 
-/// The format of a list.
+/// The output format of a command without reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
     /// Text for a terminal.
@@ -125,7 +126,7 @@ enum Format {
     Json,
 }
 
-/// The exit status of a run, in ascending precedence.
+/// The exit status of a run. The variants are in ascending precedence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Status {
     Conforms,
@@ -192,7 +193,7 @@ fn command() -> String {
     command_line(["uavspec"].into_iter().chain(arguments.iter().map(String::as_str)))
 }
 
-/// Loads the definitions at a path, or the built-in ones. Errors are printed.
+/// Loads the definitions at a path, or the built-in definitions. Errors are printed.
 fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
     path.map_or_else(|| Ok(Definitions::built_in()), Definitions::load).map_err(|failure| {
         anstream::eprintln!("{failure}");

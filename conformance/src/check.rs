@@ -60,7 +60,7 @@ use crate::text::Grouped;
 /// The number of bytes used to detect the kind of a capture.
 const START: usize = MCAP_MAGIC.len();
 
-/// The minimum number of bytes that identify a magic if the capture ends within it.
+/// The number of magic bytes that identify a capture which ends within its magic.
 const MIN_MAGIC: usize = 4;
 
 /// The maximum number of distinct corrupt parts to report.
@@ -91,7 +91,7 @@ pub enum Summary {
     Json(JsonSummary),
     /// An MCAP file.
     Mcap(McapSummary),
-    /// A recorded Flockwave session. Its messages are those of the server.
+    /// A recorded Flockwave session. Only messages from the server are counted.
     Flockwave(FlockwaveSummary),
 }
 
@@ -122,7 +122,7 @@ pub struct CaptureResult {
     pub checked: u64,
     /// The distinct corrupt parts in order of appearance, each with its first location.
     pub corruption: Vec<(Location, String)>,
-    /// The number of further corrupt parts.
+    /// The number of further corrupt parts, which aren't listed.
     pub more_corruption: u64,
     /// The extent to which the capture could be read.
     pub extent: Extent,
@@ -158,7 +158,7 @@ pub fn check_capture(
     (kind.check)(&mut io::Cursor::new(start).chain(input), message_id, definitions)
 }
 
-/// True if a capture starts with the magic, or ends within it after at least [`MIN_MAGIC`] bytes.
+/// True if a capture starts with the magic, or ends within the magic after at least [`MIN_MAGIC`] bytes.
 fn has_magic(start: &[u8], magic: &[u8]) -> bool {
     start.starts_with(magic) || start.len() >= MIN_MAGIC && magic.starts_with(start)
 }
@@ -169,9 +169,9 @@ struct CheckRun<'d> {
     findings: Findings,
     /// The rules on sequences of messages.
     followers: Vec<Follower>,
-    /// The checks of the rules on sessions.
+    /// The checks of session rules.
     listeners: Listeners<'d>,
-    /// The subscribers by channel index.
+    /// The subscribers of each channel, by channel index.
     channels: Vec<Subscribers>,
     sessions: Sessions,
     records: u64,
@@ -267,7 +267,7 @@ impl<'d> CheckRun<'d> {
         self.followers.iter_mut().for_each(|follower| follower.checker.closed(channel));
     }
 
-    /// Passes the start time of the capture to the rules, in µs since boot.
+    /// Passes the capture's start time, in µs since boot, to the rules.
     fn started(&mut self, time: u64) {
         self.followers.iter_mut().for_each(|follower| follower.checker.started(time));
     }
@@ -341,7 +341,7 @@ impl<'d> CheckRun<'d> {
         self.followers.iter_mut().for_each(|follower| follower.checker.dropout(milliseconds, location));
     }
 
-    /// Handles a channel's unreadable message. Stateful rules may have needed it.
+    /// Handles an unreadable message on a channel. Stateful rules may depend on the message.
     fn lost(&mut self, channel: usize, location: Location) {
         for at in &self.channels[channel].followers {
             self.followers[*at].checker.corruption(location);

@@ -75,8 +75,8 @@ impl Definitions {
         Self::new(format!("the definitions of uavspec {}", env!("CARGO_PKG_VERSION")), sources, schema)
     }
 
-    /// Loads definitions from a path: a `uavspec.toml`, a folder that contains one, or PX4 message files and their
-    /// folders.
+    /// Loads definitions from a path: a `uavspec.toml`, a folder that contains one, a PX4 message file, or a folder
+    /// with such files.
     pub fn load(path: &Path) -> Result<Self, Failure> {
         let (sources, schema) = read_definitions(path)?;
         Ok(Self::new(path.display().to_string(), sources, schema))
@@ -93,7 +93,7 @@ impl Definitions {
         Self { name, sources, schema, by_topic, types, defined_schemas, schemas: Schemas::default() }
     }
 
-    /// Adds body schemas for Flockwave messages of types without a definition.
+    /// Adds body schemas for Flockwave message types without a definition.
     #[must_use]
     pub fn with_schemas(self, schemas: Schemas) -> Self {
         Self { schemas, ..self }

@@ -1,4 +1,4 @@
-//! The Flockwave protocol: sessions, the body schemas of its messages, and the transports that carry them.
+//! The Flockwave protocol: sessions, message body schemas, and transports.
 
 pub mod body_schema;
 pub(crate) mod record;

@@ -1,4 +1,4 @@
-//! JSON: a tokenizer, and a tree that preserves the text.
+//! A JSON tokenizer, and a JSON tree that preserves the text.
 //!
 //! ```
 //! use uavspec_conformance::json::Tree;

@@ -1,4 +1,4 @@
-//! Checks all mutants, and compares the violated rules with the expected ones.
+//! Checks all mutants, and compares the violated rules with the expected rules.
 
 pub(crate) mod live;
 
@@ -18,7 +18,7 @@ pub(crate) struct Row {
     pub rule: &'static Rule,
     /// The mutant.
     pub mutant: Mutant,
-    /// The change, and the encoding of the capture if there are several.
+    /// The name of the mutant, followed by the encoding of the capture for PX4 rules.
     pub title: String,
     /// The ids of the violated rules. `None` if the change isn't possible with the definitions.
     pub violated: Option<BTreeSet<&'static str>>,

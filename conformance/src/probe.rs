@@ -6,10 +6,10 @@
 //!                                server
 //! ```
 //!
-//! A probe starts with a *survey* over one connection: requests that change nothing, and a period of listening to
+//! A probe starts with a *survey* over one connection: requests that change nothing, and a period of listening for
 //! notifications. If the caller allows it, *commands* for the named UAVs follow. Then each *trial* uses a separate
 //! connection to test how the server handles unusual input. All messages are written to a *tape* as lines of a recorded
-//! session. They are checked in that form, so a later [`check`](crate::check) of the recording returns the same
+//! session. The checker reads these lines, so a later [`check`](crate::check) of the recording returns the same
 //! findings.
 //!
 //! All waiting times are limited. Findings and notes report servers that don't respond, flood the client, or crash.
@@ -65,7 +65,7 @@ const PAUSE: Duration = Duration::from_millis(250);
 /// The timeout of a request. After it, the next request is sent. The answer may still arrive later.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// The reduced timeout, and the number of unanswered requests after which it applies.
+/// The number of unanswered requests after which a reduced timeout applies, and this timeout.
 const REDUCED_TIMEOUT: (u32, Duration) = (3, Duration::from_millis(300));
 
 /// The time limit for late answers.
@@ -74,7 +74,7 @@ const LATE_ANSWER_TIME: Duration = Duration::from_millis(400);
 /// The delay between messages. It ensures that each message is sent in a separate segment.
 const SEND_INTERVAL: Duration = Duration::from_millis(20);
 
-/// The maximum number of reconnections after the server closed the connection.
+/// The maximum number of reconnections to a server that closes its connections.
 const MAX_RECONNECTS: u32 = 20;
 
 /// The maximum number of notes.
@@ -269,7 +269,7 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Ends the connection of the survey after waiting for late answers.
+    /// Closes the survey's connection after waiting for late answers.
     fn leave(&mut self) {
         let Some(mut session) = self.session.take() else { return };
         let until =
@@ -285,7 +285,7 @@ impl Probe<'_, '_> {
         session.close(&mut self.tape);
     }
 
-    /// Sends a request on the connection of the survey, and waits for its answer. A missing answer violates a rule.
+    /// Sends a request on the survey's connection, and waits for the answer. A missing answer violates a rule.
     #[allow(clippy::needless_pass_by_value)] // callers build the body in the call
     fn query(&mut self, body: Value) -> Option<Value> {
         self.query_for_trial(&env_07::RULE, body)
@@ -358,7 +358,7 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Makes an attempt on a separate connection. Returns true if the next attempt can follow.
+    /// Makes an attempt on a separate connection. Returns true if the probe can continue.
     fn attempt(&mut self, rule: &'static Rule, attempt: &Attempt) -> bool {
         let Attempt { how, endpoint, steps } = attempt;
         if self.is_late() {
@@ -473,12 +473,12 @@ impl Probe<'_, '_> {
     }
 }
 
-/// The trial of every request. The server must answer each request.
+/// The default trial, which tests only that the server answers a request.
 fn plain() -> Trial<'static> {
     Trial { rule: &env_07::RULE.rule, how: "" }
 }
 
-/// The trial of a message. A message that can't be answered tests nothing by itself.
+/// The trial to record with a message. A message without an id can't be answered, so it tests nothing by itself.
 fn trial_of<'t>(sent: &Sent, trial: Trial<'t>) -> Option<Trial<'t>> {
     sent.id().is_some().then_some(trial)
 }

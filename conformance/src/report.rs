@@ -1,4 +1,4 @@
-//! The report of a run: one value, from which all formats are rendered.
+//! The report of a run: a single value from which all formats are rendered.
 //!
 //! ```text
 //!  results of `check`    ──capture─┐
@@ -65,17 +65,17 @@ pub struct Report {
     pub uavspec: String,
     /// The command that was run.
     pub action: Action,
-    /// The command line, which reproduces the report.
+    /// The command line that reproduces the report.
     pub command: String,
-    /// The path of the definitions, or the name of the built-in ones.
+    /// The path of the definitions, or the name of the built-in definitions.
     pub definitions: String,
     /// The outcome of the run.
     #[serde(rename = "conclusion")]
     pub outcome: Outcome,
-    /// The reasons for failure that are not findings: required rules that are not covered, and entries of lists of known
-    /// failures that no longer apply.
+    /// Reasons for failure other than findings: uncovered required rules, and outdated entries in lists of known
+    /// failures.
     pub reasons: Vec<Reason>,
-    /// The rules that were checked, sorted by id, with their results in all subjects.
+    /// The rules that were checked, sorted by id, with their results across all subjects.
     pub rules: Vec<RuleReport>,
     /// The captures and testees that were checked.
     pub subjects: Vec<Subject>,
@@ -96,7 +96,7 @@ pub enum Action {
     Probe,
 }
 
-/// A rule with its results in all subjects.
+/// A rule with its results across all subjects.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RuleReport {
@@ -114,9 +114,9 @@ pub struct RuleReport {
     pub source: &'static str,
     /// The kind of data that the rule applies to.
     pub applies_to: &'static str,
-    /// The page of the rule.
+    /// The URL of the rule's page.
     pub url: String,
-    /// The worst verdict in all subjects.
+    /// The worst verdict across all subjects.
     pub verdict: Verdict,
     /// The number of times that the rule was checked.
     #[serde(rename = "exercised")]
@@ -125,7 +125,7 @@ pub struct RuleReport {
     pub findings: u64,
 }
 
-/// The result of a rule, in ascending precedence.
+/// The result of a rule. The values are in ascending precedence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -133,11 +133,11 @@ pub enum Verdict {
     /// The input has nothing that the rule applies to. This is not a pass.
     #[serde(rename = "not exercised")]
     NotCovered,
-    /// The testee doesn't support what the rule is about. This is neither a failure nor a pass.
+    /// The testee doesn't support the tested operation or type. This is neither a failure nor a pass.
     Unsupported,
     /// There are no violations.
     Pass,
-    /// There are findings for information only.
+    /// There are only informational findings.
     Shown,
     /// All violations are in a list of known failures.
     Known,
@@ -160,7 +160,7 @@ pub struct Subject {
     pub about: About,
     /// The number of messages; for a testee, the number of cases.
     pub records: u64,
-    /// The number of messages that could be read as their type; for a testee, the number of cases with a result.
+    /// The number of messages that could be decoded as their type; for a testee, the number of cases with a result.
     #[serde(rename = "judged")]
     pub checked: u64,
     /// The time from the first to the last timestamp, in µs.
@@ -170,9 +170,9 @@ pub struct Subject {
     pub outcome: Outcome,
     /// The verdict of each rule, sorted by id.
     pub rules: Vec<RuleVerdict>,
-    /// The findings, grouped by rule and subject.
+    /// The findings, grouped by rule and by topic or field.
     pub findings: Vec<Finding>,
-    /// The number of further findings. At most a thousand different findings of each rule are kept.
+    /// The number of findings omitted because of the limit of a thousand groups per rule.
     pub more_findings: u64,
     /// The first corrupt or unreadable parts.
     #[serde(rename = "damage")]
@@ -182,9 +182,9 @@ pub struct Subject {
     pub more_corruption: u64,
     /// The extent to which the input could be read.
     pub extent: Extent,
-    /// Events during a probe that are not findings, in order.
+    /// Notable events during a probe, in order. They are not findings.
     pub notes: Vec<String>,
-    /// The time of the check, in milliseconds. It is not in the JSON report because it differs between runs.
+    /// The duration of the check, in milliseconds. The JSON report omits it because it differs between runs.
     #[serde(skip)]
     pub elapsed: u128,
 }
@@ -206,9 +206,9 @@ pub enum About {
 pub struct Testee {
     /// The kind of the subject.
     pub kind: TesteeKind,
-    /// The version that it reports; empty if unknown.
+    /// The version that the testee reports; empty if unknown.
     pub version: String,
-    /// The number of cases by result.
+    /// The number of cases with each result.
     pub counts: Counts,
     /// The counts for each operation and type.
     pub table: Vec<Row>,
@@ -237,7 +237,7 @@ pub enum TesteeKind {
     Testee,
 }
 
-/// Numbers of cases by result.
+/// The number of cases with each result.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Counts {
@@ -253,7 +253,7 @@ pub struct Counts {
     pub not_run: u64,
 }
 
-/// The counts of an operation and a type.
+/// The counts for one operation and type.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Row {
@@ -262,7 +262,7 @@ pub struct Row {
     /// The type, such as `px4/Event`.
     #[serde(rename = "type")]
     pub type_name: String,
-    /// The number of cases by result.
+    /// The number of cases with each result.
     pub counts: Counts,
 }
 
@@ -290,15 +290,15 @@ pub struct Case {
     pub expected: String,
     /// The value found.
     pub actual: String,
-    /// The exit of the process, or the time without a response; empty if there was a response.
+    /// A description of the crash or timeout; empty if there was a response.
     pub message: String,
     /// The last lines that the process wrote to standard error.
     pub stderr: String,
     /// The definition of the type.
     pub definition: Option<Definition>,
-    /// The command that runs this case alone.
+    /// The command that runs only this case.
     pub reproduce: String,
-    /// The entry of a list of known failures that matches.
+    /// The matching entry in a list of known failures.
     pub known: Option<Known>,
 }
 
@@ -329,7 +329,7 @@ pub enum CaseVerdict {
 pub struct Remark {
     /// The description.
     pub message: String,
-    /// The number of times.
+    /// The number of occurrences.
     pub count: u64,
 }
 
@@ -350,7 +350,7 @@ pub struct RuleVerdict {
     pub findings: u64,
 }
 
-/// A group of findings of one rule in one topic or field.
+/// The findings of one rule in one topic or field.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Finding {
@@ -362,7 +362,7 @@ pub struct Finding {
     pub status: String,
     /// The requirement.
     pub statement: &'static str,
-    /// The page of the rule.
+    /// The URL of the rule's page.
     pub url: String,
     /// The verdict: fail, warn, known or shown.
     pub verdict: Verdict,
@@ -372,11 +372,11 @@ pub struct Finding {
     pub count: u64,
     /// The first findings.
     pub examples: Vec<Example>,
-    /// The line of the definition that the rule refers to.
+    /// The definition line that the rule refers to.
     pub definition: Option<Definition>,
     /// The command that reproduces the finding.
     pub reproduce: String,
-    /// The entry of a list of known failures that matches.
+    /// The matching entry in a list of known failures.
     pub known: Option<Known>,
 }
 
@@ -387,11 +387,10 @@ pub struct Example {
     /// The location in the file.
     #[serde(flatten)]
     pub location: Location,
-    /// The location in the record: a pointer such as `/msg/events/2/id` for JSON, or else the path of a field, such as
-    /// `events[2].id`. It is empty if the finding concerns the whole record or several records.
+    /// The location in the record: a pointer such as `/msg/events/2/id` in JSON, or a field path such as `events[2].id`
+    /// in other formats. It is empty if the finding concerns the whole record or several records.
     pub path: String,
-    /// The part of the subject that the message refers to; may be empty. It is not in the JSON report, which has the
-    /// path.
+    /// The part of the subject that the message refers to; may be empty. The JSON report contains the path instead.
     #[serde(skip)]
     pub part: String,
     /// The description.
@@ -416,11 +415,11 @@ pub struct Definition {
     pub text: String,
 }
 
-/// An entry of a list of known failures.
+/// An entry in a list of known failures.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Known {
-    /// `known` if it always fails, or else `flaky`.
+    /// `known` for a failure that always occurs, `flaky` for a failure that sometimes occurs.
     pub kind: String,
     /// The reason.
     pub reason: String,
@@ -452,7 +451,7 @@ pub struct Unreadable {
 }
 
 impl Report {
-    /// Creates a report. `reasons` are reasons for failure that are not findings.
+    /// Creates a report. `reasons` are reasons for failure other than findings.
     pub fn new(
         action: Action,
         command: String,
@@ -476,7 +475,7 @@ impl Report {
         }
     }
 
-    /// Adds the entries of lists of known failures that no longer apply. They don't hide a failure.
+    /// Reports outdated entries in lists of known failures. They don't replace a more severe outcome.
     #[must_use]
     pub(crate) fn with_stale(mut self, entries: Vec<Reason>) -> Self {
         if entries.is_empty() {
@@ -542,7 +541,7 @@ impl RuleReport {
 }
 
 impl Verdict {
-    /// The name in reports for people.
+    /// The name in human-readable reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::NotCovered => "not covered",
@@ -577,7 +576,7 @@ impl CaseVerdict {
 }
 
 impl Subject {
-    /// The counts that all captures share.
+    /// The counts that exist for every kind of capture.
     fn totals(&self) -> Totals {
         Totals { records: self.records, duration_us: self.duration_us }
     }
@@ -606,12 +605,12 @@ impl Report {
 }
 
 impl Example {
-    /// The location in the record; empty if [`Self::text`] starts with it.
+    /// The location in the record; empty if [`Self::text`] starts with this location.
     pub(crate) fn at(&self) -> &str {
         if self.path == self.part { "" } else { &self.path }
     }
 
-    /// The message, after the part that it refers to.
+    /// The message, preceded by the part that it refers to.
     pub(crate) fn text(&self) -> String {
         if self.part.is_empty() { self.message.clone() } else { format!("{}: {}", self.part, self.message) }
     }

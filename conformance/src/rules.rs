@@ -1,7 +1,7 @@
-//! The rules, one file each, by family.
+//! The rules, grouped by family, with one file per rule.
 //!
-//! A rule is a statement with a permanent id. A plan that is compiled once for each format checks the rules on single
-//! values (`px4`). Rules on sequences each keep a separate state.
+//! A rule is a statement with a permanent id. Rules on single PX4 values are checked by a plan that is compiled once
+//! per format (`px4`). Each rule on a sequence of records keeps a separate state.
 //!
 //! ```
 //! use uavspec_conformance::rules::{RULES, rule};
@@ -39,7 +39,7 @@ pub static RULES: [&Rule; flockwave::RULES.len() + px4::RULES.len()] = {
 /// A mutant of a PX4 or Flockwave rule.
 #[derive(Clone, Debug)]
 pub(crate) struct Mutant {
-    /// The rule that it violates.
+    /// The rule that the mutant violates.
     pub rule: &'static Rule,
     /// The change.
     pub name: &'static str,
@@ -55,7 +55,7 @@ enum Make {
 }
 
 impl Mutant {
-    /// The captures, each with a title. Empty if the change isn't possible with the flight's definitions.
+    /// The captures, each with a title. Empty if the flight's definitions don't allow the change.
     pub(crate) fn captures(&self, flight: &Flight<'_>) -> Vec<(String, Vec<u8>)> {
         match self.make {
             Make::Session(make) => make().map(|bytes| (self.name.to_owned(), bytes)).into_iter().collect(),
@@ -71,7 +71,7 @@ impl Mutant {
     }
 }
 
-/// The mutants of all rules, in the order of the rules.
+/// The mutants of all rules, in rule order.
 pub(crate) fn mutants() -> impl Iterator<Item = Mutant> {
     let sessions = flockwave::RULES.iter().flat_map(|entry| {
         entry.mutants.iter().map(|flockwave::Mutant { name, make, also }| Mutant {
@@ -110,9 +110,9 @@ pub(crate) fn checked_by(rule: &Rule) -> &'static str {
     flockwave.or(px4).unwrap_or_default()
 }
 
-const BY_STATE: &str = "one record at a time, keeping a small amount of state per topic";
+const BY_STATE: &str = "one record at a time, keeping a small amount of state";
 
-/// The context of a check: its rule, the definitions, and the findings and coverage to which it adds.
+/// The context of a check: its rule, the definitions, and the findings and coverage that it updates.
 pub(crate) struct RuleContext<'c> {
     /// The rule.
     pub rule: &'static Rule,

@@ -6,8 +6,8 @@
 //!     └──outbox◀─bug──┘ └────answer──────┘
 //! ```
 //!
-//! The server follows the specification, so client authors can test against it. It also tests uavspec: a check of the
-//! server finds nothing, unless the server runs with a rule's bug.
+//! The server follows the specification, so client authors can test against it. It also serves to test uavspec: a check
+//! of the server has findings only if the server runs with a bug that violates a rule.
 //!
 //! The hub uses neither sockets nor the system time, so the same calls always produce the same messages.
 //!
@@ -66,7 +66,7 @@ pub enum Transport {
 }
 
 impl Transport {
-    /// The name, which is the scheme of URLs.
+    /// The name, which is also the URL scheme.
     pub fn name(self) -> &'static str {
         match self {
             Self::Tcp => "tcp",
@@ -77,7 +77,7 @@ impl Transport {
     }
 }
 
-/// A transport and the address at which a server listens.
+/// A transport and the address on which a server listens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Listening {
     /// The transport.
@@ -92,12 +92,12 @@ impl fmt::Display for Listening {
     }
 }
 
-/// Options of a server.
+/// Server options.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The number of UAVs in the fleet: `glider-1` and so on.
+    /// The number of UAVs in the fleet. They are named `glider-1`, `glider-2` and so on.
     pub uavs: usize,
-    /// The seed of the small variations in the simulation.
+    /// The seed for small variations in the simulation.
     pub seed: u64,
     /// The simulation speed. `2` means twice real time.
     pub speed: f64,
@@ -107,7 +107,7 @@ pub struct Options {
     pub charge: f64,
     /// Initial error codes of UAVs (see [`error`]).
     pub errors: Vec<(String, u16)>,
-    /// UAVs that get lost, each with the time since the start (see [`loss`]).
+    /// UAVs that get lost, each with the time from the start to its loss (see [`loss`]).
     pub losses: Vec<(String, Duration)>,
     /// The maximum duration of a connection, after which the server sends SYS-CLOSE and disconnects.
     pub stay: Option<Duration>,
@@ -138,7 +138,7 @@ impl Default for Options {
     }
 }
 
-/// Parses an error code for a UAV of the fleet, such as `glider-2=66`.
+/// Parses a UAV and its error code, such as `glider-2=66`.
 pub fn error(text: &str) -> Result<(String, u16), String> {
     let (id, code) = text.split_once('=').ok_or("expected UAV=CODE, such as glider-2=66")?;
     let code = code.parse().map_err(|_| "expected a code from 0 to 65535".to_owned())?;
@@ -146,7 +146,7 @@ pub fn error(text: &str) -> Result<(String, u16), String> {
     Ok((id.to_owned(), code))
 }
 
-/// Parses the time at which a UAV of the fleet gets lost, such as `glider-2@30`, in seconds.
+/// Parses a UAV and the time in seconds at which it gets lost, such as `glider-2@30`.
 pub fn loss(text: &str) -> Result<(String, Duration), String> {
     let (id, time) = text.split_once('@').ok_or("expected UAV@SECONDS, such as glider-2@30")?;
     let seconds = time.parse().map_err(|_| "expected a number of seconds".to_owned())?;
@@ -162,7 +162,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Listens at these addresses, and serves all clients. Port 0 selects a free port.
+    /// Listens on these addresses, and serves all clients. Port 0 selects a free port.
     pub fn start(options: Options, addresses: &[(Transport, SocketAddr)]) -> io::Result<Self> {
         let mut bound = Vec::new();
         for (transport, address) in addresses {

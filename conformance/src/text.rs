@@ -1,4 +1,4 @@
-//! Text for people.
+//! Formats text for people to read.
 
 mod shown;
 

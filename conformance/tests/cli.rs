@@ -84,11 +84,11 @@ fn an_unreadable_file_fails_in_each_format() {
         assert_eq!(uavspec(folder.path(), &["check", "flight.ulg"]).0, Some(3));
         for (kind, reported) in reports(folder.path(), "flight.ulg") {
             let output = match kind {
-                "text" => "incomplete: the log can't be read to the end; ",
+                "text" => "incomplete: the log can't be read completely; ",
                 "json" => "\"extent\": \"broken off\"",
-                "junit" => "message=\"the file can&apos;t be read to the end\"",
+                "junit" => "message=\"the file can&apos;t be read completely\"",
                 "sarif" => "the rest is unreadable",
-                _ => "Incomplete: the log can't be read to the end",
+                _ => "Incomplete: the log can't be read completely",
             };
             assert!(reported.contains(output), "{kind}: {reported}");
             assert!(kind != "sarif" || corruption_level(&reported) == "error", "{reported}");
@@ -98,7 +98,7 @@ fn an_unreadable_file_fails_in_each_format() {
     let (status, printed, _) = uavspec(folder.path(), &["check", "good.ulg", "flight.ulg", "--format=json"]);
     let report: Value = serde_json::from_str(&printed).expect("JSON");
     let output = &report["conclusion"]["text"];
-    assert_eq!((status, output), (Some(3), &"Incomplete: 1 of 2 files can't be read to the end".into()));
+    assert_eq!((status, output), (Some(3), &"Incomplete: 1 of 2 files can't be read completely".into()));
 }
 
 #[test]
@@ -171,7 +171,7 @@ fn checks_json_messages_with_and_without_a_type() {
     let (status, printed, output) = uavspec(folder.path(), &["check", "good.jsonl"]);
     assert_eq!(status, Some(0), "{printed}{output}");
     assert!(printed.starts_with("good.jsonl  2 lines, 1 message of 1 type ("), "{printed}");
-    assert!(printed.contains("skipped      1 that publish nothing (rosbridge)"), "{printed}");
+    assert!(printed.contains("skipped      1 rosbridge message other than `publish`"), "{printed}");
     assert!(printed.ends_with("conforms\n"), "{printed}");
 
     write("bare.jsonl", &format!("{good}\n{{{fields},\"name\":NaN}}\n{message}\n{good}"));
@@ -434,7 +434,7 @@ fn reports_how_mcap_channels_were_checked() {
     assert!(printed.starts_with("bag/bag_0.mcap  ros2 (hand), 0 s, 3 channels, 3 messages ("), "{printed}");
     for line in [
         "definitions  0 of 3 channels match, 0 differ, 1 without a comparable schema, 1 unknown\n",
-        "  by name    /fmu/out/arming_check_request: no schema that names fields\n",
+        "  by name    /fmu/out/arming_check_request: no schema with fields\n",
         "  not read   /picture: unsupported encoding `protobuf`\n",
         "  undefined  /talk: no schema\n",
         "\nconforms\n",
@@ -451,7 +451,7 @@ fn reports_how_mcap_channels_were_checked() {
     let channel = &source["channels"][0];
     assert_eq!(
         (&channel["result"], &channel["message"]),
-        (&"by name".into(), &"no schema that names fields".into()),
+        (&"by name".into(), &"no schema with fields".into()),
         "{channel}"
     );
     assert_eq!((&channel["encoding"], &channel["messages"]), (&"cdr".into(), &1.into()), "{channel}");

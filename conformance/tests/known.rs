@@ -18,7 +18,7 @@ uint8 mark        # [-] Which mark it flies to
 /// 9 May 2026, in seconds since 1970.
 const TODAY: &str = "1778284800";
 
-/// A folder with definitions and two files of messages: one conforms, the other has two violations.
+/// A folder with definitions and two message files: one file conforms, the other has two violations.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("msg")).expect("a folder");
@@ -55,7 +55,7 @@ fn list_of(folder: &TempDir) -> String {
 }
 
 const MARKS: &str = "\
-# What is known of our gliders.
+# Known failures of our gliders.
 
 [[known]]
 rule = \"PX-JSON-02\" # MUST
@@ -112,7 +112,7 @@ fn fails_if_the_list_is_out_of_date() {
     assert_eq!(
         output,
         "\
-error[known-passes]: everything that matches this rule passes
+error[known-passes]: all results that match this rule pass
  --> known.toml:4:8
   |
 4 | rule = \"PX-JSON-02\" # MUST
@@ -156,7 +156,7 @@ fn fixes_a_list_and_checks_by_the_remaining_entries() {
     // An expired entry no longer excuses findings.
     let (status, printed, _) = check(&folder, &MARKS.replace("05-09", "05-08"), &["--fix-known", "logs"]);
     assert!(status == Some(1) && printed.contains("FAIL  PX-JSON-02"), "{printed}");
-    assert_eq!(list_of(&folder), "# What is known of our gliders.\n");
+    assert_eq!(list_of(&folder), "# Known failures of our gliders.\n");
 }
 
 #[test]
@@ -213,7 +213,7 @@ fn fails_if_the_list_cannot_be_fixed() {
     assert_eq!(check("logs/odd.jsonl").0, Some(0), "nothing to fix");
 
     write_responses(&folder, &json!("CDR"));
-    let list = "[[known]]\ncase = \"decode-uorb/*\"\nreason = \"it was to come\"\n";
+    let list = "[[known]]\ncase = \"decode-uorb/*\"\nreason = \"it was planned\"\n";
     fs::remove_file(&path).expect("a file");
     fs::write(&path, list).expect("a file");
     let mut permissions = fs::metadata(&path).expect("a file").permissions();
@@ -262,7 +262,7 @@ fn rejects_invalid_lists() {
     }
 }
 
-/// Writes correct responses, except for decoding CDR: there, all responses are this wrong one.
+/// Writes correct responses, except for cases that decode CDR. Those get the response `wrong`.
 fn write_responses(folder: &TempDir, wrong: &Value) {
     let (status, requests, output) =
         uavspec(folder.path(), &["test", "--definitions", "msg", "--dump-cases", "-"]);
@@ -293,12 +293,12 @@ fn test(folder: &TempDir, list: &str, arguments: &[&str]) -> (Option<i32>, Strin
 fn counts_known_cases_separately() {
     let folder = folder();
     write_responses(&folder, &json!("CDR"));
-    let list = "[[known]]\ncase = \"decode-cdr/*\"\nreason = \"CDR is to come\"\n";
+    let list = "[[known]]\ncase = \"decode-cdr/*\"\nreason = \"CDR isn't supported yet\"\n";
     let (status, printed, output) = test(&folder, "", &[]);
     assert!(status == Some(1) && printed.contains("fail decode-cdr/px4/Glider/zero:"), "{printed}{output}");
     let (status, printed, output) = test(&folder, list, &[]);
     assert_eq!((status, output.as_str()), (Some(0), ""), "{printed}");
-    assert!(printed.contains("known decode-cdr/px4/Glider/zero: CDR is to come\n"), "{printed}");
+    assert!(printed.contains("known decode-cdr/px4/Glider/zero: CDR isn't supported yet\n"), "{printed}");
     assert!(printed.contains(" passed, 0 failed, ") && printed.contains(" known, "), "{printed}");
     assert!(printed.ends_with("conforms\n"), "{printed}");
 
@@ -311,7 +311,7 @@ fn counts_known_cases_separately() {
     assert_eq!(report["counts"]["known"], known.len());
     assert_eq!(
         (&known[0]["verdict"], &known[0]["known"]["reason"]),
-        (&"fail".into(), &"CDR is to come".into())
+        (&"fail".into(), &"CDR isn't supported yet".into())
     );
 
     // If a pattern matches cases that pass, the fix restricts it to failing ones.
@@ -340,27 +340,27 @@ fn reports_stale_entries_for_cases() {
     let list = "\
 [[known]]
 case = \"decode-cdr/px4/Glider/*\"
-reason = \"CDR is to come\"
+reason = \"CDR isn't supported yet\"
 message = \"expected\"
 
 [[known]]
 case = \"decode-uorb/px4/Glider/*\"
-reason = \"it was to come\"
+reason = \"it was planned\"
 
 [[flaky]]
 case = \"decode-cdr/px4/Plane/*\"
-reason = \"no plane is as calm as a glider\"
+reason = \"we have no other planes\"
 
 [[known]]
 rule = \"PX-JSON-02\"
-reason = \"of no matter here\"
+reason = \"irrelevant here\"
 ";
     let (status, printed, output) = test(&folder, list, &[]);
     assert_eq!(status, Some(4), "{printed}{output}");
     let codes: Vec<&str> =
         output.lines().filter(|line| line.starts_with("error[") || line.contains("-->")).collect();
     let expected = [
-        "error[known-passes]: everything that matches this case passes",
+        "error[known-passes]: all results that match this case pass",
         " --> known.toml:7:8",
         "error[known-matches-nothing]: nothing in this run matches this case",
         "  --> known.toml:11:8",

@@ -20,7 +20,7 @@ use uavspec_conformance::transport::Endpoint;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
-/// The time that a probe may exceed its time limit, for its last request and its report.
+/// The time by which a probe may exceed its time limit, to finish its last request and its report.
 const SLACK: Duration = Duration::from_secs(20);
 
 /// Options of a short probe.

@@ -35,7 +35,8 @@ fn suite() -> &'static Suite {
     })
 }
 
-/// The path of the example program. Cargo doesn't build examples for a filtered test run, so this builds it.
+/// The path of the example program. Cargo doesn't build examples for a filtered test run, so this function builds the
+/// program.
 fn testee() -> &'static Path {
     static TESTEE: OnceLock<PathBuf> = OnceLock::new();
     TESTEE.get_or_init(|| {
@@ -62,7 +63,7 @@ fn options(arguments: &[&str]) -> Options {
     }
 }
 
-/// Options for hanging testees, with a short timeout that is still sufficient for the following testees.
+/// Options for hanging testees. The timeout is short, but sufficient for the testees that run after them.
 fn short_timeout(arguments: &[&str]) -> Options {
     Options { timeout: Duration::from_secs(4), ..options(arguments) }
 }
@@ -72,7 +73,7 @@ fn run_cases(selected: &[usize], options: &Options) -> Outcome<'static> {
     run(&suite.cases, selected, &suite.types, options, &|_, _| {}).expect("a valid hello")
 }
 
-/// The first cases of decoding `px4/Event`.
+/// The first cases that decode `px4/Event`.
 fn some_cases() -> Vec<usize> {
     let is_wanted = |case: &Case| {
         case.op == Op::Decode && case.format == Some(Format::Uorb) && case.type_name == "px4/Event"
@@ -116,7 +117,7 @@ fn the_reference_testee_passes_all_cases() {
 
 #[test]
 fn skips_types_that_are_not_listed() {
-    // Definitions without any type of the testee.
+    // These cases contain no type that the testee supports.
     let suite = suite();
     let mut foreign = suite.cases[some_cases()[0]].clone();
     foreign.type_name = "px4/Unheard".to_owned();
@@ -169,8 +170,8 @@ fn reports_the_case_that_crashes_and_its_standard_error() {
     let Verdict::Crashed { how, stderr } = verdict else { panic!("{verdict:?}") };
     assert!(how.contains('3'), "{how}");
     assert_eq!(stderr, "no field of that name");
-    // The preceding cases pass again when repeated alone, so the process that crashes isn't fresh, and the case is
-    // repeated.
+    // The preceding cases pass again when repeated alone. The process that crashes is therefore not fresh, so the case
+    // is repeated in a fresh process.
     assert!((2..=3).contains(&outcome.restarts), "{}", outcome.restarts);
 }
 
@@ -392,7 +393,8 @@ fn tests_with_other_definitions() {
     assert!(status == Some(0) && printed.contains("Odd"), "{printed}{output}");
     assert!(printed.contains(" 0 failed, 0 unsupported, 0 not run, 0 restarts"), "{printed}");
     let (_, printed, _) = uavspec(folder.path(), &["--definitions", ".", "--dump-cases", "-"]);
-    // Parsers can distinguish the integer above the greatest int64 from it, but not the one below the least.
+    // Parsers can distinguish the largest int64 from the next larger integer, but not the smallest int64 from the next
+    // smaller integer.
     assert!(printed.contains("Odd/offset-above-max") && !printed.contains("Odd/offset-below-min"));
     // The reference testee for this repository supports none of these types.
     let (status, printed, _) = uavspec(folder.path(), &["--definitions", ".", "--", testee]);

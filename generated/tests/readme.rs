@@ -1,5 +1,5 @@
-//! Checks that the crate's README contains all Rust examples of the repository's README. Documentation tests run the
-//! examples of the crate's README.
+//! Checks that the crate's README contains all Rust examples of the repository's README. The examples in the
+//! crate's README run as documentation tests.
 
 #[test]
 fn the_crate_readme_contains_the_examples_of_the_repository_readme() {

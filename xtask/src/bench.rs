@@ -15,9 +15,9 @@ pub(crate) enum Benchmark {
     Codegen,
     /// Compilation of the generated code
     Compile,
-    /// Codecs of messages
+    /// Message codecs
     Codec,
-    /// Checks of logs and JSON
+    /// Log and JSON checks
     Conformance,
 }
 
@@ -31,7 +31,7 @@ pub(crate) fn run(benchmark: Benchmark) -> Result<bool, String> {
     .map(|()| true)
 }
 
-/// Runs benchmarks in sequence, each given by package and name.
+/// Runs the benchmarks in sequence. Each is given by its package and name.
 fn benches(benches: &[(&str, &str)]) -> Result<(), String> {
     let run = |(package, bench): &(&str, &str)| {
         cargo(Path::new("."), &["bench", "--package", package, "--bench", bench])

@@ -20,8 +20,8 @@ pub(crate) struct Arguments {
     out: Option<PathBuf>,
 }
 
-/// Generates all output and runs a separate program that builds the site. It is not part of this program because mdBook
-/// takes a minute to compile.
+/// Generates all output and runs the program that builds the site. That program is separate because mdBook takes a
+/// minute to compile.
 pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
     let root = repository();
     uavspec_codegen::generate(root.join("definitions/uavspec.toml"))

@@ -31,7 +31,7 @@ struct Cli {
 enum Command {
     #[command(flatten)]
     Specification(uavspec_codegen::cli::Command),
-    /// Run `uavspec`, or its self-test without arguments
+    /// Run `uavspec`; without arguments, run its self-test
     #[command(
         disable_help_flag = true,
         after_help = "Examples:
@@ -58,7 +58,7 @@ enum Command {
   cargo xtask interop --only ajv,boon
   cargo xtask interop --list
 
-Tools are installed in target/interop, without root. Tools that require system packages are skipped if these are \
+Tools are installed in target/interop, without root. Tools are skipped if they require system packages that are \
 missing.")]
     Interop(interop::Arguments),
     /// Run benchmarks; requires the corpus

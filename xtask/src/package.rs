@@ -1,7 +1,7 @@
 //! Builds the packages for npm and `PyPI`.
 //!
 //! The content is generated from the definitions in memory, so that a stale `generated/` doesn't affect packages.
-//! Times, owners, modes and the order of files are fixed, so that archives are reproducible on all machines.
+//! The times, owners, modes and order of files are fixed, so that archives are reproducible on all machines.
 
 mod archive;
 mod content;

@@ -278,8 +278,8 @@ fn careless() -> TempDir {
     folder
 }
 
-/// The rule, level, file and line of the findings in [`careless`]. `note` is the name of the level of notes in the
-/// format. Other rules may report more.
+/// The rule, level, file and line of each finding in [`careless`]. `note` is the format's name for the level `note`.
+/// Other rules may have further findings.
 const fn expected(note: &'static str) -> [(&'static str, &'static str, &'static str, u64); 4] {
     [
         ("trailing-white-space", note, "msg/Gust.msg", 1),

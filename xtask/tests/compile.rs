@@ -1,5 +1,5 @@
 //! Tests that generated code compiles without warnings under the lints of this workspace, and that its JSON and CDR
-//! match other tools. The definitions include conflicting names and the whole corpus.
+//! match those of other tools. The definitions include conflicting names and the whole corpus.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -189,13 +189,13 @@ fn conflicting_names_compile() {
 }
 
 #[test]
-#[ignore = "takes long"]
+#[ignore = "slow"]
 fn conflicting_names_compile_with_any_features() {
     conflicting_names("fighting-names-linted").compiles();
 }
 
 #[test]
-#[ignore = "takes long"]
+#[ignore = "slow"]
 fn the_whole_corpus_compiles() {
     let Some(corpus) = shared("corpus") else { return };
     let package = Crate::new("whole-corpus");
@@ -292,7 +292,7 @@ fn instances_are_those_of_other_tools(program: &Program<'_>, cases: &[Json]) {
     }
 }
 
-/// Compares the schemas of the crate schemars with the published ones, keyword by keyword.
+/// Compares the schemas derived with schemars with the published schemas, keyword by keyword.
 fn schemas_are_the_published_ones(program: &Program<'_>, types: &[&str]) {
     let written = program.run("schemas", "");
     assert_eq!(written.lines().count(), types.len());
@@ -307,8 +307,8 @@ fn schemas_are_the_published_ones(program: &Program<'_>, types: &[&str]) {
     }
 }
 
-/// Removes descriptive keywords. Reduces references to message names, and converts large and fractional numbers to
-/// floats.
+/// Removes descriptive keywords. Replaces references with message names, and floats that have integer values with
+/// integers.
 fn assertions(schema: &Json) -> Json {
     match schema {
         Json::Object(members) => members
@@ -341,7 +341,7 @@ fn assertions(schema: &Json) -> Json {
     }
 }
 
-/// True if the values are equal. Floats may have 32-bit or 64-bit digits, or be integers.
+/// True if the values are equal. Floats that round to the same 32-bit float are equal.
 fn same(left: &Json, right: &Json) -> bool {
     match (left, right) {
         (Json::Array(left), Json::Array(right)) => {

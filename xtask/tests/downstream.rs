@@ -37,7 +37,7 @@ fn cargo(folder: &Path, arguments: &[&str]) {
 }
 
 #[test]
-#[ignore = "takes long"]
+#[ignore = "slow"]
 fn the_workspace_in_the_guide_compiles() {
     let parent = tempfile::tempdir().expect("a temporary folder");
     let folder = parent.path().join("workspace");

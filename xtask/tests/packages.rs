@@ -1,8 +1,8 @@
-//! Tests of the packages for npm and `PyPI`: the content of archives, the types of modules for any definitions, and the
-//! examples in READMEs of installed packages.
+//! Tests of the packages for npm and `PyPI`: the content of archives, the types of modules generated from arbitrary
+//! definitions, and the examples in the READMEs of installed packages.
 //!
-//! Tests that require Node or Python are ignored by default. They install type checkers below `target/`, at the
-//! versions in `packages/`.
+//! Tests that require Node or Python are ignored by default. They install type checkers below `target/`. The files in
+//! `packages/` specify the versions of the type checkers.
 
 mod archives;
 mod declarations;

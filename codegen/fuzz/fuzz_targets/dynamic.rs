@@ -1,5 +1,5 @@
-//! Bytes as messages of types made at run time: uORB, CDR, JSON, and formats of a log. The first byte says
-//! as what, the second as which type.
+//! Reads arbitrary bytes as messages whose types are known only at run time: as uORB, CDR, JSON or the formats of a
+//! log. The first byte selects the encoding, and the second byte selects the type.
 #![no_main]
 
 use std::sync::LazyLock;
@@ -49,12 +49,15 @@ fuzz_target!(|data: &[u8]| {
 
 fn cdr(of: MessageType<'_>, data: &[u8]) {
     let message = of.decode_cdr(data);
-    assert!(message.is_ok() || of.decode_cdr_strict(data).is_err(), "strict is stricter");
+    assert!(
+        message.is_ok() || of.decode_cdr_strict(data).is_err(),
+        "the strict decoder must reject these bytes too"
+    );
     let Ok(message) = message else { return };
-    assert!(message.size_in_memory() <= 8 * (data.len() - HEADER), "takes too much room");
+    assert!(message.size_in_memory() <= 8 * (data.len() - HEADER), "the message uses too much memory");
     for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
-        let payload = message.to_cdr(order).expect("what was read can be written");
-        let again = of.decode_cdr_strict(&payload).expect("what was written can be read");
+        let payload = message.to_cdr(order).expect("a decoded message can be encoded");
+        let again = of.decode_cdr_strict(&payload).expect("an encoded message can be decoded");
         assert_eq!(again.to_cdr(order).as_ref(), Ok(&payload));
     }
     use_all(&message);
@@ -62,10 +65,13 @@ fn cdr(of: MessageType<'_>, data: &[u8]) {
 
 fn uorb(of: MessageType<'_>, data: &[u8]) {
     let message = of.decode_uorb(data);
-    assert!(message.is_ok() || of.decode_uorb_strict(data).is_err(), "strict is stricter");
+    assert!(
+        message.is_ok() || of.decode_uorb_strict(data).is_err(),
+        "the strict decoder must reject these bytes too"
+    );
     let Ok(message) = message else { return };
-    let payload = message.to_uorb().expect("what was read can be written");
-    let again = of.decode_uorb_strict(&payload).expect("what was written can be read");
+    let payload = message.to_uorb().expect("a decoded message can be encoded");
+    let again = of.decode_uorb_strict(&payload).expect("an encoded message can be decoded");
     assert_eq!(again.to_uorb().as_ref(), Ok(&payload));
     use_all(&message);
 }
@@ -73,11 +79,11 @@ fn uorb(of: MessageType<'_>, data: &[u8]) {
 fn json(of: MessageType<'_>, data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
     let Ok(message) = of.from_json_text(text) else { return };
-    assert!(message.size_in_memory() <= 8 * text.len().max(1), "takes too much room");
+    assert!(message.size_in_memory() <= 8 * text.len().max(1), "the message uses too much memory");
     use_all(&message);
 }
 
-/// Formats one a line, then a payload after a byte that no text has.
+/// Reads one format per line, then a payload after the byte 0xff, which never occurs in text.
 fn log(data: &[u8]) {
     let mut parts = data.splitn(2, |byte| *byte == 0xff);
     let (text, payload) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
@@ -86,18 +92,18 @@ fn log(data: &[u8]) {
     for of in types.iter() {
         assert_eq!(of.package(), ULOG_PACKAGE);
         let message = of.default();
-        assert!(message.size_in_memory() <= 65_533, "longer than any data message");
+        assert!(message.size_in_memory() <= 65_533, "longer than the maximum data message");
         uorb(of, payload);
     }
 }
 
-/// All that can be made of a message, and read back where that is possible.
+/// Validates a message, converts it to JSON and, if possible, reads the JSON back.
 fn use_all(message: &DynamicMessage<'_>) {
     for violation in message.validate() {
-        assert!(message.get(&violation.path).is_some(), "nothing at {}", violation.path);
+        assert!(message.get(&violation.path).is_some(), "no value at {}", violation.path);
     }
     if let Ok(text) = message.view().to_json_text() {
-        let again = message.message_type().from_json_text(&text).expect("what was written can be read");
+        let again = message.message_type().from_json_text(&text).expect("an encoded message can be decoded");
         assert_eq!(again.view().to_json_text().as_ref(), Ok(&text));
     }
     assert_eq!(message.to_json().is_ok(), message.view().to_json_text().is_ok());

@@ -1,5 +1,5 @@
-//! The layout of any definition or page: it says the same, and a second run changes nothing. The first byte
-//! says which kind of file it is.
+//! Formats an arbitrary definition or page. The meaning must stay the same, and a second run must change nothing. The
+//! first byte selects the kind of file.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! `.msg`, `.srv` and `.action` files in both dialects. The first byte says which kind.
+//! Reads `.msg`, `.srv` and `.action` files in both dialects. The first byte selects the kind of file.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

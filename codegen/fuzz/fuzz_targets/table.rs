@@ -1,4 +1,4 @@
-//! Pages with tables. The first byte says in which form.
+//! Reads pages with tables. The first byte selects the format of the page.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! What the fuzz targets share: any bytes as a package, read, rendered and emitted.
+//! Shared code of the fuzz targets. It reads arbitrary bytes as a package, renders the diagnostics and emits output.
 
 use uavspec_codegen::diagnostic::has_errors;
 use uavspec_codegen::emit::{self, inspect};
@@ -8,17 +8,17 @@ use uavspec_codegen::source::Span;
 use uavspec_codegen::translation::Translations;
 use uavspec_codegen::{PackageInput, SourceMap, read, render};
 
-/// Parts the bytes of one input into several files. It is no byte of UTF-8.
+/// The byte that separates the files of an input. It never occurs in UTF-8.
 pub const FILE_SEPARATOR: u8 = 0xff;
 
-/// How many diagnostics of an input are rendered.
+/// The maximum number of rendered diagnostics for an input.
 const SHOWN: usize = 20;
 
 /// Reads `data` as files with `extension`, called `A`, `B` and so on.
 ///
 /// # Panics
 ///
-/// Where a diagnostic stands at no place of the sources: what the fuzzer looks for.
+/// Panics if the location of a diagnostic is not within the sources. The fuzzer searches for such inputs.
 pub fn check(form: Form, extension: &str, data: &[u8]) {
     let mut sources = SourceMap::default();
     let mut package = PackageInput::new("demo", form, Vec::new());
@@ -40,28 +40,28 @@ pub fn check(form: Form, extension: &str, data: &[u8]) {
         emit::docs::emit(&schema, &Translations::default(), &sources, &emit::docs::Options::default());
         emit::json_schema::emit(&schema, &emit::json_schema::Options::default());
     }
-    // To render one takes longer than to find hundreds.
+    // Rendering a diagnostic takes longer than finding hundreds.
     diagnostics.truncate(SHOWN);
     render::render(&diagnostics, &sources, false);
 }
 
-/// Lays out one file; one with mistakes has no layout.
+/// Formats a file. A file with errors is not formatted.
 ///
 /// # Panics
 ///
-/// Where the layout would say something else and the text is kept for that, or a second run differs.
+/// Panics if formatting would change the meaning, or if a second run changes the formatted text.
 pub fn check_layout(form: Form, path: &str, data: &[u8]) {
     let before = read_one(form, path, data.to_vec());
     let Some((formatted, model)) = before else { return };
-    assert!(!formatted.is_kept, "the layout says something else");
+    assert!(!formatted.is_kept, "formatting changes the meaning");
     let Some((again, same_model)) = read_one(form, path, formatted.text.clone().into_bytes()) else {
-        panic!("the layout is a mistake");
+        panic!("the formatted text has errors");
     };
-    assert_eq!(again, formatted, "a second run gives another layout");
-    assert_eq!(same_model, model, "the layout says something else");
+    assert_eq!(again, formatted, "a second run changes the formatted text");
+    assert_eq!(same_model, model, "formatting changes the meaning");
 }
 
-/// The layout of a file, and its model as JSON.
+/// The formatted file, and its model as JSON.
 fn read_one(form: Form, path: &str, data: Vec<u8>) -> Option<(Formatted, String)> {
     let mut sources = SourceMap::default();
     let id = sources.add(path, data).ok()?;
@@ -79,6 +79,6 @@ fn check_place(sources: &SourceMap, span: Span) {
     );
     let text = sources.text(id);
     for at in [span.start - whole.start, span.end - whole.start] {
-        assert!(text.is_char_boundary(at as usize), "{span:?} parts a character");
+        assert!(text.is_char_boundary(at as usize), "{span:?} splits a character");
     }
 }

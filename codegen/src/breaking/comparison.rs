@@ -9,7 +9,7 @@ use super::signature::Signatures;
 use crate::schema::{ErrorCode, Interface, Kind, Message, MessageId, Package, Schema, Type};
 use crate::source::Span;
 
-/// The maximum number of field comparisons for the detection of renamed messages. Beyond it, the detection is skipped.
+/// The maximum number of field comparisons when detecting renamed messages. If more are needed, detection is skipped.
 const MAX_COMPARISONS: usize = 1_000_000;
 
 /// Two matched versions of definitions.
@@ -30,7 +30,7 @@ pub(crate) enum MessageChange<'a> {
     Removed(Named<'a>),
     /// Only in the new version.
     Added(Named<'a>),
-    /// Similar fields under a new name.
+    /// In both versions under different names, with similar fields.
     Renamed(Named<'a>, Named<'a>),
 }
 
@@ -84,8 +84,8 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Pairs of packages with the same name. The remaining packages are also paired if each version has exactly one, and
-/// both have the same form.
+/// Pairs of packages with the same name. The remaining packages are also paired if each version has exactly one left,
+/// and both have the same form.
 fn packages<'a>(old: &'a Schema, new: &'a Schema) -> Vec<(Option<&'a Package>, Option<&'a Package>)> {
     let find = |among: &'a Schema, name: &str| among.packages.iter().find(|package| package.name == name);
     let mut pairs: Vec<(Option<&Package>, Option<&Package>)> = Vec::new();

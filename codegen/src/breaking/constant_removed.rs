@@ -9,7 +9,7 @@ use crate::finding::Sides;
 pub(super) const RULE: Rule = Rule {
     id: "constant-removed",
     statement: "A constant was removed.",
-    why: "Programs that use it no longer compile. If a peer still sends the value, it has no name.",
+    why: "Programs that use it no longer compile. If a peer still sends the value, receivers have no name for it.",
     fix: "Keep the constant, and mark it as deprecated in its comment.",
     breaks: &[(Category::Source, Level::Error)],
     old: &[Example {

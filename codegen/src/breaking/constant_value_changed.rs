@@ -43,7 +43,10 @@ fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     match successor {
         Some(successor) => change.breaks(
             Category::Semantic,
-            format!("existing programs confuse it with `{}`, which is now {before}", successor.name),
+            format!(
+                "existing programs confuse it with `{}`, which now has the value {before}",
+                successor.name
+            ),
         ),
         None => change.breaks(Category::Semantic, "existing programs misunderstand its value"),
     };
@@ -52,7 +55,7 @@ fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
 /// The maximum number of constants to search. No known enum has more.
 const MAX_CONSTANTS: usize = 1_000;
 
-/// True if a constant has the old value of another constant and the same first word.
+/// True if a constant has the old value of another constant, and both names start with the same word.
 fn takes_value_of(old: &Constant, other: &Constant) -> bool {
     let is_related = old.name.split('_').next() == other.name.split('_').next();
     other.value == old.value && other.name != old.name && is_related

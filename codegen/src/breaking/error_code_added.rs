@@ -10,7 +10,7 @@ use crate::finding::Sides;
 pub(super) const RULE: Rule = Rule {
     id: "error-code-added",
     statement: "An error code was added.",
-    why: "Existing programs don't know it. They can still derive the severity from the number.",
+    why: "Existing programs don't know the code, but can still derive its severity from the number.",
     fix: "No change is necessary. Choose a number with the correct severity bits.",
     breaks: &[(Category::Semantic, Level::Note)],
     old: &[Example {
@@ -41,5 +41,5 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
     let CodeChange::Added(new) = change else { return };
     let message = format!("error code {} was added", name(new));
     sink.change(new.span, Sides { old: None, new: Some(new.span) }, message)
-        .breaks(Category::Semantic, "existing programs show its number and severity");
+        .breaks(Category::Semantic, "existing programs show only its number and severity");
 }

@@ -45,7 +45,7 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
     if common_words(&old.description, &new.description) < SAME {
         let message = format!("the description of error code {} changed", name(new));
         sink.change(new.span, both(old.span, new.span), message)
-            .breaks(Category::Semantic, "check that it has the same meaning");
+            .breaks(Category::Semantic, "check that the code still has the same meaning");
     } else if old.alternatives != new.alternatives {
         let message = format!("the alternatives of error code {} changed", name(new));
         sink.change(new.span, both(old.span, new.span), message).breaks(

@@ -10,7 +10,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "error-code-reused",
     statement: "The number of an error code has a new meaning.",
-    why: "Existing programs show the old condition.",
+    why: "Existing programs show the code with its old meaning.",
     fix: "Use a new number for the new condition, and don't reuse numbers.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Error)],
     old: &[Example {

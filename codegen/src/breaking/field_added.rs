@@ -10,7 +10,7 @@ use crate::schema::Message;
 pub(super) const RULE: Rule = Rule {
     id: "field-added",
     statement: "A field was added.",
-    why: "Existing messages lack it and are encoded differently, so all peers must be updated together.",
+    why: "Existing messages lack the field and are encoded differently, so all peers must be updated together.",
     fix: "Update all peers together, and raise `MESSAGE_VERSION` of a versioned message.",
     breaks: &[
         (Category::Source, Level::Warning),
@@ -46,7 +46,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
             "messages are longer: existing readers reject the extra bytes, and new readers don't find the field in \
                 old messages"
         } else {
-            "all later fields move, so existing readers interpret its bytes as other fields"
+            "all later fields move, so existing readers decode the new field's bytes as other fields"
         };
         let message = format!("`{}.{}` ({}) was added", pair.name(), field.name, pair.new_type(field.ty));
         let mut change = sink.change(field.span, Sides { old: None, new: Some(field.span) }, message);
@@ -55,7 +55,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
                 Category::Source,
                 "Rust code that constructs the message without the field no longer compiles",
             )
-            .breaks(Category::Json, "old messages lack it, and existing readers don't know it")
+            .breaks(Category::Json, "old messages lack the field, and existing readers don't know it")
             .breaks(Category::Cdr, cdr);
         if pair.is_uorb() {
             change.breaks(Category::Uorb, uorb(pair));
@@ -63,7 +63,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// Describes the change of the memory layout.
+/// Describes the change in memory layout.
 pub(super) fn uorb(pair: &Pair<'_>) -> String {
     let size = |message: &Message| message.uorb.as_ref().map_or(0, |layout| layout.size);
     let (before, now) = (size(pair.old), size(pair.new));

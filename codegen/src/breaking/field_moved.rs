@@ -10,7 +10,7 @@ use crate::schema::Element;
 pub(super) const RULE: Rule = Rule {
     id: "field-moved",
     statement: "The order of the fields changed.",
-    why: "CDR writes fields in the order of the definition. uORB sorts them by size, so its layout \
+    why: "CDR writes fields in the order of the definition. uORB sorts fields by size, so its layout \
         changes only if fields of the same size swap places.",
     fix: "Restore the order.",
     breaks: &[(Category::Cdr, Level::Error), (Category::Uorb, Level::Error)],
@@ -47,7 +47,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
             is_crossed && size(pair, moved) == size(pair, other)
         });
         let message = format!("`{}.{}` has a different position in the message", pair.name(), new.name);
-        let cdr = "existing readers interpret its bytes as other fields";
+        let cdr = "existing readers decode this field's bytes as other fields";
         let mut change = sink.change(new.span, both(old.span, new.span), message);
         if !pair.is_uorb() {
             change.breaks(Category::Cdr, cdr);

@@ -11,7 +11,7 @@ use crate::schema::Element;
 pub(super) const RULE: Rule = Rule {
     id: "field-type-changed",
     statement: "The type of a field changed.",
-    why: "Its bytes have a different meaning, and later fields may move.",
+    why: "The field's bytes have a different meaning, and later fields may move.",
     fix: "Keep the type, and add a new field with the new type. Otherwise update all peers together.",
     breaks: &[
         (Category::Source, Level::Error),
@@ -56,7 +56,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// True if both are strings of the same kind. `array-length-changed` reports a change of their length.
+/// True if both are strings of the same kind. `array-length-changed` reports a different length.
 fn is_same_string(old: Element, new: Element) -> bool {
     let wide = |element| match element {
         Element::String { wide, .. } => Some(wide),
@@ -65,7 +65,7 @@ fn is_same_string(old: Element, new: Element) -> bool {
     wide(old).is_some() && wide(old) == wide(new)
 }
 
-/// True if both types have the same JSON values. This applies to all floats.
+/// True if both types have the same JSON form, as all float types do.
 fn is_same_json(old: Element, new: Element) -> bool {
     let is_float = |element| matches!(element, Element::Scalar(scalar) if scalar.is_float());
     is_float(old) && is_float(new)

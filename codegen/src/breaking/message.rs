@@ -9,13 +9,13 @@ use crate::finding::Sides;
 use crate::schema::{Constant, Dialect, Element, Field, Form, Kind, Message, MessageId, Schema, Type};
 use crate::source::Span;
 
-/// The kind of the compared versions, which determines how `MESSAGE_VERSION` may change.
+/// The type of the compared versions, which determines how `MESSAGE_VERSION` may change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Between {
-    /// Between commits, the version of a changed message must be higher by one.
+    /// Between commits, the version of a changed message must increase by exactly one.
     #[default]
     Commits,
-    /// Between releases, it may be higher by more, since the message may have changed several times.
+    /// Between releases, the version may increase by more than one, because the message may have changed several times.
     Releases,
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct Pair<'a> {
     pub fields: Vec<FieldChange>,
     /// The constants, except those with a special meaning in PX4.
     pub constants: Vec<ConstantChange<'a>>,
-    /// The kind of the compared versions.
+    /// The type of the compared versions.
     pub between: Between,
 }
 
@@ -63,9 +63,9 @@ pub(crate) struct Kept {
     pub old: usize,
     /// The index in the new message.
     pub new: usize,
-    /// The change of its element type.
+    /// The change of the field's element type.
     pub held: Held,
-    /// True if it moved relative to the other fields in both versions.
+    /// True if it moved relative to the other fields that exist in both versions.
     pub is_moved: bool,
 }
 
@@ -109,7 +109,7 @@ impl<'a> Pair<'a> {
         })
     }
 
-    /// The old and the new field of each field in both versions.
+    /// The old and the new definition of each field that exists in both versions.
     pub(crate) fn fields(&self) -> impl Iterator<Item = (&'a Field, &'a Field)> {
         self.kept().map(|kept| (&self.old.fields[kept.old], &self.new.fields[kept.new]))
     }
@@ -135,12 +135,12 @@ impl<'a> Pair<'a> {
         &self.new.name
     }
 
-    /// The location of the message in the new version.
+    /// The message's location in the new version.
     pub(crate) fn head(&self) -> Span {
         self.new.span.part(0..0)
     }
 
-    /// True if it is a uORB message.
+    /// True for a uORB message.
     pub(crate) fn is_uorb(&self) -> bool {
         let form = self.new_schema.package_of(self.new).form;
         form == Form::Msg(Dialect::Px4) && self.new.kind == Kind::Message
@@ -166,7 +166,7 @@ pub(super) fn both(old: Span, new: Span) -> Sides {
 pub(super) struct PairOf<'a, 'm> {
     pub(super) old: &'a Schema,
     pub(super) new: &'a Schema,
-    /// The new message of each old message.
+    /// The new message that matches each old message.
     pub(super) twins: &'m HashMap<MessageId, MessageId>,
     pub(super) old_signatures: SchemaSignatures,
     pub(super) new_signatures: SchemaSignatures,
@@ -249,7 +249,7 @@ impl<'a> PairOf<'a, '_> {
     }
 }
 
-/// The new index of each old field with the same name.
+/// Maps the index of each old field to the index of the new field with the same name.
 fn same_names(old: &Message, new: &Message) -> BTreeMap<usize, usize> {
     let by_name: HashMap<&str, usize> =
         new.fields.iter().enumerate().map(|(at, field)| (field.name.as_str(), at)).collect();
@@ -302,10 +302,10 @@ fn constants<'a>(old: &'a Message, new: &'a Message) -> Vec<ConstantChange<'a>> 
 }
 
 /// Removes and returns the most similar of `candidates`, which all have the same value. The returned flag is true if
-/// the candidate is the same constant under a different name. Candidates that are not similar and have a different
-/// first word are ignored.
+/// the candidate is the same constant under a different name. Candidates with a dissimilar name and a different first
+/// word are ignored.
 fn take_twin<'a>(constant: &Constant, candidates: &mut Vec<&'a Constant>) -> Option<(&'a Constant, bool)> {
-    /// The maximum number of compared candidates. Enums have fewer aliases.
+    /// The maximum number of compared candidates. Real enums have fewer aliases.
     const MAX_CANDIDATES: usize = 100;
     let similarity = |other: &Constant| {
         let shared = common_words(&constant.name, &other.name);
@@ -320,7 +320,7 @@ fn take_twin<'a>(constant: &Constant, candidates: &mut Vec<&'a Constant>) -> Opt
     (score >= ALIKE || is_related).then(|| (candidates.remove(at), score >= ALIKE))
 }
 
-/// The length of the prefix that two names have in common, up to the last complete word.
+/// The length of the common prefix of two names, up to the last complete word.
 fn common_words(left: &str, right: &str) -> usize {
     let common = left.bytes().zip(right.bytes()).take_while(|(left, right)| left == right).count();
     left.as_bytes()[..common].iter().rposition(|byte| *byte == b'_').map_or(0, |at| at + 1)

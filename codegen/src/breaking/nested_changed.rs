@@ -47,7 +47,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         if cdr {
             change.breaks(
                 Category::Cdr,
-                "existing readers interpret its bytes and the following bytes as other fields",
+                "existing readers decode the nested message and all following fields incorrectly",
             );
         }
         if memory && pair.is_uorb() {

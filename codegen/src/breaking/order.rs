@@ -3,7 +3,7 @@
 /// Marks the items of `positions` that must move for the remaining items to be in ascending order. Marks as few items
 /// as possible.
 pub(super) fn moved(positions: &[usize]) -> Vec<bool> {
-    // For each length, the item that ends the ascending sequence of that length with the lowest end.
+    // Entry n is the lowest item that ends an ascending sequence of n + 1 items.
     let mut ends: Vec<usize> = Vec::new();
     let mut before: Vec<Option<usize>> = vec![None; positions.len()];
     for (at, position) in positions.iter().enumerate() {
@@ -24,12 +24,12 @@ pub(super) fn moved(positions: &[usize]) -> Vec<bool> {
     moved
 }
 
-/// The maximum number of name comparisons for all gaps of a message. Beyond it, fields are matched by their order.
+/// The maximum number of name comparisons for all gaps in a message. After that, fields are matched by their order.
 pub(super) const MAX_COMPARISONS: usize = 20_000;
 
-/// Matches two sequences without crossings. Returns as many pairs that `can_match` as possible, and among these
-/// solutions the one with the greatest similarity. The pairs of indices are in ascending order. `budget` is the number
-/// of comparisons that are left.
+/// Matches two sequences without crossing pairs. Maximizes the number of pairs that satisfy `can_match`, and then their
+/// total similarity. The returned pairs of indices are in ascending order. `budget` is the number of remaining
+/// comparisons.
 pub(super) fn align(
     old: usize,
     new: usize,
@@ -45,7 +45,7 @@ pub(super) fn align(
             .collect();
     }
     *budget -= comparisons;
-    // best[i][j]: the number of pairs and their total similarity in the tails that start at i and j.
+    // best[i][j] is the number of pairs, and their total similarity, for the tails that start at i and j.
     let mut best = vec![vec![(0_usize, 0.0_f64); new + 1]; old + 1];
     let matched = |best: &[Vec<(usize, f64)>], left: usize, right: usize| {
         let (count, sum) = best[left + 1][right + 1];
@@ -82,7 +82,7 @@ pub(super) fn align(
 /// The maximum length of names that are compared letter by letter.
 const MAX_NAME_LEN: usize = 100;
 
-/// The similarity of two names, from 0 to 1, by edit distance. It is 1 if one name ends with the other.
+/// The similarity of two names, from 0 to 1, by edit distance. The similarity is 1 if one name ends with the other.
 pub(super) fn likeness(left: &str, right: &str) -> f64 {
     if left.len() > MAX_NAME_LEN || right.len() > MAX_NAME_LEN {
         return 0.0;

@@ -1,4 +1,4 @@
-//! Rules about changes, and the findings of these rules.
+//! Rules about changes, and their findings.
 
 use super::comparison::{CodeChange, MessageChange};
 use super::message::{ConstantChange, Pair};
@@ -17,11 +17,11 @@ pub enum Category {
     Json,
     /// DDS and ROS 2 peers, which exchange CDR.
     Cdr,
-    /// Users of uORB memory, and readers of logs (`ULog`).
+    /// Programs that use uORB memory, and readers of `ULog` files.
     Uorb,
-    /// Users of PX4's versioning rule: a versioned message must get a higher version when it changes.
+    /// Programs that rely on PX4's versioning rule: a changed message must get a higher version.
     Version,
-    /// Users of a value's meaning: units, frames, constants, error codes.
+    /// Programs that rely on the meaning of values: units, frames, constants, error codes.
     Semantic,
 }
 
@@ -94,7 +94,8 @@ pub(crate) struct Change<'s, 'f> {
 }
 
 impl<'f> Sink<'f> {
-    /// Reports a change. `span` is the location of the changed item in the new version, or of its container.
+    /// Reports a change. `span` is the location of the changed item in the new version. For a removed item, it is the
+    /// location of the enclosing item.
     pub(super) fn change(&mut self, span: Span, sides: Sides, message: String) -> Change<'_, 'f> {
         let finding = Finding::new(self.rule.id, Level::Note, span, message);
         Change { sink: self, finding: Finding { sides: Some(sides), ..finding } }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::schema::{Element, MessageId, Schema, Shape};
 use uavspec_runtime::Scalar;
 
-/// Numbers that identify the layouts of messages. Names don't matter: identical layouts have the same number.
+/// Numbers that identify message layouts. Identical layouts have the same number, regardless of names.
 #[derive(Debug, Default)]
 pub(super) struct Signatures {
     known: HashMap<Vec<Member>, u32>,
@@ -22,7 +22,7 @@ enum Member {
     At(usize),
 }
 
-/// The signatures of all messages of a version, by index.
+/// The signatures of all messages in one version, by index.
 #[derive(Debug)]
 pub(super) struct SchemaSignatures {
     cdr: Vec<u32>,

@@ -12,7 +12,7 @@ use crate::schema::Form;
 /// The definitions that a command reads.
 #[derive(Args, Debug)]
 pub(super) struct DefinitionsArgs {
-    /// Configuration file [default: found in this folder or above]
+    /// Configuration file [default: nearest uavspec.toml]
     #[arg(long, value_name = "FILE", conflicts_with = "package")]
     pub(super) config: Option<PathBuf>,
     #[command(flatten)]
@@ -20,7 +20,7 @@ pub(super) struct DefinitionsArgs {
 }
 
 impl DefinitionsArgs {
-    /// The package from the command line, otherwise the packages of the configuration file.
+    /// The plan for the package on the command line if given, otherwise for the packages of the configuration file.
     pub(super) fn plan(&self) -> Result<Plan, Failure> {
         match &self.package {
             Some(package) => Ok(package.plan(Path::new(""), &[])),
@@ -35,7 +35,7 @@ pub(super) struct PackageArgs {
     /// Read this package instead of uavspec.toml
     #[arg(long, value_name = "NAME", required = false, requires_all = ["dialect", "input"])]
     pub(super) package: String,
-    /// Form of its definitions
+    /// Form of the package's definitions
     #[arg(long, required = false, requires = "package")]
     pub(super) dialect: Dialect,
     /// Files of the package, or folders to search

@@ -28,15 +28,23 @@ use crate::report::RuleInfo;
   cargo xtask breaking --against ../earlier/msg
   cargo xtask breaking --package px4 --dialect px4 --input new --against old
 
-Categories: source (names and types in programs), json, cdr (DDS, ROS 2), uorb (memory, logs), version (PX4's rule on \
-MESSAGE_VERSION), semantic (units, frames, ranges, values of constants, error codes).
+Categories:
+  source      names and types in programs
+  json        JSON messages
+  cdr         DDS and ROS 2 messages
+  uorb        uORB memory and logs
+  version     PX4's rule for MESSAGE_VERSION
+  semantic    units, frames, ranges, constant values and error codes
 
-Exit status: 0 no findings at the --deny level or above, 1 findings, 2 failure.")]
+Exit status:
+  0    no findings at the --deny level or above
+  1    at least one finding at the --deny level or above
+  2    the command failed")]
 pub struct BreakingArgs {
     /// Compare with this Git revision or folder
     #[arg(long, value_name = "REV | DIR")]
     against: String,
-    /// Kind of the two versions
+    /// Type of the compared versions
     #[arg(long, default_value = "commits")]
     between: BetweenName,
     #[command(flatten)]
@@ -47,9 +55,9 @@ pub struct BreakingArgs {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum BetweenName {
-    /// A change must raise the version of its message by one
+    /// A changed message must raise its version by one
     Commits,
-    /// A change may raise the version of its message by more than one
+    /// A changed message may raise its version by more than one
     Releases,
 }
 
@@ -103,7 +111,7 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
     Ok(succeeded)
 }
 
-/// The plan for the earlier version, and its checkout if it is a Git revision.
+/// The plan for the earlier version, with a checkout if that version is a Git revision.
 fn old_plan(args: &BreakingArgs, new: &Plan) -> Result<(Plan, Option<Checkout>), Failure> {
     let against = Path::new(&args.against);
     if against.exists() {
@@ -123,7 +131,7 @@ fn old_plan(args: &BreakingArgs, new: &Plan) -> Result<(Plan, Option<Checkout>),
     let config = Config::find(args.definitions.config.as_deref())?;
     let checkout = Checkout::of(&args.against, config.file(), new)?;
     let place = checkout.place_of(config.file())?;
-    // Use the configuration of the revision if it has one, otherwise the current one.
+    // Use the revision's configuration file if it exists, otherwise the current one.
     let config = match place.parent() {
         Some(folder) if !place.is_file() => config.moved_to(folder.to_path_buf()),
         _ => Config::read(&place)?,
@@ -132,7 +140,7 @@ fn old_plan(args: &BreakingArgs, new: &Plan) -> Result<(Plan, Option<Checkout>),
     Ok((Plan { root, revision, ..config.plan()? }, Some(checkout)))
 }
 
-/// A folder with a configuration file, or with the definitions of one package.
+/// The plan for a folder that contains a configuration file, or the definitions of one package.
 fn plan_of_folder(args: &BreakingArgs, new: &Plan, folder: &Path) -> Result<Plan, Failure> {
     if let Some(package) = &args.definitions.package {
         let of_folder = PackageArgs { input: vec![folder.to_path_buf()], ..package.clone() };
@@ -157,7 +165,7 @@ fn plan_of_folder(args: &BreakingArgs, new: &Plan, folder: &Path) -> Result<Plan
     Ok(Plan { root: PathBuf::new(), config: None, ..plan })
 }
 
-/// The number of changes, and of breaking changes per category.
+/// The number of changes, and the number of breaking changes in each category.
 fn summary(findings: &[Finding]) -> String {
     let is_same_change = |left: &Finding, right: &Finding| {
         (left.rule, left.span, &left.message) == (right.rule, right.span, &right.message)

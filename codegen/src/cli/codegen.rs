@@ -22,10 +22,10 @@ const EXAMPLES: &str = "Examples:
   cargo xtask codegen --check    write nothing; fail if output is stale
   cargo xtask codegen --package px4 --dialect px4 --input msg --out generated
 
-Without --package, reads uavspec.toml or definitions/uavspec.toml in this folder or the nearest one above. With \
---package, each emitter writes to a folder of its name in --out.
+Without --package, the command reads the nearest uavspec.toml or definitions/uavspec.toml, in this folder or above. \
+With --package, each emitter writes to a subfolder of --out with the emitter's name.
 
-Options of outputs in uavspec.toml, as keys of the table [output.NAME]:";
+Output options in uavspec.toml, as keys of the table [output.NAME]:";
 
 /// Arguments of `codegen`.
 #[derive(Args, Debug)]
@@ -34,7 +34,7 @@ pub struct CodegenArgs {
     /// Write nothing; list stale files and fail if there are any
     #[arg(long)]
     check: bool,
-    /// Configuration file [default: found in this folder or above]
+    /// Configuration file [default: nearest uavspec.toml]
     #[arg(long, value_name = "FILE", conflicts_with = "package")]
     config: Option<PathBuf>,
     #[command(flatten)]

@@ -22,13 +22,13 @@ use crate::source::{SourceId, SourceMap};
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   cargo xtask fmt            format all files that uavspec.toml lists
-  cargo xtask fmt --check    print a patch instead; fail if it is not empty
+  cargo xtask fmt --check    print the changes as a patch; fail if there are any
   cargo xtask fmt --package px4 --dialect px4 --input msg srv/Arm.srv
 
 Formatting changes white space, the order and spelling of annotations, and the columns of tables. It never changes \
 the meaning of a definition. A file with errors stays unchanged.")]
 pub struct FmtArgs {
-    /// Print a patch instead of writing, and fail if it is not empty
+    /// Print the changes as a patch instead of writing; fail if there are any
     #[arg(long)]
     check: bool,
     #[command(flatten)]
@@ -53,7 +53,7 @@ pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
     Ok(loaded.diagnostics.is_empty() && (changes.is_empty() || !args.check))
 }
 
-/// Formats the files in memory. The diagnostics of files with errors are added to the loaded files.
+/// Formats the files in memory. Adds the diagnostics of files with errors to the returned `Loaded`.
 fn changes(plan: &Plan) -> Result<(Vec<Change>, Loaded), Failure> {
     let mut loaded = load::load_named(plan)?;
     let mut changes = Vec::new();
@@ -89,7 +89,7 @@ fn print(changes: &[Change]) {
     let mut stdout = io::stdout().lock();
     for Change { shown, old, new, .. } in changes {
         let difference = TextDiff::from_lines(old.as_str(), new.as_str());
-        // A reader that closes the pipe early is not an error.
+        // It is not an error if the reader closes the pipe early.
         let _ = write!(stdout, "{}", difference.unified_diff().header(shown, shown));
     }
 }

@@ -31,7 +31,7 @@ pub(super) fn run(args: &InspectArgs) -> Result<bool, Failure> {
     let mut text = serde_json::to_string_pretty(&emit::inspect::schema(&schema))
         .map_err(|error| Failure::new(error.to_string()))?;
     text.push('\n');
-    // A reader that closes the pipe early is not an error.
+    // It is not an error if the reader closes the pipe early.
     let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(true)
 }

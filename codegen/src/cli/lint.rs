@@ -19,7 +19,7 @@ use crate::report::RuleInfo;
 use crate::rewrite::{self, Change};
 use crate::source::SourceId;
 
-/// The maximum number of passes of `--fix`: a fix may enable another one.
+/// The maximum number of `--fix` passes. One fix may make another fix possible.
 const MAX_PASSES: usize = 10;
 
 /// Arguments of `lint`.
@@ -30,11 +30,14 @@ const MAX_PASSES: usize = 10;
   cargo xtask lint --fix     apply all automatic fixes
   cargo xtask lint --package px4 --dialect px4 --input msg --format sarif
 
-Exit status: 0 no findings at the --deny level or above, 1 findings, 2 failure.")]
+Exit status:
+  0    no findings at the --deny level or above
+  1    at least one finding at the --deny level or above
+  2    the command failed")]
 pub struct LintArgs {
     #[command(flatten)]
     definitions: DefinitionsArgs,
-    /// Set of rules [default: that of uavspec.toml, otherwise px4]
+    /// Set of rules [default: the preset in uavspec.toml, otherwise px4]
     #[arg(long)]
     preset: Option<PresetName>,
     /// Apply all automatic fixes, and report the remaining findings
@@ -42,7 +45,7 @@ pub struct LintArgs {
     fix: bool,
     #[command(flatten)]
     report: ReportArgs,
-    /// List all rules with their levels, and check nothing
+    /// List all rules with their levels instead of checking
     #[arg(long)]
     rules: bool,
 }
@@ -106,7 +109,7 @@ fn check(plan: &Plan, loaded: &Loaded, preset: Option<PresetName>) -> Vec<Findin
     findings
 }
 
-/// The number of findings of each level.
+/// The number of findings at each level.
 fn summary(findings: &[Finding]) -> String {
     let count = |level| findings.iter().filter(|finding| finding.level == level).count();
     let counts: Vec<String> = Level::ALL
@@ -148,7 +151,7 @@ fn fix(
         let Some(path) = loaded.paths.get(&source) else { continue };
         let shown = loaded.sources.path(source).to_owned();
         let unreadable = |error: std::io::Error| Failure::new(format!("{shown}: {error}"));
-        // Write to the file that a link leads to.
+        // Write to the target of a symbolic link.
         let path = fs::canonicalize(path).map_err(unreadable)?;
         let old = fs::read_to_string(&path).map_err(unreadable)?;
         changes.push(Change { path, shown, old, new });

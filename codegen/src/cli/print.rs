@@ -6,8 +6,8 @@ use crate::diagnostic::{Diagnostic, Level};
 use crate::load::Loaded;
 use crate::render;
 
-/// Prints a text to standard error, with colours if enabled. Stripping colours from the stream would write each piece
-/// separately, which doubles the time.
+/// Prints a text to standard error, with colours if enabled. Removing colours from the stream would require a separate
+/// write for each piece, which takes twice as long.
 pub(super) fn print_rendered(render: impl FnOnce(bool) -> String) {
     let is_plain = anstream::AutoStream::choice(&std::io::stderr()) == anstream::ColorChoice::Never;
     let _ = if is_plain {
@@ -17,7 +17,7 @@ pub(super) fn print_rendered(render: impl FnOnce(bool) -> String) {
     };
 }
 
-/// Prints all diagnostics and their number.
+/// Prints all diagnostics, and the number of errors and warnings.
 pub(super) fn report(command: &str, loaded: &Loaded, diagnostics: &[Diagnostic], consequence: &str) {
     if diagnostics.is_empty() {
         return;

@@ -17,7 +17,7 @@ pub(super) struct ReportArgs {
     /// Fail if a finding has this level or a more severe one
     #[arg(long, value_name = "LEVEL", default_value = "error")]
     deny: Denied,
-    /// Report format; text goes to standard error, the others to standard output
+    /// Report format; text goes to standard error, other formats to standard output
     #[arg(long, default_value = "text")]
     format: FormatName,
 }
@@ -45,11 +45,11 @@ impl Denied {
 /// A format of reports.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum FormatName {
-    /// Each finding with its line, for people
+    /// Readable text that quotes the line of each finding
     Text,
     /// A JSON list
     Json,
-    /// Annotations of a GitHub workflow
+    /// GitHub workflow annotations
     Github,
     /// SARIF 2.1.0, for code scanning
     Sarif,
@@ -84,7 +84,7 @@ impl ReportArgs {
             Some(format) => {
                 let entries = findings.iter().map(|finding| Entry::of(finding, sources)).collect();
                 let text = Report { command, rules, entries }.to_text(format);
-                // A reader that closes the pipe early is not an error.
+                // It is not an error if the reader closes the pipe early.
                 let _ = io::stdout().write_all(text.as_bytes());
             }
         }

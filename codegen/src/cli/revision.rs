@@ -19,7 +19,7 @@ pub(super) struct Checkout {
     top: PathBuf,
 }
 
-/// A blob of a tree.
+/// A file in a Git tree.
 struct Blob<'t> {
     id: &'t str,
     path: PathBuf,
@@ -96,13 +96,13 @@ fn commit(revision: &str, near: &Path) -> Result<String, Failure> {
         "this clone is shallow; fetch the rest with `git fetch --unshallow --tags` \
          (on GitHub, `fetch-depth: 0` for actions/checkout)"
     } else {
-        "give a folder or an existing branch, tag or commit; `git fetch` updates remote ones"
+        "give a folder or an existing branch, tag or commit; `git fetch` updates remote branches and tags"
     };
     let message = format!("`{revision}` is not a folder or a revision of the repository");
     Err(Failure::new(message).with_hint(hint))
 }
 
-/// Parses a line `mode type id<tab>path` of the listing; `None` unless it is a plain file.
+/// Parses a line of the listing: `mode type id<tab>path`. Returns `None` unless the entry is a plain file.
 fn blob(line: &str) -> Option<Blob<'_>> {
     let (facts, path) = line.split_once('\t')?;
     let mut facts = facts.split(' ');
@@ -115,7 +115,7 @@ fn blob(line: &str) -> Option<Blob<'_>> {
 
 /// Writes blobs below `folder`.
 fn extract(blobs: &[Blob<'_>], near: &Path, folder: &Path) -> io::Result<()> {
-    // The input is a file, so that neither process can block the other.
+    // Pass the ids in a file instead of a pipe, so neither process can block the other.
     let mut ids = tempfile::tempfile()?;
     for blob in blobs {
         writeln!(ids, "{}", blob.id)?;
@@ -137,7 +137,8 @@ fn extract(blobs: &[Blob<'_>], near: &Path, folder: &Path) -> io::Result<()> {
     result
 }
 
-/// Writes the next object in the output of `git cat-file --batch`: `id type size`, the content, a newline.
+/// Writes the next object in the output of `git cat-file --batch`. Each object consists of a line `id type size`, the
+/// content and a newline.
 fn write_next(output: &mut impl io::BufRead, path: &Path) -> io::Result<()> {
     let mut head = String::new();
     output.read_line(&mut head)?;

@@ -44,7 +44,7 @@ pub struct TranslateArgs {
     /// Write nothing; list outdated catalogues and fail if there are any
     #[arg(long)]
     check: bool,
-    /// Configuration file [default: found in this folder or above]
+    /// Configuration file [default: nearest uavspec.toml]
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
 }
@@ -88,7 +88,7 @@ struct Outcome {
 }
 
 impl Outcome {
-    /// True if the entries differ. Different line breaks are not a change.
+    /// True if the entries differ. A difference in line breaks is not a change.
     fn is_changed(&self) -> bool {
         self.old.as_ref().is_none_or(|(_, old)| *old != self.new)
     }
@@ -166,7 +166,7 @@ fn outcomes(
     Ok(outcomes)
 }
 
-/// The units that `--select` names, including all units of packages.
+/// The units selected with `--select`. A package name selects all units of the package.
 fn selected(names: &[String], texts: &[Text<'_>]) -> Result<BTreeSet<String>, Failure> {
     let units: BTreeSet<&str> = texts.iter().map(|text| text.unit.as_str()).collect();
     let mut selected = BTreeSet::new();
@@ -176,7 +176,7 @@ fn selected(names: &[String], texts: &[Text<'_>]) -> Result<BTreeSet<String>, Fa
         };
         let mut matching = units.iter().filter(is_selected).map(|unit| (*unit).to_owned()).peekable();
         if matching.peek().is_none() {
-            // The cost of the comparison is the product of the lengths, so names are limited.
+            // The comparison takes time proportional to the product of the lengths, so long names are skipped.
             let close = units
                 .iter()
                 .map(|unit| (strsim::damerau_levenshtein(unit, name), unit))
@@ -197,7 +197,7 @@ fn selected(names: &[String], texts: &[Text<'_>]) -> Result<BTreeSet<String>, Fa
 /// The path of a new catalogue, taken from the first pattern.
 fn path_of(tag: &str, plan: &Plan) -> Result<PathBuf, Failure> {
     if !is_tag(tag) || tag == SOURCE_LANGUAGE {
-        return Err(Failure::new(format!("`{tag}` is not the tag of a language other than English"))
+        return Err(Failure::new(format!("`{tag}` is not a valid language tag for a translation"))
             .with_hint("write a BCP 47 tag such as `uk` or `pt-BR`; definitions are in English"));
     }
     let (folder, patterns) = &plan.catalogues;
@@ -215,13 +215,13 @@ fn path_of(tag: &str, plan: &Plan) -> Result<PathBuf, Failure> {
     Ok(normalise(&folder.join(base)).join(format!("{tag}.po")))
 }
 
-/// Writes the outdated catalogues: the existing ones all or none, then the new ones.
+/// Updates all existing outdated catalogues atomically, then creates the new ones.
 fn write(outcomes: &[Outcome]) -> Result<(), Failure> {
     let outdated = || outcomes.iter().filter(|outcome| outcome.is_changed());
     let mut changes = Vec::new();
     for outcome in outdated() {
         let Some((old, _)) = &outcome.old else { continue };
-        // Write to the file that a link leads to.
+        // Write to the target of a symbolic link.
         let path = fs::canonicalize(&outcome.path).map_err(|error| unwritable(&outcome.path, &error))?;
         let (shown, old, new) = (outcome.shown.clone(), old.clone(), print(&outcome.new));
         changes.push(Change { path, shown, old, new });

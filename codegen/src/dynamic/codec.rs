@@ -13,7 +13,7 @@ use super::view::DynamicView;
 use super::{cdr, initial, uorb};
 
 impl<'t> MessageType<'t> {
-    /// Creates a message with the defaults of its definition. Other fields are zero or empty.
+    /// Creates a message with the defaults from its definition. Fields without a default are zero or empty.
     pub fn default(self) -> DynamicMessage<'t> {
         initial::message(self)
     }
@@ -45,7 +45,7 @@ impl<'t> MessageType<'t> {
 
     /// Reads a CDR payload in either byte order. A `bool` is true unless its byte is 0.
     ///
-    /// The payload may be padded with up to three bytes to a multiple of four.
+    /// The payload may end with up to three padding bytes, which extend it to a multiple of four bytes.
     pub fn decode_cdr(self, payload: &[u8]) -> Result<DynamicMessage<'t>, Error> {
         self.check()?;
         cdr::decode(self, payload, false)
@@ -96,7 +96,8 @@ impl<'de, 't> DeserializeSeed<'de> for MessageType<'t> {
 }
 
 impl DynamicMessage<'_> {
-    /// Encodes the message as a uORB payload with padding at its end. Fails if the size of the message varies.
+    /// Encodes the message as a uORB payload, including the padding at its end. Fails if the size of the message
+    /// varies.
     pub fn to_uorb(&self) -> Result<Vec<u8>, Error> {
         self.view().to_uorb()
     }
@@ -106,7 +107,7 @@ impl DynamicMessage<'_> {
         self.view().to_cdr(order)
     }
 
-    /// Converts the message to JSON. Fails if a float is infinite or a text isn't UTF-8.
+    /// Converts the message to JSON. Fails if a float is infinite or text isn't UTF-8.
     pub fn to_json(&self) -> Result<serde_json::Value, Error> {
         self.view().to_json()
     }
@@ -118,7 +119,8 @@ impl DynamicMessage<'_> {
 }
 
 impl<'v> DynamicView<'v> {
-    /// Encodes the message as a uORB payload with padding at its end. Fails if the size of the message varies.
+    /// Encodes the message as a uORB payload, including the padding at its end. Fails if the size of the message
+    /// varies.
     pub fn to_uorb(self) -> Result<Vec<u8>, Error> {
         self.message_type().check()?;
         uorb::encode(self)
@@ -130,7 +132,7 @@ impl<'v> DynamicView<'v> {
         cdr::encode(self, order)
     }
 
-    /// Converts the message to JSON. Fails if a float is infinite or a text isn't UTF-8.
+    /// Converts the message to JSON. Fails if a float is infinite or text isn't UTF-8.
     pub fn to_json(self) -> Result<serde_json::Value, Error> {
         self.message_type().check()?;
         serde_json::to_value(self).map_err(|error| json::explain(self, &error))

@@ -14,14 +14,14 @@ use crate::schema::{self, Form, Message, Schema, Shape};
 use crate::value::Value;
 
 /// Maximum nesting depth of messages. Codecs recurse once per level, so this bounds the stack. JSON readers may have a
-/// lower limit (`serde_json` allows 127 brackets). Real messages nest up to seven levels deep.
+/// lower limit (`serde_json` allows 127 nested brackets). Real messages nest up to seven levels deep.
 pub(super) const MAX_DEPTH: usize = 32;
 
-/// Maximum number of steps of a nested message that is inlined into its parent.
+/// Maximum number of steps in a nested message that is inlined into its parent.
 const MAX_COPIED_STEPS: usize = 16;
 
-/// Maximum number of copies of a packed type. In an array of messages, each element counts separately. Types with more
-/// copies are executed step by step.
+/// Maximum number of copy operations for a packed type. In an array of messages, each element counts separately. Types
+/// that need more are converted step by step.
 const MAX_MOVES: usize = 512;
 
 /// Maximum CDR size of a packed type in bytes. All uORB messages are smaller.
@@ -343,7 +343,8 @@ fn sequence(element: Element) -> Sequence {
     }
 }
 
-/// The copies of a type with these steps. Returns `None` if the type's size varies or the type needs too many copies.
+/// The copy operations for a type with these steps. Returns `None` if the type's size varies or the type needs too many
+/// copies.
 fn packed(steps: &[Step], padded: usize, plans: &[Plan]) -> Option<Packed> {
     let mut moves = Vec::new();
     let mut size = 0;

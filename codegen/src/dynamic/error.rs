@@ -1,16 +1,16 @@
-//! Errors of reading, writing and compiling messages.
+//! Errors in reading, writing and compiling messages.
 
 use std::fmt;
 
 use uavspec_runtime::Fault;
 
-/// An error of reading a message from bytes or JSON, or of writing it in another form.
+/// An error in reading a message from bytes or JSON, or in converting a message to another form.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Error {
     /// The cause.
     pub reason: Reason,
-    /// Path to the value in the message, such as `events[2].id`. If the error concerns the whole message, the name of
-    /// the message.
+    /// Path to the value in the message, such as `events[2].id`, or the message name if the error concerns the whole
+    /// message.
     pub path: String,
     /// Byte offset in the input.
     pub offset: Option<usize>,

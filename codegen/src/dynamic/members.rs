@@ -1,4 +1,4 @@
-//! Members of a JSON object with known names. Each key is read as an index, and duplicates are detected.
+//! JSON object members with known names. Each key is read as an index, and duplicates are detected.
 //!
 //! ```
 //! use serde::de::DeserializeSeed as _;
@@ -29,7 +29,7 @@ pub trait Named {
     fn name(&self) -> &str;
 }
 
-/// The set of fields that have been read. Fields in declared order need only a counter.
+/// The set of fields that have been read. Fields that are read in declared order need only a counter.
 #[derive(Debug, Default)]
 pub struct Seen {
     in_order: usize,
@@ -37,7 +37,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Adds the field `index` of `count` fields. Returns false if it was already in the set.
+    /// Adds the field `index` of `count` fields. Returns false if the field was already in the set.
     pub fn insert(&mut self, index: usize, count: usize) -> bool {
         if self.contains(index) {
             return false;

@@ -1,12 +1,12 @@
-//! Copies for fixed-size messages. Each byte has a fixed offset in memory and in CDR, so the list of copies for the
-//! conversion is computed only once.
+//! Copy operations for fixed-size messages. Each byte has a fixed offset in memory and in CDR, so the list of copy
+//! operations is computed only once.
 
 use uavspec_runtime::cdr::{ByteOrder, HEADER, is_padding};
 
 use super::bytes::{copy, copy_short, make_bools, part};
 use super::step::Width;
 
-/// The copies of a type.
+/// The copy operations for a type.
 #[derive(Debug)]
 pub(super) struct Packed {
     /// Size of the CDR form without its header, in bytes.
@@ -32,7 +32,8 @@ pub(super) struct Move {
 }
 
 impl Packed {
-    /// Creates the copies of a type from `moves` in CDR order. `size` is its CDR size, `padded` its size in memory.
+    /// Creates the copy operations for a type from `moves` in CDR order. `size` is the CDR size of the type, and
+    /// `padded` is its size in memory.
     pub(super) fn new(moves: Vec<Move>, size: usize, padded: usize) -> Self {
         let bools = moves.iter().copied().filter(|part| part.is_bool).collect();
         let mut in_memory = moves.clone();

@@ -1,4 +1,4 @@
-//! The compiled form of a type, as codecs and checks use it.
+//! The compiled form of a type, for codecs and checks.
 
 use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::Size;
@@ -24,9 +24,9 @@ pub(super) struct Plan {
     pub(super) is_fixed: bool,
     /// Minimum CDR size in bytes, without alignment.
     pub(super) least: usize,
-    /// Steps between memory and CDR, in CDR order.
+    /// Conversion steps between memory and CDR, in CDR order.
     pub(super) steps: Box<[Step]>,
-    /// Copies of the whole message, if it has a fixed size and few enough copies.
+    /// Copy operations for the whole message, if its size is fixed and the number of operations is within the limit.
     pub(super) packed: Option<Packed>,
     /// True if any field, including fields of nested messages, has a nonzero default.
     pub(super) has_defaults: bool,
@@ -59,7 +59,7 @@ impl Named for Field {
 }
 
 impl Field {
-    /// The number of elements inside the message. It is 0 for a sequence, which is stored outside.
+    /// The number of elements stored among the fields. It is 0 for a sequence, because its elements follow the fields.
     pub(super) fn count(&self) -> usize {
         match self.shape {
             Shape::Single => 1,
@@ -102,5 +102,5 @@ impl Element {
 /// from the start of the buffer, and their number, each as `u32`.
 pub(super) const SLOT: usize = 8;
 
-/// Maximum growth from CDR to memory. A message with one `uint8` is padded to eight bytes.
+/// Maximum ratio of size in memory to size in CDR. A message with one `uint8` is padded to eight bytes.
 pub(super) const GROWTH: usize = 8;

@@ -1,4 +1,4 @@
-//! Steps between the memory form of a message and CDR.
+//! Conversion steps between the memory form of a message and CDR.
 
 use uavspec_runtime::Scalar;
 
@@ -22,7 +22,7 @@ impl Bounds {
     }
 }
 
-/// A step between memory and CDR. Offsets are in bytes from the start of the message in memory.
+/// A conversion step between memory and CDR. Offsets are in bytes from the start of the message in memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Step {
     /// Numbers that are contiguous in both forms.

@@ -15,7 +15,7 @@ impl<'t> Trail<'t> {
         self.steps.push((field, None));
     }
 
-    /// Selects an element of the current field, or the field itself.
+    /// Selects an element of the current field, or the whole field for `None`.
     pub(super) fn select(&mut self, element: Option<usize>) {
         if let Some((_, selected)) = self.steps.last_mut() {
             *selected = element;

@@ -71,7 +71,7 @@ impl<'v> Walk<'v> for OddBool<'v> {
     }
 }
 
-/// Encodes a message with the padding at its end.
+/// Encodes a message, including the padding at its end.
 pub(super) fn encode(view: DynamicView<'_>) -> Result<Vec<u8>, Error> {
     if !view.plan.is_fixed {
         return Err(wrong_size(view.plan, 0));

@@ -18,9 +18,9 @@ pub struct Violation<'t> {
     pub rule: Rule,
     /// Path to the value, such as `events[2].id`.
     pub path: String,
-    /// The value. For a sequence or string, this is its length; for text, the number of valid UTF-8 bytes.
+    /// The value. For a sequence or string, the length. For text, the offset of the first invalid UTF-8 byte.
     pub found: Number,
-    /// Constraint on the numbers of the field, beyond its type.
+    /// Constraint on the numbers of the field, in addition to the limits of its type.
     pub constraint: Option<Constraint<'t>>,
     /// Maximum length of the sequence or string.
     pub bound: Option<u32>,

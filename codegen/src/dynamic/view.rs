@@ -114,7 +114,7 @@ impl<'v> Elements<'v> {
         self.length == 0
     }
 
-    /// The element `index`, if it exists.
+    /// The element with this index, if it exists.
     pub fn get(self, index: usize) -> Option<Value<'v>> {
         (index < self.length).then(|| self.value(index))
     }
@@ -185,7 +185,7 @@ pub(super) fn scalar_value(scalar: Scalar, bytes: &[u8]) -> Value<'static> {
 }
 
 impl Value<'_> {
-    /// The value as a number, if it is one. A `bool` is 0 or 1.
+    /// The value as a number, if it is numeric. A `bool` is 0 or 1.
     pub fn number(self) -> Option<Number> {
         match self {
             Self::Bool(value) => Some(Number::Int(value.into())),

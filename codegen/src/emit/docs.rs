@@ -7,11 +7,11 @@
 //! rules/README.md  reading.md  <rule>.md
 //! ```
 //!
-//! Translated pages are next to the English page: `<Message>.uk.md`, `error-codes.uk.md`.
+//! Translated pages are in the same folder as the English page: `<Message>.uk.md`, `error-codes.uk.md`.
 //!
-//! `site` stores the page that describes each item, and the items that refer to it. Pages are written from top to
-//! bottom with the functions of `markdown`. All text from definitions passes either through `scope`, which turns names
-//! into links, or through an escape function of `markdown`. Both use `emit::prose`.
+//! For each item, `site` stores the page that describes it and the items that refer to it. Pages are written from top
+//! to bottom with the functions of `markdown`. All definition text passes through `scope`, which turns names into
+//! links, or through an escape function of `markdown`. Both use `prose`.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};

@@ -17,7 +17,7 @@ use crate::translation::Translations;
 /// A kind of output: one row of [`EMITTERS`](super::EMITTERS).
 #[derive(Clone, Copy)]
 pub struct Emitter {
-    /// Name: a key of the table `output` and a value of `--emit`.
+    /// Name: a key of the `output` table and a value of `--emit`.
     pub name: &'static str,
     /// A short description.
     pub help: &'static str,
@@ -32,7 +32,7 @@ pub struct Emitter {
 pub struct Input<'a> {
     /// The resolved schema.
     pub schema: &'a Schema,
-    /// Translations of its texts.
+    /// Translations of the texts in the schema.
     pub translations: &'a Translations,
     /// Source texts of the definitions.
     pub sources: &'a SourceMap,
@@ -47,7 +47,7 @@ pub(crate) trait Output: fmt::Debug + Send + Sync {
     fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure>;
 }
 
-/// One table of `output` in the configuration.
+/// One entry of the `output` table in the configuration.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
     /// Output folder, relative to the folder of the configuration file.
@@ -56,7 +56,7 @@ pub(crate) struct Table {
     pub(crate) options: toml::Table,
 }
 
-/// All outputs of a configuration, relative to one of them.
+/// All outputs of a configuration, from the viewpoint of one output.
 pub(crate) struct Others<'a> {
     /// Folder of the configuration file.
     pub(crate) folder: &'a Path,
@@ -67,7 +67,7 @@ pub(crate) struct Others<'a> {
 }
 
 impl Emitter {
-    /// A row with the options `O`.
+    /// Creates a row whose options have the type `O`.
     pub(super) const fn new<O: Output + Default + DeserializeOwned + 'static>(
         name: &'static str,
         help: &'static str,
@@ -95,7 +95,7 @@ impl Emitter {
         };
         match path {
             Some(toml::Value::String(path)) => Ok(Table { path: path.into(), options }),
-            _ => Err(format!("expected a path, or a table of {}", self.keys())),
+            _ => Err(format!("expected a path, or a table with the keys {}", self.keys())),
         }
     }
 
@@ -114,12 +114,12 @@ impl fmt::Debug for Emitter {
 }
 
 impl Others<'_> {
-    /// Resolves a path from the configuration file.
+    /// Resolves a path relative to the folder of the configuration file.
     pub(crate) fn place(&self, path: &Path) -> PathBuf {
         self.folder.join(path)
     }
 
-    /// The relative URL of another output's folder, from a page of this output.
+    /// The URL of another output's folder, relative to the folder of this output.
     pub(crate) fn address(&self, name: &str) -> Option<String> {
         Some(seen_from(self.path, &self.tables.get(name)?.path))
     }
@@ -130,7 +130,7 @@ impl Others<'_> {
     }
 }
 
-/// Options of an emitter that was not compiled in.
+/// Options of an emitter that this build does not include.
 #[cfg(not(feature = "rust"))]
 #[derive(Debug, Default, serde::Deserialize)]
 pub(super) struct Absent {}

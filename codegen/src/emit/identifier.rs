@@ -1,4 +1,5 @@
-//! Conversion of definition names to the case conventions of target languages. Keywords are handled per language.
+//! Conversion of definition names to the case conventions of target languages. The emitter of each language handles its
+//! keywords.
 
 use std::collections::HashSet;
 
@@ -14,12 +15,12 @@ impl Scope {
         self.numbered(name, "_")
     }
 
-    /// Like [`Self::unique`], without the `_`: for type names.
+    /// Like [`Self::unique`], but for type names: appends the number without `_`.
     pub(crate) fn unique_type(&mut self, name: &str) -> String {
         self.numbered(name, "")
     }
 
-    /// Returns the first unused type name in `names`, or the last one with a number if all are used.
+    /// Returns the first unused type name in `names`, or the last name with a number appended if all are used.
     #[cfg(feature = "rust")]
     pub(crate) fn first_free_type(&mut self, names: &[String]) -> String {
         let free = names.iter().find(|name| !self.0.contains(*name));
@@ -69,8 +70,8 @@ pub(crate) fn upper_case(name: &str) -> String {
     words(name).into_iter().map(str::to_ascii_uppercase).collect::<Vec<_>>().join("_")
 }
 
-/// Names the constant of each code after its abbreviation. If several codes share the abbreviation, the severity
-/// follows; if they also share the severity, the code follows instead.
+/// Names the constant of each code after its abbreviation. If several codes share an abbreviation, the severity is
+/// appended. If they also share the severity, the code is appended instead.
 pub(crate) fn error_code_names(codes: &[&ErrorCode]) -> Vec<String> {
     let plain = |code: &ErrorCode| match &code.abbreviation {
         Some(abbreviation) if !upper_case(abbreviation).is_empty() => upper_case(abbreviation),

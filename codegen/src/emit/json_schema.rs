@@ -1,17 +1,17 @@
-//! JSON Schemas, draft 2020-12. Each message, service part and set of error codes has a file. So does each type on a
-//! page, and each direction of a message on a page. Each package has a bundle, for tools that can't follow references
-//! between files.
+//! JSON Schemas, draft 2020-12. Each message, service part and set of error codes has a file. Each type defined on a
+//! page has a file, and so does each direction of a message defined on a page. For tools that can't follow references
+//! between files, each package has a bundle.
 //!
 //! The schema of a `.msg` file is closed, and all fields are required. The schema of a definition on a page is closed
 //! only if the page says so. All assertions have the same meaning in draft 7, so older tools can use the bundles. These
-//! tools check the number of elements of a tuple, but not the elements.
+//! tools check how many elements a tuple has, but not the elements themselves.
 //!
 //! # Annotations
 //!
-//! Units, frames, topics, hashes and similar data are members whose names start with `x-`. They are not next to the
-//! keywords of their schema, because ajv in strict mode rejects unknown keywords. Instead, they are in an `annotations`
-//! subschema in the `$defs` of their schema. All drafts since 2019-09 allow `$defs` at any depth. Nothing refers to
-//! this subschema, so validators ignore it:
+//! Units, frames, topics, hashes and similar data are members whose names start with `x-`. ajv in strict mode rejects
+//! unknown keywords, so these members are not next to the schema keywords. Instead, they are in an `annotations`
+//! subschema in `$defs`. All drafts since 2019-09 allow `$defs` at any depth. Nothing refers to this subschema, so
+//! validators ignore it:
 //!
 //! ```json
 //! "voltage_v": {
@@ -23,9 +23,9 @@
 //!
 //! # Alternatives
 //!
-//! Each alternative repeats the type of the enclosing schema, because code generators look at each alternative
-//! separately, and some need the type. Disjoint alternatives use `oneOf`; overlapping alternatives use `anyOf`. `cargo
-//! xtask interop` shows the results of validators and code generators.
+//! Each alternative repeats the type of the enclosing schema, because some code generators look at each alternative
+//! separately and need its type. Disjoint alternatives use `oneOf`; overlapping alternatives use `anyOf`. `cargo xtask
+//! interop` shows how validators and code generators handle the schemas.
 //!
 //! # Numbers
 //!
@@ -36,7 +36,7 @@
 //! # Texts
 //!
 //! A PX4 `char[N]` contains N bytes of UTF-8. JSON Schema counts characters, and N bytes contain at most N characters.
-//! The schema therefore accepts every valid text, and also some texts with non-ASCII characters that are too long.
+//! The schema therefore accepts every valid text, but also accepts some overlong texts with non-ASCII characters.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
@@ -73,7 +73,7 @@ use crate::failure::Failure;
 use crate::schema::json_type::Direction;
 use crate::schema::{Element, JsonMessageId, MessageId, Package, Schema};
 
-/// The default of [`Options::base`].
+/// Default value of [`Options::base`].
 pub const DEFAULT_BASE: &str = "https://uavspec.dev/schemas/";
 
 /// The JSON Schema draft of all files.
@@ -146,7 +146,7 @@ pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<T
 struct Emitter<'s> {
     schema: &'s Schema,
     options: &'s Options,
-    /// The members of each schema, except the members that depend on the file.
+    /// The members of each schema, without those that depend on the file.
     definitions: BTreeMap<Target, Vec<Member<'s>>>,
 }
 
@@ -186,9 +186,9 @@ impl<'s> Emitter<'s> {
         }
     }
 
-    /// Creates the bundle of a package, with everything its messages refer to. As a schema, the bundle accepts
-    /// instances of any definition in the package; without this assertion, it would accept any value. If pages define
-    /// messages, the bundle accepts only these messages, because some types are plain strings or numbers.
+    /// Creates the bundle of a package, with everything its messages refer to. The bundle itself accepts instances of
+    /// any definition in the package; without this assertion, it would accept any value. If the package has messages
+    /// defined on pages, the bundle accepts only these messages, because some types are plain strings or numbers.
     fn bundle(&self, package: &Package, own: Vec<Target>) -> Option<OutputFile> {
         if own.is_empty() {
             return None;
@@ -213,7 +213,7 @@ impl<'s> Emitter<'s> {
         Some(OutputFile { path: address::bundle_path(package), text })
     }
 
-    /// The messages outside `own` that `own` refers to, directly or indirectly.
+    /// The messages that `own` refers to, directly or indirectly, without `own` itself.
     fn foreign(&self, own: &[Target]) -> BTreeSet<Target> {
         let mut seen: BTreeSet<Target> = own.iter().copied().collect();
         let mut open: Vec<Target> = own.to_vec();

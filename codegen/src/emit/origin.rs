@@ -1,5 +1,5 @@
-//! Paths of definitions relative to the folder of their package. Outputs therefore don't depend on the location of the
-//! definitions.
+//! Paths of definitions relative to the folder of their package. Outputs therefore don't depend on where the
+//! definitions are stored.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -10,7 +10,7 @@ use crate::source::{SourceId, SourceMap, Span};
 #[derive(Debug)]
 pub(super) struct Origins<'s> {
     sources: &'s SourceMap,
-    /// By source, the length in bytes of the path prefix that is the package folder.
+    /// For each source, the byte length of the package folder at the start of its path.
     folders: HashMap<SourceId, usize>,
 }
 
@@ -26,7 +26,7 @@ impl<'s> Origins<'s> {
         Self { sources, folders }
     }
 
-    /// The path, relative to the package folder, of the definition that contains `span`.
+    /// Path of the definition that contains `span`, relative to the package folder.
     pub(super) fn path(&self, span: Span) -> &'s str {
         let id = self.sources.source_of(span);
         let folder = self.folders.get(&id).copied().unwrap_or_default();
@@ -44,7 +44,7 @@ fn spans(schema: &Schema, package: &Package) -> impl Iterator<Item = Span> {
     messages.chain(interfaces).chain(tables).chain(types).chain(json_messages)
 }
 
-/// Length in bytes of the longest folder prefix common to all `paths`, including the last separator.
+/// Byte length of the longest common folder prefix of `paths`, including the last separator.
 fn shared_folder<'p>(mut paths: impl Iterator<Item = &'p str>) -> usize {
     let folder = |path: &str| path.rfind(['/', '\\']).map_or(0, |separator| separator + 1);
     let Some(first) = paths.next() else { return 0 };

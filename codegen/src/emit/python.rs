@@ -6,14 +6,14 @@
 //!
 //! # Values
 //!
-//! The types match the results of `json.loads`. All integers are `int`. All arrays are `list`, even if each position
-//! has a different meaning. Floats may be `None`, which represents NaN.
+//! The types match the results of `json.loads`. All integers are `int`. All arrays are `list`, even tuples, whose
+//! positions have different meanings. Floats may be `None`, which represents NaN.
 //!
-//! Annotations are evaluated on import, so the classes know their optional keys at run time.
+//! Annotations are evaluated on import, so each class has its set of optional keys at run time.
 //!
 //! # Open sets
 //!
-//! A field with an enum is an `int`. The class of the enum names the known values and accepts all others:
+//! A field with an enum is an `int`. The enum class names the known values and accepts all others:
 //! `FlightMode(message["mode"])` never fails.
 //!
 //! # Labels
@@ -53,7 +53,7 @@ use crate::failure::Failure;
 use crate::schema::Schema;
 use crate::translation::Translations;
 
-/// Name of the module with the base class of enums.
+/// Name of the module that contains the base class for enums.
 const OPEN_ENUM: &str = "_open_enum";
 
 /// The emitter has no options.
@@ -158,7 +158,7 @@ from typing import Any
 
 
 class OpenIntEnum(IntEnum):
-    """Integers with names. Unnamed integers are valid too; their name is `UNKNOWN_` and the number."""
+    """Named integers. Unnamed integers are valid too; their name is `UNKNOWN_` followed by the number."""
 
     @classmethod
     def _missing_(cls, value: object) -> Any:

@@ -1,8 +1,8 @@
-//! Rust modules: one module per message, one type per enum, one type for the error codes of a package, and one module
-//! for the types and messages of its pages.
+//! Rust modules: one module per message, and one type per enum. For each package, there is one type for error codes,
+//! and one module for types and messages defined on pages.
 //!
-//! Tokens are created with `quote`, parsed again by `syn` to ensure valid syntax, and formatted by `prettyplease`. Text
-//! of definitions appears in the output only as identifiers made by `identifier`, as literals, or as documentation.
+//! `quote` creates tokens, `syn` parses them again to ensure valid syntax, and `prettyplease` formats them. Definition
+//! text appears in the output only as identifiers made by `identifier`, as literals, or as documentation.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
@@ -53,7 +53,8 @@ use crate::source::SourceMap;
 pub struct Options {
     /// Name of the root file of the module tree: `mod.rs`, or `lib.rs` for a complete crate.
     pub root: String,
-    /// Path of a Markdown page, relative to the root file, to include in its documentation. Code on the page is tested.
+    /// Path of a Markdown page, relative to the root file, to include in the root documentation. Code on the page is
+    /// tested.
     pub readme: Option<String>,
 }
 
@@ -85,7 +86,7 @@ struct InterfaceModule {
     parts: Vec<(MessageId, Place)>,
 }
 
-/// Creates the module tree of the whole schema, with its root file `options.root`.
+/// Creates the module tree of the whole schema. Its root file is `options.root`.
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
     let mut context = Context {
         schema,
@@ -130,7 +131,7 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
         };
         modules.messages.push((*id, place));
     }
-    // Views are named after their types, which take precedence.
+    // Views are named after their types, and type names take precedence.
     for (id, place) in &mut modules.messages {
         let mut module_types = Scope::default();
         module_types.unique_type(&place.type_name);
@@ -196,15 +197,15 @@ fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
     let doc = inner_documentation(
         "Types of drone interface definitions. Each package is a module.\n\n\
          Every message implements [`Message`](::uavspec_runtime::Message), and messages of fixed size also \
-         implement [`UorbMessage`](::uavspec_runtime::UorbMessage). The features of the runtime enable more: \
-         `serde` adds the JSON form that the published JSON Schemas describe.",
+         implement [`UorbMessage`](::uavspec_runtime::UorbMessage). The runtime feature `serde` adds the \
+         JSON form that the published JSON Schemas describe.",
     );
     let readme = options.readme.as_ref().map(|path| quote!(#![doc = include_str!(#path)]));
     let tokens = quote! {
         #doc
         #readme
         #no_std
-        // Names and texts are taken from the definitions.
+        // Names and texts are copied from the definitions, so these lints can fail.
         #![allow(clippy::approx_constant)]
         #![allow(clippy::default_trait_access)]
         #![allow(clippy::doc_lazy_continuation)]
@@ -306,8 +307,8 @@ fn kind_module(context: &Context<'_>, package: &Package, interfaces: &[&Interfac
     header_of_package(package) + &layout_file(quote!(#doc #(#modules)* #views #layouts))
 }
 
-/// Creates compile-time assertions for the layout of fixed-size messages that contain other messages. For a message
-/// without nested messages, the generator knows the complete layout.
+/// Creates compile-time assertions for the layout of fixed-size messages that contain other messages. The layout of
+/// other messages needs no assertions, because the generator knows it completely.
 fn assert_layouts<'p>(
     context: &Context<'_>,
     messages: impl IntoIterator<Item = &'p (MessageId, Place)>,
@@ -344,7 +345,7 @@ fn re_export_views<'p>(messages: impl Iterator<Item = (&'p str, &'p Place)>) -> 
     (!lines.is_empty()).then(|| quote!(::uavspec_runtime::with_views! { #(#lines)* }))
 }
 
-/// Creates the files of all messages. They are independent, so the work is distributed among the processors.
+/// Creates the files of all messages. The files are independent, so the work is distributed among the processors.
 fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
     let ids: Vec<MessageId> =
         context.schema.packages.iter().flat_map(|package| package.messages.iter().copied()).collect();
@@ -367,7 +368,7 @@ fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
             .chunks(share)
             .map(|ids| scope.spawn(move || ids.iter().map(file).collect::<Vec<_>>()))
             .collect();
-        // A panic in a worker is a bug; it is propagated to the caller.
+        // A panic in a worker is a bug, so it is propagated to the caller.
         work.into_iter()
             .flat_map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
             .collect()

@@ -6,8 +6,8 @@
 //!
 //! # Numbers
 //!
-//! 64-bit integers are `number`, the type that `JSON.parse` returns; values beyond 2^53 are rounded. Constants that a
-//! `number` can't represent exactly have the type `bigint`. Floats may be `null`, which represents NaN.
+//! 64-bit integers have the type `number`, as `JSON.parse` returns them. Values beyond 2^53 are rounded. Constants that
+//! a `number` can't represent exactly have the type `bigint`. Floats may be `null`, which represents NaN.
 //!
 //! # Open sets
 //!
@@ -53,11 +53,11 @@ use crate::translation::Translations;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "files", derive(serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Form {
-    /// TypeScript, for use with other source files: `px4.ts`.
+    /// TypeScript source files, such as `px4.ts`, to compile together with other source files.
     #[default]
     Source,
-    /// The files of a package: `px4.js` and `px4.cjs`, for ECMAScript modules and `CommonJS`, with their types
-    /// `px4.d.ts` and `px4.d.cts`.
+    /// JavaScript with type declarations: `px4.js` and `px4.d.ts` for ECMAScript modules, `px4.cjs` and `px4.d.cts` for
+    /// `CommonJS`.
     Compiled,
 }
 
@@ -104,7 +104,7 @@ pub fn emit(schema: &Schema, translations: &Translations, options: &Options) -> 
     files
 }
 
-/// The types of an ECMAScript module. They are re-exported from the `CommonJS` types to avoid duplicates.
+/// Type declarations of an ECMAScript module. They re-export the `CommonJS` types to avoid duplicates.
 fn types_of_module(path: &str) -> OutputFile {
     let name = path.rsplit('/').next().unwrap_or(path);
     let text = format!("{}export * from \"./{name}.cjs\";\n", header("the definitions"));

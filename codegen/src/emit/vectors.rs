@@ -1,5 +1,5 @@
 //! Test vectors: valid and invalid values of each message, as JSON and as bytes, with the violated rule. There are also
-//! vectors for error codes, and for types and messages on pages.
+//! vectors for error codes, and for types and messages defined on pages.
 //!
 //! Each type has two files. `<package>/<Name>.vectors.json` tests codecs and validators:
 //!
@@ -13,11 +13,11 @@
 //! }
 //! ```
 //!
-//! - `json` and the bytes represent the same message: each encodes to and decodes from the other. If a case lacks a
-//!   form, the member is absent.
+//! - `json` and the bytes represent the same message: the JSON encodes to the bytes, and the bytes decode to the JSON.
+//!   A form that can't represent the message is omitted.
 //! - `uorb` is the complete payload in memory. `cdr` is little-endian and includes the header. Both are hexadecimal.
-//! - `decoded` replaces `json` if the bytes are valid, but differ from those that a little-endian encoder produces.
-//!   Examples are big-endian payloads and payloads with different padding.
+//! - `decoded` replaces `json` if the bytes are valid, but differ from the output of a little-endian encoder. Examples
+//!   are big-endian payloads and payloads with different padding.
 //! - An invalid case violates exactly one rule. Its bytes, if any, may still decode without error: the rule determines
 //!   whether the payload or a value in it is invalid.
 //! - Definitions on pages have JSON cases only. Their rules `SHAPE-TYPE`, `SHAPE-REQUIRED`, `SHAPE-FURTHER`,
@@ -28,9 +28,9 @@
 //! `vectors.schema.json` describes these files.
 //!
 //! `json-schema-test-suite/tests/draft2020-12/<package>/<Name>.json` is for JSON Schema validators. It has the format
-//! and folder structure of the JSON Schema Test Suite: a test group whose schema refers to the published schema by its
-//! `$id`. A case is valid there if the schema accepts it, so undocumented values of enums and null floats are valid.
-//! Integers that 64-bit floats can't distinguish from the bounds of their type are omitted.
+//! and folder structure of the JSON Schema Test Suite. Its test group has a schema that refers to the published schema
+//! by `$id`. In these files, a case is valid if the schema accepts it. Undocumented enum values and null floats are
+//! therefore valid. Integers are omitted if 64-bit floats can't distinguish them from a bound of their type.
 //!
 //! There are no cases for messages that have no valid value, are longer than 64 KiB, or are nested more than 32 levels
 //! deep.
@@ -76,7 +76,7 @@ use crate::failure::Failure;
 use crate::schema::json_type::Direction;
 use crate::schema::{JsonMessageId, Message, MessageId, Package, Schema};
 
-/// Folder of the files in the format of the JSON Schema Test Suite.
+/// Folder for files in the format of the JSON Schema Test Suite.
 const SUITE: &str = "json-schema-test-suite/tests/draft2020-12";
 
 #[cfg(feature = "files")]
@@ -116,8 +116,8 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
     files
 }
 
-/// A valid message of each type as JSON, by message id. Values are typical, and adjacent fields have different values.
-/// `None` if the type has no valid value.
+/// A valid JSON message of each type, indexed by message id. Values are typical, and adjacent fields have different
+/// values. `None` if the type has no valid value.
 pub fn typical(schema: &Schema) -> Vec<Option<String>> {
     let parts = sample::parts(schema);
     let typical = |message| field::message_typical(schema, message, &parts, &mut typical::Typical::default());

@@ -10,21 +10,22 @@ use crate::msg::words::{single_spaced, split_word};
 use crate::schema::documentation::is_ruler;
 use crate::source::Span;
 
-/// Formats a comment on a separate line. `text` follows the `#`. White space after the first space is significant.
+/// Formats a comment on a separate line. `text` is the part after the `#`. White space after the first space is
+/// significant.
 pub(super) fn standalone(text: &str) -> String {
     let needs_no_space = text.is_empty() || text.starts_with([' ', '\t']) || is_drawn(text);
     format!("#{}{text}", if needs_no_space { "" } else { " " })
 }
 
-/// Formats a comment that continues the one above.
+/// Formats a comment line that continues the comment above.
 pub(super) fn continued(text: &str) -> String {
     let rest = text.trim_start_matches([' ', '\t']);
     let indent = &text[..text.len() - rest.len()];
     if indent.contains('\t') { standalone(rest) } else { standalone(text) }
 }
 
-/// Formats the comment of a declaration: annotations in a fixed order and spelling. A directive at the end is left
-/// unchanged.
+/// Formats the comment of a declaration, with its annotations in a fixed order and spelling. A directive at the end is
+/// left unchanged.
 pub(super) fn trailing(text: &str, is_constant: bool) -> String {
     let (content, directive) = split_directive(text);
     let with_directive = |content: String| match directive {
@@ -36,7 +37,7 @@ pub(super) fn trailing(text: &str, is_constant: bool) -> String {
     if is_same { laid_out } else { with_directive(with_mark(text, content.trim())) }
 }
 
-/// The content of a comment, for comparison, and the directive at its end.
+/// Splits a comment into a description of its content, for comparison, and the directive at its end.
 fn read(text: &str, is_constant: bool) -> (String, &str) {
     let (content, directive) = split_directive(text);
     let note = if is_constant {
@@ -47,13 +48,14 @@ fn read(text: &str, is_constant: bool) -> (String, &str) {
     (meaning::describe_note(&note), directive)
 }
 
-/// Prepends `#` to `body`, with a space unless `text` runs into its `#` like a ruler.
+/// Prepends `#` and a space to `body`. Omits the space if `body` is empty, or if it is a ruler or heading that directly
+/// followed the `#` in `text`.
 fn with_mark(text: &str, body: &str) -> String {
     let touches_mark = body.is_empty() || (!text.starts_with(char::is_whitespace) && is_drawn(body));
     format!("#{}{body}", if touches_mark { "" } else { " " })
 }
 
-/// True if the text starts with a stroke that may touch the comment mark: `----`, `## Heading`.
+/// True if the text starts with characters that may directly follow the `#` of a comment: `----`, `## Heading`.
 fn is_drawn(text: &str) -> bool {
     let len = text.len() - text.trim_start_matches(['#', '-', '=', '*', '_', '/']).len();
     text.starts_with('#') || is_ruler(&text[..len])
@@ -136,7 +138,7 @@ fn spelled(text: &str, annotation: &Annotation<'_>) -> String {
     }
 }
 
-/// The argument of an annotation, which may lack its `@` or its name.
+/// The argument of an annotation that may lack its `@` or its name.
 fn argument<'s>(content: &'s str, name: &str) -> &'s str {
     match split_word(content.strip_prefix('@').unwrap_or(content)) {
         (found, argument) if found == name => argument,

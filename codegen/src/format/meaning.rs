@@ -1,4 +1,4 @@
-//! Descriptions of the content of a source without its positions, to compare a source before and after formatting.
+//! Descriptions of a source's content without positions, for comparing the source before and after formatting.
 
 use pulldown_cmark::{Event, Parser, Tag, TagEnd, TextMergeStream};
 
@@ -49,7 +49,7 @@ fn describe_line(sources: &SourceMap, line: &Line<'_>) -> String {
 fn describe_comment(comment: &Comment<'_>) -> String {
     let text = match &comment.note {
         Some(note) => describe_note(note),
-        // White space is significant in documentation only, which the commentary covers.
+        // White space is significant only in documentation, which is compared separately.
         None => comment.text.split_whitespace().collect::<Vec<_>>().join(" "),
     };
     let directive = comment.directive.map(|Directive { rule, reason, .. }| (rule, reason));
@@ -65,7 +65,7 @@ pub(super) fn describe_note(note: &Note<'_>) -> String {
     format!("{statements:?} {:?} {parameters:?}", note.text)
 }
 
-/// Describes a page: its headings and tables, and for Markdown everything that is rendered.
+/// Describes a page: its headings and tables and, for Markdown, all rendered content.
 pub(super) fn describe_page(path: &str, text: &str, page: &Page) -> Vec<String> {
     let form = Form::of(path, text);
     let mut parts = vec![format!("{form:?}")];
@@ -89,7 +89,7 @@ fn describe_cells(cells: &[Cell]) -> String {
 fn rendered(text: &str) -> Vec<String> {
     // Line endings, and a missing line ending at the end of the file, don't change the content.
     let text = without_trailing_blank_lines(text).replace("\r\n", "\n") + "\n";
-    // White space at the end of a heading or cell is not rendered. Their text was compared above.
+    // White space at the end of a heading or cell is not rendered. The text of headings and cells was compared above.
     let mut is_trimmed = false;
     let mut rendered = Vec::new();
     for event in TextMergeStream::new(Parser::new_ext(&text, markdown::OPTIONS)) {

@@ -8,7 +8,7 @@ use crate::msg::ast::{Comment, Definition, Item, Line};
 use crate::msg::{Dialect, is_separator};
 use crate::source::{SourceId, SourceMap};
 
-/// The start of a comment that lists topics, after its `#`.
+/// The start of a comment that lists topics, without the `#`.
 const TOPICS: &str = " TOPICS ";
 
 /// The characters that separate words.
@@ -17,9 +17,9 @@ const SPACES: [char; 2] = [' ', '\t'];
 /// A formatted line, before its comment is aligned.
 enum Row {
     Blank,
-    /// `---`, or a comment on a separate line. It ends a block.
+    /// `---`, or a comment on a separate line. Either ends a block.
     Apart(String),
-    /// A list of topics or a directive. It doesn't end a block.
+    /// A list of topics or a directive. Neither ends a block.
     Aside(String),
     Declared {
         declaration: String,
@@ -70,7 +70,7 @@ fn separator(line: &str) -> Row {
     })
 }
 
-/// Formats lines in order, and tracks the state that decides how comments are interpreted.
+/// Formats lines in order, and tracks the state that determines how comments are interpreted.
 struct Reader<'m> {
     sources: &'m SourceMap,
     dialect: Dialect,
@@ -127,8 +127,8 @@ impl<'m> Reader<'m> {
         Row::Declared { declaration, comment }
     }
 
-    /// Formats a comment on a separate line, with `written` as its text after the `#`. The result is a list of topics
-    /// only if the original is.
+    /// Formats a comment on a separate line. `written` is the text after the `#`. The result lists topics only if the
+    /// original does.
     fn standalone(&mut self, comment: &Comment<'_>, written: &str) -> Row {
         let topics = comment.text.strip_prefix(TOPICS).filter(|_| self.dialect == Dialect::Px4);
         let is_indented = comment.column > 0;
@@ -155,7 +155,7 @@ impl<'m> Reader<'m> {
     }
 }
 
-/// Removes blank lines at the end and collapses consecutive ones. A blank line at the start remains only before a
+/// Removes trailing blank lines and collapses consecutive ones. A blank line at the start is kept only before a
 /// comment, which would otherwise become the comment of the whole definition.
 fn tidy(rows: Vec<Row>) -> Vec<Row> {
     let mut tidy: Vec<Row> = Vec::with_capacity(rows.len());

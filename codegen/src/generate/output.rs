@@ -1,8 +1,8 @@
-//! Writes output. Only changed files are written, either all or none, and only files of an earlier run are replaced or
-//! removed.
+//! Writes output. Only changed files are written: either all of them or none. Only files from an earlier run are
+//! replaced or removed.
 //!
-//! A manifest in each output folder lists the files of the last run. Other files belong to the user unless they contain
-//! the generator's mark, and are an error if an output has the same path.
+//! A manifest in each output folder lists the files of the last run. Any other file without the generator's mark
+//! belongs to the user. It is an error if an output has the same path as such a file.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -56,7 +56,7 @@ impl fmt::Display for Difference {
 /// The changes of a run to a folder.
 struct Changes<'f> {
     folder: &'f Path,
-    /// The files to write, and true for existing files.
+    /// The files to write, each with its text and a flag that is true if the file exists.
     write: Vec<(PathBuf, &'f str, bool)>,
     remove: Vec<PathBuf>,
     manifest: String,
@@ -183,7 +183,7 @@ fn is_marked(bytes: &[u8]) -> bool {
     head.windows(GENERATED_BY.len()).any(|window| window == GENERATED_BY.as_bytes())
 }
 
-/// Fails if a folder of the output is a symbolic link, which would lead outside.
+/// Fails if a folder of the output is a symbolic link, because its target may be outside the output folder.
 fn reject_links(folder: &Path, relative: &Path) -> Result<(), Failure> {
     let mut at = folder.to_path_buf();
     for part in relative.parent().into_iter().flat_map(Path::components) {
@@ -217,7 +217,7 @@ fn commit(change: &Changes<'_>, stage: &Path) -> io::Result<()> {
     }
     for path in &change.remove {
         fs::remove_file(change.folder.join(path))?;
-        // Remove folders that are now empty; removal fails for others.
+        // Remove folders that are now empty. Removal fails for all other folders.
         for parent in path.ancestors().skip(1).take_while(|parent| !parent.as_os_str().is_empty()) {
             if fs::remove_dir(change.folder.join(parent)).is_err() {
                 break;

@@ -11,7 +11,7 @@ pub(super) const RULE: Rule = Rule {
     id: "annotation-after-text",
     statement: "An annotation after the text of a comment.",
     why: "PX4's documentation generator reads annotations at the start of a comment only. It prints \
-        later ones as text, and other tools ignore them.",
+        later annotations as text, and other tools ignore them.",
     fix: "Move the annotation to the start of the comment.",
     levels: Levels::both(Level::Warning),
     bad: Example {
@@ -56,7 +56,7 @@ fn can_close(before: &str, after: &str) -> bool {
     before.len() <= MAX_TEXT_LEN
         && !before.contains("[@")
         && !before.contains("(@")
-        // Brackets on both sides must not form a new annotation, and words must not form a directive.
+        // The text on both sides must not join into a new annotation or a directive.
         && count('[') == count(']')
         && count('(') == count(')')
         && !before.trim_end().ends_with(['#', '/', '-'])

@@ -7,7 +7,7 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "comment-continued",
-    statement: "A comment of a field or constant that continues on the next line.",
+    statement: "A field or constant whose comment continues on the next line.",
     why: "uavspec joins the lines, but PX4's documentation shows only the first.",
     fix: "Write the whole comment on the line of the declaration.",
     levels: Levels::both(Level::Note),

@@ -58,9 +58,9 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
 struct Block {
     /// The span from the first to the last comment with text.
     place: Option<Span>,
-    /// True if the line before is a declaration, or continues its comment.
+    /// True if the previous line is a declaration, or continues a declaration's comment.
     is_after_item: bool,
-    /// True if one of the comments is a list of topics. The other comments may describe it.
+    /// True if one of the comments is a list of topics. The other comments may describe the topics.
     is_of_topics: bool,
 }
 

@@ -57,7 +57,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// The enum prefixes of fields and parameters, including those in other messages that refer to this one.
+/// The enum prefixes that fields and parameters use, including fields of other messages that refer to `message`.
 fn prefixes(message: &Message) -> BTreeSet<String> {
     let fields = message.fields.iter().flat_map(|field| &field.enum_prefixes);
     let parameters = message.constants.iter().flat_map(|constant| &constant.parameters);

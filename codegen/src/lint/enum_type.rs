@@ -41,7 +41,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         let Some(reference) = field.enumeration else { continue };
         let wider = *known.entry(reference).or_insert_with(|| wider(reference, subject.schema));
         let Some((constant, scalar)) = wider else { continue };
-        // The field of a bit mask and its constants, which may be bit numbers, can have different types.
+        // A bit-mask field can have a different type from its constants, which may be bit numbers.
         if bits.are_bits(field, reference, subject.schema) {
             continue;
         }
@@ -55,7 +55,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// Finds the first constant whose type is wider than that of the field.
+/// Finds the first constant whose type is wider than the field's type.
 fn wider(reference: EnumRef, schema: &Schema) -> Option<(&Constant, Scalar)> {
     let found = schema.enumeration(reference);
     let constants = &schema.message(reference.message).constants;

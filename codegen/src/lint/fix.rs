@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::finding::{Edit, Finding};
 use crate::source::{SourceId, SourceMap};
 
-/// Applies the fixes of all findings, and returns the changed texts by source. If the edits of two findings touch, only
-/// the first is applied. Another pass applies the second.
+/// Applies the fixes of all findings, and returns the changed texts by source. If the edits of two findings touch each
+/// other, only the first finding is fixed. Another pass fixes the second.
 pub fn apply(findings: &[Finding], sources: &SourceMap) -> BTreeMap<SourceId, String> {
     let mut by_source: BTreeMap<SourceId, BTreeSet<&Edit>> = BTreeMap::new();
     for finding in findings {
@@ -33,7 +33,7 @@ pub fn apply(findings: &[Finding], sources: &SourceMap) -> BTreeMap<SourceId, St
     by_source.into_iter().map(text).collect()
 }
 
-/// True if an edit touches none of the chosen edits. The chosen edits don't touch each other.
+/// True if an edit touches none of the chosen edits. The chosen edits must not touch each other.
 fn is_apart(edit: &Edit, chosen: &BTreeSet<&Edit>) -> bool {
     let before =
         chosen.range::<&Edit, _>(..edit).next_back().is_none_or(|other| other.span.end < edit.span.start);

@@ -31,10 +31,10 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Message(check),
 };
 
-/// Coordinate frames of the world, in lower case.
+/// World coordinate frames, in lower case.
 const WORLD: [&str; 8] = ["ned", "enu", "nwu", "ecef", "wgs84", "local ned", "local enu", "local frd"];
 
-/// Coordinate frames of the vehicle, in lower case.
+/// Vehicle coordinate frames, in lower case.
 const VEHICLE: [&str; 8] =
     ["frd", "flu", "body", "body frd", "body flu", "body frame", "body frame frd", "body frame flu"];
 

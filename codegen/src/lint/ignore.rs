@@ -1,4 +1,4 @@
-//! Ignore comments and the ignores in the configuration. Invalid and unused ones are reported.
+//! Ignore comments, and `ignore` entries in the configuration. Invalid and unused ones are reported.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,8 +19,8 @@ use crate::source::{SourceId, SourceMap, Span};
 pub(super) const INVALID: Rule = Rule {
     id: "invalid-ignore",
     statement: "An ignore comment without a known rule or without a reason.",
-    why: "A comment with an unknown rule has no effect. Without a reason, nobody can tell when it \
-        becomes obsolete. Parser errors can't be ignored.",
+    why: "A comment with an unknown rule has no effect. Without a reason, nobody can tell when the \
+        comment becomes obsolete. Parser errors can't be ignored.",
     fix: "Name a rule and give a reason.",
     levels: Levels::both(Level::Warning),
     bad: Example {
@@ -41,7 +41,7 @@ pub(super) const INVALID: Rule = Rule {
 pub(super) const UNUSED: Rule = Rule {
     id: "unused-ignore",
     statement: "An ignore comment without a finding to ignore.",
-    why: "It would hide the next finding of the rule. Comments for rules that are switched off are \
+    why: "It would hide a future finding of the rule. Comments for rules that are switched off are \
         not reported.",
     fix: "Remove the comment.",
     levels: Levels::both(Level::Warning),
@@ -139,7 +139,7 @@ fn add_requests_of_part<'s>(
         let removal = if comment.is_directive() && line.item.is_none() {
             whole_line(line.span, sources)
         } else {
-            // Starts at the end of the text before the request.
+            // The removal starts at the end of the text before the request.
             let text = comment.text.trim_end();
             let start = if text.is_empty() { 0 } else { 1 + text.len() };
             comment.span.part(start..start).to(comment.span)
@@ -226,7 +226,8 @@ fn find<'r>(rules: &[&'r Rule], id: &str) -> Option<&'r Rule> {
 /// Finds the rule with the most similar id, if there is a similar one.
 fn similar(id: &str, rules: &[&Rule]) -> Option<&'static str> {
     let distances = rules.iter().map(|rule| (strsim::damerau_levenshtein(rule.id, id), rule.id));
-    // Ids are short, so much longer text is not an id. The cost of a comparison is the product of the lengths.
+    // Ids are short, so a much longer text is not an id. A comparison takes time proportional to the product of the
+    // lengths.
     distances
         .filter(|(distance, known)| id.len() < 60 && *distance <= 1 + known.len() / 5)
         .min()
@@ -235,10 +236,10 @@ fn similar(id: &str, rules: &[&Rule]) -> Option<&'static str> {
 
 /// Requests, indexed by scope.
 struct Index<'s> {
-    /// The requests for lines, by rule and start of the line.
+    /// The requests that apply to one line, by rule and start of the line.
     lines: BTreeMap<(&'s str, u32), usize>,
     sources: BTreeMap<(&'s str, SourceId), usize>,
-    /// The requests in the configuration, of which there are few.
+    /// The few requests in the configuration.
     others: Vec<usize>,
 }
 

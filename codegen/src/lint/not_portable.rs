@@ -9,8 +9,8 @@ use crate::source::SourceMap;
 pub(super) const RULE: Rule = Rule {
     id: "not-portable",
     statement: "Syntax that PX4's generator doesn't support.",
-    why: "PX4's generator reads decimal integers, `True` and `False`, and needs a space between type \
-        and name. It misreads other forms without an error.",
+    why: "PX4's generator accepts only decimal integers, `True` and `False`, and needs a space between \
+        type and name. It misreads other forms without reporting an error.",
     fix: "Write the portable form.",
     levels: Levels::both(Level::Warning),
     bad: Example {

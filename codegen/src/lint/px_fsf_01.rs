@@ -30,7 +30,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Message(check),
 };
 
-/// Words for a failure in the names of flags.
+/// Words in flag names that describe a failure.
 const FAILURES: &str = "breached breach broken corrupt corrupted critical denied disconnected empty error exceeded \
     failed failing failure fault faulty high imbalanced inconsistent invalid inaccurate loss lost \
     low missing overheated overload overloaded rejected spoofed stale stuck timeout triggered \
@@ -43,7 +43,7 @@ const QUALIFIERS: [&str; 3] = ["prop", "relaxed", "remaining_time"];
 /// Words before a failure word that negate its meaning.
 const NEGATIONS: [&str; 4] = ["never", "no", "not", "without"];
 
-/// The prefix of the masks of flight modes, which describe requirements.
+/// The prefix of flight-mode masks, which describe requirements instead of failures.
 pub(super) const REQUIREMENT: &str = "mode_req_";
 
 /// True if the rules about flags apply to the message.

@@ -43,7 +43,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// The ranges in a declaration where words are separated by more than one space.
+/// The ranges of repeated spaces between the words of a declaration.
 fn runs(text: &str) -> Vec<std::ops::Range<usize>> {
     let is_space = |c: char| matches!(c, ' ' | '\t');
     let end = text.trim_end_matches(is_space).len();

@@ -14,7 +14,7 @@ pub struct Rule {
     pub id: &'static str,
     /// A description of the findings.
     pub statement: &'static str,
-    /// The harm that a violation does.
+    /// The consequences of a violation.
     pub why: &'static str,
     /// The way to correct a violation.
     pub fix: &'static str,
@@ -40,7 +40,7 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// Creates equal levels for both presets.
+    /// Creates levels that are the same in both presets.
     pub const fn both(level: Level) -> Self {
         Self { px4: Some(level), strict: Some(level) }
     }
@@ -66,7 +66,7 @@ pub struct Measured {
     pub findings: usize,
     /// The number of reviewed findings: either all findings, or a random sample of thirty.
     pub sample: usize,
-    /// The number of findings in the sample that are correct: an expert would change the definition.
+    /// The number of correct findings in the sample. A finding is correct if an expert would change the definition.
     pub right: usize,
 }
 
@@ -117,10 +117,10 @@ impl Sink<'_> {
 /// A set of levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preset {
-    /// The rules of PX4's documentation standard, and mistakes that mislead readers or parsers.
+    /// Rules of PX4's documentation standard, and rules against mistakes that mislead readers or parsers.
     #[default]
     Px4,
-    /// All rules except the one about PX4's own list of units.
+    /// All rules except `unit-unlisted`, which allows only units from PX4's list.
     Strict,
 }
 

@@ -9,9 +9,9 @@ use crate::source::{SourceId, Span};
 /// The levels of the rules, and the ignored findings.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// The preset with the initial levels.
+    /// The preset that determines the initial levels.
     pub preset: Preset,
-    /// Levels of single rules, by id. `None` switches a rule off.
+    /// Levels of individual rules, by id. `None` switches a rule off.
     pub levels: BTreeMap<String, Option<Level>>,
     /// The ignores in the configuration.
     pub ignores: Vec<Ignore>,

@@ -11,7 +11,7 @@ use crate::source::SourceMap;
 pub(super) const RULE: Rule = Rule {
     id: "severity-bits",
     statement: "An error code whose text contradicts its severity bits.",
-    why: "Bits 6 and 7 of a code encode its severity, in vendor ranges as well. With the wrong bits, receivers may \
+    why: "Bits 6 and 7 of a code encode its severity, even in vendor ranges. If the bits are wrong, receivers may \
         stop a flight for a warning, or show a failure as a hint.",
     fix: "Move the code to a number with the right bits, or correct the text.",
     levels: Levels::both(Level::Warning),
@@ -44,7 +44,7 @@ const WORDS: &[(&str, Severity)] = &[
     ("critical error", Severity::Fatal),
 ];
 
-/// Parts of abbreviations that clearly name a severity. `ERR` is missing, since codes of any severity contain it.
+/// Parts of abbreviations that clearly name a severity. `ERR` is omitted, because codes of any severity contain it.
 const MARKS: &[(&str, Severity)] = &[
     ("INFO", Severity::Informational),
     ("WARN", Severity::Warning),

@@ -22,17 +22,17 @@ pub(crate) struct Subject<'a> {
     pub message: &'a Message,
     /// The lines of the message.
     pub part: &'a Part<'a>,
-    /// True if another message contains it.
+    /// True if another message contains this message.
     pub is_nested: bool,
 }
 
 impl<'a> Subject<'a> {
-    /// True if it is a PX4 message, and not a ROS 2 message or a part of a service.
+    /// True for a PX4 message; false for a ROS 2 message or a part of a service.
     pub(crate) fn is_px4_message(&self) -> bool {
         self.dialect == Dialect::Px4 && self.message.kind == Kind::Message
     }
 
-    /// True if it is written in PX4's dialect, so that PX4's documentation standard applies.
+    /// True if the definition is in PX4's dialect, so PX4's documentation standard applies.
     pub(crate) fn is_px4(&self) -> bool {
         self.dialect == Dialect::Px4
     }
@@ -52,7 +52,7 @@ impl<'a> Subject<'a> {
         self.message.constants.iter().filter_map(|constant| Some((constant, self.line(constant.span)?)))
     }
 
-    /// The lines with declarations, with the text before the comment and its span.
+    /// The lines with declarations, each with the text before the comment and the span of that text.
     pub(crate) fn declarations(&self) -> impl Iterator<Item = (&'a Line<'a>, &'a str, Span)> {
         let sources = self.sources;
         self.part.lines.iter().filter(|line| line.item.is_some()).map(move |line| {
@@ -69,7 +69,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// The annotations of a declaration, including those of command parameters.
+/// The annotations of a declaration, including annotations of command parameters.
 pub(super) fn annotations<'l>(line: &'l Line<'_>) -> impl Iterator<Item = &'l Annotation<'l>> {
     let note = line.comment.as_ref().and_then(|comment| comment.note.as_ref());
     let notes = note.into_iter().flat_map(|note| std::iter::once(note).chain(&note.parameters));

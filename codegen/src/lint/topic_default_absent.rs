@@ -31,7 +31,7 @@ pub(super) const RULE: Rule = Rule {
 /// The maximum number of changed letters in a typing error.
 const MAX_DISTANCE: usize = 2;
 
-/// The maximum length of compared topics. The cost of a comparison is the product of the lengths.
+/// The maximum length of compared topics. A comparison takes time proportional to the product of the lengths.
 const MAX_LEN: usize = 100;
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
@@ -53,7 +53,9 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     let Some((_, first)) = listed().next() else { return };
     let typo = listed().find(|(word, _)| is_typo(word));
     let help = match typo {
-        Some((word, _)) => format!("`{word}` is similar: write `{default}`, or add it if both are intended"),
+        Some((word, _)) => {
+            format!("`{word}` is similar: write `{default}` instead, or list both if both are intended")
+        }
         None => "add it if subscribers need it".to_owned(),
     };
     let place = typo.map_or(first, |(_, place)| place);

@@ -1,11 +1,11 @@
-//! Lines `# TOPICS a b` of PX4 messages.
+//! The `# TOPICS a b` lines of PX4 messages.
 
 use super::subject::Subject;
 use crate::directive;
 use crate::msg::ast::Line;
 use crate::source::{SourceMap, Span};
 
-/// The start of the comment in such a line.
+/// The start of the comment in a `# TOPICS` line.
 const MARK: &str = " TOPICS";
 
 /// The lines of a message that list topics. A list may be empty.
@@ -35,7 +35,7 @@ pub(super) fn words<'a>(line: &'a Line<'_>) -> impl Iterator<Item = (&'a str, Sp
 /// The span to delete in order to remove the topic at `word`: the word with the spaces around it, or the whole line if
 /// it is the only topic. `None` if a comment below the line would then belong to another declaration.
 ///
-/// The search is limited to the neighboring text, since a line may list any number of topics.
+/// The search is limited to the neighboring text, because a line may list any number of topics.
 pub(super) fn removal(word: Span, sources: &SourceMap) -> Option<Span> {
     let whole = sources.span(sources.source_of(word));
     let before = sources.slice(Span { start: whole.start, end: word.start });
@@ -63,7 +63,7 @@ pub(super) fn removal(word: Span, sources: &SourceMap) -> Option<Span> {
     if is_after_empty && next.starts_with('#') {
         return None;
     }
-    // Of two consecutive empty lines, one remains. An empty line at the end is removed.
+    // If two consecutive empty lines would remain, one of them is removed. An empty line at the end is also removed.
     let start = match last {
         Some((above, empty)) if is_after_empty && next.is_empty() => above.len() - empty.len(),
         _ => above.len(),

@@ -9,8 +9,8 @@ use crate::schema::Form;
 pub(super) const RULE: Rule = Rule {
     id: "trailing-white-space",
     statement: "White space at the end of a line.",
-    why: "Editors remove it in unrelated changes.",
-    fix: "Remove it.",
+    why: "Many editors remove it automatically, which adds unrelated lines to a change.",
+    fix: "Remove the white space.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",

@@ -1,4 +1,4 @@
-//! `unknown-escape`: a backslash in a string that starts no escape sequence.
+//! `unknown-escape`: a string with a backslash that starts no escape sequence.
 
 use super::rule::{Check, Levels, Rule};
 use crate::diagnostic::{Diagnostic, Level, Problem};

@@ -7,7 +7,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "unknown-translation",
     statement: "A translation of an unknown item.",
-    why: "It is not used. The `msgctxt` is misspelt, or the item was removed.",
+    why: "The translation is not used. The `msgctxt` is misspelt, or the item was removed.",
     fix: "Correct the `msgctxt`, or remove the entry. Valid forms are `px4/Wind`, `px4/Wind.speed`, \
         `px4/Wind::SPEED_LOW` and `flockwave/error-code/134`.",
     levels: Levels::both(Level::Warning),

@@ -7,7 +7,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "unknown-unit",
     statement: "A unit that is not in uavspec's list.",
-    why: "Its values can't be converted or compared, and it may not be a unit.",
+    why: "Values in this unit can't be converted or compared, and the text may not be a unit at all.",
     fix: "Use a unit from the list.",
     levels: Levels::both(Level::Warning),
     bad: Example {

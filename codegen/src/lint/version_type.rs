@@ -1,4 +1,4 @@
-//! `version-type`: special PX4 constants of another type.
+//! `version-type`: special PX4 constants of an unexpected type.
 
 use uavspec_runtime::Scalar;
 

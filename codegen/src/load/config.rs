@@ -20,7 +20,7 @@ const FILE_NAMES: [&str; 2] = ["uavspec.toml", "definitions/uavspec.toml"];
 /// A parsed `uavspec.toml`.
 #[derive(Debug)]
 pub(crate) struct Config {
-    /// The folder of the file; paths in the file are relative to it.
+    /// The folder that contains the file. Paths in the file are relative to this folder.
     folder: PathBuf,
     /// The displayed path of the file.
     path: String,
@@ -51,7 +51,7 @@ struct Translations {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(clippy::struct_field_names)] // the names are those of the file
+#[allow(clippy::struct_field_names)] // these are the names in the file
 struct Package {
     name: Spanned<String>,
     dialect: DialectName,
@@ -102,7 +102,7 @@ pub(crate) struct PlannedPackage {
     pub(crate) revision: Option<String>,
 }
 
-/// The location of the definitions of a package.
+/// The location of a package's definitions.
 #[derive(Debug)]
 pub(crate) enum Inputs {
     /// Glob patterns relative to a folder.
@@ -119,7 +119,7 @@ pub(crate) struct PlannedOutput {
 }
 
 impl Config {
-    /// Reads `path`, or the nearest file in the current folder or above.
+    /// Reads `path`, or the nearest configuration file in the current folder or above.
     pub(crate) fn find(path: Option<&Path>) -> Result<Self, Failure> {
         if let Some(path) = path {
             return Self::read(path);
@@ -154,7 +154,7 @@ impl Config {
         Path::new(&self.path)
     }
 
-    /// The file in `folder`, if one exists.
+    /// The configuration file in `folder`, if one exists.
     pub(crate) fn in_folder(folder: &Path) -> Option<PathBuf> {
         FILE_NAMES.iter().map(|name| folder.join(name)).find(|path| path.is_file())
     }

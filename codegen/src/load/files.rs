@@ -37,7 +37,7 @@ pub(crate) struct Loaded {
     pub(crate) config: Option<Span>,
 }
 
-/// Reads all sources of `plan`, and the ROS 2 packages that they refer to in neighbouring folders.
+/// Reads all sources of `plan`, and the referenced ROS 2 packages in neighbouring folders.
 pub(crate) fn load(plan: &Plan) -> Result<Loaded, Failure> {
     load_into(plan, SourceMap::default())
 }
@@ -95,7 +95,7 @@ fn loader(plan: &Plan, sources: SourceMap) -> Result<Loader<'_>, Failure> {
 struct Loader<'p> {
     plan: &'p Plan,
     loaded: Loaded,
-    /// The folder of each ROS 2 package, which contains `msg`.
+    /// The folder of each ROS 2 package. This folder contains `msg`.
     folders: BTreeMap<String, PathBuf>,
 }
 
@@ -184,8 +184,8 @@ impl Loader<'_> {
         self.plan.revision.as_ref().map_or_else(|| path.clone(), |revision| format!("{revision}:{path}"))
     }
 
-    /// Reads referenced packages from neighbouring folders, until no more are found. The output contains only their
-    /// referenced messages.
+    /// Reads referenced packages from neighbouring folders, until no more are found. Only the referenced messages of
+    /// these packages appear in the output.
     fn ros_dependencies(&mut self) -> Result<(), Failure> {
         let mut tried: BTreeSet<String> =
             self.loaded.packages.iter().map(|package| package.name.clone()).collect();
@@ -368,7 +368,7 @@ fn matching(folder: &Path, pattern: &str, is_match: impl Fn(&Path) -> bool) -> R
     Ok(files)
 }
 
-/// Splits a pattern into the folders before its first wildcard, which limit the search, and the rest.
+/// Splits a pattern before its first component with a wildcard. The first part is the folder to search.
 pub(crate) fn literal_base(pattern: &str) -> (String, String) {
     let parts: Vec<&str> = pattern.split('/').collect();
     let literal = parts.iter().take_while(|part| !part.contains(['*', '?', '[', '{'])).count();

@@ -24,7 +24,7 @@ pub(crate) struct Lint {
     ignores: Vec<Spanned<LintIgnore>>,
 }
 
-/// An exception from a rule.
+/// An exception to a rule.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LintIgnore {
@@ -40,7 +40,7 @@ struct LintIgnore {
 pub(crate) enum PresetName {
     /// Rules of PX4's documentation standard, and rules against ambiguous text
     Px4,
-    /// All rules except unit-unlisted, which checks PX4's list of units
+    /// All rules except unit-unlisted, which allows only units from PX4's list
     Strict,
 }
 
@@ -82,11 +82,11 @@ pub(crate) struct PlannedLint {
     pub(crate) ignores: Vec<PlannedIgnore>,
 }
 
-/// An exception from a rule.
+/// An exception to a rule.
 #[derive(Debug)]
 pub(crate) struct PlannedIgnore {
     pub(crate) rule: String,
-    /// A glob pattern of files, relative to the folder of the configuration file; `None` for all files.
+    /// A glob pattern for files, relative to the folder of the configuration file. `None` matches all files.
     pub(crate) files: Option<GlobMatcher>,
     pub(crate) reason: String,
     /// The location in the configuration file.
@@ -94,7 +94,7 @@ pub(crate) struct PlannedIgnore {
 }
 
 impl Lint {
-    /// Checks the names of rules, and the patterns. `text` is the content of the file at `path`.
+    /// Checks the rule names and the patterns. `text` is the content of the file at `path`.
     pub(crate) fn plan(self, folder: &Path, path: &str, text: &str) -> Result<PlannedLint, Failure> {
         let mut levels = BTreeMap::new();
         for (id, level) in self.levels {

@@ -25,7 +25,7 @@ const MAX_ANNOTATION_LEN: usize = 400;
 /// The start of an annotation that contains a regular expression.
 const PATTERN: &str = "[@pattern ";
 
-/// The number of pipes around seven parameters; the last one is optional.
+/// The number of pipes around seven parameters; the last pipe is optional.
 pub(crate) const PARAMETER_BARS: RangeInclusive<usize> = 7..=8;
 
 /// A comment, split into annotations and text.
@@ -139,7 +139,7 @@ impl<'s> Reader<'s, '_> {
         }
     }
 
-    /// Reports a regular expression with unbalanced brackets: its end is unknown.
+    /// Reports a regular expression with unbalanced brackets, because its end is unknown.
     fn report_open_pattern(&mut self, start: usize) {
         if self.vocabulary == Vocabulary::Page && self.text[start..].starts_with(PATTERN) {
             let text = self.text[start + 1..].chars().take(MAX_UNIT_LEN).collect();
@@ -263,7 +263,7 @@ fn bracketed_pattern(text: &str) -> Option<usize> {
     None
 }
 
-/// True if `text` is a single pair of brackets. A bracket in the contents may close the pair early.
+/// True if a single pair of brackets encloses all of `text`. A bracket in the contents may close the pair early.
 pub(crate) fn is_bracketed(text: &str) -> bool {
     bracketed(text, 0).is_some_and(|(_, end)| end == text.len())
 }

@@ -50,7 +50,7 @@ pub struct Comment<'s> {
     pub span: Span,
     /// The column of the `#`, from 0, in bytes.
     pub column: usize,
-    /// The text after the `#`, without a directive and trailing white space.
+    /// The text after the `#`, without the directive and trailing white space.
     pub text: &'s str,
     /// The directive at the end.
     pub directive: Option<Directive<'s>>,
@@ -59,7 +59,7 @@ pub struct Comment<'s> {
 }
 
 impl Comment<'_> {
-    /// True if the comment contains only a directive; it is then not part of the documentation.
+    /// True if the comment contains only a directive. Such a comment is not part of the documentation.
     pub fn is_directive(&self) -> bool {
         self.directive.is_some() && self.text.is_empty()
     }

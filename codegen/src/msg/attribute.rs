@@ -21,8 +21,8 @@ pub struct Attribute {
     pub form: &'static str,
     /// Arguments that definitions mistakenly write without the attribute name: `[NED]`.
     pub bare: &'static [&'static str],
-    /// The text in the documentation, in which the name in braces is a placeholder for the argument. Translations of
-    /// the generator's texts contain it.
+    /// The text in the documentation. The name in braces is a placeholder for the argument. Translations use the
+    /// English text as their key.
     pub words: &'static str,
     /// The keyword in JSON Schemas.
     pub keyword: &'static str,

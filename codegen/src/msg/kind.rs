@@ -58,7 +58,7 @@ impl Kind {
         }
     }
 
-    /// The suffixes of the names of the parts, in order, as in ROS.
+    /// The name suffixes of the parts, in order, as in ROS.
     pub fn part_suffixes(self) -> &'static [&'static str] {
         match self {
             Self::Message => &[""],

@@ -44,8 +44,8 @@ pub(crate) fn form(scalar: Scalar) -> &'static str {
     }
 }
 
-/// True if PX4's generator also reads `text` as `value`. It accepts decimal integers, `True` and `False`, and writes
-/// floats as integers.
+/// True if PX4's generator also reads `text` as `value`. The generator accepts decimal integers, `True` and `False`,
+/// and truncates floats to integers.
 pub(crate) fn is_portable(text: &str, value: &Value) -> bool {
     match value {
         Value::Bool(_) => matches!(text, "True" | "False" | "0" | "1"),
@@ -110,7 +110,7 @@ fn parse_float(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
     let greatest = if scalar == Scalar::Float32 { f64::from(f32::MAX) } else { f64::MAX };
     let names_infinity = text.to_ascii_lowercase().contains("inf");
     if value.abs() > greatest && !names_infinity {
-        // The limit in its own precision, with the shortest digits.
+        // The limit of the type, in its shortest decimal form.
         let greatest =
             if scalar == Scalar::Float32 { format!("{:e}", f32::MAX) } else { format!("{:e}", f64::MAX) };
         return Err(LiteralError::Range { least: format!("-{greatest}"), greatest });

@@ -1,4 +1,4 @@
-//! The parser, with one function for each production.
+//! The parser, with one function for each grammar production.
 
 mod value;
 
@@ -15,7 +15,7 @@ use crate::source::Span;
 /// The maximum length of an array or string. The size of the whole message is checked later.
 const MAX_LENGTH: u32 = 16 << 20;
 
-/// The maximum number of invalid lines; a file with more is not a definition.
+/// The maximum number of invalid lines. A file with more invalid lines is not a definition.
 const MAX_BAD_LINES: usize = 1_000;
 
 pub(super) fn parse(

@@ -8,7 +8,7 @@ use crate::diagnostic::Problem;
 /// The meaning of an annotation.
 #[derive(Debug, PartialEq)]
 pub enum Statement<'s> {
-    /// `[m/s]`: the unit; a known unit in its canonical spelling.
+    /// `[m/s]`: the unit. Known units have their canonical spelling.
     Unit(&'s str),
     /// `[@enum PREFIX …]`: the value is one of the constants with this prefix.
     Enum(Vec<Prefix<'s>>),
@@ -18,7 +18,7 @@ pub enum Statement<'s> {
     Constraint(&'static ConstraintKind, Argument<'s>, &'s str),
     /// `[@frame name]` and similar: an attribute and its text.
     Attribute(&'static Attribute, &'s str),
-    /// `[@count field]`: the value is the number of used elements of that array.
+    /// `[@count field]`: the value is the number of used elements in that array.
     Count(&'s str),
     /// `[@length least, most]`, on pages: the length of a string in characters, or of a list in elements.
     Length {
@@ -64,7 +64,7 @@ pub(crate) enum Vocabulary {
 /// The known string formats on pages.
 pub(crate) const FORMATS: [&str; 1] = ["base64"];
 
-/// A prefix of the names of constants.
+/// A prefix of constant names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Prefix<'s> {
     /// The message that defines the constants, if it is a different message: `Message.PREFIX`.
@@ -136,7 +136,7 @@ fn is_pattern(text: &str) -> bool {
     !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::pattern::is_known(text)
 }
 
-/// Parses a length: either one exact length, or two bounds separated by a comma, one of which may be absent.
+/// Parses a length: either one exact length, or two bounds separated by a comma. One of the bounds may be absent.
 fn length(argument: &str) -> Option<Statement<'_>> {
     let bound = |text: &str| match text.trim() {
         "" => Some(None),

@@ -18,7 +18,7 @@ pub const GUIDE_URL: &str = "https://uavspec.dev/guide/";
 /// The URL of the rule pages.
 pub const RULES_URL: &str = "https://uavspec.dev/docs/rules/";
 
-/// The page of parser errors that are not rules.
+/// The page for parser errors that are not rules.
 pub const READING_PAGE: &str = "reading";
 
 /// The result of a command.
@@ -60,7 +60,7 @@ pub struct Entry {
     pub help: String,
     /// The location.
     pub place: Place,
-    /// The part of the item at this location: a JSON pointer or the path of a field. May be empty.
+    /// The affected part of the item, as a JSON pointer or field path. May be empty.
     pub part: String,
     /// Further facts, each with a name.
     pub facts: Vec<(&'static str, String)>,
@@ -97,12 +97,12 @@ pub enum Region {
     },
     /// A line, from 1.
     Line(u64),
-    /// The data from a byte offset on; its length is unknown.
+    /// Data of unknown length that starts at a byte offset.
     Byte(u64),
 }
 
 impl Region {
-    /// The line where the region starts, or `None` if it has no lines.
+    /// The line where the region starts, or `None` for a region without lines.
     pub fn line(self) -> Option<u64> {
         match self {
             Self::Text { start, .. } => Some(start.line as u64),
@@ -136,7 +136,7 @@ impl RuleInfo {
 pub enum Format {
     /// A JSON list of findings.
     Json,
-    /// Annotations of a GitHub workflow.
+    /// GitHub workflow annotations.
     Github,
     /// SARIF 2.1.0, for code scanning.
     Sarif,
@@ -176,7 +176,7 @@ impl Entry {
     }
 }
 
-/// The URL of a rule's page, or of a section on a parser error.
+/// The URL of a rule's page, or of the section about a parser error.
 pub fn rule_url(rule: &str) -> String {
     match reader_kind(rule) {
         Some(_) => format!("{RULES_URL}{READING_PAGE}.html#{rule}"),

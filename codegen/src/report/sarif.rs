@@ -1,8 +1,8 @@
 //! SARIF 2.1.0, which GitHub and editors support for code scanning.
 //!
-//! Uses `serde_json` rather than `serde-sarif`, whose build script generates types from the schema. That adds 22
-//! dependencies, including syn 1, syn 2 and a regex engine, and takes 10 s longer to compile (15 s instead of 5 s).
-//! This module writes only ten kinds of objects.
+//! Uses `serde_json` rather than `serde-sarif`, whose build script generates types from the schema. `serde-sarif` would
+//! add 22 dependencies, including syn 1, syn 2 and a regex engine, and 10 s of compile time (15 s instead of 5 s). This
+//! module writes only ten kinds of objects.
 //!
 //! Format: <https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html>. GitHub's subset:
 //! <https://docs.github.com/en/code-security/reference/code-scanning/sarif-files/sarif-support>.
@@ -23,10 +23,10 @@ const SCHEMA: &str = "https://json.schemastore.org/sarif-2.1.0.json";
 /// The maximum length of a short description, in characters; GitHub shows it as a title.
 const MAX_TITLE: usize = 200;
 
-/// The name of the fingerprint algorithm; it changes with the algorithm.
+/// The name of the fingerprint algorithm. A changed algorithm needs a new name.
 ///
 /// GitHub uses only `primaryLocationLineHash`, which its upload action computes from the line's text. The action warns
-/// if a result already contains it.
+/// if a result already contains this fingerprint.
 const FINGERPRINT: &str = "uavspecFinding/v1";
 
 /// The number of bytes of the hash in a fingerprint.
@@ -44,7 +44,7 @@ pub(super) fn write(report: &Report) -> String {
                 "informationUri": PROJECT_URL,
                 "rules": rules.iter().map(rule).collect::<Vec<_>>(),
             } },
-            // Results of one command must not replace those of another.
+            // Results of one command must not replace results of another.
             "automationDetails": { "id": format!("uavspec/{}/", report.command) },
             "columnKind": "unicodeCodePoints",
             "results": results(report, &rules),

@@ -30,7 +30,7 @@ impl<'s> Resolver<'s> {
                         .with_related(place.part(0..0), "first definition");
                     if earlier != stem {
                         let hint = format!(
-                            "some file systems don't distinguish `{earlier}` and `{stem}`; rename one of them"
+                            "`{earlier}` and `{stem}` are the same name on some file systems; rename one of them"
                         );
                         diagnostic = diagnostic.with_hint(hint);
                     }

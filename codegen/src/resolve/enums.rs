@@ -9,11 +9,11 @@ use crate::msg::statement::Prefix;
 use crate::schema::{Element, EnumRef, MessageId};
 use crate::source::Span;
 
-/// The maximum number of members of all enums together.
+/// The maximum total number of enum members.
 const MAX_MEMBERS: usize = 1 << 20;
 
 impl<'s> Resolver<'s> {
-    /// The message that defines the constants: this one, or the one in the prefix.
+    /// The message that defines the constants: the current message, or the message named in the prefix.
     pub(super) fn enum_owner(
         &mut self,
         index: usize,

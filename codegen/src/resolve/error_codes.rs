@@ -103,7 +103,7 @@ impl Resolver {
         tables
     }
 
-    /// All rows with the index of their table, without duplicates of a code.
+    /// All rows, each with the index of its table. Omits rows that repeat a code.
     fn unique_rows<'t, 'p>(
         &mut self,
         tables: &'t [ErrorCodeTable<'p>],

@@ -31,7 +31,7 @@ const OPEN: &str = "further fields are allowed";
 /// The maximum number of elements of a tuple.
 const MAX_ELEMENTS: usize = 64;
 
-/// The maximum number of errors with a suggestion, because each suggestion compares all names.
+/// The maximum number of errors with a suggestion. The limit saves time, because each suggestion compares all names.
 const MAX_SUGGESTIONS: usize = 100;
 
 /// The maximum length of a name with a suggestion.
@@ -50,8 +50,8 @@ pub(super) struct Resolved {
     pub(super) diagnostics: Vec<Diagnostic>,
 }
 
-/// Resolves the types and messages of all `pages` of a package. `package` is its index and name, and `first` the id of
-/// the first type. With `has_error_codes`, the names of error codes are also types.
+/// Resolves the types and messages of all `pages` of a package. `package` is its index and name. `first` is the id of
+/// the first type. With `has_error_codes`, the type names for error codes are also available.
 pub(super) fn resolve(pages: &[Page], package: (usize, &str), first: u32, has_error_codes: bool) -> Resolved {
     let mut resolved = Resolved::default();
     let mut written = Definitions::default();
@@ -89,8 +89,8 @@ pub(super) fn resolve(pages: &[Page], package: (usize, &str), first: u32, has_er
     resolved
 }
 
-/// Sorts the definitions by name and removes duplicates. Names that differ only in case are duplicates, because some
-/// file systems don't distinguish their files.
+/// Sorts the definitions by name and removes duplicates. Names that differ only in case are duplicates, because they
+/// are the same file name on some file systems.
 fn unique<'p, T>(
     mut written: Vec<T>,
     has_error_codes: bool,
@@ -114,8 +114,9 @@ fn unique<'p, T>(
         };
         let mut diagnostic = Diagnostic::new(problem, span).with_related(place, "first definition");
         if earlier != name {
-            let hint =
-                format!("some file systems don't distinguish `{earlier}` and `{name}`; rename one of them");
+            let hint = format!(
+                "`{earlier}` and `{name}` are the same name on some file systems; rename one of them"
+            );
             diagnostic = diagnostic.with_hint(hint);
         }
         diagnostics.push(diagnostic);
@@ -191,8 +192,8 @@ impl Resolver<'_, '_> {
         }
     }
 
-    /// True if the paragraphs above a set declare it as open. Reports an error unless the paragraphs declare exactly
-    /// one of open and closed.
+    /// True if the paragraphs above a set declare it as open. Reports an error unless the paragraphs declare the set
+    /// either as open or as closed.
     fn is_open(&mut self, name: &str, paragraphs: &[&Text], span: Span) -> bool {
         let says = |word: &str| {
             let mut words =

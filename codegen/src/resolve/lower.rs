@@ -35,7 +35,7 @@ impl<'s> Resolver<'s> {
     fn lower_part(&mut self, index: usize, part: &Part<'s>, dialect: Dialect) {
         let commentary = documentation::read(part, dialect);
         let duplicates = self.duplicates(part);
-        // Read constants first, because annotations may refer to constants below.
+        // Read constants first, because annotations may refer to constants on later lines.
         self.constants = part
             .lines
             .iter()
@@ -135,8 +135,8 @@ impl<'s> Resolver<'s> {
                 Statement::Attribute(attribute, text) => {
                     field.attributes.insert(attribute.name, (*text).to_owned());
                 }
-                // Counts are resolved later, because the array may be below. The other annotations appear only on
-                // pages.
+                // Counts are resolved later, because the array may be declared on a later line. The other annotations
+                // appear only on pages.
                 Statement::Count(_)
                 | Statement::Length { .. }
                 | Statement::Unique
@@ -293,7 +293,7 @@ impl<'s> Resolver<'s> {
         }
     }
 
-    /// Finds the fields that contain the number of used elements of an array: by annotation, otherwise by name.
+    /// Finds the fields that count the used elements of an array, by annotation or, without an annotation, by name.
     fn counts(&mut self, index: usize, part: &Part<'s>) {
         let fields = &self.schema.messages[index].fields;
         let places: HashMap<Span, usize> =

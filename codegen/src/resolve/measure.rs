@@ -7,8 +7,8 @@ use crate::schema::fingerprint::MAX_NESTED_FIELDS;
 use crate::schema::layout::MAX_MESSAGE_SIZE;
 use crate::schema::{MessageId, fingerprint, layout};
 
-/// The maximum number of fields of all messages together, including nested fields. Hashes visit each of them; the
-/// largest PX4 release has some thousands.
+/// The maximum total number of fields in all messages, including nested fields. Hashes visit each field. The largest
+/// PX4 release has a few thousand.
 const MAX_NESTED_FIELDS_IN_ALL: u64 = 1 << 22;
 
 impl Resolver<'_> {

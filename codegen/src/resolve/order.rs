@@ -8,7 +8,8 @@ use crate::schema::{Element, Field, MessageId};
 const MAX_CYCLE_END: usize = 8;
 
 impl Resolver<'_> {
-    /// All messages, each after the messages it contains. Messages that contain themselves are reported and omitted.
+    /// All messages. Each message follows the messages that it contains. Messages that contain themselves are reported
+    /// and omitted.
     pub(super) fn order(&mut self) -> Vec<MessageId> {
         let count = self.schema.messages.len();
         let mut missing: Vec<usize> = vec![0; count];
@@ -34,8 +35,8 @@ impl Resolver<'_> {
         order
     }
 
-    /// Reports each cycle once. `missing` is the number of nested messages without a position in the order. Following
-    /// such nested messages always leads to a cycle.
+    /// Reports each cycle once. For each message, `missing` is the number of nested messages without a position in the
+    /// order. Following such nested messages always leads to a cycle.
     fn report_cycles(&mut self, missing: &[usize]) {
         let mut is_done = vec![false; missing.len()];
         for start in 0..missing.len() {

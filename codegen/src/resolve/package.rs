@@ -13,13 +13,13 @@ pub(crate) struct PackageSource<'s> {
     pub(crate) name: String,
     /// The form of the definitions.
     pub(crate) form: Form,
-    /// The name of the ROS package, which type hashes contain.
+    /// The name of the ROS package, as used in type hashes.
     pub(crate) ros_package: String,
     /// The origin of the definitions.
     pub(crate) origin: Option<String>,
     /// The revision of the origin.
     pub(crate) revision: Option<String>,
-    /// The selected messages, which include referenced messages; `None` for all.
+    /// The selected messages, to which the resolver adds all messages they refer to. `None` selects all.
     pub(crate) select: Option<Vec<(String, Span)>>,
     /// The `.msg`, `.srv` and `.action` files: file stem, kind, span, tree.
     pub(crate) files: Vec<(&'s str, Kind, Span, Definition<'s>)>,

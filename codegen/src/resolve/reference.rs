@@ -7,7 +7,7 @@ use crate::diagnostic::{Diagnostic, Problem};
 use crate::schema::{Dialect, Form, MessageId};
 use crate::source::Span;
 
-/// The maximum number of errors with a suggestion, because each suggestion compares all names.
+/// The maximum number of errors with a suggestion. The limit saves time, because each suggestion compares all names.
 const MAX_SUGGESTIONS: usize = 100;
 
 /// Names that ROS 2 accepts without a package, and their definitions.
@@ -17,7 +17,7 @@ const WELL_KNOWN: [(&str, &str, &str); 3] = [
     ("duration", "builtin_interfaces", "Duration"),
 ];
 
-/// Types of other languages, and their equivalents.
+/// Types from other languages, and their equivalents.
 const FOREIGN: [(&str, &str); 6] = [
     ("float", "float32"),
     ("double", "float64"),
@@ -27,7 +27,8 @@ const FOREIGN: [(&str, &str); 6] = [
     ("duration", "uint64"),
 ];
 
-/// The maximum length of a name with a suggestion. Time and memory are proportional to the product of the lengths.
+/// The maximum length of a name with a suggestion. Comparing two names takes time and memory proportional to the
+/// product of their lengths.
 const MAX_SUGGESTION_LEN: usize = 100;
 
 impl<'s> Resolver<'s> {

@@ -44,7 +44,7 @@ pub(super) struct Resolver<'s> {
     pub(super) gathered: HashMap<EnumKey, Option<EnumRef>>,
     /// The constants of each message with enums, by prefix.
     pub(super) by_prefix: HashMap<MessageId, ByPrefix>,
-    /// The number of members of all enums.
+    /// The total number of enum members.
     pub(super) members: usize,
 }
 
@@ -61,12 +61,13 @@ impl Resolver<'_> {
     }
 }
 
-/// The id of the message at `index` in [`Schema::messages`]. There are fewer messages than bytes of sources.
+/// The id of the message at `index` in [`Schema::messages`]. The index fits, because there are fewer messages than
+/// source bytes.
 pub(super) fn id(index: usize) -> MessageId {
     MessageId(offset(index))
 }
 
-/// The index in a list with fewer entries than bytes of sources.
+/// An index into a list that has fewer entries than there are source bytes.
 pub(super) fn offset(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }

@@ -101,7 +101,7 @@ struct Reader<'s> {
     is_block_apart: bool,
     is_after_blank: bool,
     group: Option<usize>,
-    /// True if the previous line is a declaration, or continues its comment.
+    /// True if the previous line is a declaration or continues a declaration's comment.
     is_after_item: bool,
 }
 
@@ -180,7 +180,8 @@ impl<'s> Reader<'s> {
     }
 }
 
-/// Moves the heading of a single declaration to its description, because ROS puts descriptions above declarations.
+/// Moves the heading of a single declaration to the declaration's description, because ROS puts descriptions above
+/// declarations.
 fn document_single_declarations(commentary: &mut Commentary<'_>) {
     let mut sizes = vec![0_usize; commentary.groups.len()];
     for group in commentary.items.iter().filter_map(|item| item.group) {

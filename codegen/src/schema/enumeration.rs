@@ -6,14 +6,14 @@ use uavspec_runtime::Scalar;
 
 use super::id::MessageId;
 
-/// Last words of constants that count or limit the members of an enum, and are not members. `COUNT` after the prefix
-/// `GPS` is not a member, but `MIN_SAT_COUNT` is.
+/// Constants with these names after the prefix count or limit the members of an enum, so they are not members. For the
+/// prefix `GPS`, `GPS_COUNT` is not a member, but `GPS_MIN_SAT_COUNT` is.
 const SENTINELS: [&str; 5] = ["COUNT", "MAX", "LAST", "NUM", "ENUM_END"];
 
-/// Further endings of these constants. `MAVLink` marks the end of each block of commands with them.
+/// Constants with these endings are not members either. They mark the end of each block of commands in `MAVLink`.
 const SENTINEL_ENDINGS: [&str; 2] = ["_LAST", "_ENUM_END"];
 
-/// The constants of a field: it contains one of them or, for flags, any combination. Enums are open, because newer
+/// The constants that a field may contain: one of them or, for flags, any combination. Enums are open, because newer
 /// firmware may send unknown values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Enum {
@@ -23,7 +23,8 @@ pub struct Enum {
     pub scalar: Scalar,
     /// True if values are bit masks.
     pub is_flags: bool,
-    /// The members, in declaration order. If several have the same value, the others are aliases of the first.
+    /// The members, in declaration order. If several members have the same value, the later ones are aliases of the
+    /// first.
     pub members: Vec<Member>,
 }
 
@@ -39,7 +40,7 @@ pub struct Member {
 }
 
 impl Enum {
-    /// The member of which `member` is an alias, if any.
+    /// The first member with the same value, if `member` is its alias.
     pub fn alias_of(&self, member: &Member) -> Option<&Member> {
         self.members
             .iter()

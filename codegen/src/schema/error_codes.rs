@@ -11,7 +11,7 @@ use crate::source::Span;
 pub struct ErrorTable {
     /// The heading without the range.
     pub title: String,
-    /// The class of all its codes.
+    /// The class of all codes in the table.
     pub class: ErrorClass,
     /// The codes that the heading reserves.
     pub range: RangeInclusive<u32>,
@@ -32,19 +32,19 @@ pub struct ErrorCode {
     pub class: ErrorClass,
     /// The codes that the description refers to, sorted.
     pub see_also: Vec<u32>,
-    /// Alternative codes for the same event: `use … only if …; otherwise use code N`. Sorted
-    /// and mutual.
+    /// Alternative codes for the same event: `use … only if …; otherwise use code N`. Sorted and symmetric: if code A
+    /// lists code B, then code B also lists code A.
     pub alternatives: Vec<u32>,
     /// The description.
     pub description: String,
-    /// The version of the specification that introduced it.
+    /// The specification version that introduced the code.
     pub since: Option<String>,
     /// The cell with the code.
     pub span: Span,
 }
 
 impl ErrorCode {
-    /// The severity, which two bits of the code contain.
+    /// The severity, encoded in two bits of the code.
     pub fn severity(&self) -> Severity {
         Severity::of(self.code)
     }

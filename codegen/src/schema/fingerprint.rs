@@ -23,7 +23,7 @@ use super::model::{Element, Interface, Message, Schema, Type, shape_text};
 use crate::msg::Kind;
 use crate::msg::ast::Shape;
 
-/// The maximum number of fields of a message, including nested fields. The hash visits each of them.
+/// The maximum number of fields of a message, including nested fields. The hash visits each field.
 pub const MAX_NESTED_FIELDS: u64 = 1 << 20;
 
 /// The 32-bit FNV-1a hash.
@@ -259,7 +259,7 @@ pub(crate) fn type_hash(schema: &Schema, id: MessageId) -> String {
 }
 
 /// The ROS type hash of a service, or `None` for an action. The description of a service contains the request, the
-/// response and an event with both for introspection.
+/// response and an introspection event with both.
 pub(crate) fn service_hash(schema: &Schema, interface: &Interface, package: usize) -> Option<String> {
     let (Kind::Service, [request, response]) = (interface.kind, interface.parts.as_slice()) else {
         return None;

@@ -11,10 +11,10 @@ use crate::msg::constraint::Range;
 use crate::source::Span;
 pub use crate::table::type_table::Direction;
 
-/// The type name of the package's error codes.
+/// The type name for the package's error codes.
 pub(crate) const ERROR_CODE: &str = "ErrorCode";
 
-/// The type name of lists of error codes.
+/// The type name for lists of error codes.
 pub(crate) const ERROR_LIST: &str = "ErrorList";
 
 /// The index of a type in a `Schema`.
@@ -67,7 +67,7 @@ pub struct Object {
 pub struct Member {
     /// The name.
     pub name: String,
-    /// True if it is required.
+    /// True if the field or element is required.
     pub is_required: bool,
     /// The type of the values.
     pub typed: Typed,
@@ -86,8 +86,8 @@ pub struct Typed {
     pub limits: Limits,
 }
 
-/// The annotations of a value. Units, ranges, patterns and formats apply to numbers and strings within lists and maps.
-/// Lengths apply to lists or, without a list, to strings.
+/// The annotations of a value. Units, ranges, patterns and formats also apply to the numbers and strings in lists and
+/// maps. Lengths apply to lists or, if there is no list, to strings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Limits {
     /// The unit: one of `crate::unit::UNITS`, otherwise as written.
@@ -107,7 +107,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The limits of the elements of a list or the values of a map.
+    /// The limits for list elements or map values.
     #[must_use]
     pub fn of_elements(&self) -> Self {
         Self { least: None, most: None, is_unique: false, ..self.clone() }
@@ -210,7 +210,7 @@ pub struct SetValue<T> {
     pub description: String,
 }
 
-/// A message: the bodies with one `type`, for each direction.
+/// A message: all bodies with the same `type`, at most one for each direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JsonMessage {
     /// The index of the package.
@@ -219,7 +219,7 @@ pub struct JsonMessage {
     pub name: String,
     /// The paragraphs under the heading.
     pub docs: Docs,
-    /// The bodies, at most one for each direction, sorted by direction.
+    /// The bodies, sorted by direction.
     pub parts: Vec<JsonPart>,
     /// The heading.
     pub span: Span,
@@ -230,7 +230,7 @@ pub struct JsonMessage {
 pub struct JsonPart {
     /// The direction.
     pub direction: Direction,
-    /// The name of the message and the direction, also used in file names: `UAV-INF.request`.
+    /// The message name and the direction, also used in file names: `UAV-INF.request`.
     pub name: String,
     /// The paragraphs under the subheading.
     pub docs: Docs,

@@ -26,7 +26,7 @@ pub struct Schema {
     pub packages: Vec<Package>,
     /// All messages, including the parts of services and actions, by package and name.
     pub messages: Vec<Message>,
-    /// All messages, each after the messages it contains.
+    /// All messages. Each message follows the messages that it contains.
     pub nested_first: Vec<MessageId>,
     /// All types on pages, by package and name.
     pub json_types: Vec<JsonType>,
@@ -88,7 +88,7 @@ pub struct Package {
     pub name: String,
     /// The form of the definitions.
     pub form: Form,
-    /// The name of the ROS package, which type hashes contain.
+    /// The name of the ROS package, as used in type hashes.
     pub ros_package: String,
     /// The origin of the definitions.
     pub origin: Option<String>,
@@ -100,14 +100,14 @@ pub struct Package {
     pub interfaces: Vec<Interface>,
     /// The error-code tables, by first code.
     pub error_tables: Vec<ErrorTable>,
-    /// The types on its pages, by name.
+    /// The types on the package's pages, by name.
     pub json_types: Vec<JsonTypeId>,
-    /// The messages on its pages, by name.
+    /// The messages on the package's pages, by name.
     pub json_messages: Vec<JsonMessageId>,
 }
 
 impl Package {
-    /// True if it contains no definitions.
+    /// True if the package contains no definitions.
     pub fn is_empty(&self) -> bool {
         self.messages.is_empty()
             && self.interfaces.is_empty()
@@ -156,9 +156,9 @@ pub struct Interface {
 pub struct Message {
     /// The index of the package.
     pub package: usize,
-    /// The kind of its file.
+    /// The kind of the file.
     pub kind: Kind,
-    /// The name; for a part, with the suffix from ROS.
+    /// The name. The name of a part includes the suffix from ROS.
     pub name: String,
     /// The location of the file or part.
     pub span: Span,
@@ -245,7 +245,7 @@ pub struct Field {
     pub enum_prefixes: Vec<String>,
     /// The enum with these prefixes.
     pub enumeration: Option<EnumRef>,
-    /// The index of the array field of which this field counts the used elements.
+    /// The index of the array field whose used elements this field counts.
     pub counts: Option<usize>,
     /// The declaration.
     pub span: Span,

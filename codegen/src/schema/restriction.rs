@@ -14,7 +14,7 @@ use crate::value::Value;
 pub struct Restriction {
     /// The constraint without its lists.
     pub limits: Constraint<'static>,
-    /// Values with a special meaning that the other constraints exclude.
+    /// Values that have a special meaning and that the other constraints exclude.
     pub special: Vec<Number>,
     /// Documented values, or masks.
     pub known: Option<Vec<i128>>,
@@ -70,10 +70,11 @@ impl Schema {
     }
 }
 
-/// True if NaN is invalid in a float field. This is the case if the definition constrains the field, and neither its
-/// annotations nor the texts of the field, the group and the message mention NaN.
+/// True if NaN is invalid in a float field. This is the case if the definition constrains the field and never mentions
+/// NaN: neither in the field's annotations nor in the texts of the field, the group and the message.
 ///
-/// Unconstrained fields may be NaN, which is common in valid logs. In ROS 2, the users of a message decide on NaN.
+/// Unconstrained fields may be NaN, which is common in valid logs. In ROS 2, the users of a message decide whether NaN
+/// is valid.
 fn forbids_nan(message: &Message, field: &Field, dialect: Dialect) -> bool {
     let is_nan = |stated: &Stated| matches!(stated.value(), Some(Value::Float(value)) if value.is_nan());
     let group = field.group.and_then(|group| message.groups.get(group));

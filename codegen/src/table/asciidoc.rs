@@ -45,7 +45,7 @@ fn is_comment(line: &str) -> bool {
     line.starts_with("//") && !line.starts_with("///")
 }
 
-/// The level and the start of the text of a heading: `== Text`.
+/// The level of a heading such as `== Text`, and the offset of its text.
 fn heading_level(line: &str) -> Option<(usize, usize)> {
     let level = line.bytes().take_while(|byte| *byte == b'=').count();
     let rest = &line[level..];
@@ -145,7 +145,7 @@ struct Prelude {
 }
 
 impl Prelude {
-    /// Reads `line` if it is part of the prelude. Returns true if it is, or if it is a comment or an empty line.
+    /// Reads `line` if it is part of the prelude. Returns true for a prelude line, a comment or an empty line.
     fn read(&mut self, at: usize, line: &str) -> bool {
         if line.starts_with('[') && line.ends_with(']') {
             self.columns = columns(line).or(self.columns);
@@ -183,8 +183,9 @@ struct Body<'s> {
     /// The pieces of the current cell; `None` before the first pipe.
     open: Option<Vec<Line<'s>>>,
     is_merged: bool,
-    /// The number of cells that start on the first line with cells, and before the first empty line.
+    /// The number of cells that start on the first line with cells.
     on_first_line: Option<usize>,
+    /// The number of cells that start before the first empty line.
     before_blank_line: Option<usize>,
 }
 
@@ -259,7 +260,7 @@ enum Specifier {
     Merging,
 }
 
-/// True if any pipe of `line` follows a specifier. A cell may end with a word that looks like one.
+/// True if any pipe of `line` follows a specifier. A cell may also end with a word that looks like a specifier.
 pub(crate) fn has_specifier(line: &str) -> bool {
     let parts = super::pipe::split(line);
     let before_pipes = &parts[..parts.len() - 1];

@@ -12,7 +12,7 @@ use crate::source::Span;
 /// All rows under one heading. An invalid heading doesn't invalidate the rows.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ErrorCodeTable<'p> {
-    /// The heading, otherwise the header of the table.
+    /// The heading, or the header row of the table if there is no heading.
     pub span: Span,
     /// The parsed heading.
     pub block: Option<Block>,
@@ -78,8 +78,8 @@ fn start<'p>(table: &Table, heading: Option<&Text>, diagnostics: &mut Vec<Diagno
     ErrorCodeTable { span, block, rows: Vec::new(), unread: Vec::new() }
 }
 
-/// Reports a table that resembles an error-code table, but lacks a column. Otherwise its codes would be ignored
-/// silently.
+/// Reports a table that resembles an error-code table, but lacks a column. Otherwise, the codes in the table would be
+/// silently ignored.
 fn unknown_columns(table: &Table, heading: &Heading) -> Option<Diagnostic> {
     let has = |names: &[&str]| Columns::position(&table.header, names).is_some();
     let is_similar = (has(CODE) || has(ABBREVIATION)) && block::has_range(heading.text.as_str());

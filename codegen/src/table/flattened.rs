@@ -31,7 +31,7 @@ pub(super) fn is_likely(text: &str) -> bool {
             }
             is_body = false;
         }
-        // Skip tables with one column, because they look the same in Markdown.
+        // Skip tables with one column, because such tables look the same in Markdown.
         is_body |= pipe::is_divider(line) && pipe::cells(line).len() > 1;
     }
     false
@@ -107,7 +107,7 @@ struct Body<'s> {
     cells: Vec<Cell>,
     /// The ranges of the lines of the current cell.
     open: Vec<Range<usize>>,
-    /// The number of these lines before the first empty line.
+    /// The number of open lines before the first empty line.
     paragraph: Option<usize>,
 }
 

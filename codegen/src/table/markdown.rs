@@ -9,7 +9,7 @@ use super::pipe;
 use super::text::{TextBuilder, trim};
 use crate::source::Span;
 
-/// Front matter and `{#anchors}` are not part of the text; documentation generators require them.
+/// Parser options. Front matter and `{#anchors}`, which documentation generators require, are not part of the text.
 pub(crate) const OPTIONS: Options = Options::ENABLE_TABLES
     .union(Options::ENABLE_HEADING_ATTRIBUTES)
     .union(Options::ENABLE_YAML_STYLE_METADATA_BLOCKS);
@@ -58,7 +58,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Adds `text`, which `range` of the page contains, possibly with quotes, escapes or entities.
+    /// Adds `text` from `range` of the page, where it may be written with quotes, escapes or entities.
     fn push(&mut self, text: &str, range: Range<usize>) {
         let Some(open) = &mut self.open else { return };
         let into = self.text[range.clone()].find(text).unwrap_or(0);

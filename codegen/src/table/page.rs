@@ -111,8 +111,8 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 
 /// Splits a sequence of cells into rows of `columns` cells.
 ///
-/// A missing or extra cell would shift all following rows. If the first cell is a number and the rows don't fit, numbers
-/// determine the starts of rows instead, so that only the invalid row has a wrong number of cells.
+/// A missing or extra cell would shift all following rows. If the first cell is a number and the rows don't fit, each
+/// number starts a new row instead. Then only the invalid row has a wrong number of cells.
 pub(super) fn into_rows(cells: Vec<Cell>, columns: usize, page: Span) -> Vec<Row> {
     let columns = columns.max(1);
     let is_numbered = cells.first().is_some_and(Cell::is_number);
@@ -128,7 +128,7 @@ pub(super) fn into_rows(cells: Vec<Cell>, columns: usize, page: Span) -> Vec<Row
     groups.into_iter().flat_map(|group| cut(group, columns, page)).collect()
 }
 
-/// Splits `cells` into rows. If there are fewer cells than two rows but not exactly one row, they stay together as one
+/// Splits `cells` into rows. If the cells fill less than two rows, but not exactly one row, they stay together as one
 /// invalid row.
 fn cut(cells: Vec<Cell>, columns: usize, page: Span) -> Vec<Row> {
     let is_one_bad_row = !cells.len().is_multiple_of(columns) && cells.len() < 2 * columns;

@@ -1,4 +1,4 @@
-//! Reads tables of types and messages, which are recognized by their header and heading.
+//! Reads tables that define types and messages. The tables are recognized by their header and heading.
 //!
 //! | header | defines |
 //! |---|---|

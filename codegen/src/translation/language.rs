@@ -83,7 +83,7 @@ pub fn is_tag(text: &str) -> bool {
 pub fn is_right_to_left(tag: &str) -> bool {
     let mut parts = tag.split('-');
     let language = parts.next().unwrap_or_default();
-    // A script of four letters takes precedence over the language.
+    // A script tag (four letters) takes precedence over the language.
     let script = parts.find(|part| part.len() == 4 && part.bytes().all(|byte| byte.is_ascii_alphabetic()));
     RIGHT_TO_LEFT.contains(&script.unwrap_or(language).to_ascii_lowercase().as_str())
 }

@@ -15,8 +15,8 @@ const MAX_NAMED: usize = 3;
 
 /// Reads catalogues, which are named after their languages, and compares them with the definitions.
 ///
-/// A language may leave a message, service, action or set of error codes in English. If a catalogue contains no entry
-/// for it, nothing is reported as missing.
+/// A catalogue may omit whole messages, services, actions and sets of error codes, which then stay in English. For an
+/// omitted item, no translations are reported as missing.
 pub fn resolve(
     sources: &SourceMap,
     schema: &Schema,
@@ -75,7 +75,7 @@ fn check_header(
         let problem = Problem::CatalogueEncoding { charset: charset.to_owned() };
         diagnostics.push(Diagnostic::new(problem, place("Content-Type")));
     }
-    // gettext writes `sr_RS@latin`, BCP 47 `sr-Latn-RS`. Only the language itself is compared.
+    // gettext writes `sr_RS@latin` where BCP 47 writes `sr-Latn-RS`. Only the language part is compared.
     let found = header.header_field("Language").unwrap_or_default();
     let language =
         |text: &str| text.split(['_', '-', '@', '.']).next().unwrap_or_default().to_ascii_lowercase();
@@ -142,7 +142,7 @@ impl Reader<'_, '_> {
         language
     }
 
-    /// Reports the missing translations of each unit with at least one entry.
+    /// Reports the missing translations of each unit that has at least one entry.
     fn missing(&self, known: &HashMap<&str, usize>, diagnostics: &mut Vec<Diagnostic>) {
         for in_unit in self.texts.chunk_by(|left, right| left.unit == right.unit) {
             let entry = |text: &Text<'_>| known.get(text.key.as_str()).copied();

@@ -3,17 +3,17 @@
 //! | key | text |
 //! |---|---|
 //! | `px4/Wind` | the summary of a message, or of a part of a service or action (`px4/Tow_Request`) |
-//! | `px4/Wind/description` | the paragraphs after it |
+//! | `px4/Wind/description` | the paragraphs after the summary |
 //! | `px4/Wind.speed` | a field |
-//! | `px4/Wind.speed/invalid` | the text of a constraint, by the name of the constraint |
-//! | `px4/Wind.speed/frame` | the text of an attribute, by the name of the attribute |
+//! | `px4/Wind.speed/invalid` | the text of a field constraint, here `invalid` |
+//! | `px4/Wind.speed/frame` | the text of a field attribute, here `frame` |
 //! | `px4/Wind.speed/group` | the heading of the group that starts with this field or constant |
-//! | `px4/Wind.speed/group/description` | the paragraphs after it |
-//! | `px4/Wind::SPEED_LOW` | a constant: a value of an enum, a flag, a command |
+//! | `px4/Wind.speed/group/description` | the paragraphs after the group heading |
+//! | `px4/Wind::SPEED_LOW` | a constant: an enum value, a flag or a command |
 //! | `px4/Wind::CMD_BLOW/parameter/1` | a parameter of a command, counted from 1 |
-//! | `px4/Wind::CMD_BLOW/parameter/1/invalid` | the text of a constraint, by the name of the constraint |
+//! | `px4/Wind::CMD_BLOW/parameter/1/invalid` | the text of a parameter constraint, here `invalid` |
 //! | `flockwave/error-code/134` | the description of an error code |
-//! | `flockwave/error-table/128` | the title of the table whose range starts at this code |
+//! | `flockwave/error-table/128` | the title of the error-code table that starts at this code |
 
 use std::collections::BTreeSet;
 
@@ -25,8 +25,8 @@ use crate::source::Span;
 /// A translatable text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Text<'s> {
-    /// The unit that contains the text, which is translated as a whole: `px4/Wind`, `harbour/Tow.srv`,
-    /// `flockwave/error-codes`.
+    /// The unit that contains the text, such as `px4/Wind`, `harbour/Tow.srv` or `flockwave/error-codes`. A unit is
+    /// translated as a whole.
     pub unit: String,
     /// The unique key. It stays the same unless the described item is renamed.
     pub key: String,
@@ -51,15 +51,15 @@ pub enum MessageText {
     GroupDescription(usize),
     /// The description of a field.
     Field(usize),
-    /// The text of a constraint of a field.
+    /// The text of a field constraint.
     Constraint(usize, &'static ConstraintKind),
-    /// The text of an attribute of a field.
+    /// The text of a field attribute.
     Attribute(usize, &'static Attribute),
     /// The description of a constant.
     Constant(usize),
-    /// The description of a parameter of a command. The first index is that of the constant.
+    /// The description of a command parameter. The first index identifies the constant.
     Parameter(usize, usize),
-    /// The text of a constraint of a parameter.
+    /// The text of a parameter constraint.
     ParameterConstraint(usize, usize, &'static ConstraintKind),
 }
 
@@ -89,13 +89,13 @@ fn words<'c>(constraints: &'c [Constraint], kind: &ConstraintKind) -> &'c str {
     constraint::find(constraints, kind).map_or("", |constraint| constraint.text.as_str())
 }
 
-/// The keys of the texts of a message.
+/// The keys of a message's texts.
 #[derive(Clone, Debug)]
 pub struct MessageKeys<'s> {
     message: &'s Message,
     /// The key of the summary, which is the prefix of all other keys.
     base: String,
-    /// By group, the key of its first declaration.
+    /// For each group, the key of its first declaration.
     starts: Vec<String>,
 }
 
@@ -163,17 +163,17 @@ pub fn interface_unit(package: &Package, interface: &Interface) -> String {
     format!("{}/{}.{}", package.name, interface.name, interface.kind.name())
 }
 
-/// The unit of the error-code tables of a package.
+/// The unit of a package's error-code tables.
 pub fn error_codes_unit(package: &Package) -> String {
     format!("{}/error-codes", package.name)
 }
 
-/// The key of the title of a table of error codes.
+/// The key of an error-code table's title.
 pub fn error_table_key(package: &Package, table: &ErrorTable) -> String {
     format!("{}/error-table/{}", package.name, table.range.start())
 }
 
-/// The key of the description of an error code.
+/// The key of an error code's description.
 pub fn error_code_key(package: &Package, code: u32) -> String {
     format!("{}/error-code/{code}", package.name)
 }
@@ -226,7 +226,7 @@ fn push_message<'s>(schema: &'s Schema, id: MessageId, unit: &str, texts: &mut V
     let mut known = BTreeSet::new();
     for (text, span) in head.into_iter().chain(found) {
         let (key, source) = (keys.key(text), text.of(message));
-        // The heading of a group is found once per declaration of the group.
+        // A group heading is found once for each declaration in the group.
         if !source.is_empty() && known.insert(key.clone()) {
             texts.push(Text { unit: unit.to_owned(), key, text: source, note: String::new(), span });
         }

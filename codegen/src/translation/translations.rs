@@ -54,8 +54,8 @@ pub(super) struct Translated {
 }
 
 impl Language {
-    /// The translation of the text with this key. `None` means that the original text should be shown: it is not
-    /// translated, or it changed after the translation.
+    /// The translation of the text with this key. `None` means that the original text should be shown, because it has
+    /// no translation or has changed since it was translated.
     pub fn get(&self, key: &str) -> Option<&str> {
         self.entries.get(key).map(|entry| entry.translation.as_str())
     }

@@ -22,8 +22,8 @@ pub fn new_catalogue(tag: &str) -> Catalogue {
     Catalogue { entries: vec![Entry { translation, ..Entry::default() }], end: Vec::new() }
 }
 
-/// Updates a catalogue. The result contains an entry for each of `texts` whose unit is in `select` or already has
-/// entries in the catalogue, in the order of `texts`.
+/// Updates a catalogue. The result contains an entry for each text whose unit is in `select`, or whose unit already has
+/// entries in the catalogue. The entries are in the order of `texts`.
 ///
 /// Missing entries are added without a translation. If a text has changed, its entry is marked as fuzzy and keeps the
 /// text that was translated. Entries whose text no longer exists become obsolete. They are restored if the text
@@ -73,7 +73,7 @@ pub fn update(
     updated
 }
 
-/// True if an entry contains work of a translator.
+/// True if an entry contains a translator's work.
 fn has_work(entry: &Entry) -> bool {
     entry.is_translated() || !entry.comments.is_empty()
 }
@@ -91,7 +91,7 @@ fn bring_up_to_date(mut entry: Entry, text: &Text<'_>, sources: &SourceMap) -> E
         entry.flags.retain(|flag| flag != FUZZY);
         (entry.previous_context, entry.previous_id) = (None, None);
     } else if is_changed {
-        // Keeps the text that was translated, even if the definition has changed twice since.
+        // Keep the text that was translated, even if the definition has changed twice since.
         if !entry.is_fuzzy() || entry.previous_id.is_none() {
             entry.previous_id = Some(before);
         }
@@ -176,7 +176,7 @@ mod tests {
         // After a second change, `previous_id` is still the translated text.
         let again = updated(&changed, &GLIDER.replace("Sink rate", "How fast it sinks"));
         assert_eq!(entry(&again, "demo/Glider.sink").previous_id.as_deref(), Some("Sink rate"));
-        // An entry without a translation is replaced without a mark.
+        // An entry without a translation is replaced, and not marked as fuzzy.
         let untranslated = updated(&new_catalogue("uk"), GLIDER);
         let replaced = updated(&untranslated, &GLIDER.replace("Sink rate", "Sinking"));
         assert!(!entry(&replaced, "demo/Glider.sink").is_fuzzy());

@@ -1,4 +1,4 @@
-//! Malicious bytes, text and definitions. They cause an error or a value, within bounded memory.
+//! Malicious bytes, text and definitions. They result in an error or a value, with bounded memory.
 
 use std::fmt::Write as _;
 
@@ -13,7 +13,7 @@ use crate::support;
 
 const ROS2: Form = Form::Msg(Dialect::Ros2);
 
-/// Messages with all length prefixes that a payload can contain.
+/// Messages with all kinds of length prefixes that a payload can contain.
 fn schema() -> Schema {
     let files = [
         (
@@ -34,7 +34,7 @@ fn read(ty: MessageType<'_>, bytes: &[u8]) {
         let most = 8 * (bytes.len() - HEADER);
         assert!(message.size_in_memory() <= most, "{} bytes of {}", message.size_in_memory(), bytes.len());
         for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
-            let again = message.to_cdr(order).expect("what was read can be written");
+            let again = message.to_cdr(order).expect("a decoded message can be encoded");
             assert!(ty.decode_cdr(&again).is_ok());
         }
         message.validate();
@@ -42,7 +42,7 @@ fn read(ty: MessageType<'_>, bytes: &[u8]) {
         let _ = message.to_json();
     }
     if let Ok(message) = ty.decode_uorb(bytes) {
-        message.to_uorb().expect("what was read can be written");
+        message.to_uorb().expect("a decoded message can be encoded");
         message.validate();
         let _ = message.to_json();
     }
@@ -247,7 +247,7 @@ fn reports_the_path_of_invalid_json() {
         assert!(error.starts_with(expected), "{error}\n{expected}");
         let tree = serde_json::from_str(&spoiled);
         if expected.contains("duplicate") {
-            continue; // a tree holds each key once
+            continue; // a JSON tree can't contain duplicate keys
         }
         let error = ty.from_json(&tree.expect("JSON")).expect_err(&spoiled).to_string();
         assert_eq!(error, expected);
@@ -267,7 +267,7 @@ fn reports_the_path_of_invalid_json() {
     }
 }
 
-/// A value without a form is reported with its path.
+/// The error for a value that a form can't represent contains the path.
 #[test]
 fn reports_the_path_of_values_that_a_form_cannot_represent() {
     let files = [("Outer.msg", "Inner[] all\nstring<=2[] names\n"), ("Inner.msg", "float32[2] a\n")];

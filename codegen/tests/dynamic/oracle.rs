@@ -12,7 +12,7 @@ use uavspec_runtime::cdr::ByteOrder;
 use crate::support::{self, shared};
 
 #[test]
-fn cdr_of_px4_is_that_of_other_tools() {
+fn cdr_of_px4_matches_other_tools() {
     let (Some(folder), Some(oracle)) = (shared("corpus/px4/main"), shared("oracle/cdr/px4-main.json")) else {
         return;
     };
@@ -21,7 +21,7 @@ fn cdr_of_px4_is_that_of_other_tools() {
 }
 
 #[test]
-fn cdr_of_ros2_is_that_of_other_tools() {
+fn cdr_of_ros2_matches_other_tools() {
     let (Some(folder), Some(oracle)) = (shared("corpus/ros2"), shared("oracle/cdr/ros2.json")) else {
         return;
     };
@@ -32,7 +32,7 @@ fn cdr_of_ros2_is_that_of_other_tools() {
 /// No corpus contains a `wstring`, so these bytes were assembled by hand in the format of
 /// `rosidl_typesupport_fastrtps`.
 #[test]
-fn wide_strings_are_those_of_ros2() {
+fn wide_strings_match_ros2() {
     let (_, schema, _) =
         support::texts(Form::Msg(Dialect::Ros2), &[("Label.msg", "uint8 tag\nwstring wide\n")]);
     let types = Types::new(&schema);
@@ -99,7 +99,7 @@ fn bytes(hexadecimal: &str) -> Vec<u8> {
         .collect()
 }
 
-/// True if the values are equal. A float may have the digits of a 32-bit or of a 64-bit float, or be an integer.
+/// True if the values are equal. A float may be written as a 32-bit float, a 64-bit float or an integer.
 pub(crate) fn same(left: &Json, right: &Json) -> bool {
     match (left, right) {
         (Json::Array(left), Json::Array(right)) => {

@@ -69,7 +69,7 @@ fn check(schema: &Schema, seed: u64) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// A JSON tree, its text, and the text with reordered fields decode to the same message.
+/// Checks that a JSON tree, its text, and the text with reordered fields decode to the same message.
 fn check_json(ty: MessageType<'_>, json: &Json) -> Result<(), TestCaseError> {
     let message = ty.from_json(json).map_err(|error| TestCaseError::fail(error.to_string()))?;
     prop_assert_eq!(&message.to_json().expect("JSON"), json);
@@ -133,7 +133,8 @@ fn check_bytes(ty: MessageType<'_>, message: &Message, json: &Json) -> Result<()
     Ok(())
 }
 
-/// Long messages have no list of copies. Both ways normalize noncanonical `bool`s and padding.
+/// Long messages are encoded without a precomputed list of copies. The result must have the same normalized `bool`s and
+/// padding as for short messages.
 #[test]
 fn encodes_long_messages_like_short_ones() {
     let files = [

@@ -1,4 +1,4 @@
-//! Comparison of values in real logs, read with the formats of the logs, with the values found by another tool.
+//! Compares values in real logs with the values that another tool found. The formats in the logs define the types.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -21,8 +21,8 @@ fn reads_the_same_values_from_real_logs_as_another_tool() {
     assert_eq!(checked, 15 + 70 + 96);
 }
 
-/// Healthy logs satisfy the definitions of all releases, for fields that exist in both. The only violations are known
-/// anomalies.
+/// Healthy logs satisfy the definitions of all releases, for fields that exist in both the log and the release. The
+/// only violations are known anomalies.
 #[test]
 fn finds_only_known_violations_in_real_logs() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
@@ -59,7 +59,7 @@ fn finds_only_known_violations_in_real_logs() {
             }
         }
     }
-    assert!(checked > 1_000, "{checked} values have a restriction in a release");
+    assert!(checked > 1_000, "only {checked} values are restricted in a release");
     assert_eq!(found, BTreeMap::from([("battery_status.max_error PX-RANGE-01".to_owned(), 94)]));
 }
 
@@ -163,7 +163,7 @@ fn columns_crc32(views: &[DynamicView<'_>], fields: &Json) -> u32 {
     !crc
 }
 
-/// Size of an integer type in bytes.
+/// The size of an integer type, in bytes.
 fn size(ty: &str) -> usize {
     let bits = ty.trim_start_matches('u').trim_start_matches("int").trim_end_matches("_t");
     bits.parse::<usize>().map_or(8, |bits| bits / 8)

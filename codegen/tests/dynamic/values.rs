@@ -59,7 +59,7 @@ impl Draw {
         }
     }
 
-    /// A text of at most `most` units of `measure`.
+    /// A text whose length, according to `measure`, is at most `most`.
     fn text(&mut self, most: usize, measure: fn(&str) -> usize) -> String {
         const CHARACTERS: [char; 10] = ['a', 'Z', ' ', '"', '\\', '\n', 'é', '€', '😀', '\u{7f}'];
         let mut text = String::new();

@@ -1,6 +1,6 @@
 //! The imports between the modules of a crate, found in its sources.
 //!
-//! A module is a file. An import is any path from one file into another: in a `use` declaration, an expression or a
+//! A module is a file. An import is any path from one file to another: in a `use` declaration, an expression or a
 //! macro. Test-only modules are ignored.
 
 use std::collections::{BTreeMap, BTreeSet};

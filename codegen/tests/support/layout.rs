@@ -61,11 +61,11 @@ fn check_layout(path: &str, text: &str, form: Form) -> Result<Option<String>, St
     let Ok(first) = laid_out(path, text, form) else { return Ok(None) };
     let problem = |what: &str| Err(format!("{path}: {what}\n{text:?}\n{:?}", first.text));
     if first.is_kept {
-        return problem("the format changes the meaning");
+        return problem("formatting changes the meaning");
     }
     match laid_out(path, &first.text, form) {
         Ok(second) if second.text == first.text && !second.is_kept => {}
-        Ok(second) => return problem(&format!("a second run changes the format: {:?}", second.text)),
+        Ok(second) => return problem(&format!("a second run changes the formatted text: {:?}", second.text)),
         Err(diagnostics) => return problem(&format!("the formatted text has errors: {diagnostics:?}")),
     }
     let is_same = match form {

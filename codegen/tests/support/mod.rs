@@ -36,13 +36,13 @@ pub(crate) fn extent<T>(full: T, quick: T) -> T {
     if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
 }
 
-/// The configuration of a property test with this number of cases, or a quarter of it in a quick run. Failures are not
-/// stored in files, because each becomes a test or a fixture.
+/// The configuration of a property test with this number of cases, or a quarter of this number in a quick run. Failures
+/// are not stored in files, because each becomes a test or a fixture.
 pub(crate) fn config(cases: u32) -> Config {
     Config { failure_persistence: None, cases: extent(cases, cases / 4), ..Config::default() }
 }
 
-/// Like `config`, for a multiple of the default number of cases, which `PROPTEST_CASES` sets.
+/// Like `config`, with a multiple of the default number of cases. `PROPTEST_CASES` sets the default.
 pub(crate) fn usual(times: u32) -> Config {
     config(Config::default().cases * times)
 }

@@ -1,4 +1,4 @@
-//! Violations of the protocol, which `uavspec testee lint` detects. `testee MODE` has one of them.
+//! Protocol violations that `uavspec testee lint` detects. `testee MODE` selects one of them.
 
 use std::io::{self, BufRead, Write};
 use std::process::{self, ExitCode};
@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-/// The line limit of a testee with a buffer of fixed size.
+/// The line limit of a testee with a fixed-size buffer.
 const BUFFER: usize = 64 << 10;
 
 pub(crate) struct ProtocolFault {
@@ -67,7 +67,7 @@ impl ProtocolFault {
         self.is("silent-unknown-op") && request["op"] == "levitate"
     }
 
-    /// Runs before the response. Modes that guess replace invalid members of the request.
+    /// Runs before the response. In `guess-…` modes, replaces invalid members of the request.
     pub(crate) fn before(&self, request: &mut Value, output: &mut impl Write) -> io::Result<()> {
         let is_known = |value: &Value| value == "uorb" || value == "cdr";
         match self.mode.as_str() {
@@ -94,7 +94,7 @@ impl ProtocolFault {
         Ok(())
     }
 
-    /// Makes the response wrong.
+    /// Corrupts the response.
     pub(crate) fn corrupt(&self, request: &Value, response: &mut Value) {
         let is_hello = request["op"] == "hello";
         match self.mode.as_str() {
@@ -136,7 +136,7 @@ fn replace(response: &mut Value, member: &str, value: Value) {
     *response = other;
 }
 
-/// Removes the tags from numbers, as in plain JSON; NaN becomes null.
+/// Replaces tagged numbers with plain JSON numbers. NaN becomes null.
 fn untag(value: &mut Value, tags: &[&str]) {
     let tagged = value.as_object().filter(|members| members.len() == 1).and_then(|members| {
         let (tag, text) = members.iter().next()?;

@@ -35,18 +35,19 @@ JSON input is one object per line, or an array of objects. Without --type, each 
   {\"type\": \"px4/FailsafeFlags\", \"message\": {…}}
   {\"op\": \"publish\", \"topic\": \"/fmu/out/failsafe_flags\", \"msg\": {…}}
 
-A recorded Flockwave session has one object per line, from the client's point of view. If a message is not JSON, \
-\"raw\" contains its text. Lines may also be bare messages:
+A recorded Flockwave session has one object per line, from the client's point of view. Lines may also be bare \
+messages. If a message is not JSON, its text is in \"raw\". For example:
   {\"t\": 1790000000.20, \"conn\": \"tcp#1\", \"dir\": \"event\", \"event\": \"connect\"}
   {\"t\": 1790000000.25, \"conn\": \"tcp#1\", \"dir\": \"in\", \"msg\": {…}}
   {\"t\": 1790000000.30, \"conn\": \"tcp#1\", \"dir\": \"out\", \"msg\": {…}}
   {\"t\": 1790000009.00, \"conn\": \"tcp#1\", \"dir\": \"event\", \"event\": \"closed\"}
 
-The Flockwave type comes from properties.type.const or properties.type.enum in the JSON Schema, or otherwise from the \
-file name, e.g. SOAR-INF.json. A file name such as response_SOAR-INF.json limits the schema to requests, responses or notifications.
+The Flockwave type of a --schema file comes from properties.type.const or properties.type.enum in the JSON Schema. \
+Without these, it comes from the file name, such as SOAR-INF.json. If the file name also contains request, response or \
+notification, as in response_SOAR-INF.json, the schema applies only to such messages.
 
 A list of known failures is a TOML file. Only rule and reason are required:
-  [[known]]                       # [[flaky]] entries may also pass
+  [[known]]                       # use [[flaky]] if it sometimes passes
   rule = \"PX-RANGE-01\"
   subject = \"battery_status.*\"
   file = \"archive/2019-*.ulg\"
@@ -58,8 +59,8 @@ A list of known failures is a TOML file. Only rule and reason are required:
 Exit status:
   0  conforms
   1  does not conform
-  2  wrong usage, or unreadable definitions or lists
-  3  an input can't be read to the end, or a report can't be written
+  2  invalid usage, or unreadable definitions or lists
+  3  an input can't be read completely, or a report can't be written
   4  an entry in a list of known failures no longer applies
   5  nothing was checked";
 
@@ -67,7 +68,7 @@ Exit status:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
 pub(super) struct CheckArgs {
-    /// Files, folders or glob patterns; - is standard input.
+    /// Files, folders or glob patterns; - means standard input.
     ///
     /// Inputs are PX4 logs (.ulg), MCAP files, JSON messages and recorded Flockwave sessions, optionally compressed
     /// with gzip or zstd. The file type is detected from the content. Folders are searched for .ulg, .mcap, .json,
@@ -150,7 +151,7 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         |path| check_file(path, message_id, &definitions, &progress),
         |path, result| match result {
             Ok(found) if known.lists.is_empty() => progress.pausing(|| take(found)),
-            // A list applies to all files, so findings are printed after the last file.
+            // The lists apply to all files, so findings are printed after the last file is checked.
             Ok(found) => checked.push(found),
             Err(error) => {
                 let path = path.display().to_string();
@@ -167,7 +168,7 @@ pub(super) fn check(args: &CheckArgs) -> Status {
     deliver(&args.report, &report.with_stale(known.stale)).max(known_status)
 }
 
-/// The settings that reports depend on.
+/// The settings that affect reports.
 fn settings(args: &CheckArgs) -> Settings {
     let mut arguments = Vec::new();
     if let Some(path) = &args.definitions {

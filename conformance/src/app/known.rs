@@ -21,8 +21,8 @@ pub(super) struct KnownArgs {
     known: Vec<PathBuf>,
     /// Remove or update outdated list entries.
     ///
-    /// Other entries and comments stay unchanged. An entry whose messages have no common prefix must be split by hand:
-    /// the run fails until then.
+    /// Other entries and comments stay unchanged. An entry must be split by hand if its messages have no common prefix.
+    /// Until then, the run fails.
     #[arg(long, requires = "known")]
     fix_known: bool,
 }
@@ -31,7 +31,7 @@ pub(super) struct KnownArgs {
 pub(super) struct Known {
     /// The lists; updated by `--fix-known`.
     pub(super) lists: Lists,
-    /// The reason for each entry that no longer applies after the run.
+    /// One reason for each entry that no longer applies after the run.
     pub(super) stale: Vec<Reason>,
     today: Date,
     is_fixing: bool,

@@ -29,7 +29,7 @@ const EXAMPLES: &str = "Examples:
 const STATUS: &str = "Exit status:
   0  conforms
   1  does not conform
-  2  wrong usage, or unreadable definitions or lists
+  2  invalid usage, or unreadable definitions or lists
   3  the server doesn't respond, or a file can't be written
   4  an entry in a list of known failures no longer applies
   5  nothing was checked";
@@ -50,15 +50,15 @@ pub(super) struct ProbeArgs {
     /// Log in with AUTH-REQ, method basic.
     #[arg(long, value_name = "NAME:PASSWORD", value_parser = login)]
     login: Option<(String, String)>,
-    /// Also send commands to the UAVs of --uav.
+    /// Also send commands to the UAVs given with --uav.
     #[arg(long, requires = "uav")]
     allow_commands: bool,
     /// UAV that may receive commands (repeatable).
     #[arg(long, value_name = "ID", requires = "allow_commands")]
     uav: Vec<String>,
-    /// Record the session in this file.
+    /// Record the session to this file.
     ///
-    /// `uavspec check` reports the same findings from the recorded session.
+    /// `uavspec check` reports the same findings for the recorded session.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     /// Definitions to check against (default: built-in).
@@ -126,7 +126,7 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     }
 }
 
-/// Creates the file of `--record`. Errors are printed.
+/// Creates the `--record` file. Errors are printed.
 fn recording(args: &ProbeArgs) -> Result<Option<Box<dyn Write>>, Status> {
     let Some(path) = &args.record else { return Ok(None) };
     let file = File::create(path).map_err(|error| {

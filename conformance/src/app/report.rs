@@ -18,17 +18,17 @@ const STANDARD_OUTPUT: &str = "-";
 pub(super) struct ReportArgs {
     /// Format of the report (default: text).
     ///
-    /// It is printed on standard output. The formats are text, json, junit (XML for CI systems), sarif (for editors and
-    /// code scanning), html (a self-contained page) and markdown (for pull requests and CI summaries).
+    /// The report is printed to standard output. The formats are text, json, junit (XML for CI systems), sarif (for
+    /// editors and code scanning), html (a self-contained page) and markdown (for pull requests and CI summaries).
     #[arg(long, value_name = "KIND", hide_possible_values = true)]
     format: Option<Kind>,
     /// Write a report to a file (repeatable).
     ///
-    /// For example, html=report.html. KIND is one of the formats above. Several reports may be separated by commas. The
-    /// path - is standard output.
+    /// For example, html=report.html. KIND is one of the formats above. Separate multiple reports with commas. For
+    /// standard output, use - as the path.
     #[arg(long, value_name = "KIND=PATH", value_delimiter = ',')]
     report: Vec<Target>,
-    /// The first error while printing. It is reported together with errors of the report files.
+    /// The first printing error. It is reported together with the errors from writing report files.
     #[arg(skip)]
     unprinted: OnceLock<String>,
 }
@@ -82,14 +82,14 @@ impl ReportArgs {
         self.format.or(printed).unwrap_or(Kind::Text)
     }
 
-    /// Prints the section of a subject as soon as it is available, if the printed report is text.
+    /// Prints the section of a subject immediately, if the printed report is text.
     pub(super) fn print_subject(&self, subject: &Subject) {
         if self.printed() == Kind::Text {
             self.keep_error(print(&subject_text(subject)));
         }
     }
 
-    /// Keeps the first error of printing until the reports are written.
+    /// Keeps the first printing error until the reports are written.
     fn keep_error(&self, printed: io::Result<()>) {
         if let Err(error) = printed {
             let _ = self.unprinted.set(format!("standard output: can't print the report: {error}"));
@@ -144,7 +144,7 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
         Err(_) => path.to_path_buf(),
     };
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // A file in a temporary folder gets the usual permissions of new files. A temporary file wouldn't.
+    // A new file in a temporary folder has default permissions. A temporary file would be private.
     let stage = tempfile::Builder::new().prefix(".uavspec-").tempdir_in(parent)?;
     let staged = stage.path().join("report");
     fs::write(&staged, bytes)?;

@@ -12,7 +12,7 @@ use crate::rules::rule;
 pub(super) struct RequireArgs {
     /// Fail if this rule is not covered (repeatable).
     ///
-    /// A rule is covered if the input contains something that the rule applies to. Several ids may be separated by commas.
+    /// A rule is covered if the input contains something that the rule applies to. Separate multiple ids with commas.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     require: Vec<String>,
 }

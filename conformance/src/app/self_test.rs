@@ -31,7 +31,7 @@ const EXAMPLES: &str = "Examples:
 const STATUS: &str = "Exit status:
   0  all checks passed
   1  a rule or a server bug had an unexpected result, or a case failed
-  2  wrong usage, or unreadable definitions
+  2  invalid usage, or unreadable definitions
   3  the testee can't be started or keeps failing";
 
 /// Arguments of `self-test`.
@@ -93,7 +93,7 @@ fn recordings(definitions: &Definitions) -> bool {
 
 /// Checks that each rule finds its mutants, and that no other rule has findings in them.
 fn rules(rows: &[Row]) -> bool {
-    anstream::println!("\nMutants of each rule, and how many of them it finds:");
+    anstream::println!("\nMutants found by each rule:");
     for rule in RULES {
         let own = || rows.iter().filter(|row| row.rule.id == rule.id);
         let made = own().filter(|row| row.violated.is_some()).count();
@@ -119,7 +119,7 @@ fn servers(definitions: &Definitions) -> bool {
     });
     drop(progress);
     anstream::println!(
-        "\nThe reference server without bugs and with each bug, probed and checked from the recording:"
+        "\nProbes of the reference server without bugs and with each bug, live and from the recording:"
     );
     let mut are_right = true;
     for (case, row) in cases.iter().zip(rows) {

@@ -30,7 +30,7 @@ const EXAMPLES: &str = "Examples:
 
 const STATUS: &str = "Exit status:
   0  normal exit
-  2  wrong usage
+  2  invalid usage
   3  an address can't be used";
 
 /// Arguments of `serve`.
@@ -94,10 +94,10 @@ pub(super) struct ServeArgs {
     login: Option<(String, String)>,
     /// Violate this rule on purpose.
     ///
-    /// --list-bugs shows which other rules the bug also violates.
+    /// --list-bugs shows the other rules that each bug violates.
     #[arg(long, value_name = "RULE", value_parser = known_bug)]
     bug: Option<&'static FlockwaveRule>,
-    /// List the rules that --bug can violate, and how.
+    /// List the rules for --bug, with a description of each bug.
     #[arg(long, conflicts_with_all = ["bug", "tcp", "udp", "http", "socketio"])]
     list_bugs: bool,
     /// Exit after this time.
@@ -105,7 +105,7 @@ pub(super) struct ServeArgs {
     time: Option<Duration>,
     /// Exit when standard input is closed.
     ///
-    /// For programs that start the server as a child process.
+    /// Useful for programs that start the server as a child process.
     #[arg(long)]
     until_stdin_closes: bool,
     /// Output format: text or json.
@@ -150,7 +150,7 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
     if let Some(FlockwaveRule { rule, bug, .. }) = args.bug {
         anstream::eprintln!("bug {}: {}", rule.id, bug.description);
     }
-    // The server also ends if all senders are gone.
+    // Waiting also ends when all senders are dropped.
     let _ = match args.time {
         Some(time) => ending.recv_timeout(time).ok(),
         None => ending.recv().ok(),

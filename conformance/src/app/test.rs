@@ -44,11 +44,12 @@ Requests and responses look like this:
 
 Instead of \"ok\", a response can be \"rejected\":\"reason\", \"unsupported\":true or \"error\":\"reason\".
 
-Integers outside ±2^53 are written as {\"$u64\":\"…\"} or {\"$i64\":\"…\"}, and NaN is {\"$f\":\"NaN\"}, in both directions. \
+In both directions, integers outside ±2^53 are written as {\"$u64\":\"…\"} or {\"$i64\":\"…\"}, and NaN as \
+{\"$f\":\"NaN\"}. \
 `uavspec testee lint` checks whether a testee implements the protocol.
 
 A list of known failures is a TOML file. Only case and reason are required:
-  [[known]]                       # [[flaky]] entries may also pass
+  [[known]]                       # use [[flaky]] if it sometimes passes
   case = \"decode-cdr/px4/Event/*\"
   message = \"/id: expected\"       # start of the message
   reason = \"big-endian CDR is not supported yet\"
@@ -58,7 +59,7 @@ A list of known failures is a TOML file. Only case and reason are required:
 Exit status:
   0  conforms
   1  does not conform
-  2  wrong usage, or unreadable definitions or lists
+  2  invalid usage, or unreadable definitions or lists
   3  the testee failed, or a report can't be written
   4  an entry in a list of known failures no longer applies
   5  nothing was checked";
@@ -74,7 +75,7 @@ pub(super) struct TestArgs {
     command: Vec<OsString>,
     /// Connect to a running testee over TCP.
     ///
-    /// Each connection replaces a process: a lost connection counts as a crash, and a new connection as a restart.
+    /// A connection is treated like a process: a lost connection counts as a crash, and a new connection as a restart.
     #[arg(long, value_name = "HOST:PORT", conflicts_with_all = ["command", "dump_cases", "replay"])]
     attach: Option<Address>,
     /// Definitions to use (default: built-in).
@@ -92,16 +93,16 @@ pub(super) struct TestArgs {
     timeout: Duration,
     /// Maximum time to start.
     ///
-    /// This includes the response to the hello request, and for --attach the time to connect.
+    /// This includes the wait for the hello response. With --attach, it also includes the time to connect.
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds)]
     start_timeout: Duration,
     /// Pending requests per process.
     #[arg(long, value_name = "N", default_value = "32", value_parser = clap::value_parser!(u16).range(1..))]
     window: u16,
-    /// Limit of unexplained restarts.
+    /// Maximum number of unexplained restarts.
     ///
-    /// The run ends after this many successive restarts that identify no case as the cause. Each identified crash costs
-    /// one restart, and each hang also costs the time of --timeout. --jobs divides this time.
+    /// The run ends after this many successive restarts without an identified cause. A case that crashes the testee
+    /// costs one restart. A case that hangs also costs the time of --timeout. Parallel --jobs reduce the total time.
     #[arg(long, value_name = "N", default_value = "20")]
     max_restarts: u32,
     /// Number of parallel processes.
@@ -111,12 +112,12 @@ pub(super) struct TestArgs {
     report: ReportArgs,
     /// Write all requests to a file, and exit.
     ///
-    /// Each request includes its expected responses. The path - is standard output.
+    /// Each request includes its expected responses. The path - means standard output.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["command", "replay"])]
     dump_cases: Option<PathBuf>,
     /// Check the responses in a file.
     ///
-    /// The path - is standard input.
+    /// The path - means standard input.
     #[arg(long, value_name = "FILE", conflicts_with = "command")]
     replay: Option<PathBuf>,
     #[command(flatten)]
@@ -129,7 +130,9 @@ pub(super) fn seconds(text: &str) -> Result<Duration, String> {
     let duration = Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())?;
     // An `Instant` may overflow if a long time is added to it.
     let is_sensible = !duration.is_zero() && duration <= Duration::from_secs(86_400);
-    is_sensible.then_some(duration).ok_or_else(|| "expected more than 0 and at most 86400".to_owned())
+    is_sensible
+        .then_some(duration)
+        .ok_or_else(|| "expected a number greater than 0 and at most 86400".to_owned())
 }
 
 /// The testee to use. clap ensures that one of the arguments is present.

@@ -21,7 +21,7 @@ use crate::testee::options::Options;
 pub(super) enum TesteeCommand {
     /// Check whether a testee implements the protocol of `uavspec test`.
     ///
-    /// Each check uses a separate process or connection. The results of the codec are not checked: use `uavspec test`.
+    /// Each check uses a separate process or connection. To check the codec's results, use `uavspec test`.
     Lint(LintArgs),
 }
 
@@ -34,7 +34,7 @@ const EXAMPLES: &str = "Examples:
 const STATUS: &str = "Exit status:
   0  the testee implements the protocol
   1  a check failed
-  2  wrong usage, or unreadable definitions
+  2  invalid usage, or unreadable definitions
   3  the testee can't be started or reached";
 
 /// Arguments of `testee lint`.
@@ -56,7 +56,7 @@ pub(super) struct LintArgs {
     definitions: Option<PathBuf>,
     /// Run only this check (repeatable).
     ///
-    /// Several ids may be separated by commas. The check `introduction` is always included.
+    /// Separate multiple ids with commas. The check `introduction` is always included.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     only: Vec<String>,
     /// Maximum time without a response.
@@ -64,7 +64,7 @@ pub(super) struct LintArgs {
     timeout: Duration,
     /// Maximum time to start.
     ///
-    /// This includes the response to the hello request, and for --attach the time to connect.
+    /// This includes the wait for the hello response. With --attach, it also includes the time to connect.
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds)]
     start_timeout: Duration,
     /// Output format: text or json.

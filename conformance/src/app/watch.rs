@@ -20,7 +20,7 @@ use crate::watch::screen::{Screen, Step};
 use crate::watch::session::{Event, Session};
 use crate::watch::view::{Scene, draw};
 
-/// The capacity of the queue of inputs. While it is full, no messages are received.
+/// The capacity of the input queue. While the queue is full, no messages are received.
 const WAITING_LIMIT: usize = 16;
 
 /// The minimum time between two frames.
@@ -38,7 +38,7 @@ const EXAMPLES: &str = "Examples:
 
 const STATUS: &str = "Exit status:
   0  normal exit
-  2  wrong usage
+  2  invalid usage
   3  the terminal can't be used, or some UAVs did not report within the --for time";
 
 /// Arguments of `watch`.
@@ -68,7 +68,7 @@ pub(super) struct WatchArgs {
 enum Input {
     /// An event of the connection, with its time.
     Server(Event, Instant),
-    /// An event of the terminal. There are no more after an error.
+    /// An event of the terminal. No events follow an error.
     Terminal(io::Result<event::Event>),
     /// A request to quit.
     End,
@@ -187,7 +187,7 @@ fn process_inputs(
             Err(RecvTimeoutError::Timeout) => return Ok(Step::Stay),
         }
         due = drawn + MIN_FRAME_TIME;
-        // A server that sends without pause must not delay the next frame.
+        // A server that sends without pausing must not delay the next frame.
         if Instant::now() >= due {
             return Ok(Step::Stay);
         }

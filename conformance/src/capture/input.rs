@@ -18,22 +18,22 @@ pub(crate) const STANDARD_INPUT: &str = "-";
 /// The first bytes of gzip data (RFC 1952).
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
-/// The number of bytes that identify a compression format.
+/// The number of bytes that are needed to detect a compression format.
 const START: usize = 4;
 
-/// The extensions of captures in folders. Extensions of compression formats may follow.
+/// The file extensions of captures in folders. The extension of a compression format may follow.
 const EXTENSIONS: [&str; 5] = ["ulg", "mcap", "json", "jsonl", "ndjson"];
 
-/// The extensions of compressed files. rosbag2 uses the last one.
+/// The extensions of compressed files. rosbag2 uses `zstd`.
 const PACKED: [&str; 3] = ["gz", "zst", "zstd"];
 
 /// The characters that make a path a pattern.
 const WILDCARDS: [char; 3] = ['*', '?', '['];
 
 /// The files that `paths` denote, in order. A folder denotes the captures in it and its subfolders. A pattern such as
-/// `logs/**/*.ulg` denotes the files that match it. Both are sorted.
+/// `logs/**/*.ulg` denotes the files that match it. The files of a folder or pattern are sorted.
 ///
-/// An error names the folder or pattern that is unreadable or has no captures. An invalid pattern is an
+/// If a folder is unreadable, or a folder or pattern yields no files, the error names it. An invalid pattern is an
 /// [`InvalidInput`](io::ErrorKind::InvalidInput) error.
 pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Error)> {
     let mut files = Vec::new();
@@ -64,7 +64,7 @@ pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Err
     Ok(files)
 }
 
-/// The accepted files below a folder, sorted. Fails if there are none.
+/// The accepted files in a folder and its subfolders, sorted. Fails if there are none.
 fn search(
     folder: &Path,
     is_wanted: impl Fn(&Path) -> bool,
@@ -73,7 +73,7 @@ fn search(
     let mut files = Vec::new();
     for entry in WalkDir::new(folder).sort_by_file_name() {
         let entry = entry?;
-        // Paths below `.` have this prefix, but users don't write it.
+        // Paths found in `.` start with `./`, but users omit this prefix in patterns.
         let path = entry.path().strip_prefix(".").unwrap_or(entry.path());
         if entry.file_type().is_file() && is_wanted(path) {
             files.push(path.to_owned());
@@ -82,7 +82,7 @@ fn search(
     if files.is_empty() { Err(io::Error::new(io::ErrorKind::NotFound, nothing())) } else { Ok(files) }
 }
 
-/// The pattern in a path with wildcards. Fails if the pattern is invalid.
+/// Parses a path with wildcards as a pattern. Returns `None` for a path without wildcards.
 fn pattern(path: &Path) -> Option<Result<Glob, globset::Error>> {
     let text = path.to_str().filter(|text| text.contains(WILDCARDS))?;
     Some(GlobBuilder::new(text).literal_separator(true).build())
@@ -113,9 +113,9 @@ pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     Ok(Box::new(File::open(path)?))
 }
 
-/// The decompressed bytes of `input` if it starts like gzip or zstd, otherwise its unchanged bytes. Only the first
-/// bytes are read ahead. There may be several consecutive gzip members or zstd frames. Reading fails at any other data
-/// that follows them.
+/// Decompresses `input` if it starts like gzip or zstd. Other input stays unchanged. Only the first bytes are read in
+/// advance. The input may contain several consecutive gzip members or zstd frames. Reading fails if other data follows
+/// them.
 pub(crate) fn decompressed(mut input: impl Read + Send + 'static) -> io::Result<Box<dyn Read + Send>> {
     let mut start = Vec::with_capacity(START);
     input.by_ref().take(START as u64).read_to_end(&mut start)?;

@@ -2,8 +2,8 @@
 //! value is borrowed from the reader's buffer and isn't parsed.
 //!
 //! The form is detected from the content. Input that starts with `[` is an array of values. If the first line ends
-//! within a value and the second line doesn't start another value, values span lines. Everything else is JSON Lines, in
-//! which an invalid line doesn't affect the others.
+//! within a value and the second line doesn't start another value, values may span lines. All other input is JSON
+//! Lines: an invalid line doesn't affect the other lines.
 
 use std::fmt;
 use std::io::{self, ErrorKind, Read};
@@ -20,10 +20,10 @@ const CHUNK: usize = 1 << 16;
 /// The byte order mark in UTF-8.
 const BOM: &[u8] = b"\xef\xbb\xbf";
 
-/// The text of a value or a problem, with its location.
+/// A value or a problem, with its location.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Item<'r> {
-    /// The line on which it starts, from 1.
+    /// The line on which the value or problem starts, from 1.
     pub line: u64,
     /// The value or problem.
     pub event: Event<'r>,
@@ -36,21 +36,21 @@ pub(crate) enum Event<'r> {
     Value {
         /// The bytes.
         bytes: &'r [u8],
-        /// True if the input ends directly after it, without a line end or separator.
+        /// True if the input ends directly after the value, without a line end or separator.
         is_last: bool,
     },
     /// An unreadable part.
     Problem(Problem),
 }
 
-/// A problem of JSON input.
+/// A problem in JSON input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Problem {
     /// The input starts with a byte order mark.
     ByteOrderMark,
-    /// A value is longer than [`MAX_LENGTH`]; it was skipped.
+    /// A value that is longer than [`MAX_LENGTH`] was skipped.
     TooLong {
-        /// Its length, in bytes.
+        /// The length of the value, in bytes.
         length: u64,
     },
     /// A comma or a closing bracket in place of a value.
@@ -75,8 +75,9 @@ impl Problem {
 impl fmt::Display for Problem {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::ByteOrderMark => formatter
-                .write_str("a byte order mark, which JSON must not start with (RFC 8259, section 8.1)"),
+            Self::ByteOrderMark => {
+                formatter.write_str("JSON must not start with a byte order mark (RFC 8259, section 8.1)")
+            }
             Self::TooLong { length } => {
                 write!(formatter, "skipped a value of {length} bytes: the limit is {MAX_LENGTH} bytes")
             }
@@ -102,7 +103,7 @@ enum Mode {
 pub(crate) struct Reader<R> {
     input: R,
     buffer: Vec<u8>,
-    /// The index of the first byte that wasn't returned yet.
+    /// The index of the first byte that hasn't been returned yet.
     start: usize,
     /// The end of the data in the buffer.
     end: usize,
@@ -111,7 +112,7 @@ pub(crate) struct Reader<R> {
     line: u64,
     /// The number of bytes read.
     read: u64,
-    /// The last byte read.
+    /// The last byte that was read.
     last: Option<u8>,
     /// The next expected item of an array.
     next: Next,
@@ -157,7 +158,7 @@ impl<R: Read> Reader<R> {
     }
 
     /// The next value or problem; `None` at the end.
-    #[allow(clippy::should_implement_trait)] // an iterator can't lend
+    #[allow(clippy::should_implement_trait)] // an iterator's items can't borrow from it
     pub(crate) fn next(&mut self) -> io::Result<Option<Item<'_>>> {
         let mode = if let Some(mode) = self.mode {
             mode
@@ -178,7 +179,7 @@ impl<R: Read> Reader<R> {
         &self.buffer[self.start..self.end]
     }
 
-    /// Reads more data and discards what was returned before. Returns false at the end.
+    /// Discards the data that was already returned, and reads more. Returns false at the end of the input.
     fn fill(&mut self) -> io::Result<bool> {
         self.buffer.copy_within(self.start..self.end, 0);
         self.end -= self.start;
@@ -220,7 +221,7 @@ impl<R: Read> Reader<R> {
         Ok(is_marked)
     }
 
-    /// Detects the form of the input from its first line and the start of the second one.
+    /// Detects the form of the input from its first line and the start of the second line.
     fn look(&mut self) -> io::Result<Mode> {
         let mut frame = Frame::default();
         let mut is_second = false;
@@ -251,7 +252,7 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// Reads a value of JSON Lines.
+    /// Reads the next value from JSON Lines.
     fn next_line(&mut self) -> io::Result<Option<Item<'_>>> {
         let (mut seen, mut skipped) = (0, 0);
         let (end, is_last) = loop {

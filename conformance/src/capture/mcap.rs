@@ -1,35 +1,35 @@
 //! Reads MCAP, the container format of ROS 2 and Foxglove: <https://mcap.dev/spec>.
 //!
-//! A [`Reader`] reads a file once, from start to end, and returns its schemas, channels and messages. It uses no
-//! index and never seeks, so it also reads from pipes.
+//! A [`Reader`] reads a file once, from start to end, and returns its schemas, channels and messages. It uses no index
+//! and never seeks, so it can also read from pipes.
 //!
-//! Use of the `mcap` crate
+//! # Use of the `mcap` crate
 //!
-//! The crate parses single records ([`mcap::parse_record`]). Its readers of whole files are not used:
+//! The crate parses single records ([`mcap::parse_record`]). Its file readers are not used:
 //!
 //! - They stop at the first invalid record, and report neither its offset nor the next valid record.
 //! - They decompress chunks with C libraries, or not at all.
-//! - A record that is longer than its chunk makes them underflow, and an attachment that is too short makes them panic
-//!   (0.26.0). Attachments and records with contradictory lengths are therefore never passed to the crate.
+//! - In version 0.26.0, a record longer than its chunk causes an integer underflow, and an attachment that is too short
+//!   causes a panic. Attachments and records with contradictory lengths are therefore never passed to the crate.
 //!
 //! This module parses the framing of records, and `ruzstd` and `lz4_flex` decompress chunks.
 //!
 //! # Memory
 //!
 //! An uncompressed chunk of any length is read record by record. A compressed chunk is buffered (at most
-//! [`Reader::MAX_PACKED`]) and decompressed as it is read. Returned records are buffered (at most
-//! [`Reader::MAX_RECORD`]), and others are skipped. Buffers grow only with the data that is read, regardless of the
-//! stated lengths.
+//! [`Reader::MAX_PACKED`]) and decompressed as it is read. Records to return are buffered (at most
+//! [`Reader::MAX_RECORD`]), and all other records are skipped. Buffers grow only with the data that is read, regardless
+//! of the stated lengths.
 //!
-//! Recovery from corruption
+//! # Recovery from corruption
 //!
-//! The lengths in a record must match its kind, and plausible data must follow it. Otherwise, the reader searches for
-//! the next valid record. This can be a chunk with matching lengths, or a schema, channel or index whose parts match
-//! its length. It can also be a message of a declared channel, if another record follows it. The skipped bytes are
-//! reported with their offset and length.
+//! The lengths in a record must match its kind, and plausible data must follow the record. Otherwise, the reader
+//! searches for the next valid record. That record can be a chunk with matching lengths, or a schema, channel or index
+//! whose parts match its length. A message of a declared channel is also accepted if another record follows. The
+//! skipped bytes are reported with their offset and length.
 //!
 //! The rest of a corrupt chunk is skipped. The records before the corruption are still returned. The CRC of a chunk can
-//! only be verified at its end. A mismatch is therefore reported after the chunk's records.
+//! only be verified at the end of the chunk. A mismatch is therefore reported after the chunk's records.
 
 mod chunk;
 mod problem;
@@ -43,7 +43,7 @@ use std::collections::BTreeMap;
 pub(crate) use self::problem::Problem;
 pub(crate) use self::reader::Reader;
 
-/// The first and the last bytes of a file.
+/// The magic bytes at the start and at the end of a file.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
 /// A record or problem.

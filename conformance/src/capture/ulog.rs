@@ -1,7 +1,7 @@
 //! Reads `ULog`, the log format of PX4: <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>.
 //!
-//! There are two layers. A [`Reader`] splits bytes into messages, which it returns from its buffer, and reports
-//! corruption of the framing. A [`Log`] tracks formats and subscriptions, and determines the type of data.
+//! There are two layers. A [`Reader`] splits bytes into messages that borrow from its buffer, and reports corrupt
+//! framing. A [`Log`] tracks formats and subscriptions, and determines the type of data.
 //!
 //! ```
 //! use uavspec_conformance::capture::ulog::{Event, Log, Reader};
@@ -33,43 +33,44 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 //!
-//! Existing crates
+//! # Existing crates
 //!
 //! `px4-ulog` 0.6.1, `yule_log` 0.4.0 and `ulog-rs` 0.0.4 were evaluated. All stop at the first corrupt header. None
-//! searches for sync messages or reports skipped bytes. None provides the offset of a message, which findings need. The
-//! first reads only files or memory maps, or uses callbacks. The second allocates for each message, and the third
+//! searches for sync messages or reports skipped bytes. Findings need the offset of a message, but none provides it.
+//! `px4-ulog` reads only files or memory maps, or uses callbacks. `yule_log` allocates for each message, and `ulog-rs`
 //! stores the whole log.
 //!
-//! Recovery from corruption
+//! # Recovery from corruption
 //!
 //! The reader accepts a message if its content looks valid (see below) and a usual header follows it. Otherwise it
 //! looks ahead by at most [`Reader::LOOKAHEAD`] bytes:
 //!
-//! - If a valid run of messages starts within the message, its size is wrong. The reader skips to that run, so a
-//!   wrong size doesn't hide the messages that follow.
+//! - If a valid run of messages starts within the message, the message has a wrong size. The reader skips to that run,
+//!   so a wrong size doesn't hide the messages that follow.
 //! - Otherwise, the message is accepted if its kind is known and its size is large enough. The bytes after it are
 //!   checked next.
-//! - Otherwise, if a valid message or the end follows, only this message is reported. It is too short, or of an
-//!   unknown kind.
+//! - Otherwise, if a valid message or the end follows, only this message is reported. That message is too short or of
+//!   an unknown kind.
 //! - Otherwise, the reader searches for the next valid run.
 //!
 //! A run is valid if it starts with four valid messages or with a sync message, whose header and magic are 11 fixed
-//! bytes. A message is valid if its kind is known and its first bytes are plausible: keys and names must be ASCII,
-//! levels must exist, and data must have a subscribed id and the usual size. Other data, and unknown kinds that are
-//! letters, may appear between these messages. Sixteen consecutive messages of either sort also form a run. At the end
-//! of the log or of a section, two valid messages suffice. Each byte is tried as a start at most once, and each check
-//! takes at most a few thousand steps. The total time is therefore linear in the size of the log.
+//! bytes. A message is valid if its kind is known and its first bytes are plausible: keys and names must be ASCII, log
+//! levels must exist, and data must have a subscribed id and the usual size. A run may contain other messages between
+//! valid ones: data that isn't valid in this sense, and unknown kinds that are letters. Sixteen consecutive messages,
+//! valid or not, also form a run. At the end of the log or of a section, two valid messages suffice. Each byte is tried
+//! as a start at most once, and each check takes at most a few thousand steps. The total time is therefore linear in
+//! the size of the log.
 //!
 //! Each skipped range of bytes is reported ([`Problem::Skipped`]). Changed bytes within a payload can't be detected
 //! here.
 //!
-//! Performance
+//! # Performance
 //!
 //! The `ulog` benchmark was run on two cores with three real logs, each repeated up to a size of 64 MB. The median
 //! throughput is 3.9 to 6.9 GB/s for splitting into messages, and 1.7 to 2.4 GB/s if types and data sizes are
-//! determined as well. Copying through the buffer reaches 15 GB/s. Noise is searched at 350 MB/s, and malicious input
-//! at 20 MB/s. In 4,727 places of real logs, a bit was flipped or 25 to 30 bytes were overwritten. Each lost 1.2
-//! messages on average, and fewer than three in the worst of 450 runs.
+//! determined as well. Copying through the buffer reaches 15 GB/s. The search reads noise at 350 MB/s, and malicious
+//! input at 20 MB/s. At 4,727 places in real logs, a bit was flipped or 25 to 30 bytes were overwritten. Each change
+//! lost 1.2 messages on average. In the worst of 450 runs, the average was below three.
 
 mod kind;
 mod log;

@@ -4,9 +4,9 @@
 //! The direction is from the client's point of view. Data that is not JSON is stored as a string in `"raw"` instead of
 //! `"msg"`. Events have `"dir": "event"`, and `"event"` is `"connect"`, `"closed"` or `"refused"`.
 //!
-//! Sessions recorded by `probe` have further members: `"trial"`, the id of the rule under test, with `"how"`; `"url"`
-//! at the start of a connection; and `"why"` at its end, which is `"client"` if the client closed it. Other members
-//! are ignored.
+//! Sessions recorded by `probe` have further members. `"trial"` is the id of the rule under test, and `"how"` describes
+//! the trial. `"url"` appears at the start of a connection, and `"why"` at the end of a connection. The value of
+//! `"why"` is `"client"` if the client closed the connection. Other members are ignored.
 
 mod listeners;
 mod reports;
@@ -28,10 +28,10 @@ use crate::model::{Extent, Location};
 use crate::rules::rule;
 use crate::text::Grouped;
 
-/// The maximum number of connections. Hostile input may contain any number.
+/// The maximum number of connections. Hostile input may contain any number of connections.
 const MAX_CONNECTIONS: usize = 10_000;
 
-/// The maximum number of types that are counted by name. Hostile input may contain any number.
+/// The maximum number of types that are counted by name. Hostile input may contain any number of types.
 const MAX_TYPES: usize = 1_000;
 
 /// The maximum length of a connection or type name, in bytes.
@@ -108,8 +108,8 @@ impl<'d> FlockwaveChecker<'d> {
         Self { run, source, reports, connections: HashMap::new(), names: Vec::new(), latest: 0 }
     }
 
-    /// Disables the fast path for status reports. The result is the same, but takes several times as long. Tests
-    /// compare the two.
+    /// Disables the fast path for status reports. The result is the same but takes several times as long to compute.
+    /// Tests compare both paths.
     #[must_use]
     pub fn thorough(self) -> Self {
         Self { reports: Reports::disabled(self.run.definitions), ..self }
@@ -183,7 +183,7 @@ impl<'d> FlockwaveChecker<'d> {
             Some(other) => Some(other.to_string()),
         };
         let time = match tree.get("t") {
-            #[allow(clippy::cast_precision_loss)] // seconds fit well
+            #[allow(clippy::cast_precision_loss)] // times in seconds are small enough
             Some(Tree::Int(value)) => Some(*value as f64),
             Some(Tree::Float(value, _)) => Some(*value),
             _ => None,
@@ -252,7 +252,7 @@ impl<'d> FlockwaveChecker<'d> {
 
     /// The number of a connection. A new name gets the next number.
     fn connection(&mut self, name: &str) -> Result<usize, String> {
-        // Consecutive messages usually belong to one connection.
+        // Consecutive messages usually belong to the same connection.
         if self.names.get(self.latest).is_some_and(|latest| latest == name) {
             return Ok(self.latest);
         }
@@ -261,7 +261,7 @@ impl<'d> FlockwaveChecker<'d> {
             return Ok(*index);
         }
         if name.len() > MAX_NAME {
-            return Err(format!("the name of the connection is longer than {MAX_NAME} bytes"));
+            return Err(format!("the connection name is longer than {MAX_NAME} bytes"));
         }
         let index = self.names.len();
         if index >= MAX_CONNECTIONS {
@@ -305,7 +305,7 @@ impl<'d> FlockwaveChecker<'d> {
             (false, _) => &mut source.requests,
         } += 1;
         let Some(name) = name else {
-            // Rules on the envelope check messages even if they have no type.
+            // Envelope rules also check messages without a type.
             return self.run.checked += u64::from(is_from_server);
         };
         let is_known = self.run.definitions.body_schemas().has(name);
@@ -332,7 +332,7 @@ impl<'d> FlockwaveChecker<'d> {
     }
 }
 
-/// True if a time is plausible. A much larger value isn't in seconds.
+/// True if a time is plausible. A much larger value probably isn't in seconds.
 fn is_plausible(time: f64) -> bool {
     (0.0..MAX_TIME).contains(&time)
 }

@@ -22,15 +22,15 @@ use crate::json::{SyntaxError, TRUNCATED, Tree};
 use crate::model::{Channel, Extent, Location, Message};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
 use crate::rules::px4;
-use crate::text::{Grouped, shown};
+use crate::text::shown;
 
-/// The maximum number of topics and types. Hostile input may contain any number.
+/// The maximum number of topics and types. Hostile input may contain any number of them.
 const MAX_CHANNELS: usize = 10_000;
 
 /// The maximum length of a topic or type name, in bytes. ROS 2 has the same limit.
 const MAX_NAME: usize = 256;
 
-/// The schema encoding that MCAP uses for ROS 2 types. rosbridge names the same types.
+/// The schema encoding that MCAP uses for ROS 2 types. rosbridge uses the same type names.
 const ROS: &str = "ros2msg";
 
 pub(super) const KIND: Kind = Kind {
@@ -59,7 +59,7 @@ pub struct JsonSummary {
     pub lines: u64,
     /// The number of message types.
     pub types: usize,
-    /// The number of rosbridge messages that don't publish anything.
+    /// The number of rosbridge messages other than `publish`.
     pub skipped: u64,
     /// The topics or types without a definition, by name.
     #[cfg_attr(test, schemars(with = "Vec<String>"))]
@@ -78,7 +78,7 @@ impl Describe for JsonSummary {
         let mut lines: Vec<Line> =
             self.dialects.iter().map(|dialect| Line::new("dialect", dialect.to_string())).collect();
         if self.skipped > 0 {
-            let text = format!("{} that publish nothing (rosbridge)", Grouped(self.skipped));
+            let text = format!("{} other than `publish`", plural(self.skipped, "rosbridge message"));
             lines.push(Line::new("skipped", text));
         }
         if !self.undefined.is_empty() {
@@ -99,8 +99,8 @@ pub(crate) fn check_json(
     check_with(input, message_id, JsonChecker::new(message_id, definitions))
 }
 
-/// Like `check_json`, but without templates. The result is the same, but takes several times as long. Tests and
-/// benchmarks compare the two.
+/// Like `check_json`, but without templates. The result is the same but takes several times as long to compute. Tests
+/// and benchmarks compare both.
 pub fn check_json_thoroughly(
     input: impl Read,
     message_id: Option<MessageId>,
@@ -334,7 +334,7 @@ impl<'d> JsonChecker<'d> {
         }
     }
 
-    /// Opens a channel, unless there are too many.
+    /// Opens a channel, unless there are too many channels.
     fn open(
         &mut self,
         which: NameKind,

@@ -15,16 +15,16 @@
 //! reason = "the codec reads uninitialized memory"
 //! ```
 //!
-//! Patterns are globs. `*` matches anything, but stops at `/` in `file`. `file` is compared with the path as passed
-//! to the run.
+//! Patterns are globs. `*` matches any text, but in `file` it doesn't match `/`. `file` is compared with the path as
+//! passed to the run.
 //!
-//! Listed rules and cases still run, but their failures don't count. Lists must stay accurate, so some entries are
-//! reported as stale ([`Stale`]):
+//! Listed rules and cases still run, but their failures don't count. Lists must stay accurate. An entry is therefore
+//! reported as stale ([`Stale`]) in these cases:
 //!
-//! - A case that the entry matches passes, or all results that an entry for a rule matches pass. Results that a flaky
-//!   entry matches may pass.
-//! - A failure has a different message.
-//! - Nothing that the entry matches was checked.
+//! - The entry has a `case`, and a matching case passes. This doesn't apply to flaky entries.
+//! - The entry has a `rule`, and all matching results pass. This doesn't apply to flaky entries.
+//! - A matching failure has a different message.
+//! - Nothing that matches the entry was checked.
 //! - The expiry date has passed.
 //!
 //! One list serves all commands. Each command ignores entries that don't concern it.
@@ -66,7 +66,7 @@ const MAX_LEN: u64 = 1 << 20;
 #[derive(Debug)]
 struct Entry {
     names: Selector,
-    /// The start of the messages of the entry's failures.
+    /// The text with which each matching failure's message must start.
     message: Option<String>,
     excuse: Excuse,
     spans: EntrySpans,
@@ -166,14 +166,13 @@ impl Lists {
         self.entries.is_empty()
     }
 
-    /// Renders the findings for stale entries, in colour if `is_styled`. The level is an error, or a note after a
-    /// fix.
+    /// Renders the findings for stale entries, in colour if `is_styled`. `level` is an error, or a note after a fix.
     pub(crate) fn render(&self, stale: &[Stale], level: Level, is_styled: bool) -> String {
         let findings: Vec<Finding> = stale.iter().filter_map(|stale| self.finding(stale, level)).collect();
         render::findings(&findings, &self.sources, is_styled)
     }
 
-    /// The findings for stale entries, as reports need them.
+    /// The findings for stale entries, in the form for reports.
     pub(crate) fn reasons(&self, stale: &[Stale]) -> Vec<Reason> {
         let findings = stale.iter().filter_map(|stale| self.finding(stale, Level::Error));
         let reason = |finding: Finding| Reason {
@@ -184,12 +183,12 @@ impl Lists {
         findings.map(reason).collect()
     }
 
-    /// Lists without the stale entries.
+    /// Creates lists without the stale entries.
     ///
-    /// Entries that match nothing, have expired, or whose results all pass are removed. If only some cases pass, the
-    /// entry keeps the failing cases. If messages differ, the entry gets the messages' common prefix, or stays
-    /// unchanged if there is none. Everything else stays unchanged, byte for byte. No entries are added, since only a
-    /// person knows a reason.
+    /// An entry is removed if it matches nothing, if it has expired, or if all its results pass. If only some cases
+    /// pass, the entry keeps the failing cases. If messages differ, the entry gets the messages' common prefix, or
+    /// stays unchanged if there is none. Everything else stays unchanged, byte for byte. No entries are added, since
+    /// only a person can give the reason.
     pub(crate) fn fixed(&self, stale: &[Stale]) -> Result<Self, ListError> {
         let texts = fix::texts(self, stale);
         let text =

@@ -24,7 +24,7 @@ pub(super) const KIND: Kind = Kind {
     check: |input, _, definitions| Ok(check_ulog(input, definitions)),
 };
 
-/// The kind for encrypted logs. They are detected, but can't be read.
+/// The kind for encrypted logs, which are detected but can't be read.
 pub(super) const ENCRYPTED: Kind = Kind {
     name: "ULog",
     detect: |start| start.starts_with(&ENCRYPTED_MAGIC),
@@ -66,11 +66,11 @@ struct Format<'f> {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 enum FormatResult {
-    /// All fields have equal types and offsets.
+    /// All fields have the same types and offsets.
     Equal,
     /// Something differs.
     Differs,
-    /// No definition is known for it.
+    /// There is no known definition for the format.
     Undefined,
 }
 
@@ -281,9 +281,9 @@ impl<'d> LogChecker<'d> {
         self.run.message(&open.channel(), &message);
     }
 
-    /// Reports a problem with a format, a subscription or a size. If a rule covers the problem, it is a violation of
-    /// that rule. If part of the log is missing, that part may have contained the format or subscription, so the
-    /// problem doesn't count as a violation.
+    /// Reports a problem with a format, a subscription or a size. A problem that a rule covers is a violation of that
+    /// rule. If part of the log is missing, that part may have contained the format or subscription, so the problem
+    /// doesn't count as a violation.
     fn report_problem(&mut self, offset: u64, problem: &LogProblem) {
         let location = Location::Byte(offset);
         let detail = Detail::new(problem.to_string());
@@ -339,7 +339,7 @@ impl<'d> LogChecker<'d> {
 
     fn information(&mut self, ty: &str, value: &[u8]) {
         let text = match <[u8; 4]>::try_from(value) {
-            // The version as a number: major, minor, patch, and the type of the release.
+            // The version as a number: major, minor, patch and release type.
             Ok(bytes) if ty == "uint32_t" => {
                 let [_, patch, minor, major] = bytes;
                 format!("v{major}.{minor}.{patch}")
@@ -387,7 +387,7 @@ fn check_timestamp(format: MessageType<'_>, location: Location, run: &mut CheckR
 }
 
 /// Compares the formats of all subscribed topics with the definitions. Formats are also checked for a timestamp, unless
-/// that happened with their first message.
+/// they were already checked at their first message.
 fn formats(log: &Log, timed: &BTreeSet<String>, run: &mut CheckRun<'_>) -> Vec<(String, Comparison)> {
     let definitions = run.definitions;
     let mut opened: BTreeMap<&str, u64> = BTreeMap::new();

@@ -1,8 +1,8 @@
-//! Checks MCAP files: their CDR or JSON messages, and their own schemas.
+//! Checks MCAP files: their CDR and JSON messages, and the schemas that they contain.
 //!
-//! A channel's definition is determined by the name of its schema, or otherwise by its topic. The schema in the file is
-//! compared with the definition. If they differ, CDR is decoded with the schema in the file, and rules on values apply
-//! only to the fields that match.
+//! A channel's definition is determined by its schema name, or otherwise by its topic. The schema in the file is
+//! compared with the definition. If they differ, CDR messages are decoded with the schema in the file, and rules on
+//! values apply only to the fields that match.
 
 mod cdr;
 mod json_schema;
@@ -145,7 +145,7 @@ impl<'d> McapChecker<'d> {
         let schema = self.schemas.get(declared.schema);
         if declared.schema != 0 && schema.is_none() {
             let text =
-                format!("channel {id} refers to schema {}, which isn't declared before it", declared.schema);
+                format!("channel {id} refers to schema {}, which hasn't been declared yet", declared.schema);
             self.run.gap(location, text);
         }
         let definitions = self.run.definitions;
@@ -157,7 +157,7 @@ impl<'d> McapChecker<'d> {
         self.channels.insert(id, open);
     }
 
-    /// Opens a channel that has a definition, and chooses the reader of its messages.
+    /// Opens a channel that has a definition, and chooses the reader for its messages.
     fn read(&mut self, open: &mut Open, declared: &Declared, message_id: MessageId) {
         let definitions = self.run.definitions;
         let is_json = declared.encoding == "json";
@@ -253,7 +253,7 @@ impl<'d> McapChecker<'d> {
             }
             return self
                 .run
-                .gap(location, format!("a message refers to channel {id}, which isn't declared before it"));
+                .gap(location, format!("a message refers to channel {id}, which hasn't been declared yet"));
         };
         open.messages += 1;
         let channel = open.identity.channel();
@@ -315,7 +315,7 @@ impl<'d> McapChecker<'d> {
     }
 }
 
-/// Checks a JSON message. Stores the field values in `values`, or clears it if there are findings. Fails if the
+/// Checks a JSON message. Stores the field values in `values`, or clears `values` if there are findings. Fails if the
 /// payload isn't JSON.
 fn check_message(
     plans: &Plans,

@@ -12,7 +12,7 @@ pub(crate) trait Describe {
     /// The facts on the first line, in order.
     fn facts(&self, totals: Totals) -> Vec<String>;
 
-    /// The lines below it.
+    /// The lines below the first line.
     fn lines(&self) -> Vec<Line>;
 
     /// The noun for a capture of this kind.
@@ -20,7 +20,7 @@ pub(crate) trait Describe {
         "file"
     }
 
-    /// True if the capture is a session. Sessions have different rules than PX4 messages.
+    /// True if the capture is a session. Different rules apply to sessions than to PX4 messages.
     fn is_session(&self) -> bool {
         false
     }
@@ -48,7 +48,7 @@ pub(crate) struct Line {
     pub details: Vec<String>,
 }
 
-/// A list of a line.
+/// A list that belongs to a line.
 #[derive(Clone, Debug)]
 pub(crate) struct List {
     /// A short description of each item.
@@ -58,7 +58,7 @@ pub(crate) struct List {
 }
 
 impl Totals {
-    /// The duration with units.
+    /// The duration, with units.
     pub(crate) fn duration(self) -> String {
         let seconds = self.duration_us / 1_000_000;
         match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
@@ -68,7 +68,7 @@ impl Totals {
         }
     }
 
-    /// The number of messages with the noun.
+    /// The number of messages, followed by the noun.
     pub(crate) fn messages(self) -> String {
         plural(self.records, "message")
     }
@@ -93,7 +93,7 @@ impl Line {
     }
 }
 
-/// The first names of a list, and the number of the others.
+/// The names at the start of a list, and the number of remaining names.
 pub(super) fn names<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
     let more = names.len().saturating_sub(MAX_LISTED);
     let first: Vec<String> = names.take(MAX_LISTED).map(shown).collect();

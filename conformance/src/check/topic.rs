@@ -5,7 +5,7 @@ use uavspec_codegen::schema::{Message, MessageId, Schema};
 
 use crate::definitions::Definitions;
 
-/// The definition of a PX4 topic. Log converters may append an instance: `sensor_accel_1`, `sensor_accel.01`.
+/// The definition of a PX4 topic. Log converters may append an instance number: `sensor_accel_1`, `sensor_accel.01`.
 fn message_of(topic: &str, definitions: &Definitions) -> Option<MessageId> {
     definitions.message_of_topic(topic).or_else(|| {
         let name = topic.trim_end_matches(|character: char| character.is_ascii_digit());

@@ -1,8 +1,8 @@
-//! The schemas of Flockwave message bodies, and the checks of values against them.
+//! The schemas of Flockwave message bodies, and the code that checks values against them.
 //!
 //! Schemas are data. A message body has a separate schema for each direction. These schemas are compiled from the
-//! definitions ([`DefinedSchemas`]). For undefined types, users can supply JSON Schemas ([`Schemas`]). Rules on single
-//! fields have separate schemas (`ExpectedValue`), which may be less strict than the definitions.
+//! definitions ([`DefinedSchemas`]). For undefined types, users can supply JSON Schemas ([`Schemas`]). Rules that check
+//! a single field use separate schemas (`ExpectedValue`), which may be less strict than the definitions.
 //!
 //! ```
 //! use uavspec_conformance::definitions::Definitions;
@@ -70,7 +70,7 @@ pub(crate) enum ExpectedValue {
     Text,
     /// A string with a minimum and a maximum length in characters.
     Length(usize, usize),
-    /// The id of an object: 1 to 64 characters without `/`.
+    /// An object id: a string of 1 to 64 characters that contains no `/`.
     ObjectId,
     /// A list whose elements have this form.
     List(&'static ExpectedValue),
@@ -87,7 +87,7 @@ pub(crate) enum ExpectedValue {
 /// Any integer.
 pub(crate) const INTEGER: ExpectedValue = ExpectedValue::Integer(i128::MIN, i128::MAX);
 
-/// A deviation.
+/// A value that differs from its expected form.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mismatch {
     /// The location in the value, as a JSON pointer.
@@ -118,7 +118,7 @@ pub(crate) enum Fault {
 pub(crate) enum Step {
     /// A defined field.
     Field(String),
-    /// An element, or a value of a map.
+    /// A list element or a map value.
     Other,
 }
 
@@ -133,12 +133,12 @@ pub(crate) struct Deviation {
     pub field: String,
     /// The location of the definition.
     pub definition: Option<Span>,
-    /// The location in the body, and the values.
+    /// The location in the body, with the expected and the actual value.
     pub mismatch: Mismatch,
 }
 
 impl ExpectedValue {
-    /// The first deviation of a value.
+    /// The first mismatch between a value and this form.
     pub(crate) fn mismatch(&self, value: &Tree<'_>) -> Option<Mismatch> {
         let wrong = || Some(Mismatch::new(self.to_string(), value.to_string()));
         match (self, value) {
@@ -196,7 +196,7 @@ impl std::fmt::Display for ExpectedValue {
 }
 
 impl Mismatch {
-    /// Creates a mismatch for the value itself.
+    /// Creates a mismatch with an empty path, which refers to the whole value.
     pub(crate) fn new(expected: impl Into<String>, actual: impl Into<String>) -> Self {
         Self { path: String::new(), expected: expected.into(), actual: actual.into() }
     }
@@ -208,7 +208,8 @@ impl Mismatch {
     }
 }
 
-/// An integer in any notation. Integers beyond 2^53 with a fraction or an exponent are rounded.
+/// The value as an integer, if it is one in any notation, such as `5.0`. Beyond 2^53, integers written with a fraction
+/// or an exponent are rounded.
 pub(crate) fn integer(value: &Tree<'_>) -> Option<i128> {
     match value {
         Tree::Int(value) => Some(*value),

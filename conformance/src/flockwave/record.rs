@@ -1,4 +1,4 @@
-//! The records of a session: messages between a client and a server, and events of their connections.
+//! The records of a session: messages between a client and a server, and connection events.
 
 use crate::json::Tree;
 use crate::model::{Location, Rule};
@@ -6,13 +6,13 @@ use crate::model::{Location, Rule};
 /// A connection between a Flockwave client and a server.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Connection<'c> {
-    /// The number in the capture, in order of appearance from 0.
+    /// The index in the capture, from 0 in order of appearance.
     pub index: usize,
     /// Its name.
     pub name: &'c str,
-    /// True if messages arrive in the order in which they were sent, and each message's connection is known. If false,
-    /// checks that depend on earlier messages aren't certain. Either the capture doesn't distinguish connections, so
-    /// all messages belong to one connection, or the transport is UDP, which may lose, repeat or reorder messages.
+    /// True if messages arrive in the order in which they were sent, and each message's connection is known. False for
+    /// UDP, which may lose, repeat or reorder messages. Also false if the capture doesn't distinguish connections.
+    /// Checks that depend on earlier messages are then uncertain.
     pub is_ordered: bool,
 }
 
@@ -49,10 +49,10 @@ pub(crate) struct SessionRecord<'e> {
     pub text: &'e str,
     /// The message, if it is JSON.
     pub value: Option<&'e Tree<'e>>,
-    /// The test that it belongs to.
+    /// The rule test to which the record belongs.
     pub trial: Option<Trial<'e>>,
-    /// Details of an event. At the start of a connection: the URL of the server. At the end of a connection, or after
-    /// a failure to connect: the reason.
+    /// Details of an event. For the start of a connection, this is the URL of the server. For the end of a connection
+    /// or a failure to connect, it is the reason.
     pub note: Option<&'e str>,
     /// The location in the capture.
     pub location: Location,

@@ -1,7 +1,7 @@
-//! Tracks the state of Flockwave sessions: pending requests, used ids and running operations. Rules get each record
-//! with its meaning ([`Exchange`]).
+//! Tracks the state of Flockwave sessions: pending requests, used ids and running operations. Rules receive each record
+//! with its context in the session ([`Exchange`]).
 //!
-//! A capture is rarely complete, so only certain conclusions are drawn:
+//! Captures are rarely complete. The session therefore draws a conclusion only if no missing record can contradict it:
 //!
 //! - If the start of a connection is missing, earlier requests may be unknown.
 //! - After corruption, the session forgets all pending requests and operations, since their answers may have been lost.
@@ -43,7 +43,7 @@ const MAX_REQUEST_IDS: usize = 10_000;
 /// The maximum number of receipts in a message.
 const MAX_RECEIPTS: usize = 10_000;
 
-/// The tolerance for times that go backwards, in seconds. A capture may have several writing threads.
+/// The tolerance for times that go backwards, in seconds. Several threads may write a capture.
 const MAX_CLOCK_JITTER: f64 = 0.5;
 
 /// The maximum time that a message is in transit, in seconds.
@@ -58,9 +58,9 @@ pub(crate) struct SentRequest {
     pub objects: Option<BTreeSet<String>>,
     /// An object that is listed twice.
     pub repeated: Option<String>,
-    /// The object types in its filter, if it has one; empty if the filter isn't a list of strings.
+    /// The object types in the request's filter, if it has one; empty if the filter isn't a list of strings.
     pub filter: Option<BTreeSet<String>>,
-    /// True if it changes a setting that it could also query: an RTK source, or the time.
+    /// True if it changes a setting (the RTK source or the time) rather than querying it.
     pub is_setting: bool,
     /// The time when it was sent.
     pub time: Option<f64>,
@@ -68,11 +68,11 @@ pub(crate) struct SentRequest {
     pub location: Location,
     /// For an unanswered request: the time from the request to the latest message of the server, in seconds.
     pub waited: Option<f64>,
-    /// True if it has a version and a type, like any Flockwave request.
+    /// True if it has a version and a type, as every Flockwave request must.
     pub is_sound: bool,
     /// The tested rule and the description of the test.
     pub trial: Option<(&'static Rule, String)>,
-    /// True if its id was in use when it was sent, so that answers are ambiguous.
+    /// True if the request's id was already in use, so that answers are ambiguous.
     is_ambiguous: bool,
     /// The number of pending requests with this id.
     count: u64,
@@ -88,9 +88,9 @@ enum Side {
 /// The state of a connection.
 #[derive(Clone, Debug, Default)]
 struct State {
-    /// A number that distinguishes the connection from earlier ones with the same name.
+    /// A number that distinguishes the connection from earlier connections with the same name.
     serial: u64,
-    /// True if all its records are known.
+    /// True if all records of the connection are known.
     is_whole: bool,
     /// The latest time.
     latest: f64,
@@ -100,7 +100,7 @@ struct State {
     is_time_lost: bool,
     /// The time when the server announced the end of the connection.
     ending: Option<f64>,
-    /// The bounds of the offset of the server's clock, in seconds.
+    /// The bounds of the server's clock offset, in seconds.
     clock: Option<(f64, f64)>,
     /// The time when the bounds were determined.
     clock_time: f64,
@@ -139,7 +139,7 @@ impl Default for Sessions {
 }
 
 impl Sessions {
-    /// Determines the meaning of the next record, including the violations of its body schema.
+    /// Determines the context of the next record, including violations of its body schema.
     pub(crate) fn follow<'t>(
         &mut self,
         record: &'t SessionRecord<'t>,
@@ -157,7 +157,7 @@ impl Sessions {
         self.resolve(Exchange { deviations: Some(Vec::new()), ..Exchange::new(record, time) })
     }
 
-    /// Adds an exchange's meaning within the session.
+    /// Adds the session context to an exchange.
     fn resolve<'t>(&mut self, mut exchange: Exchange<'t>) -> Exchange<'t> {
         let record = exchange.record;
         let state = &self.states[record.connection.index];
@@ -222,8 +222,7 @@ impl Sessions {
         }
     }
 
-    /// Like `lose`, for one connection. The connection gets a new serial, which separates it from everything known so
-    /// far.
+    /// Like `lose`, for one connection. A new serial separates its later records from all earlier records.
     fn lose_connection(&mut self, connection: usize) {
         let serial = self.next_serial();
         let state = &mut self.states[connection];
@@ -441,7 +440,7 @@ impl Sessions {
     }
 }
 
-/// Marks the operations that a client resumes or cancels as released.
+/// Marks operations as released if a client resumes or cancels them.
 fn release(operations: &mut Ids<Operation>, serial: u64, request: &SentRequest) {
     if !matches!(request.type_name.as_deref(), Some("ASYNC-RESUME" | "ASYNC-CANCEL")) {
         return;

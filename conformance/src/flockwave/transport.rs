@@ -1,10 +1,10 @@
-//! Live connections over the transports of Flockwave, both client and server side.
+//! Live connections over the Flockwave transports, on both the client and the server side.
 //!
 //! | transport | a message is | client | server |
 //! |---|---|---|---|
 //! | TCP | a line | `client` | `serve` |
 //! | UDP | a datagram | `client` | `serve` |
-//! | HTTP | the body of a POST, or of its answer | `client` | `http` |
+//! | HTTP | the body of a POST request or its response | `client` | `http` |
 //! | Socket.IO | the argument of an `fw` event | `client` | `engine`, `socketio` |
 //!
 //! All waits have a time limit, and no more than [`MESSAGE_LIMIT`] of received data is stored.

@@ -7,8 +7,8 @@ pub fn encode(bytes: &[u8]) -> String {
     BASE64.encode(bytes)
 }
 
-/// Decodes base64, or returns `None` if the text is invalid. Unlike the library's decoder, it rejects concatenated
-/// texts and ignores unused bits.
+/// Decodes base64, or returns `None` if the text is invalid. Unlike the library's decoder, this function rejects
+/// concatenated texts and ignores unused bits.
 pub fn decode(text: &str) -> Option<Vec<u8>> {
     let bytes = text.as_bytes();
     if !bytes.len().is_multiple_of(4) {

@@ -11,13 +11,13 @@ use super::error::SyntaxError;
 /// The maximum nesting depth, equal to that of `serde_json`.
 const MAX_DEPTH: usize = 127;
 
-/// The maximum number of digits of an integer that always fits into 64 bits.
+/// The largest number of digits for which every integer fits into 64 bits.
 const MAX_DIGITS: usize = 18;
 
 /// The error at the end of an incomplete text.
 pub(crate) const TRUNCATED: &str = "unexpected end";
 
-/// The tokens that aren't JSON, but that some programs write.
+/// The non-JSON tokens that some programs write.
 const NOT_JSON: [&str; 3] = ["NaN", "Infinity", "-Infinity"];
 
 /// A position in a JSON text.
@@ -47,8 +47,7 @@ pub(crate) enum Token<'t> {
     Text(Cow<'t, str>),
 }
 
-/// The error of readers that accept only the expected input. A slower reader then determines whether there is a
-/// problem.
+/// The error from readers that accept only expected input. A slower reader then determines whether there is a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Unclear;
 
@@ -118,7 +117,7 @@ impl<'t> Tokens<'t> {
         self.enclosed([b'{', b'}'], "expected `,` or `}`", read)
     }
 
-    /// Reads an object. `read` gets the key of each member and consumes its value.
+    /// Reads an object. `read` gets each member's key and consumes the member's value.
     #[inline]
     pub(crate) fn members<E: From<SyntaxError>>(
         &mut self,
@@ -189,7 +188,7 @@ impl<'t> Tokens<'t> {
         if self.takes(b':') { Ok(()) } else { Err(self.error("expected `:`")) }
     }
 
-    /// Consumes this key and its colon if they come next, without escapes and spaces.
+    /// Consumes this key and its colon if they come next and contain no escapes or spaces.
     #[inline]
     pub(crate) fn takes_key(&mut self, name: &str) -> bool {
         self.peek();
@@ -226,7 +225,7 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// Reads a string without escapes. The position doesn't change if another value comes next.
+    /// Reads a string without escapes. If any other value comes next, the position doesn't change.
     #[inline]
     pub(crate) fn plain_text(&mut self) -> Option<&'t str> {
         if self.peek() != Some(b'"') {
@@ -338,7 +337,7 @@ impl<'t> Tokens<'t> {
         Err(self.error("expected a value"))
     }
 
-    /// Skips any value of strict JSON. It checks only the syntax and doesn't limit the depth.
+    /// Skips any strict JSON value. Checks only the syntax, and doesn't limit the depth.
     pub(crate) fn skip(&mut self) -> Result<(), Unclear> {
         let mut open = Vec::new();
         loop {

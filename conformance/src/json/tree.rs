@@ -1,4 +1,4 @@
-//! A JSON tree that preserves the text, including repeated keys, the digits of numbers, and tokens that aren't JSON but
+//! A JSON tree that preserves the text. This includes repeated keys, the digits of numbers, and the non-JSON tokens
 //! that some programs write.
 
 use std::borrow::Cow;
@@ -62,13 +62,13 @@ impl<'t> Tree<'t> {
         Ok(tree)
     }
 
-    /// The value of a key, if this is an object. The first value of a repeated key counts.
+    /// The value of a key, if this is an object. For a repeated key, returns the first value.
     pub fn get(&self, key: &str) -> Option<&Self> {
         let Self::Object(members) = self else { return None };
         members.iter().find(|(known, _)| known == key).map(|(_, value)| value)
     }
 
-    /// The text, including the contents of arrays and objects, shortened.
+    /// The shortened text, including the contents of arrays and objects.
     pub fn excerpt(&self) -> String {
         let mut text = String::new();
         self.write(&mut text);
@@ -126,7 +126,7 @@ fn enclosed<T>(text: &mut String, [open, close]: [char; 2], values: &[T], write:
     text.push(close);
 }
 
-/// The start of a text, if it is long.
+/// The text, or only its start if it is long.
 pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(MAX_SHOWN) {
         None => Cow::Borrowed(text),

@@ -1,4 +1,4 @@
-//! Probes the reference server, without a bug and with each of its bugs.
+//! Probes the reference server without bugs, and with each bug.
 
 use std::collections::BTreeSet;
 use std::io::{self, Write};

@@ -43,7 +43,7 @@ impl Date {
                 )
             });
         }
-        // A clock before 1970 was never set. Nothing has expired then.
+        // A clock that shows a time before 1970 was never set, so nothing counts as expired.
         let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         Self::at(since.as_secs()).ok_or_else(|| "the system clock is after the year 9999".to_owned())
     }
@@ -56,7 +56,7 @@ impl Date {
         // Years that start in March have their leap day at the end. March of the year 0 is 719468 days before 1970.
         let days = seconds / DAY + 719_468;
         let in_cycle = days % CYCLE;
-        // Removes the leap days: one in 4 years, except one in 100 years, and the last one of the cycle.
+        // Remove the leap days: one every 4 years, except every 100 years, and the leap day at the end of the cycle.
         let year = (in_cycle - in_cycle / 1_460 + in_cycle / 36_524 - in_cycle / 146_096) / 365;
         let in_year = in_cycle - (365 * year + year / 4 - year / 100);
         // From March on, every five months have 153 days.

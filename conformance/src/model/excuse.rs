@@ -1,4 +1,4 @@
-//! Known failures, as findings and results carry them.
+//! The excuses for known failures, which are attached to findings and results.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use super::Date;
 /// The reason why a known failure doesn't count.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Excuse {
-    /// The kind: fails always, or fails sometimes.
+    /// The kind: it always fails, or it sometimes fails.
     pub kind: ExcuseKind,
     /// The reason, from the list of known failures.
     pub reason: String,

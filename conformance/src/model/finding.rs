@@ -9,7 +9,7 @@ use crate::model::{Detail, Excuse, Level, Location, Rule};
 /// The maximum number of examples for each group.
 const MAX_EXAMPLES: usize = 3;
 
-/// The maximum number of groups for each rule. Hostile input could produce any number.
+/// The maximum number of groups for each rule. Hostile input could produce any number of groups.
 const MAX_GROUPS: usize = 1_000;
 
 /// The findings of one rule in one subject.
@@ -41,12 +41,12 @@ impl Group {
         first.chain(self.farthest.clone()).collect()
     }
 
-    /// Shortens the common prefix if necessary for the message of another finding.
+    /// Shortens the common prefix if the message of another finding doesn't start with it.
     fn compare(&mut self, message: String) {
         let first = self.examples.first().map_or_else(|| message.clone(), |(_, detail)| detail.to_string());
         let pairs = first.chars().zip(message.chars());
         let common = pairs.take_while(|(left, right)| left == right).map(|(left, _)| left.len_utf8()).sum();
-        // If all other messages start with the whole first message, it represents them.
+        // If all other messages start with the whole first message, the first message represents them.
         if common < self.common {
             self.common = common;
             self.farthest = (common < first.len()).then_some(message);

@@ -28,7 +28,7 @@ impl fmt::Display for Location {
     }
 }
 
-/// The readable part of a capture, from best to worst.
+/// The extent to which a capture is readable, from best to worst.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -36,7 +36,7 @@ pub enum Extent {
     /// The whole capture.
     #[default]
     Whole,
-    /// The whole file, but it is truncated within a record.
+    /// The whole file, but the file is truncated within a record.
     #[serde(rename = "ends early")]
     EndsEarly,
     /// Some corrupt parts were skipped.
@@ -47,7 +47,7 @@ pub enum Extent {
     Unreadable,
 }
 
-/// A stream of messages of one type: a subscription in a log, or a topic in another capture.
+/// A stream of messages of one type: a subscription in a log, or a topic in any other capture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Channel<'c> {
     /// The number of the channel in its capture. If a new channel replaces another, it reuses the number.

@@ -30,11 +30,11 @@ impl fmt::Display for Level {
 /// The authority of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// The specification requires it.
+    /// The specification requires the rule.
     Normative,
     /// The specification contradicts itself. Contains a description of the contradiction.
     Disputed(&'static str),
-    /// It follows from the specification or its purpose.
+    /// The rule follows from the specification or its purpose.
     Advisory,
 }
 
@@ -59,7 +59,7 @@ pub struct Rule {
     pub status: Status,
     /// The requirement.
     pub statement: &'static str,
-    /// The part of the specification that requires it.
+    /// The part of the specification that requires the rule.
     pub source: &'static str,
     /// The data to which the rule applies.
     pub applies_to: &'static str,

@@ -15,7 +15,7 @@ const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 pub(crate) struct Connection(TcpStream);
 
 impl Connection {
-    /// Connects to the first address of the host that accepts the connection.
+    /// Connects to the first of the host's addresses that accepts the connection.
     pub(crate) fn open(address: &Address, until: Instant) -> io::Result<Self> {
         let mut failure = io::Error::new(io::ErrorKind::NotFound, "the host has no address");
         for found in resolve(address, until)? {
@@ -25,7 +25,7 @@ impl Connection {
             }
             match TcpStream::connect_timeout(&found, rest) {
                 Ok(stream) => {
-                    // Otherwise, a small message may wait for the answer to the previous one.
+                    // Otherwise, a small message may wait for the answer to the previous message.
                     stream.set_nodelay(true)?;
                     return Ok(Self(stream));
                 }
@@ -81,5 +81,5 @@ pub(crate) fn resolve(address: &Address, until: Instant) -> io::Result<Vec<Socke
 }
 
 fn too_late() -> io::Error {
-    io::Error::new(io::ErrorKind::TimedOut, "no connection in time")
+    io::Error::new(io::ErrorKind::TimedOut, "couldn't connect within the time limit")
 }

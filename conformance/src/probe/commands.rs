@@ -16,7 +16,7 @@ pub(super) const STEPS: usize = 25;
 /// The additional time limit for commands.
 pub(super) const EXTRA_TIME: Duration = Duration::from_secs(45);
 
-/// The time limit for progress or for the end of an operation.
+/// The time limit for an operation to progress or end.
 const PROGRESS_TIMEOUT: Duration = Duration::from_secs(11);
 
 /// The time limit of a short operation.
@@ -25,14 +25,14 @@ const SHORT_TIMEOUT: Duration = Duration::from_secs(20);
 /// The time for which a suspended operation is observed.
 const SUSPENSION_TIMEOUT: Duration = Duration::from_millis(1_500);
 
-/// The duration of an activity in the air.
+/// The duration of each activity in flight.
 const FLIGHT: Duration = Duration::from_secs(1);
 
 /// The flight altitude in mm above home.
 const HEIGHT: u32 = 10_000;
 
 impl Probe<'_, '_> {
-    /// Sends commands to the UAVs in this list that the caller named.
+    /// Sends commands to the UAVs that are both in this list and named by the caller.
     pub(super) fn command(&mut self, uavs: &[String]) {
         let named: Vec<String> = self.options.uavs.clone();
         if named.is_empty() {
@@ -41,7 +41,7 @@ impl Probe<'_, '_> {
         let (known, missing): (Vec<String>, Vec<String>) =
             named.into_iter().partition(|id| uavs.contains(id));
         if !missing.is_empty() {
-            self.note(format!("unknown UAVs, which received no commands: {}", missing.join(", ")));
+            self.note(format!("no commands were sent to unknown UAVs: {}", missing.join(", ")));
         }
         let Some(first) = known.first().cloned() else { return };
         self.query(json!({ "type": "SYS-TIME" }));

@@ -235,7 +235,7 @@ impl Session {
     }
 }
 
-/// The name of a connection. It starts with the transport, because some rules depend on it.
+/// The name of a connection. It starts with the transport, because some rules depend on the transport.
 pub(super) fn name(endpoint: &Endpoint, number: usize) -> String {
     format!("{}#{number}", endpoint.scheme())
 }

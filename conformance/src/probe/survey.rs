@@ -176,7 +176,7 @@ fn strings(list: Option<&Value>) -> Vec<String> {
     found.into_iter().map(str::to_owned).collect()
 }
 
-/// The first of these ids, and a nonexistent one.
+/// The first of these ids, and a nonexistent id.
 pub(super) fn with_unknown_id(ids: &[String]) -> Vec<&str> {
     ids.iter().take(MAX_OBJECTS).map(String::as_str).chain([UNKNOWN_ID]).collect()
 }

@@ -39,13 +39,13 @@ pub struct Differences {
     pub retyped: Vec<String>,
     /// True if the fields are the same but have different positions.
     pub is_moved: bool,
-    /// The names of fields with nested messages that differ.
+    /// The names of fields whose nested messages differ.
     pub nested: Vec<String>,
     /// The fields that are optional in the format but not in the definition.
     pub optional: Vec<String>,
 }
 
-/// The maximum number of listed fields of each kind.
+/// The maximum number of fields to list for each kind of difference.
 const MAX_LISTED_ITEMS: usize = 8;
 
 impl Differences {
@@ -86,7 +86,8 @@ pub(crate) fn compare(format: MessageType<'_>, defined: MessageType<'_>) -> Comp
     compare_in(Order::Memory, format, defined)
 }
 
-/// Compares a declared type with the definition by field order, which determines CDR. In ROS 2, `char` is `uint8`.
+/// Compares a declared type with the definition by field order, which determines the CDR encoding. In ROS 2, `char` is
+/// `uint8`.
 pub(crate) fn compare_declared(declared: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
     compare_in(Order::Declared, declared, defined)
 }
@@ -100,8 +101,7 @@ fn compare_in(order: Order, format: MessageType<'_>, defined: MessageType<'_>) -
 }
 
 impl Order {
-    /// The fields in this order. In logs, the fields of formats are in memory order. In definitions, they are in any
-    /// order.
+    /// The fields in this order. The formats in logs list fields in memory order. Definitions list them in any order.
     fn fields(self, message_type: MessageType<'_>) -> Vec<Placed<'_>> {
         let mut fields: Vec<Placed<'_>> = message_type.layout().collect();
         if self == Self::Memory {

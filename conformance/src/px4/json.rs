@@ -1,8 +1,8 @@
 //! Checks JSON messages against their definitions.
 //!
-//! A message that differs from an earlier message only in its values is compared with the earlier one (`template.rs`).
-//! Other text takes a fast path. It is read in one pass without a tree, which only confirms messages without findings
-//! ([`Plans::read`]).
+//! If a message differs from an earlier message only in its values, a comparison with the earlier message suffices
+//! (`template.rs`). Other text takes a fast path: one pass without a tree, which can only confirm that a message has no
+//! findings ([`Plans::read`]).
 //!
 //! Everything else is parsed into a [`Tree`], which preserves repeated keys, the text of numbers, and tokens that
 //! aren't JSON, such as `NaN`. All findings come from the tree ([`Plans::explain`]). Both paths use the same checks of

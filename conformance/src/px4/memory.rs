@@ -1,8 +1,8 @@
 //! Checks payloads in memory, including messages that were decoded from CDR.
 //!
 //! A plan is compiled once for each format. The capture provides the format, and the definition provides the
-//! constraints. The constraints apply to the fields that both contain. A valid message takes only a few comparisons for
-//! each constrained field. Violations are examined in a second step.
+//! constraints. The constraints apply to the fields that the format and the definition share. Checking a valid message
+//! takes only a few comparisons for each constrained field. Violations are examined in a second step.
 
 mod healthy;
 
@@ -29,15 +29,15 @@ pub(crate) struct Plan {
     steps: Vec<Step>,
     /// The number of steps, including those of sequence elements.
     size: usize,
-    /// The number of values in a message that each rule covers.
+    /// For each rule, the number of values that it covers in a message.
     coverage: Coverage,
 }
 
 /// The values of a field. They all have the same constraints.
 #[derive(Debug)]
 struct Step {
-    /// The path of the field, e.g. `events[2].id`, without the index of an array. In a sequence, the path is relative
-    /// to the element.
+    /// The path of the field, e.g. `events[2].id`. If the field itself is an array, the path contains no index into it.
+    /// In a sequence, the path is relative to the element.
     path: String,
     /// The subject of findings: the name of the topic and the path without indices.
     subject: String,
@@ -45,7 +45,7 @@ struct Step {
     count: usize,
     stride: usize,
     content: Content,
-    /// The field with the number of used values, if there is one.
+    /// The field that contains the number of used values, if there is one.
     count_of_values: Option<Counter>,
     /// The entries of counted arrays that contain the field.
     entries: Vec<Entry>,
@@ -55,7 +55,7 @@ struct Step {
 #[derive(Debug)]
 enum Content {
     Values(Values),
-    /// The checks of each element of a sequence. The slot of the sequence is at the offset of the step.
+    /// The checks for each element of a sequence. The sequence's slot is at the step's offset.
     Sequence(Vec<Step>),
 }
 
@@ -70,7 +70,7 @@ struct Values {
     definition: Option<Span>,
 }
 
-/// A field with the number of used entries of an array.
+/// A field that contains the number of used entries in an array.
 #[derive(Clone, Copy, Debug)]
 struct Counter {
     offset: usize,
@@ -98,7 +98,7 @@ struct Within<'w> {
 struct Compiler<'c> {
     schema: &'c Schema,
     rules: &'static ValueRules,
-    /// The constraints of the messages so far.
+    /// The constraints of the messages that have been compiled so far.
     messages: HashMap<MessageId, Rc<MessagePlan>>,
     /// The number of steps so far.
     size: usize,
@@ -107,7 +107,7 @@ struct Compiler<'c> {
 
 impl Plan {
     /// Compiles a plan for payloads with the layout of `message_type`. The payloads are messages of the `message`
-    /// definition. Without a definition, only the constraints of types apply. Findings name the topic.
+    /// definition. Without a definition, only the constraints that types impose apply. Findings name the topic.
     pub(crate) fn new(
         message_type: MessageType<'_>,
         message: Option<MessageId>,
@@ -137,7 +137,7 @@ impl Plan {
         Run { payload, location, rules: self.rules, findings }.steps(&self.steps, 0, None);
     }
 
-    /// Adds the coverage of this number of messages.
+    /// Adds the coverage of `messages` messages.
     pub(crate) fn count(&self, messages: u64, findings: &mut Findings) {
         self.coverage.count(messages, findings);
     }
@@ -217,7 +217,7 @@ impl Compiler<'_> {
             let base = offset + index * placed.stride;
             let within = Within { base, path: &path, subject: &subject, entries: &entries };
             self.add(nested, nested_id(field), within, steps);
-            // All elements are equal, and there can be millions of them.
+            // If one element needs no steps, no element does, and there can be millions of elements.
             if steps.len() == before {
                 break;
             }
@@ -375,7 +375,7 @@ impl Values {
     }
 }
 
-/// The maximum number of entries of an array in a format.
+/// The maximum number of entries that an array has in a format.
 fn most(array: &str, message_type: MessageType<'_>) -> Option<u32> {
     let placed = message_type.layout().find(|placed| placed.name == array)?;
     match (placed.element, placed.shape) {
@@ -430,7 +430,7 @@ impl Run<'_> {
         }
     }
 
-    /// Reports the violation, if there is one, by a value that didn't pass the fast check.
+    /// Reports the violation, if any, in a value that failed the fast check.
     fn explain(
         &mut self,
         step: &Step,
@@ -479,7 +479,7 @@ impl Entry {
 }
 
 impl Step {
-    /// True if a value is in use. Other values are ignored.
+    /// True if a value is in use. Unused values are ignored.
     fn is_in_use(&self, index: usize, values: &Values, base: usize, payload: &[u8]) -> bool {
         // All characters of a text form a single value.
         let counter = self.count_of_values.filter(|_| !matches!(values.element, Element::Text(_)));

@@ -1,5 +1,5 @@
-//! The constraints on single values, compiled once from the definitions. They are shared by the checks of memory, CDR
-//! and JSON.
+//! The constraints on single values, compiled once from the definitions. The checks of memory, CDR and JSON share these
+//! constraints.
 //!
 //! An encoding only determines how a value is read. This module contains the constraints, their rules, the messages for
 //! violations, and the number of values that each rule covers.
@@ -25,7 +25,7 @@ pub(crate) struct ValueRules {
     pub members: &'static Rule,
     /// A JSON value has the type of its field.
     pub json_type: &'static Rule,
-    /// An array in JSON has the length of its field.
+    /// A JSON array has the length that its field requires.
     pub length: &'static Rule,
 }
 
@@ -65,7 +65,7 @@ pub(super) struct FieldPlan {
     /// The number of elements. Text is a single element.
     pub(super) shape: Shape,
     pub(super) restriction: Option<Restriction>,
-    /// The field with the number of used entries, if there is one.
+    /// The field that contains the number of used entries, if there is one.
     pub(super) counted_by: Option<usize>,
     /// The array whose used entries this field counts, if there is one.
     pub(super) counts: Option<usize>,
@@ -100,7 +100,7 @@ pub(super) struct Constraint<'c> {
 /// A violation of a constraint.
 #[derive(Debug)]
 pub(super) enum Violation<'c> {
-    /// A byte of a bool other than 0 and 1.
+    /// A bool whose byte is neither 0 nor 1.
     Bool(u8),
     /// A JSON value with the wrong type, or out of the range of an integer type.
     Type,
@@ -110,7 +110,7 @@ pub(super) enum Violation<'c> {
     Number(Demand, Number, &'c Restriction),
     /// An array, sequence or string in JSON with the wrong length.
     Length { found: usize, unit: &'static str, shape: Shape },
-    /// A NUL within a JSON string. It would end the text.
+    /// A NUL within a JSON string. The NUL would terminate the text.
     Nul(usize),
     /// Text with invalid UTF-8 at this byte.
     NotUtf8(usize),
@@ -135,7 +135,7 @@ impl Coverage {
         }
     }
 
-    /// Adds the coverage of this number of messages.
+    /// Adds the coverage of `messages` messages.
     pub(super) fn count(&self, messages: u64, findings: &mut Findings) {
         for (rule, values) in &self.0 {
             findings.cover(rule, values.saturating_mul(messages));
@@ -197,7 +197,7 @@ pub(super) fn check_text<'c>(bytes: &[u8]) -> Result<(), Violation<'c>> {
 }
 
 impl Violation<'_> {
-    /// The rule with the constraint.
+    /// The violated rule.
     pub(super) fn rule(&self, rules: &ValueRules) -> &'static Rule {
         match self {
             Self::Bool(_) => rules.bool,
@@ -208,13 +208,13 @@ impl Violation<'_> {
         }
     }
 
-    /// True if the value itself violates a rule, rather than its notation. Such violations only count for entries in
-    /// use.
+    /// True if the violation concerns the value itself rather than its notation. Such violations count only for entries
+    /// in use.
     pub(super) fn is_of_value(&self) -> bool {
         matches!(self, Self::Bool(_) | Self::Number(..) | Self::Nul(_) | Self::NotUtf8(_))
     }
 
-    /// The text of a finding. For JSON, `expected` describes the type of the field, and `found` is the text of the
+    /// The detail of a finding. For JSON, `expected` describes the type of the field, and `found` is the text of the
     /// value.
     pub(super) fn detail(&self, expected: &dyn fmt::Display, found: &str) -> Detail {
         match self {
@@ -258,7 +258,7 @@ impl Plans {
         &self.messages[id.0 as usize]
     }
 
-    /// Adds the coverage of this number of JSON messages.
+    /// Adds the coverage of `messages` JSON messages.
     pub(crate) fn count(&self, id: MessageId, messages: u64, findings: &mut Findings) {
         self.get(id).coverage.count(messages, findings);
     }

@@ -18,13 +18,13 @@ pub struct CheckedCapture {
     pub path: String,
     /// The result.
     pub result: CaptureResult,
-    /// Events of a probe that are not findings, in order.
+    /// Notable events during a probe, in order. They are not findings.
     pub notes: Vec<String>,
-    /// The time of the check, in milliseconds.
+    /// The duration of the check, in milliseconds.
     pub elapsed: u128,
 }
 
-/// The settings of a run that reports depend on.
+/// The run settings that affect reports.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
     /// True if formats that differ from the definitions count as violations.

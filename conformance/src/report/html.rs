@@ -1,4 +1,4 @@
-//! Reports as an HTML page that requires no network and no script.
+//! Reports as an HTML page that requires neither a network nor scripts.
 //!
 //! The template macro escapes all text, and invisible characters are shown as escapes. As an additional protection, the
 //! page has a content security policy that forbids loading or running anything.
@@ -20,7 +20,8 @@ const STYLE: &str = include_str!("html/style.css");
 /// The content security policy: only the embedded style sheet is allowed.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
 
-/// The maximum number of subjects with a section. Browsers can't open a page with the findings of ten thousand logs.
+/// The maximum number of subjects that have their own section. Browsers can't open a page with the findings of ten
+/// thousand logs.
 const MAX_SUBJECTS: usize = 100;
 
 pub(super) fn write(report: &Report) -> String {
@@ -107,7 +108,7 @@ fn figures(report: &Report) -> Markup {
             Part { class: "none", label: "not covered", count: count(Verdict::NotCovered) },
         ],
     };
-    // Without a list of known failures, its figure is omitted.
+    // Without a list of known failures, the figure for known failures is omitted.
     let parts: Vec<Part> =
         parts.into_iter().filter(|part| part.count > 0 || !part.label.starts_with("known")).collect();
     let checked: u64 = report.subjects.iter().map(|subject| subject.checked).sum();
@@ -135,14 +136,14 @@ fn figures(report: &Report) -> Markup {
     }
 }
 
-/// A figure, and its part of the bar.
+/// A figure, and the corresponding part of the bar.
 struct Part {
     class: &'static str,
     label: &'static str,
     count: u64,
 }
 
-/// The counts of all testees; `None` if there are no testees.
+/// The total counts over all testees; `None` if there are no testees.
 fn counts(report: &Report) -> Option<Counts> {
     let mut all = None;
     for subject in &report.subjects {
@@ -206,7 +207,7 @@ fn rule_row(rule: &RuleReport, subjects: &[&Subject]) -> Markup {
     }
 }
 
-/// A verdict on a background in its colour.
+/// A verdict as a coloured badge.
 fn badge(verdict: Verdict) -> Markup {
     let class = match verdict {
         Verdict::Fail => "fail",
@@ -226,7 +227,7 @@ fn class(outcome: OutcomeKind) -> &'static str {
     }
 }
 
-/// Renders a text of this program. Text between backticks is code.
+/// Renders one of uavspec's own texts. Text between backticks becomes code.
 fn with_code(text: &str) -> Markup {
     html! {
         @for (index, part) in text.split('`').enumerate() {

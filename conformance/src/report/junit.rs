@@ -63,7 +63,7 @@ fn suite(subject: &Subject, rules: &[RuleReport]) -> Suite {
 
 /// The case for corrupt and unreadable parts.
 ///
-/// Skipped parts and an unreadable rest are errors. Truncation is not: logs are truncated if the power fails.
+/// Skipped parts and an unreadable rest are errors. Truncation is not an error, because a power failure truncates logs.
 fn readable(subject: &Subject) -> junit::Case {
     let mut case = junit::Case::passed(shown(&subject.path), READABLE);
     let mut corruption = String::new();
@@ -77,7 +77,7 @@ fn readable(subject: &Subject) -> junit::Case {
     let (kind, message) = match subject.extent {
         Extent::Whole | Extent::EndsEarly => ("", ""),
         Extent::WithGaps => ("damaged", "unreadable parts were skipped"),
-        Extent::Unreadable => ("unreadable", "the file can't be read to the end"),
+        Extent::Unreadable => ("unreadable", "the file can't be read completely"),
     };
     if message.is_empty() {
         case.output = corruption;

@@ -20,7 +20,7 @@ pub struct Outcome {
     pub remarks: Vec<String>,
 }
 
-/// A kind of outcome, in ascending precedence.
+/// A kind of outcome. The values are in ascending precedence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -30,7 +30,7 @@ pub enum OutcomeKind {
     /// Nothing was checked.
     #[serde(rename = "nothing was checked")]
     Nothing,
-    /// An entry of a list of known failures no longer applies.
+    /// An entry in a list of known failures no longer applies.
     #[serde(rename = "stale list")]
     Stale,
     /// A rule of level MUST is violated.
@@ -60,7 +60,7 @@ impl Outcome {
         Self { kind, status: kind.status(), text: text.into(), remarks: Vec::new() }
     }
 
-    /// The outcome for a capture. `noun` is a word for it, such as `log`.
+    /// The outcome for a capture. `noun` is the word for this kind of capture, such as `log`.
     pub(super) fn for_capture(counts: CaptureCounts, extent: Extent, noun: &str) -> Self {
         let (kind, text) = (counts.kind(), counts.text());
         let (kind, text) = match extent {
@@ -70,7 +70,7 @@ impl Outcome {
             Extent::WithGaps => (kind, format!("{text}; parts of the {noun} are unreadable")),
             Extent::Unreadable => {
                 let subject = if kind == OutcomeKind::Nothing { "" } else { "its readable part " };
-                let text = format!("incomplete: the {noun} can't be read to the end; {subject}{text}");
+                let text = format!("incomplete: the {noun} can't be read completely; {subject}{text}");
                 (OutcomeKind::Incomplete, text)
             }
         };
@@ -82,7 +82,7 @@ impl Outcome {
         Self { remarks, ..Self::new(kind, capitalized(&text)) }
     }
 
-    /// The outcome for a testee, from its numbers of passed and failed cases and of protocol violations.
+    /// The outcome for a testee, based on its passed cases, failed cases and protocol violations.
     pub(super) fn for_testee(passed: u64, failed: u64, violations: usize, gave_up: Option<&str>) -> Self {
         let requested = passed + failed;
         match gave_up {
@@ -99,7 +99,7 @@ impl Outcome {
         }
     }
 
-    /// The text as it ends a report in the terminal, in lower case.
+    /// The last line of a terminal report: the text with a lower-case first letter.
     pub(super) fn last_line(&self) -> String {
         let mut characters = self.text.chars();
         let first = characters.next().map(|first| first.to_ascii_lowercase());
@@ -170,14 +170,14 @@ impl Outcome {
             }
             OutcomeKind::Incomplete if is_testee => "Incomplete: a testee failed".to_owned(),
             OutcomeKind::Incomplete => {
-                format!("Incomplete: {with_worst} of {all} files can't be read to the end")
+                format!("Incomplete: {with_worst} of {all} files can't be read completely")
             }
         };
         Self { remarks, ..Self::new(worst, text) }
     }
 }
 
-/// The counts that the outcome for a capture depends on.
+/// The counts that determine the outcome for a capture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CaptureCounts {
     /// Messages that were checked.
@@ -326,11 +326,11 @@ mod tests {
             (Verdict::Pass, "its readable part conforms"),
             (Verdict::Fail, "its readable part does not conform: 1 MUST, 0 SHOULD"),
         ] {
-            let text = format!("Incomplete: the file can't be read to the end; {readable}");
+            let text = format!("Incomplete: the file can't be read completely; {readable}");
             assert_eq!(outcome(Extent::Unreadable, verdict), (3, text));
         }
         let all = [read(Extent::Unreadable, Verdict::Pass), capture(1, &[Verdict::Fail])];
-        assert_eq!(outcome_of(&all), (3, "Incomplete: 1 of 2 files can't be read to the end".to_owned()));
+        assert_eq!(outcome_of(&all), (3, "Incomplete: 1 of 2 files can't be read completely".to_owned()));
     }
 
     #[test]

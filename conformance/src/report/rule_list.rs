@@ -1,4 +1,4 @@
-//! Lists and pages of rules: for terminals, for programs and for the documentation.
+//! Rule lists and rule pages for terminals, programs and the documentation.
 
 #[cfg(test)]
 mod pages;

@@ -11,7 +11,7 @@ use crate::model::{self, Extent};
 use crate::text::shown;
 
 /// The id for corrupt and unreadable parts, and its description.
-const CORRUPTION: (&str, &str) = ("damage", "A file can be read from start to end.");
+const CORRUPTION: (&str, &str) = ("damage", "Files can be read completely.");
 
 /// The id for failures of the whole run, and its description.
 const RUN: (&str, &str) = ("run", "Required rules are covered, and lists of known failures are up to date.");
@@ -136,7 +136,7 @@ fn case_entry(subject: &Subject, case: &Case) -> Entry {
         _ => format!("{}: {}: {}", case.name, case.verdict.name(), case.message),
     };
     let level = if case.known.is_some() { Level::Note } else { Level::Error };
-    // A testee has no file: the location is the definition.
+    // A testee has no file, so the location is in the definition.
     let location = case.definition.as_ref().map_or_else(|| whole_file(&subject.path), |line| defined(line).0);
     Entry {
         help: format!("{}; to reproduce: {}", case.description, shown(&case.reproduce)),

@@ -138,7 +138,7 @@ fn case_report(
     found
 }
 
-/// The verdict of each rule that case inputs violate. The rule passes if the testee rejects these inputs.
+/// The verdict of each rule that the input of a case violates. A rule passes if the testee rejects all such inputs.
 fn rules(cases: &[Case]) -> Vec<RuleVerdict> {
     let mut rules: BTreeMap<&str, RuleVerdict> = BTreeMap::new();
     for case in cases {

@@ -310,29 +310,29 @@ pub struct FlockwaveRule {
     pub(crate) checks: &'static [Check],
     /// The body schema violations that the rule reports in place of `FW-ENV-18`.
     pub(crate) covers: &'static [Attribution],
-    /// The bug of the reference server that violates the rule.
+    /// The reference server bug that violates the rule.
     pub(crate) bug: Bug,
-    /// The probe requests that test the rule. Rules without a trial are tested by the survey of the probe or by any
+    /// The probe requests that test the rule. A rule without a trial is tested by the probe's survey or by any other
     /// session.
     pub(crate) trial: Option<Trial>,
     /// Captures that violate the rule.
     pub(crate) mutants: &'static [Mutant],
 }
 
-/// A check of a rule. The kind of the check determines its input.
+/// A check of a rule. The kind of check determines the input.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Check {
     /// Checks a single message from the server.
     Message(fn(&Message<'_>, &mut RuleContext<'_>)),
-    /// Checks any record except status reports, with its request and operations.
+    /// Checks any record except a status report, together with its request and operations.
     Exchange(fn(&Exchange<'_>, &mut RuleContext<'_>)),
-    /// Checks a status report in its session.
+    /// Checks a status report in the context of its session.
     StatusReport(fn(&StatusReport<'_>, &mut RuleContext<'_>)),
-    /// Checks the whole session and keeps a state.
+    /// Checks the whole session and keeps state.
     Session(fn() -> Box<dyn SessionCheck>),
 }
 
-/// A check that keeps a state over a session.
+/// A check that keeps state across a session.
 pub(crate) trait SessionCheck {
     /// Processes a record that is not a status report.
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>);
@@ -340,7 +340,7 @@ pub(crate) trait SessionCheck {
     /// Processes a status report.
     fn status_report(&mut self, _report: &StatusReport<'_>, _context: &mut RuleContext<'_>) {}
 
-    /// Handles unreadable data, where records may be missing.
+    /// Handles unreadable data, which may have contained records.
     fn corruption(&mut self, _location: Location) {}
 
     /// Handles the end of the session.

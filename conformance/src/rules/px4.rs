@@ -106,15 +106,15 @@ pub(crate) struct Px4Rule {
 /// The way a rule is checked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Check {
-    /// The plan of a format checks each value.
+    /// A plan that is compiled for the format checks each value.
     Value,
-    /// The capture's reader reports violations, since it can't read the data.
+    /// The capture reader reports violations, because it can't read the data.
     Source,
     /// A stateful checker receives the records of a capture.
     State(fn() -> Box<dyn Checker>),
 }
 
-/// A small change of a flight or of its capture that violates a rule.
+/// A small change to a flight or its capture that violates a rule.
 #[derive(Debug)]
 pub(crate) struct Mutant {
     /// A description of the change.
@@ -128,7 +128,7 @@ pub(crate) struct Mutant {
 /// The function that makes a mutant. It returns `None` if the change isn't possible with the definitions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Change {
-    /// Changes the flight. The result is written in each encoding that represents the change.
+    /// Changes the flight. The result is written in each encoding that can represent the change.
     Flight(for<'d> fn(&Flight<'d>) -> Option<Flight<'d>>),
     /// Changes the `ULog` of a flight.
     Ulog(fn(&Flight<'_>, Log) -> Option<Log>),
@@ -139,7 +139,7 @@ pub(crate) enum Change {
 }
 
 impl Change {
-    /// The changed captures of a flight, one for each encoding that represents the change.
+    /// The changed captures of a flight, one for each encoding that can represent the change.
     pub(super) fn captures(&self, flight: &Flight<'_>) -> Vec<(Encoding, Vec<u8>)> {
         let written: [Option<(Encoding, Vec<u8>)>; Encoding::ALL.len()] = match self {
             Self::Flight(change) => {
@@ -184,13 +184,14 @@ pub(crate) enum Interest {
 
 /// Checks the records of one capture.
 pub(crate) trait Checker {
-    /// Handles a new channel, and returns the checker's interest in it. Without interest, [`Self::message`] isn't
-    /// called.
+    /// Handles a new channel, and returns the checker's interest in it. For [`Interest::Nothing`], [`Self::message`]
+    /// isn't called.
     fn opened(&mut self, _channel: &Channel<'_>, _context: &mut RuleContext<'_>) -> Interest {
         Interest::Nothing
     }
 
-    /// Handles the end of a channel: it was unsubscribed, or another channel took its index. May be called twice.
+    /// Handles the end of a channel: the channel was unsubscribed, or another channel took its index. May be called
+    /// twice.
     fn closed(&mut self, _channel: &Channel<'_>) {}
 
     /// Receives the start time of the capture, in µs since boot.
@@ -199,10 +200,10 @@ pub(crate) trait Checker {
     /// Checks a message.
     fn message(&mut self, _channel: &Channel<'_>, _message: &Message<'_>, _context: &mut RuleContext<'_>) {}
 
-    /// Handles a dropout: records were lost for this duration.
+    /// Handles a dropout, during which records were lost.
     fn dropout(&mut self, _milliseconds: u16, _place: Location) {}
 
-    /// Handles unreadable data. Records may be lost with it, for example a message of a channel of interest.
+    /// Handles unreadable data, which may have contained records that the rule needs.
     fn corruption(&mut self, _place: Location) {}
 
     /// Handles the end of the capture.

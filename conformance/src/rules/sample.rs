@@ -1,4 +1,5 @@
-//! Conforming captures, generated from any definitions. Rules find nothing in them, and mutants are made from them.
+//! Conforming captures, generated from any definitions. Rules report no findings in them, and mutants are derived from
+//! them.
 //!
 //! The bytes depend only on the definitions. All values are the typical values from the test vectors, so adjacent
 //! values differ and no value is zero by chance. Times and the messages of external components are realistic.
@@ -23,7 +24,7 @@ pub(crate) use self::lines::Lines;
 pub(crate) use self::log::{Entry, Log};
 use crate::definitions::Definitions;
 
-/// The number of messages of a regular topic: enough for rules that learn its period.
+/// The number of messages on a regular topic, enough for rules that learn the topic's period.
 pub(crate) const ROUNDS: u64 = 48;
 
 /// The time between two rounds, in µs.
@@ -35,7 +36,7 @@ pub(crate) const START: u64 = 1_000_000;
 /// The external components, each with its arming check id and its last round.
 const COMPONENTS: [(u64, u64); 2] = [(3, ROUNDS - 1), (5, 31)];
 
-/// Components refuse to arm once every this many rounds.
+/// The number of rounds from one refusal to arm to the next.
 const REFUSED: u64 = 4;
 
 /// A short flight with all PX4 messages in the definitions.
@@ -45,7 +46,7 @@ pub(crate) struct Flight<'d> {
     pub definitions: &'d Definitions,
     /// The topics.
     pub topics: Vec<Topic>,
-    /// The messages, in order of time.
+    /// The messages, in chronological order.
     pub messages: Vec<Sent>,
 }
 
@@ -68,7 +69,7 @@ pub(crate) struct Sent {
 }
 
 impl<'d> Flight<'d> {
-    /// Creates the flight of some definitions. Messages without a fixed size or without a time are left out.
+    /// Creates the flight for these definitions. Omits messages without a fixed size or without a timestamp.
     pub(crate) fn new(definitions: &'d Definitions) -> Self {
         let mut topics = Vec::new();
         let mut first = Vec::new();
@@ -191,7 +192,7 @@ impl<'d> Flight<'d> {
         Some(changed)
     }
 
-    /// Changes the last reply with which an external component refuses to arm.
+    /// Changes the last reply in which an external component refuses to arm.
     pub(crate) fn with_refusal(&self, change: impl FnOnce(&mut Value)) -> Option<Self> {
         let topic = self.topic("ArmingCheckReply")?;
         let is_refused = |sent: &Sent| sent.topic == topic && sent.value["can_arm_and_run"] == false;
@@ -216,12 +217,12 @@ impl<'d> Flight<'d> {
         Lines::typed(self)
     }
 
-    /// The flight as JSON Lines of rosbridge.
+    /// The flight as JSON Lines in rosbridge format.
     pub(crate) fn rosbridge(&self) -> Lines {
         Lines::published(self)
     }
 
-    /// The number of messages of each topic, by name.
+    /// The number of messages on each topic, by topic name.
     pub(crate) fn counts(&self) -> BTreeMap<&str, u64> {
         let mut counts = BTreeMap::new();
         for sent in &self.messages {
@@ -231,7 +232,7 @@ impl<'d> Flight<'d> {
     }
 }
 
-/// Finds a value that violates this constraint of a field, and no other. `None` if the field has no such constraint.
+/// Finds a value that violates only this constraint of a field. `None` if the field has no such constraint.
 fn violating_value(rule: Rule, field: &Field, restriction: &Restriction) -> Option<Value> {
     let Element::Scalar(scalar) = field.ty.element else { return None };
     let beyond = |bound: Option<Number>, by: i32| match bound? {
@@ -269,7 +270,7 @@ const SESSION_TOPICS: [&str; 5] = [
     "UnregisterExtComponent",
 ];
 
-/// The messages of a topic in a round, made from a typical message.
+/// The messages of a topic in one round, derived from a typical message.
 fn messages_of_round(message: &str, round: u64, typical: &Value) -> Vec<Value> {
     let typical = with(typical, &[("timestamp", (START + round * PERIOD).into())]);
     let present = || COMPONENTS.iter().filter(|(_, last)| round <= *last);
@@ -306,7 +307,7 @@ fn request_id(round: u64) -> Value {
     ((240 + round) % 256).into()
 }
 
-/// The reply of a component in a round. Some replies refuse to arm.
+/// A component's reply in one round. In some replies, the component refuses to arm.
 fn answer(typical: &Value, round: u64) -> Value {
     let can_arm = !round.is_multiple_of(REFUSED);
     let events = if can_arm { 0 } else { 2 };
@@ -323,7 +324,7 @@ fn answer(typical: &Value, round: u64) -> Value {
     answer
 }
 
-/// Sets fields of a message. Fields that the message lacks are skipped, since releases have different fields.
+/// Sets fields of a message. Skips fields that the message lacks, because fields differ between releases.
 fn with(message: &Value, fields: &[(&str, Value)]) -> Value {
     let mut message = message.clone();
     for (field, new) in fields {

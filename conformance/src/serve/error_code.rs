@@ -1,4 +1,4 @@
-//! Error codes of UAVs: the codes that can be set, and mutually exclusive codes.
+//! UAV error codes: the codes that clients can set, and the codes that exclude each other.
 
 use uavspec::flockwave::ErrorCode;
 use uavspec_runtime::ErrorClass;
@@ -7,7 +7,7 @@ use uavspec_runtime::ErrorClass;
 pub(super) const BATTERY: [(f64, ErrorCode); 3] =
     [(10.0, ErrorCode::LOWBAT_FATAL), (20.0, ErrorCode::LOWBAT_ERROR), (30.0, ErrorCode::LOWBAT_WARNING)];
 
-/// Codes for the current activity, which can't be set.
+/// Codes that describe the current activity and can't be set.
 const STATES: [ErrorCode; 6] = [
     ErrorCode::GROUND,
     ErrorCode::TAKEOFF,

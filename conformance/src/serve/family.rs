@@ -1,4 +1,4 @@
-//! Handlers of requests, one module per family of messages.
+//! Request handlers, one module per message family.
 
 mod asynchronous;
 mod authentication;
@@ -20,7 +20,7 @@ use uavspec::flockwave::json::Request;
 use super::hub::{Answer, Hub, RequestHandler, SessionId};
 use crate::rules::flockwave::env_24;
 
-/// The families by the first part of their types, with their handlers.
+/// The handlers of all families, by the first part of the message type.
 const FAMILIES: [(&str, RequestHandler); 14] = [
     ("ASYNC", asynchronous::answer),
     ("AUTH", authentication::answer),
@@ -54,7 +54,7 @@ pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Ans
 
 /// The error for an unsupported type.
 fn unknown(request: &Request) -> String {
-    // A type can be as long as a message.
+    // The type may be as long as the whole message.
     let name: String = request.message_type().chars().take(40).collect();
     format!("no handler for requests of type {name}")
 }

@@ -24,16 +24,17 @@ use crate::rules::flockwave::{ack_06, asy_04, asy_04i, asy_14, env_19, env_22, o
 /// The step of the simulation, in seconds.
 const STEP: f64 = 0.05;
 
-/// The maximum number of steps per call. If the machine was suspended for longer, the simulation skips that time.
+/// The maximum number of steps per call. If the machine was suspended for longer, the simulation skips the rest of that
+/// time.
 const STEPS_AT_ONCE: u32 = 10_000;
 
-/// The maximum number of UAVs per notification, so that it fits into a UDP datagram.
+/// The maximum number of UAVs per notification, so that every notification fits into a UDP datagram.
 const UAVS_AT_ONCE: usize = 50;
 
 /// The maximum number of pending operations per connection.
 const OPERATION_LIMIT: usize = 1000;
 
-/// The number of ids that are stored with the FW-ENV-19 bug.
+/// The number of ids to store for the FW-ENV-19 bug.
 const ANSWERED_LIMIT: usize = 1000;
 
 /// The sending side of a connection.
@@ -63,14 +64,14 @@ pub(super) type SessionId = u64;
 pub(super) struct Session {
     pub(super) kind: ConnectionKind,
     sink: Arc<dyn Sink>,
-    /// The user who has logged in.
+    /// The logged-in user.
     pub(super) user: Option<String>,
     /// Subscribed paths of the device tree, with the number of subscriptions.
     pub(super) subscriptions: BTreeMap<String, usize>,
     /// The values last sent to the client, by path.
     pub(super) last_sent: BTreeMap<String, Value>,
     operations: Vec<Operation>,
-    /// The time at which the connection was opened, since the start.
+    /// The time from the start of the server to the opening of the connection.
     since: Duration,
     /// The number of sent messages.
     sent: u64,
@@ -90,7 +91,7 @@ pub(super) struct Hub {
     pub(super) world: World,
     /// The adjustment of the clock, in milliseconds.
     pub(super) adjustment: u64,
-    /// The time since the start.
+    /// The time since the start of the server.
     pub(super) elapsed: Duration,
     /// The ports of the transports, by name.
     pub(super) ports: BTreeMap<&'static str, u16>,
@@ -184,7 +185,7 @@ impl Hub {
         }
     }
 
-    /// Processes bytes from a client, `elapsed` after the start.
+    /// Processes bytes from a client that arrive `elapsed` after the start of the server.
     pub(super) fn receive(&mut self, id: SessionId, bytes: &[u8], elapsed: Duration) {
         self.elapsed = self.elapsed.max(elapsed);
         self.take(id, Incoming::parse(bytes));
@@ -211,7 +212,7 @@ impl Hub {
         }
     }
 
-    /// Advances the simulation to `elapsed` after the start.
+    /// Advances the simulation to the time `elapsed` after the start of the server.
     pub(super) fn advance(&mut self, elapsed: Duration) {
         self.elapsed = self.elapsed.max(elapsed);
         let target = self.elapsed.as_secs_f64() * self.options.speed;
@@ -279,7 +280,7 @@ impl Hub {
         self.notify_all(&obj_del::Notification { ids }.into());
     }
 
-    /// Removes the UAVs whose time of loss has come.
+    /// Removes the UAVs that are due to get lost.
     fn apply_losses(&mut self) {
         let elapsed = self.elapsed;
         let lost: Vec<(String, Duration)> =
@@ -296,7 +297,7 @@ impl Hub {
             if self.elapsed.saturating_sub(session.since) < limit {
                 continue;
             }
-            // Prevents a second notification. The connection closes after all queued messages.
+            // Prevents a second notification. The connection closes after all queued messages have been sent.
             session.since = Duration::MAX;
             self.notify(id, &farewell("the maximum connection time was reached"));
             self.disconnect(id);
@@ -387,7 +388,7 @@ impl Hub {
         (self.handler)(self, id, request)
     }
 
-    /// Stores an answered id.
+    /// Stores the id of an answered request.
     fn remember(&mut self, id: SessionId, request: &str) {
         if let Some(session) = self.sessions.get_mut(&id) {
             session.answered.push(request.to_owned());

@@ -23,19 +23,19 @@ use crate::rules::flockwave::FlockwaveRule;
 /// The maximum number of concurrent connections. Each connection needs threads.
 const CONNECTION_LIMIT: usize = 256;
 
-/// The interval of simulation steps. Notifications are less frequent.
+/// The interval between simulation steps. Notifications are less frequent.
 const TICK: Duration = Duration::from_millis(20);
 
-/// The timeout of socket operations, after which a thread checks whether the server is ending.
+/// The timeout of socket operations, after which a thread checks whether the server is shutting down.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
-/// The interval of checks for new connections.
+/// The interval between checks for new connections.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(5);
 
-/// The write timeout. After it, a client that reads nothing is disconnected.
+/// The write timeout, after which a client that doesn't read is disconnected.
 const SEND_LIMIT: Duration = Duration::from_secs(10);
 
-/// The time that polling clients have to fetch the last messages. The next poll usually follows immediately.
+/// The time in which polling clients can fetch the last messages. The next poll usually follows immediately.
 const LAST_POLL: Duration = Duration::from_millis(500);
 
 /// The time limit for connections to end.
@@ -47,7 +47,7 @@ pub(super) struct Shared {
     sessions: Sessions,
     bug: Option<&'static FlockwaveRule>,
     started: Instant,
-    /// The time at which the server began to end.
+    /// The time at which the server began to shut down.
     ending: OnceLock<Instant>,
     connections: AtomicUsize,
 }
@@ -208,7 +208,7 @@ fn accept(
     }
 }
 
-/// Decrements the number of connections when the thread of a connection ends.
+/// Decrements the number of connections when a connection's thread ends.
 struct ConnectionGuard<'s>(&'s Shared);
 
 impl Drop for ConnectionGuard<'_> {

@@ -59,10 +59,10 @@ pub(super) fn refusal(reason: String) -> Response {
     ack_nak::Response { reason: Some(reason) }.into()
 }
 
-/// A map of a response, by requested id. It may be absent.
+/// A map in a response, keyed by requested id. The map may be absent.
 type Part<T> = Option<BTreeMap<String, T>>;
 
-/// The result for one of the requested ids. A result may take longer.
+/// The outcome for one of the requested ids: a result, or a receipt if the operation takes longer.
 pub(super) enum Outcome<T> {
     /// The result.
     Value(T),
@@ -71,7 +71,7 @@ pub(super) enum Outcome<T> {
 }
 
 /// The results for the requested ids. Each id is in exactly one map of the response. The map of successes is always
-/// present; the others are present only if they are not empty.
+/// present; the other maps are omitted if they are empty.
 pub(super) struct Outcomes<T> {
     values: BTreeMap<String, T>,
     errors: BTreeMap<String, String>,

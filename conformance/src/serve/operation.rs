@@ -22,7 +22,7 @@ pub(super) struct Operation {
     passed: f64,
     /// The last percentage sent to the client.
     last_reported: u8,
-    /// True if the operation waits for the client halfway.
+    /// True if the operation waits for the client at the halfway point.
     is_suspending: bool,
     is_suspended: bool,
     is_cancelled: bool,
@@ -71,7 +71,7 @@ impl Operation {
         }
     }
 
-    /// An operation that waits for the client halfway.
+    /// An operation that waits for the client at the halfway point.
     pub(super) fn suspending(receipt: String, seconds: f64, result: Value) -> Self {
         Self { is_suspending: true, ..Self::lasting(receipt, seconds, result) }
     }

@@ -1,4 +1,4 @@
-//! Tests of the hub with a simulated clock, without and with each bug.
+//! Tests of the hub with a simulated clock, without bugs and with each bug.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -325,7 +325,7 @@ const FIELDS: [&str; 26] = [
     "value",
 ];
 
-/// Strings that are valid for some member.
+/// Strings that are valid for at least one field.
 const TEXTS: [&str; 14] = [
     "glider-1",
     "glider-2",

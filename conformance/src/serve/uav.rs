@@ -20,13 +20,14 @@ const DEGREE: f64 = 111_320.0;
 /// The altitude above the home position after takeoff, in meters.
 const TAKEOFF_ALTITUDE: f64 = 10.0;
 
-/// Speeds in meters per second: horizontal, up, down, and without motors.
+/// Speeds in meters per second: cruising, climbing, descending, and falling with stopped motors.
 const CRUISE: f64 = 8.0;
 const CLIMB: f64 = 2.5;
 const DESCENT: f64 = 1.5;
 const FALL: f64 = 15.0;
 
-/// Battery drain in percent per second: in the air, on the ground with running motors, and on the ground without.
+/// Battery drain in percent per second: in the air, on the ground with running motors, and on the ground with stopped
+/// motors.
 const FLYING_DRAIN: f64 = 100.0 / 1200.0;
 const IDLE_DRAIN: f64 = FLYING_DRAIN / 3.0;
 const STANDBY_DRAIN: f64 = FLYING_DRAIN / 60.0;

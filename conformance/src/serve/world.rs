@@ -12,14 +12,14 @@ use uavspec_runtime::Severity;
 use super::Options;
 use super::uav::Uav;
 
-/// All simulated and pretended objects.
+/// All objects of the simulated world.
 pub(super) struct World {
     pub(super) uavs: Vec<Uav>,
     /// The most recently reported error code of each UAV.
     reported: BTreeMap<String, ErrorCode>,
     /// The RTK preset in use.
     pub(super) preset: Option<&'static Preset>,
-    /// The settings of the base station survey, if a client has set them.
+    /// The base station survey settings, if a client has set them.
     pub(super) survey: Option<RTKSurveySettings>,
     /// Extensions by id.
     pub(super) extensions: BTreeMap<&'static str, Extension>,
@@ -78,7 +78,7 @@ pub(super) const FIXTURES: [Fixture; 4] = [
 pub(super) const PARAMETERS: [(&str, i64); 3] =
     [("CRUISE_SPEED", 8), ("RTH_ALTITUDE", 10), ("LIGHT_MODE", 1)];
 
-/// An error code of a UAV to report to clients.
+/// A UAV error code to report to clients.
 pub(super) struct Remark {
     uav: String,
     code: ErrorCode,

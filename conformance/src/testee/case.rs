@@ -10,7 +10,7 @@ use crate::definitions::Definitions;
 use crate::rules::px4::{self, Px4Rule};
 
 /// Rules that concern the payload as a whole. A payload that violates one of them can't be decoded. If a payload
-/// violates another rule, for example with a `bool` of 153, a codec may decode or reject it.
+/// violates another rule, for example because a `bool` is 153, a codec may decode or reject it.
 static PAYLOAD_RULES: [&Px4Rule; 3] = [&px4::DATA_01, &px4::CDR_01, &px4::CDR_02];
 
 /// A request and its expected responses.
@@ -37,7 +37,7 @@ pub struct Case {
 /// The input of a request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Input {
-    /// No input: the request names a type only.
+    /// No input: the request names only a type.
     Nothing,
     /// A payload.
     Bytes(Vec<u8>),
@@ -122,7 +122,7 @@ impl Expected {
     const REJECTED: Self = Self { ok: ExpectedResponse::Nothing, rejection: true };
 }
 
-/// All cases of the definitions, type by type.
+/// All cases from the definitions, grouped by type.
 pub fn cases(definitions: &Definitions, types: &Types) -> Vec<Case> {
     let files = vectors::emit(&definitions.schema, &vectors::Options::default());
     let files = files.iter().filter(|file| file.path.ends_with(".vectors.json"));
@@ -262,8 +262,8 @@ fn decoded(rule: Option<&str>, wanted: Option<&Value>) -> Expected {
     }
 }
 
-/// True if parsing the vector changed a number: integers below the smallest `int64` become floats that equal the
-/// smallest `int64`, and some testees read these as integers.
+/// True if parsing changed a number in the vector. Integers below the smallest `int64` become floats that equal the
+/// smallest `int64`. Some testees read these floats as integers.
 #[allow(clippy::float_cmp, clippy::cast_precision_loss)] // an exact comparison is intended
 fn is_lossy(value: &Value) -> bool {
     match value {

@@ -1,7 +1,7 @@
 //! Compares responses with expected responses.
 //!
-//! Numbers are compared as values of the field's type, for example float32 numbers in float32 fields. NaN equals NaN,
-//! and 0 equals -0, because not every JSON writer can represent these. Bytes are compared exactly.
+//! Numbers are compared as values of the field's type, for example as float32 in float32 fields. NaN equals NaN, and 0
+//! equals -0, because not every JSON writer can represent NaN or -0. Bytes are compared exactly.
 
 use std::fmt;
 
@@ -94,7 +94,7 @@ fn compare_bytes(right: &[Vec<u8>], actual: &Value) -> Result<(), Difference> {
     }
     let at = wanted.iter().zip(&bytes).position(|(left, right)| left != right);
     let at = at.unwrap_or(wanted.len().min(bytes.len()));
-    // Sixteen bytes, starting at the first that differs, and the total length.
+    // Sixteen bytes from the first difference on, and the total length.
     let excerpt = |bytes: &[u8]| {
         let part = bytes.get(at..).unwrap_or_default();
         format!("{} of {} bytes", hex(part.get(..16).unwrap_or(part)), bytes.len())

@@ -49,7 +49,7 @@ fn expected(case: &Case, types: &Types) -> Value {
 }
 
 /// Checks the responses in a file, one per line, with the same line limit as for a process. If the file has a hello,
-/// supported cases without a response are not run; otherwise, all cases without a response are unsupported.
+/// supported cases without a response count as not run. Otherwise, all cases without a response count as unsupported.
 pub(crate) fn replay<'c>(
     cases: &'c [Case],
     selected: &[usize],

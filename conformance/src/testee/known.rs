@@ -23,7 +23,7 @@ pub(crate) fn case_outcomes<'r>(names: &'r [(&'r Case, String)], run: &Run<'r>) 
     checked.collect()
 }
 
-/// Marks each failure that an entry excuses as known.
+/// Marks failures as known if an entry excuses them.
 pub(crate) fn excuse_cases(lists: &Lists, run: &mut Run<'_>) {
     for (case, verdict) in run.verdicts.iter_mut().filter(|(_, verdict)| verdict.is_failure()) {
         let messages = [verdict.to_string()];

@@ -1,8 +1,8 @@
 //! A connection to a testee, which is a child process or a TCP connection. No call here blocks longer than its time
 //! limit.
 //!
-//! One thread reads from the testee, and another writes to it, since it may stop reading. The threads end when the
-//! pipes or the connection are closed. Nothing waits for them.
+//! One thread reads from the testee. Another thread writes to the testee, since the testee may stop reading. The
+//! threads end when the pipes or the connection are closed. Nothing waits for them.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{Shutdown, TcpStream};
@@ -21,7 +21,7 @@ use crate::net::Connection;
 /// wait.
 const MAX_QUEUED_LINES: usize = 8;
 
-/// The interval of checks for the end of a silent process.
+/// The interval between checks of whether a silent process has ended.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// An item read from a testee.
@@ -214,7 +214,8 @@ impl Input for ChildStdin {
 
 impl Input for TcpStream {
     fn close(self) {
-        // Other handles keep the socket open, and it may be disconnected already.
+        // Dropping this handle isn't enough, since others keep the socket open. An error only means that the socket is
+        // already disconnected.
         let _ = self.shutdown(Shutdown::Write);
     }
 }

@@ -94,7 +94,7 @@ pub const CHECKS: &[Check] = &[
 
 /// The result of all checks.
 pub struct LintResult {
-    /// The introduction of the testee; `None` without a valid hello.
+    /// The introduction of the testee; `None` if it sent no valid hello.
     pub hello: Option<Hello>,
     /// The checks and their outcomes.
     pub outcomes: Vec<(&'static Check, CheckOutcome)>,
@@ -112,9 +112,9 @@ pub fn check(id: &str) -> Option<&'static Check> {
     CHECKS.iter().find(|check| check.id == id)
 }
 
-/// Checks a testee. Returns an error if it can't be started or accepts no connection. `only` selects checks. If it is
-/// empty, all checks run. The first check always runs because the others require it. `progress` receives the number of
-/// finished checks and their total.
+/// Checks a testee. Returns an error if it can't be started or accepts no connection. `only` selects checks. If `only`
+/// is empty, all checks run. The first check always runs because the others require it. `progress` receives the number
+/// of finished checks and their total.
 pub fn lint(
     cases: &[Case],
     types: &Types,

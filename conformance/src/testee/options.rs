@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::target::Target;
 
-/// The default length limit of a line, in bytes.
+/// The default maximum length of a line, in bytes.
 pub(crate) const LINE_LIMIT: usize = 16 << 20;
 
 /// Options of a run.
@@ -22,7 +22,7 @@ pub struct Options {
     pub jobs: usize,
     /// The maximum number of consecutive restarts without finding a case that crashes the testee by itself.
     pub max_restarts: u32,
-    /// The length limit of a line, in bytes.
+    /// The maximum length of a line, in bytes.
     pub line_limit: usize,
 }
 

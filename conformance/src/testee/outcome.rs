@@ -36,14 +36,14 @@ pub enum Verdict {
         /// The last part of standard error.
         stderr: String,
     },
-    /// A failure that a list of known failures excuses.
+    /// A failure excused by a list of known failures.
     Known {
         /// The failure.
         failure: Box<Verdict>,
         /// The entry that excuses it.
         excuse: Excuse,
     },
-    /// The case was not run: the run ended before, or the file contains no response.
+    /// The case was not run: the run ended early, or the file contains no response to the case.
     NotRun,
 }
 
@@ -111,7 +111,7 @@ impl ProtocolRemarks {
 /// The result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome<'c> {
-    /// The introduction of the testee; `None` if a file of responses contains no hello.
+    /// The introduction of the testee; `None` if a response file contains no hello.
     pub hello: Option<Hello>,
     /// The cases and their verdicts.
     pub verdicts: Vec<(&'c Case, Verdict)>,
@@ -130,7 +130,7 @@ pub struct Counts {
     pub passed: usize,
     /// Wrong responses, crashes and timeouts.
     pub failed: usize,
-    /// Failures that a list of known failures excuses.
+    /// Failures excused by a list of known failures.
     pub known: usize,
     /// Cases that the testee doesn't support.
     pub unsupported: usize,

@@ -1,7 +1,7 @@
 //! Runs a testee as a child process. No call here blocks longer than its time limit.
 //!
-//! The child leads a process group. When the child ends, the rest of the group is killed, on platforms with process
-//! groups. A thread drains standard error. The thread ends when the pipe is closed. Descendants outside the group may
+//! On platforms with process groups, the child leads a process group. When the child ends, the rest of the group is
+//! killed. A thread drains standard error. The thread ends when the pipe is closed. Descendants outside the group may
 //! keep the pipe open, so nothing waits for the thread.
 
 use std::collections::{BTreeSet, VecDeque};
@@ -16,10 +16,10 @@ use std::time::{Duration, Instant};
 /// The maximum number of stored bytes at the end of standard error.
 const MAX_STDERR: usize = 8 << 10;
 
-/// The time limit for the end of standard error after the process has ended.
+/// The time limit for standard error to close after the process has ended.
 const STDERR_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// The interval of checks for the end of the process.
+/// The interval between checks of whether the process has ended.
 const POLL_INTERVAL: Duration = Duration::from_millis(5);
 
 /// The exit status of an interrupted program, as in shells.
@@ -62,8 +62,8 @@ impl Process {
         }
     }
 
-    /// Returns a description of how the process exited, which is empty after a success. `None` if the process still
-    /// runs at `until`.
+    /// Returns a description of how the process exited, which is empty after a success. `None` if the process is still
+    /// running at `until`.
     pub(super) fn ended(&mut self, until: Instant) -> Option<String> {
         loop {
             let how = match self.child.try_wait() {

@@ -14,7 +14,7 @@
 //! | `roundtrip` | `format`, `bytes` | the bytes after decoding and encoding |
 //! | `validate` | `value` | any value |
 //! | `severity` | `value`: an error code | `{"class": "warning", "severity": "warning"}` |
-//! | `hash` | `format` | PX4's hash of the fields as a number for `uorb`, ROS's `RIHS01_…` for `cdr` |
+//! | `hash` | `format` | for `uorb`, PX4's hash of the fields as a number; for `cdr`, the ROS hash `RIHS01_…` |
 //! | `layout` | `format` (`uorb`) | `{"size": …, "size_no_padding": …, "offsets": {"timestamp": 0, …}}` |
 //!
 //! An id is an integer within ±2^53. The response is `unsupported` or `error` if the request lacks a member, or names

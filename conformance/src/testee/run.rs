@@ -1,6 +1,6 @@
 //! Runs cases, and finds the cases that fail, time out or crash the testee.
 //!
-//! For a testee that listens on a port, a connection corresponds to a process.
+//! If the testee listens on a port, connections take the place of processes.
 //!
 //! Several requests are pending at a time. If the process ends or stops responding, one of the pending requests is the
 //! probable cause. Each of these is repeated alone, the oldest first, until a request ends a process that received
@@ -8,7 +8,7 @@
 //! remarks.
 //!
 //! Neighboring cases often fail together. After a crash, requests are therefore sent one at a time, and the number of
-//! pending requests doubles with each response. If every case crashes the testee, each case takes one start.
+//! pending requests doubles with each response. If every case crashes the testee, each case requires only one start.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -1,14 +1,14 @@
-//! The location of a testee.
+//! The program or the address of a testee.
 
 use std::ffi::OsString;
 use std::fmt;
 
 use crate::net::Address;
 
-/// The location of a testee.
+/// The program or the address of a testee.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// A program with its arguments. It is started and communicates over standard input and output.
+    /// A program with its arguments. uavspec starts the program and communicates over its standard input and output.
     Command(Vec<OsString>),
     /// The address of a running testee.
     Address(Address),

@@ -9,7 +9,7 @@ use uavspec_codegen::dynamic::{MessageType, PlacedElement};
 
 pub use crate::json::base64::{decode as from_base64, encode as to_base64};
 
-/// The largest integer up to which 64-bit floats represent all integers.
+/// The limit up to which 64-bit floats represent every integer exactly.
 const EXACT: u64 = 1 << 53;
 
 /// The tag of positive integers.
@@ -82,7 +82,8 @@ fn untagged(members: &Map<String, Value>) -> Option<Value> {
     }
 }
 
-/// The value as an integer. A float without a fraction counts as an integer, since some writers don't distinguish them.
+/// The value as an integer. A float without a fraction counts as an integer, since some writers don't distinguish the
+/// two.
 pub(super) fn integer(value: &Value) -> Option<i128> {
     match value {
         Value::Number(number) => number.as_i128().or_else(|| whole(number.as_f64()?)),

@@ -14,7 +14,7 @@ use uavspec_codegen::schema::json_type::Direction;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
-/// A body for a message and a direction, with the expected validity.
+/// A message body for one direction, with its expected validity.
 struct Vector {
     type_name: String,
     direction: Direction,
@@ -53,7 +53,7 @@ fn deviations(type_name: &str, direction: Direction, body: &Value) -> Vec<Deviat
     DEFINITIONS.body_schemas().deviations(type_name, direction, &tree).expect("a shape")
 }
 
-/// The generated schemas and vectors are independent of the check of bodies.
+/// The generated schemas and test vectors are independent of the body check.
 #[test]
 fn agrees_with_the_vectors_on_valid_bodies() {
     let vectors = vectors();
@@ -124,7 +124,7 @@ fn found(direction: Direction, body: &Value) -> BTreeMap<&'static str, BTreeSet<
     found
 }
 
-/// A deviation is reported by its specific rule, or by `FW-ENV-18` if there is none.
+/// A deviation is reported by its specific rule, or by `FW-ENV-18` if it has no specific rule.
 #[test]
 fn reports_each_deviation_once() {
     let (mut own, mut rest) = (0, 0);

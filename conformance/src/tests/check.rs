@@ -137,7 +137,7 @@ fn reports_no_violations_that_a_missing_part_may_explain() {
         corruption.iter().any(|text| text.starts_with("data for id 5, which isn't subscribed")),
         "{corruption:?}"
     );
-    // Positions after the format of the glider, and within the format of the mark.
+    // Positions after the glider format, and within the mark format.
     let mark = position(b"mark:uint64_t") - 3;
     for cut in [mark, mark + 2, mark + 20] {
         let (rules, corruption) = found(&whole[..cut]);
@@ -233,7 +233,7 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
         (
             "PX-DATA-03",
             with(|log| _ = log.subscribe(6, 0, "glider")),
-            "glider: a second subscription of instance 0",
+            "glider: a second subscription to instance 0",
         ),
         ("PX-ENUM-01", value(|glider| glider.mode = 8), "glider.mode: "),
         (
@@ -259,7 +259,7 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
         (
             "PX-TIME-01",
             value(|glider| glider.timestamp = 58 * PERIOD),
-            "glider.timestamp: timestamp 1160000 is before the previous one, 1180000",
+            "glider.timestamp: timestamp 1160000 is earlier than the previous timestamp, 1180000",
         ),
         (
             "PX-TIME-02",
@@ -296,7 +296,7 @@ fn accepts_a_new_subscription_after_the_old_one_ended() {
         let result = run_check(&log);
         violated(&result).iter().map(|(rule, _)| *rule).collect::<Vec<_>>()
     };
-    // With the same id, or with another id after the old one was unsubscribed or reused.
+    // The new subscription has the same id, or another id after the old id was unsubscribed or reused.
     let again = |log: &mut Writer, id| _ = log.subscribe(id, 0, "glider");
     assert_eq!(checked(&|log| again(log, 5)), NONE);
     let moved = |log: &mut Writer| {
@@ -463,7 +463,7 @@ fn real_logs_have_the_known_results() {
     assert_eq!(odd, 94, "batteries whose greatest error is 0");
 }
 
-/// The oracles describe formats and definitions independently. This test determines from them which formats match.
+/// The oracles describe formats and definitions independently. This test uses them to determine which formats match.
 #[test]
 fn matches_the_same_formats_as_the_reference_tools() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };

@@ -80,7 +80,7 @@ fn a_flipped_bit_loses_few_messages() {
             let is_ordered = !result.corruption.is_empty()
                 || result.records > result.checked
                 || result.findings.groups().next().is_some();
-            // Data whose kind became that of a text message is one lost message.
+            // A data message that became a text message counts as one lost message.
             assert!(lost <= 1 || is_ordered, "{name}: {lost} lost after bit {bit} of byte {at}");
             assert!(
                 lost <= 3 * ROUNDS,
@@ -132,7 +132,7 @@ fn reports_noise_from_the_start() {
         );
         assert!(error.to_string().starts_with(&expected), "{error}");
     }
-    // Files with a single wrong byte count as corrupt, and so does text in other scripts.
+    // Files with a single wrong byte or with text in other scripts count as corrupt, not as an unknown type.
     for start in [&b"\x1b{\"type\":1}\n"[..], "\u{feff}{\"ключ\":1}".as_bytes(), b"\0"] {
         assert!(check_capture(start, None, &definitions).is_ok(), "{}", start.escape_ascii());
     }

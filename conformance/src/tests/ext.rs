@@ -80,7 +80,7 @@ impl<'d> Script<'d> {
         self.add("UnregisterExtComponent", ms, &json!({ "arming_check_id": registration }));
     }
 
-    /// Adds requests from one number up to, but not including, another, with replies of all registered components.
+    /// Adds the requests with the numbers `from..to`, with replies from all registered components.
     fn exchange(&mut self, from: u64, to: u64, registrations: &[u8]) {
         for number in from..to {
             self.request(number * PERIOD, id(number), registrations);
@@ -413,7 +413,7 @@ fn an_old_registration_does_not_mark_the_start() {
     assert_eq!(late(0), 0, "the reply has no time");
 }
 
-/// The header of a log contains only the second of its start.
+/// The header of the test log says that the log starts at 1,000 ms.
 #[test]
 fn a_registration_before_the_log_does_not_mark_the_start() {
     for (registered, is_wrong) in [(999, false), (1_000, true)] {
@@ -597,7 +597,7 @@ fn accepts_new_subscription_ids() {
         }
     }
     log.entries.insert(0, Entry::Subscription(900, 0, "arming_check_request".to_owned()));
-    // Without the header.
+    // Appends the log without its header.
     bytes.extend(&log.to_bytes()[16..]);
     assert_eq!(rules_violated(&before.run_check(&bytes)), ["PX-EXT-01"]);
 }
@@ -925,7 +925,7 @@ fn without_masks_further_replies_imply_a_registration() {
         script.exchange(107, 110, &[]);
     });
     assert_eq!(missing, 0);
-    // Topics have no common order. The component registered again after it had left.
+    // Messages of different topics have no common order. The component registered again after it had unregistered.
     let mut script = Script::with_flight(&flight);
     script.register(10, 3);
     script.exchange(100, 105, &[3]);
@@ -974,8 +974,7 @@ fn events_in_use_have_an_id() {
     assert_eq!(reported_for(true, 0, [0; 5]), (vec![], 0));
     assert_eq!(reported_for(true, 2, [1, 2, 0, 0, 0]), (vec![], 2));
     assert_eq!(reported_for(false, 5, [1; 5]), (vec![], 5));
-    let message =
-        "PX-EXT-04 arming_check_reply.events 1: events[1].id: event without an id among the 2 used events";
+    let message = "PX-EXT-04 arming_check_reply.events 1: events[1].id: one of the 2 used events has no id";
     assert_eq!(reported_for(true, 2, [1, 0, 0, 0, 0]).0, [message]);
     assert!(
         reported_for(true, 5, [0; 5]).0[0].starts_with("PX-EXT-04 arming_check_reply.events 5: events[0].id")
@@ -1020,7 +1019,10 @@ fn counts_flags_that_no_mode_requires() {
         assert_eq!(found, expected);
         assert_eq!(result.findings.verdict(shown), Verdict::Shown);
         let group = result.findings.groups_of(shown).next().expect("a group");
-        assert_eq!(group.examples[0].1.to_string(), "set, but no mode requires it: mode_req_attitude is 0");
+        assert_eq!(
+            group.examples[0].1.to_string(),
+            "set, but no mode has a matching requirement: mode_req_attitude is 0"
+        );
     }
     // Twelve flags of this release have a requirement.
     let script = flags(&json!({ "attitude_invalid": true, "mode_req_attitude": 1 }));

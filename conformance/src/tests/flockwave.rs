@@ -1,4 +1,4 @@
-//! Tests of recorded Flockwave sessions: only certain violations are reported.
+//! Tests of recorded Flockwave sessions: a violation is reported only if it is certain.
 
 use crate::tests::support;
 
@@ -254,7 +254,7 @@ fn receipts_end_once_with_a_result_or_a_timeout() {
     session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["r-1", "r-3"] }));
     assert_eq!(violated_by(&session), []);
 
-    // A receipt may be reused after its end.
+    // A receipt may be reused after its operation has ended.
     let mut again = session.clone();
     again.exchange(land(&["kite"]), json!({ "receipt": { "kite": "r-1" } }));
     again.notify(json!({ "type": "ASYNC-RESP", "id": "r-1", "error": "A thermal carries it" }));
@@ -492,11 +492,15 @@ fn reports_describe_the_recording() {
     assert!(value["types"].as_array().is_some_and(|types| types.len() > 30));
 }
 
-/// The traffic of a real server, with findings that were verified by hand. The server writes null for other values (in
-/// descriptions of connections and in a position of the weather), omits the holder of a license, has a magnetic field
-/// with fractions, and uses another name for preflight checks. It also writes numbers for purposes of connections, 0 in
-/// lists of error codes, and seconds instead of milliseconds. It doesn't report the end of a cancelled operation. It
-/// sends the error codes that the client set for its gliders.
+/// The traffic of a real server, with findings that were verified by hand. The server deviates as follows:
+///
+/// - It writes null instead of other values in connection descriptions and in a weather position.
+/// - It omits the holder of a license.
+/// - The components of a magnetic field have fractions.
+/// - It uses another name for preflight checks.
+/// - It writes connection purposes as numbers, 0 in lists of error codes, and seconds instead of milliseconds.
+/// - It doesn't report the end of a cancelled operation.
+/// - It sends the error codes that the client set for the server's gliders.
 #[test]
 fn reports_the_deviations_of_real_servers() {
     let Some(corpus) = shared("corpus/flockwave") else { return };

@@ -11,7 +11,7 @@ use crate::testee::compare::Difference;
 use crate::testee::outcome::{Outcome, ProtocolRemarks, Verdict};
 use serde_json::{Value, json};
 
-/// A string that ends, starts or escapes something in each report format, or whose display is misleading.
+/// A string with characters that have a special meaning in a report format, or that are misleading when displayed.
 pub(crate) const HOSTILE: &str = "</style><script>alert(1)</script>|`*[x](javascript:y)]]>&amp;\"'\r\n::error::\u{1b}[31m\u{7}\u{202e}\u{ffff}é🛩";
 
 /// Captures that violate each rule, by name, and JSON with hostile names.

@@ -238,7 +238,7 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
         (
             "PX-TIME-01",
             value("/timestamp", json!(58 * PERIOD)),
-            "Glider.timestamp: timestamp 1160000 is before the previous one, 1180000",
+            "Glider.timestamp: timestamp 1160000 is earlier than the previous timestamp, 1180000",
         ),
         ("PX-TIME-02", value("/timestamp", json!(80 * PERIOD)), "Glider: no message for 420 ms"),
         (

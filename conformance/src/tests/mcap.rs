@@ -142,7 +142,7 @@ fn declarations() -> Vec<u8> {
     .concat()
 }
 
-/// Sixty messages in two chunks, the last with this payload.
+/// Sixty messages in two chunks. The last message has this payload.
 fn records_with(last: &[u8]) -> [Vec<u8>; 2] {
     let messages = |numbers: std::ops::Range<u64>| -> Vec<u8> {
         numbers.flat_map(|number| message(3, &Glider::at(number * PERIOD).cdr())).collect()
@@ -326,7 +326,7 @@ fn mutants() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             "glider: name[0] at byte 70: expected 4 more bytes, found 0",
         ),
         ("PX-CDR-02", with_payload(&long), "glider: Glider at byte 75: "),
-        ("PX-CDR-02", with_payload(&[0, 1]), "glider: expected 4 bytes of header, found 2"),
+        ("PX-CDR-02", with_payload(&[0, 1]), "glider: expected a header of 4 bytes, found 2"),
         ("PX-ENUM-01", value(|glider| glider.mode = 8), "glider.mode: "),
         (
             "PX-FMT-01",

@@ -114,7 +114,7 @@ bool is_landed            # Whether it stands on the ground
 }
 
 #[test]
-#[ignore = "takes long"]
+#[ignore = "slow"]
 fn px4_definitions_have_mutants() {
     let Some(corpus) = shared("corpus/px4") else { return };
     let definitions = Definitions::load(&corpus.join("main")).expect("definitions");

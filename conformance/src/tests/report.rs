@@ -182,7 +182,7 @@ fn markdown_escapes_the_input() {
     }
 }
 
-/// A parsed `JUnit` report, with the assertion that misleading characters are escaped everywhere except in paths.
+/// Parses a `JUnit` report. Asserts that misleading characters are escaped everywhere except in paths.
 fn read(report: &Report) -> Junit {
     let text = report.to_text(Kind::Junit);
     let junit = Junit::deserialize_from_str(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -297,7 +297,7 @@ fn each_format_reports_the_path_and_the_value_found() {
     assert_eq!(
         shlex::split(command).expect("words"),
         ["uavspec", "check", "./-it's a \"log\".jsonl"],
-        "what a shell makes of it"
+        "the command as parsed by a shell"
     );
     let json: Value = serde_json::from_str(&report.to_text(Kind::Json)).expect("JSON");
     let finding = &json["subjects"][0]["findings"][0];

@@ -1,4 +1,4 @@
-//! Tests that the fast path for valid status reports has the same results as all rules.
+//! Tests that the fast path for valid status reports has the same results as a check of all rules.
 
 use crate::tests::support;
 
@@ -322,7 +322,7 @@ fn finds_duplicate_members() {
     assert_eq!(compare(format!("{} 7", report("")).as_bytes(), &definitions), 0);
 }
 
-/// Beyond the limit of stored kinds, statuses are still checked.
+/// Statuses are still checked when the limit of stored kinds is exceeded.
 #[test]
 fn both_paths_agree_on_any_number_of_kinds() {
     let definitions = Definitions::built_in();

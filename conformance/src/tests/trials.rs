@@ -165,7 +165,7 @@ fn accepts_pipelined_answers() {
 #[test]
 fn accepts_changing_objects() {
     let mast = ["kite", "mast"];
-    // Objects that appear or disappear before the last list.
+    // Objects may appear or disappear before the last list.
     for (before, after) in [(&["kite"][..], &mast[..]), (&mast[..], &["kite"][..])] {
         let session = over("tcp#2", |session| {
             objects(session, &[], before);
@@ -174,7 +174,7 @@ fn accepts_changing_objects() {
         });
         assert_eq!(violated_by(&session), []);
     }
-    // An object that appears and disappears with notifications.
+    // An object may appear and disappear with notifications.
     let session = over("tcp#2", |session| {
         objects(session, &[], &["kite"]);
         objects(session, &["beacon"], &["mast"]);

@@ -26,7 +26,7 @@ pub(crate) fn shown(text: &str) -> String {
 /// Quotes words for a shell.
 pub(crate) fn command_line<'w>(words: impl IntoIterator<Item = &'w str>) -> String {
     let quoted = words.into_iter().map(|word| {
-        // Only NUL can't be quoted. Arguments can't contain it.
+        // Only NUL can't be quoted, and arguments can't contain NUL.
         shlex::try_quote(word).map_or_else(|_| shown(word), std::borrow::Cow::into_owned)
     });
     quoted.collect::<Vec<_>>().join(" ")

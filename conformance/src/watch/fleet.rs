@@ -16,19 +16,19 @@ use super::state::State;
 pub(crate) struct Uav {
     /// The last reported state.
     pub state: Option<State>,
-    /// The server's reason for not reporting its state.
+    /// The server's reason for not reporting the UAV's state.
     pub refusal: Option<String>,
-    /// The time at which the timestamp of the state last changed.
+    /// The time at which the state's timestamp last changed.
     changed: Option<Instant>,
 }
 
 impl Uav {
-    /// The highest severity of its error codes.
+    /// The highest severity among the UAV's error codes.
     pub(crate) fn worst(&self) -> Option<Severity> {
         self.codes().first().map(|code| Severity::of(*code))
     }
 
-    /// Its error codes, most severe first.
+    /// The UAV's error codes, most severe first.
     pub(crate) fn codes(&self) -> &[u32] {
         let errors = self.state.as_ref().and_then(|state| state.errors.known());
         errors.map_or(&[], |errors| &errors.codes)
@@ -77,7 +77,7 @@ pub(crate) struct Fleet {
     pub remark: Option<String>,
     /// The number of unreadable messages.
     pub unreadable: u64,
-    /// True if there are more UAVs than the limit.
+    /// True if the server has more UAVs than the limit allows.
     pub is_overfull: bool,
     /// True if the server has sent a list of its UAVs.
     has_list: bool,
@@ -188,7 +188,7 @@ impl Fleet {
         let timestamp = uav.state.as_ref().and_then(|state| state.timestamp.known());
         let by_clock = self.clock.zip(timestamp).and_then(|((at, time), timestamp)| {
             let passed = i64::try_from(now.saturating_duration_since(at).as_millis()).unwrap_or(i64::MAX);
-            // A timestamp later than the server's clock gives no age.
+            // A timestamp ahead of the server's clock gives no age.
             u64::try_from(time.saturating_add(passed).saturating_sub(*timestamp)).ok()
         });
         Some(by_clock.map_or(since, Duration::from_millis))
@@ -284,7 +284,7 @@ mod tests {
         assert_eq!((ids(&fleet), fleet.is_overfull), (vec!["glider-1"], false));
     }
 
-    /// Any JSON, with the keys of messages among its keys.
+    /// Arbitrary JSON whose keys include the keys of messages.
     fn json() -> impl Strategy<Value = serde_json::Value> {
         let key = prop_oneof![
             Just("body".to_owned()),

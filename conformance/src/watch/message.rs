@@ -23,7 +23,7 @@ pub(crate) enum Content {
     Time(i64),
     /// All UAVs (UAV-LIST).
     List(List),
-    /// States of UAVs, or the reasons why there are none (UAV-INF).
+    /// The states of UAVs, or the reasons why states are missing (UAV-INF).
     States(Vec<(String, Result<State, String>)>),
     /// Removed UAVs (OBJ-DEL).
     Gone(Vec<String>),

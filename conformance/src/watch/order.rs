@@ -26,7 +26,7 @@ impl Order {
         }
     }
 
-    /// The next order; the first one follows the last.
+    /// The next order. After the last order, this is the first.
     #[must_use]
     pub(crate) fn next(self) -> Self {
         match self {

@@ -15,8 +15,8 @@ const LIST_PERIOD: Duration = Duration::from_secs(5);
 /// The interval between requests for the server's clock.
 const TIME_PERIOD: Duration = Duration::from_secs(60);
 
-/// The time without a report after which the state of a UAV is requested. Servers that report states by themselves do
-/// so at least once per second.
+/// The maximum time without a report from a UAV. After this time, the UAV's state is requested. Servers that report
+/// states without requests do so at least once per second.
 const SILENCE: Duration = Duration::from_secs(2);
 
 /// The maximum time to wait for a response.

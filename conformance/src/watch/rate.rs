@@ -12,7 +12,7 @@ const NUM_SECONDS: usize = 6;
 #[derive(Debug, Default)]
 pub(super) struct Rate {
     start: Option<Instant>,
-    /// The last seconds and the number of messages in each, latest first.
+    /// The most recent seconds and the number of messages in each, latest first.
     seconds: [(u64, u32); NUM_SECONDS],
 }
 

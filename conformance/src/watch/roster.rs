@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
-/// The maximum number of UAVs. The largest fleets that have flown are about half as large.
+/// The maximum number of UAVs. The largest fleets flown so far are about half as large.
 pub(crate) const UAV_LIMIT: usize = 10_000;
 
 /// The maximum length of an id, in bytes. The schema of the protocol allows 64 characters.
@@ -25,7 +25,7 @@ pub(crate) struct List {
 /// The data of a UAV.
 #[derive(Debug)]
 pub(super) struct Member<T> {
-    /// The time of the last report without a request.
+    /// The time of the last unsolicited report.
     pub(super) last_reported: Option<Instant>,
     /// The data.
     pub(super) value: T,

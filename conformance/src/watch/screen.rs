@@ -45,7 +45,7 @@ pub(crate) struct Screen {
     pub selected: Option<String>,
     /// The first visible row of the list.
     pub first_row: usize,
-    /// The first visible line of another page.
+    /// The first visible line of the other pages.
     pub first_line: usize,
     /// The number of visible rows in the last frame.
     pub height: usize,
@@ -165,7 +165,7 @@ impl Screen {
             KeyCode::PageUp => self.first_line.saturating_sub(page),
             KeyCode::PageDown => self.first_line + page,
             KeyCode::Home | KeyCode::Char('g') => 0,
-            // Drawing limits this to the last line.
+            // When the page is drawn, this is reduced to the last line.
             KeyCode::End | KeyCode::Char('G') => usize::MAX / 2,
             _ => return false,
         };

@@ -40,13 +40,14 @@ pub(crate) enum Event {
     },
 }
 
-/// A thread that watches a server. It ends when this is dropped.
+/// A thread that watches a server. The thread ends when the session is dropped.
 pub(crate) struct Session {
     _end: Sender<()>,
 }
 
 impl Session {
-    /// Watches a server. The thread ends if `on_event` returns false. While it blocks, no messages are received.
+    /// Watches a server. The thread ends if `on_event` returns false. While `on_event` blocks, no messages are
+    /// received.
     pub(crate) fn start(endpoint: Endpoint, on_event: impl FnMut(Event) -> bool + Send + 'static) -> Self {
         let (end, ended) = channel::<()>();
         let is_over = move |pause| ended.recv_timeout(pause) == Err(RecvTimeoutError::Disconnected);

@@ -58,7 +58,7 @@ pub(crate) struct Position {
     pub above_ground: Field<i64>,
 }
 
-/// The satellite navigation of a UAV.
+/// The satellite navigation data of a UAV.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Gps {
     /// The kind of fix, from 0 to 7.
@@ -96,7 +96,7 @@ pub(crate) struct Errors {
 /// The reported state of a UAV.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct State {
-    /// The id within the state.
+    /// The id of the UAV, as stated in its state.
     pub id: Field<String>,
     /// The time of the state according to the server's clock, in milliseconds since 1970.
     pub timestamp: Field<i64>,
@@ -106,7 +106,7 @@ pub(crate) struct State {
     pub position: Field<Position>,
     /// The position in local coordinates, in millimetres.
     pub position_xyz: Field<[Field<i64>; 3]>,
-    /// The satellite navigation.
+    /// The satellite navigation data.
     pub gps: Field<Gps>,
     /// The heading, in tenths of degrees.
     pub heading: Field<i64>,

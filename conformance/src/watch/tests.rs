@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 /// The maximum time to wait for an expected event.
 const TIMEOUT: Duration = Duration::from_secs(60);
 
-/// The transports, with the end of their URLs.
+/// The transports, with the suffixes of their URLs.
 const TRANSPORTS: [(Transport, &str); 5] = [
     (Transport::Tcp, ""),
     (Transport::Udp, ""),
@@ -33,7 +33,7 @@ struct Watched {
     fleet: Fleet,
     events: Receiver<Event>,
     _session: Session,
-    /// The numbers of messages with states: notifications, and responses.
+    /// The number of notifications with states, and the number of responses with states.
     reported: [usize; 2],
 }
 

@@ -1,4 +1,4 @@
-//! Draws the screen. Drawing changes only the scroll positions.
+//! Draws the screen. Drawing modifies only the scroll positions.
 
 mod details;
 mod foot;
@@ -42,7 +42,7 @@ impl Scene<'_> {
 /// The minimum width for the medium layout.
 const MIDDLE_WIDTH: u16 = 80;
 
-/// The minimum height for the error codes of the selected UAV below the table.
+/// The minimum height at which the table is followed by the error codes of the selected UAV.
 const NOTED_HEIGHT: u16 = 16;
 
 /// Draws the screen.

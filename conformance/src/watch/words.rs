@@ -1,4 +1,4 @@
-//! Truncates and escapes texts of a server.
+//! Truncates and escapes texts from a server.
 
 use crate::text::shown;
 

@@ -41,7 +41,7 @@ const FAILSAFE_FLAGS = [
 
 const TYPES = new Map([["px4/Event", EVENT], ["px4/FailsafeFlags", FAILSAFE_FLAGS]]);
 
-/** The input is wrong. */
+/** The input is invalid. */
 class Rejected extends Error {}
 
 const padding = (end, size) => (size - (end % size)) % size;
@@ -88,7 +88,7 @@ function encode(message, form, value) {
   return data;
 }
 
-/** Returns the items of every field. Throws if the fields are wrong, or in strict mode, if any rule is violated. */
+/** Returns the items of every field. Throws if the fields are wrong or, in strict mode, if any rule is violated. */
 function check(message, value, isStrict = false) {
   if (value === null || typeof value !== "object" || Array.isArray(value)) throw new Rejected("not an object");
   const has = (name) => Object.hasOwn(value, name);
@@ -111,7 +111,7 @@ function check(message, value, isStrict = false) {
 
 const isWhole = (item) => typeof item === "bigint" || Number.isInteger(item);
 
-/** The offsets of the fields, and the end of the last one. PX4 sorts fields in memory by size. */
+/** The offsets of the fields, and the end of the last field. PX4 sorts fields in memory by size. */
 function layout(message, form) {
   const order = [...message];
   if (form !== "cdr") order.sort((left, right) => KINDS[right[1]].size - KINDS[left[1]].size);

@@ -6,7 +6,7 @@
 
 const { TYPES, Rejected, alignment, check, decode, encode, layout, padding } = require("./codec.js");
 
-/** Integers that readers of JSON would lose are tagged. */
+/** Tags integers that other JSON parsers would round. */
 function toWire(value) {
   if (typeof value === "bigint") {
     const isExact = value >= Number.MIN_SAFE_INTEGER && value <= Number.MAX_SAFE_INTEGER;

@@ -82,7 +82,7 @@ def encode(message, form, value):
 
 
 def check(message, value, is_strict=False):
-    """Raises if the fields are wrong, or in strict mode, if any rule is violated."""
+    """Raises if the fields are wrong or, in strict mode, if any rule is violated."""
     if not isinstance(value, dict) or set(value) != {field[0] for field in message}:
         raise Rejected("other fields")
     for name, letter, count, known in message:
@@ -99,7 +99,7 @@ def check(message, value, is_strict=False):
 
 
 def layout(message, form):
-    """The offsets of the fields, and the end of the last one. PX4 sorts fields in memory by size."""
+    """The offsets of the fields, and the end of the last field. PX4 sorts fields in memory by size."""
     order = message if form == "cdr" else sorted(message, key=lambda field: -SIZES[field[1]])
     places, end = {}, 0
     for name, letter, count, _ in order:

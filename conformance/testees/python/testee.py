@@ -56,7 +56,7 @@ def answer(request):
         return {"ok": to_wire(value) if op == "decode" else text(encode(message, form, value))}
     except Rejected as reason:
         return {"rejected": str(reason)}
-    except Exception as error:  # noqa: BLE001 - any failure must not end the process
+    except Exception as error:  # noqa: BLE001 - no failure may end the process
         return {"error": repr(error)}
 
 

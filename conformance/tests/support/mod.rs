@@ -26,7 +26,7 @@ pub(crate) fn shared(path: &str) -> Option<PathBuf> {
     None
 }
 
-/// The first value if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run`; otherwise the second.
+/// The first value if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run`; otherwise the second value.
 pub(crate) fn extent<T>(full: T, quick: T) -> T {
     if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
 }
@@ -108,7 +108,8 @@ impl Writer {
     }
 }
 
-/// A log with all messages that PX4 writes: definitions, then data of three topics with text messages between.
+/// A log with all kinds of messages that PX4 writes: definitions, followed by data of three topics with text messages
+/// in between.
 pub(crate) fn typical(rounds: u64) -> Vec<u8> {
     let mut log = Writer::with_flags();
     log.entry(b'I', &[], "char[3] sys_name", b"PX4");

@@ -94,8 +94,8 @@ impl Service {
     }
 }
 
-/// Copies data until either side ends. `io::copy` would let the kernel copy the bytes, which locks the pipe while it
-/// waits for data and blocks the reader.
+/// Copies data until either side ends. With `io::copy`, the kernel would copy the bytes and lock the pipe while waiting
+/// for data, which blocks the reader.
 fn pump(mut from: impl Read, mut to: impl Write) {
     let mut buffer = [0; 4096];
     while let Ok(count @ 1..) = from.read(&mut buffer) {

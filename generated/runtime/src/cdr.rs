@@ -1,6 +1,6 @@
 //! CDR, the encoding of messages in DDS and ROS 2: XCDR version 1, in both byte orders.
 //!
-//! A payload starts with a four-byte header that names the encoding. Alignment counts from the byte after the
+//! A payload starts with a four-byte header that identifies the encoding. Alignment counts from the byte after the
 //! header, and each number is aligned to its size. Sequences and strings start with their length as a `uint32`; the
 //! length of a string includes its NUL. Arrays of fixed length have no length prefix. A message without fields takes
 //! one byte.
@@ -27,13 +27,13 @@ use crate::{Message, Path};
 /// Size of the header, in bytes.
 pub const HEADER: usize = 4;
 
-/// Size of a code unit of a wide string, in bytes.
+/// Size in bytes of one code unit in a wide string.
 pub const WIDE_UNIT: usize = 4;
 
 /// Byte order of the numbers in a payload.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ByteOrder {
-    /// Least significant byte first. Nearly all programs send this order.
+    /// Least significant byte first. Nearly all programs use this order.
     #[default]
     LittleEndian,
     /// Most significant byte first.
@@ -60,7 +60,8 @@ impl ByteOrder {
     }
 }
 
-/// True if the `left` bytes after a message ending at `end` can be padding: transports pad payloads to a multiple of 4.
+/// True if the `left` bytes after a message that ends at `end` can be padding. Transports pad payloads to a multiple of
+/// four bytes.
 pub const fn is_padding(end: usize, left: usize) -> bool {
     end + left <= end.next_multiple_of(4)
 }
@@ -144,7 +145,7 @@ fn truncated(message: &'static MessageDescriptor, size: usize) -> DecodeError {
 }
 
 /// Finds the first value that doesn't end within the first `end` bytes, and its offset. Advances `at` past the values
-/// that do.
+/// before it.
 fn find_end(
     message: &'static MessageDescriptor,
     at: &mut usize,

@@ -63,14 +63,14 @@ pub struct Constraint<'k> {
     pub low: Option<Number>,
     /// Maximum (`@range`).
     pub high: Option<Number>,
-    /// Values that mean "no data" (`@invalid`) or "set point not controlled" (`@uncontrolled`). They are valid even
-    /// out of range.
+    /// Values that mean "no data" (`@invalid`) or "set point not controlled" (`@uncontrolled`). They are valid even if
+    /// they are out of range.
     pub special: &'k [Number],
-    /// If the value counts the used entries of an array, the length of that array (`@count`).
+    /// The length of the array whose used elements the value counts, if any (`@count`).
     pub count: Option<u32>,
     /// The documented values (`@enum`), or the masks of the documented flags (`@flags`).
     pub known: Option<&'k [i128]>,
-    /// The names of the documented values, in the same order. Empty if they are not available.
+    /// The names of the `known` values, in the same order. Empty if the names are not available.
     pub names: &'k [&'k str],
     /// True if a value is a combination of the `known` masks (`@flags`).
     pub is_flags: bool,
@@ -91,8 +91,8 @@ impl Constraint<'_> {
         forbids_nan: false,
     };
 
-    /// The rule that `value` violates, if any. Only the first violation counts, in the order NaN, count, range,
-    /// documented values.
+    /// The first rule that `value` violates, if any. The rules are checked in the order NaN, count, range, documented
+    /// values.
     pub fn violated_by(&self, value: Number) -> Option<Rule> {
         if self.special.contains(&value) {
             return None;
@@ -112,7 +112,7 @@ impl Constraint<'_> {
     fn is_documented(&self, value: Number) -> bool {
         let (Some(known), Number::Int(value)) = (self.known, value) else { return true };
         if self.is_flags {
-            // Negative numbers and negative masks are both sign-extended: all bits above those of the type are set.
+            // Negative numbers and negative masks are both sign-extended: all bits above the width of the type are set.
             value & !known.iter().fold(0, |all, mask| all | mask) == 0
         } else {
             known.contains(&value)
@@ -140,7 +140,7 @@ impl Constraint<'static> {
         Self { special, ..self }
     }
 
-    /// Declares that the value counts the used entries of an array with `length` elements.
+    /// Declares that the value counts the used elements of an array of `length` elements.
     #[must_use]
     pub const fn counting(self, length: u32) -> Self {
         Self { count: Some(length), ..self }
@@ -178,7 +178,7 @@ impl Constraint<'_> {
         Some(Constraint { low: Some(low), high: Some(high), forbids_nan: true, ..Constraint::NONE })
     }
 
-    /// True if all numbers between its bounds are valid.
+    /// True if all numbers between the bounds are valid.
     #[doc(hidden)]
     pub const fn is_interval(&self) -> bool {
         self.known.is_none()
@@ -250,8 +250,8 @@ impl Rule {
         }
     }
 
-    /// Writes why `found` violates the rule, followed by the rule id. For a number, the explanation uses its
-    /// constraint; for a sequence or string, its bound.
+    /// Explains why `found` violates the rule, and appends the rule id. For a number, the explanation uses
+    /// `constraint`. For a sequence or string, it uses `bound`.
     pub fn explain(
         self,
         found: Number,

@@ -65,7 +65,7 @@ pub struct FieldDescriptor {
 pub enum Element {
     /// A number, a `bool`, a `byte` or a `char`.
     Scalar(Scalar),
-    /// PX4's `char[N]`: text. Its size in bytes is the array length in the shape.
+    /// Text: PX4's `char[N]`. Its size in bytes is the array length in the shape.
     Text,
     /// A string.
     String {
@@ -161,7 +161,7 @@ impl FieldDescriptor {
 pub mod field {
     use super::{Element, FieldDescriptor, Shape};
     use crate::record::Record;
-    // Private, because generated code imports the whole module next to its own types.
+    // These imports are private, because generated code imports the whole module next to its own types.
     use crate::{Constraint, Number, Scalar};
 
     const fn new(name: &'static str, element: Element, offset: usize) -> FieldDescriptor {

@@ -1,4 +1,4 @@
-//! Errors of decoding and encoding.
+//! Decoding and encoding errors.
 
 use core::fmt;
 
@@ -24,7 +24,7 @@ pub enum Fault {
         /// Number of bytes left.
         left: usize,
     },
-    /// The first two bytes of a CDR payload name an unsupported encoding.
+    /// The first two bytes of a CDR payload identify an unsupported encoding.
     Encapsulation([u8; 2]),
     /// A sequence or string is longer than its bound.
     TooLong {

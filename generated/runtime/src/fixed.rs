@@ -118,12 +118,12 @@ impl<F: Encoding, const STRICT: bool> Source for Reader<'_, F, STRICT> {
     }
 
     fn length(&mut self, _: Shape, _: usize) -> usize {
-        0 // messages of fixed size have no sequences
+        0 // fixed-size messages have no sequences
     }
 
     #[cfg(feature = "alloc")]
     fn string(&mut self, _: bool, _: Option<u32>) -> alloc::string::String {
-        alloc::string::String::new() // messages of fixed size have no strings
+        alloc::string::String::new() // fixed-size messages have no strings
     }
 
     #[inline(always)]

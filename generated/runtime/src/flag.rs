@@ -23,8 +23,8 @@ impl Flag {
     }
 }
 
-/// Implements `set_flags()` for a message. Each line consists of a field, its name, its group and its label. If the
-/// field is not a `bool`, the field is followed by a comparison that yields a `bool`.
+/// Implements `set_flags()` for a message. Each line consists of a field, its name, its group and its label. A field
+/// that is not a `bool` is followed by a comparison that yields a `bool`.
 #[macro_export]
 macro_rules! flags {
     ($type:ident; $($field:ident $(. $inner:tt)? $(!= $unset:literal)? $name:literal $group:literal $label:literal;)*) => {

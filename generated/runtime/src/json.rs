@@ -73,7 +73,7 @@ pub const fn names<const N: usize>(message: &MessageDescriptor) -> [&'static str
 /// A field value with a JSON form.
 #[doc(hidden)]
 pub trait Field: Sized {
-    /// Writes the value. Errors mention the name `field`.
+    /// Writes the value. Error messages contain the name `field`.
     fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error>;
 
     /// Reads a value.
@@ -128,7 +128,7 @@ pub fn deserialize<'de, T: Fields, D: Deserializer<'de>>(deserializer: D) -> Res
     deserializer.deserialize_struct(T::DESCRIPTOR.name, T::NAMES, visitor)
 }
 
-/// The error for a field index that is out of range. Generated code can't cause it.
+/// The error for a field index that is out of range. Generated code can't cause this error.
 #[doc(hidden)]
 pub fn no_field<E: serde::de::Error>(index: usize) -> E {
     E::custom(format_args!("field index {index} is out of range"))

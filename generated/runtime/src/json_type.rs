@@ -56,7 +56,7 @@ pub fn read<'de, T: Deserialize<'de>, A: MapAccess<'de>>(
     Ok(())
 }
 
-/// Adds the field name to the error of a value.
+/// Adds the field name to the error message for a value.
 fn in_field<E: serde::de::Error>(name: &str, error: &E) -> E {
     E::custom(format!("{name}: {error}"))
 }
@@ -255,7 +255,7 @@ macro_rules! __json_take {
     };
 }
 
-/// The field names of a closed object, or `None` for an open one.
+/// The field names of a closed object, or `None` for an open object.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __json_known {
@@ -270,8 +270,8 @@ macro_rules! __json_known {
 /// Implements reading and writing of a struct as a JSON array in which each position has a meaning: `json_tuple! {
 /// Mark; lat required; height nullable; }`.
 ///
-/// Every element has the type `Option`, unless it is `required`. A `nullable` element is `null` for `None`. An
-/// `optional` element can be absent at the end of the array. An `omissible` element can be `null` or absent.
+/// Every element has the type `Option`, unless it is `required`. `None` in a `nullable` element is written as `null`.
+/// An `optional` element can be absent at the end of the array. An `omissible` element can be `null` or absent.
 #[macro_export]
 macro_rules! json_tuple {
     ($type:ident; $($field:ident $presence:ident;)*) => {
@@ -563,7 +563,7 @@ macro_rules! __json_integers {
 
 /// Implements reading and writing of a newtype as its inner value: `json_named! { Instant value; }`.
 ///
-/// For a newtype over a string, use `text` instead of `value`, which adds conversions from and to strings.
+/// For a newtype over a string, use `text` instead of `value`. This adds conversions from and to strings.
 #[macro_export]
 macro_rules! json_named {
     ($type:ident value;) => {
@@ -626,8 +626,8 @@ macro_rules! json_either {
 /// Implements reading and writing of an enum with one variant for each message type of a direction: `json_messages! {
 /// Request; GliderInf glider_inf "GLIDER-INF"; }`.
 ///
-/// The `type` field of a message selects the variant. Each variant contains a message body: the type in the given
-/// module that has the enum's name. The `Other` variant contains the JSON of a message of any other type.
+/// The `type` field of a message selects the variant. Each variant contains a message body: in the given module, the
+/// type with the same name as the enum. The `Other` variant contains a message of any other type, as JSON.
 #[macro_export]
 macro_rules! json_messages {
     ($type:ident; $($variant:ident $module:ident $name:literal;)*) => {

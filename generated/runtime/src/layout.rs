@@ -1,4 +1,4 @@
-//! The memory layout of uORB messages, which is also the payload of `ULog` data messages.
+//! The memory layout of uORB messages. The payload of `ULog` data messages has the same layout.
 //!
 //! PX4's generator sorts the members of a message by the size of their element type, largest first. Members with the
 //! same element size keep their declared order. Nested messages come last, each aligned to 8 bytes. The message is
@@ -41,9 +41,9 @@ impl Member {
 /// The size of a message, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
-    /// Size with the padding at its end: the size of a subscriber's buffer.
+    /// Size including the trailing padding: the size of a subscriber's buffer.
     pub padded: usize,
-    /// Size without the padding at its end: the size that PX4 registers, and the minimum in a log.
+    /// Size without the trailing padding: the size that PX4 registers, and the minimum payload size in a log.
     pub no_padding: usize,
 }
 
@@ -90,11 +90,11 @@ const fn align(offset: usize) -> usize {
 
 /// True if a message's field offsets and size follow the layout rules.
 ///
-/// The algorithm differs from [`place`] on purpose, so each verifies the other. This one first adds up the space for
-/// each element size, then checks the offset of each field in declared order.
+/// The algorithm differs from [`place`] on purpose, so each verifies the other. This function first adds up the space
+/// for each element size, then checks the offset of each field in declared order.
 pub const fn is_consistent(message: &MessageDescriptor) -> bool {
     let Some(size) = message.size else { return false };
-    // The offset of the next field with elements of 8, 4, 2 and 1 bytes, and of the next nested message.
+    // The offset of the next field for each element size (8, 4, 2 and 1 bytes), then of the next nested message.
     let mut next = [0; 5];
     let mut index = 0;
     while index < message.fields.len() {

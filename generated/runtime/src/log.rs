@@ -12,18 +12,18 @@
 //!
 //! | value | bytes |
 //! |---|---|
-//! | message | 6 plus its values: the index of the format string, a start and an end |
+//! | message | 6 (format-string index, start and end) plus its values |
 //! | array, except an array of bytes | 2 plus its elements |
 //! | enum, shown by its name | 6 in total |
-//! | flags, shown in hexadecimal | 8 plus their number |
-//! | text of fixed size | 10 plus its characters |
+//! | flags, shown in hexadecimal | 8 plus the bytes of their number |
+//! | fixed-size text | 10 plus its characters |
 //!
-//! `BatteryStatus`, 167 bytes in memory, takes 198.
+//! `BatteryStatus`, which takes 167 bytes in memory, takes 198 bytes in the log.
 //!
 //! # Compile time
 //!
-//! Each format string needs one call of a defmt macro. `#[derive(defmt::Format)]` saves four bytes per message, because
-//! it can use private functions of defmt. However, it adds 0.9 s to `cargo check` of PX4's 261 messages, whereas this
+//! Each format string needs one defmt macro call. `#[derive(defmt::Format)]` saves four bytes per message, because it
+//! can use private functions of defmt. However, it adds 0.9 s to `cargo check` of PX4's 261 messages, whereas this
 //! implementation adds 0.4 to 0.6 s. The derive also needs a feature and a dependency on defmt in the crate that
 //! contains the messages.
 
@@ -76,7 +76,7 @@ macro_rules! __format_enum {
         impl $crate::defmt::Format for $type {
             fn format(&self, formatter: $crate::defmt::Formatter<'_>) {
                 use $crate::defmt;
-                #[allow(unreachable_patterns, clippy::match_same_arms)] // the first of several names of a value wins
+                #[allow(unreachable_patterns, clippy::match_same_arms)] // of several names for a value, the first wins
                 match self.0 {
                     $($known => defmt::write!(formatter, $name),)*
                     number => defmt::write!(formatter, "{}", number),

@@ -92,7 +92,7 @@ pub trait Message: Record + Clone + Default + PartialEq {
 
     /// Decodes a CDR payload in either byte order. A `bool` is false if its byte is 0, otherwise true.
     ///
-    /// Up to three bytes of padding to a multiple of four may follow the message.
+    /// The payload may end with up to three padding bytes, which extend it to a multiple of four bytes.
     fn from_cdr(payload: &[u8]) -> Result<Self, DecodeError> {
         cdr::decode::<Self, false>(payload)
     }
@@ -134,9 +134,9 @@ pub trait Message: Record + Clone + Default + PartialEq {
 
 /// A fixed-size message. It has a memory layout in uORB.
 pub trait UorbMessage: Message {
-    /// Size with the padding at its end, in bytes.
+    /// Size in bytes, including the trailing padding.
     const SIZE: usize = Self::DESCRIPTOR.padded_size();
-    /// Size without the padding at its end: the size that PX4 registers, and the minimum in a log.
+    /// Size without the trailing padding: the size that PX4 registers, and the minimum payload size in a log.
     const SIZE_NO_PADDING: usize = Self::DESCRIPTOR.no_padding();
     /// An array of `SIZE` bytes.
     type Bytes: uorb::Bytes;
@@ -162,14 +162,14 @@ pub trait UorbMessage: Message {
         uorb::decode::<Self, true>(payload)
     }
 
-    /// Creates a view of a payload, with or without the padding at its end. A field is read only when it is accessed.
+    /// Creates a view of a payload, which may omit the padding at its end. Each field is read on access.
     #[cfg(feature = "views")]
     #[inline]
     fn view(payload: &[u8]) -> Result<Self::View<'_>, DecodeError> {
         Ok(crate::view::View::at(uorb::payload::<Self>(payload)?, 0))
     }
 
-    /// Encodes the message, with the padding at its end.
+    /// Encodes the message, including the padding at its end.
     #[inline]
     fn to_uorb(&self) -> Self::Bytes {
         let mut payload = Self::ZEROS;

@@ -23,7 +23,7 @@ pub trait Open: Sized {
     fn from_bits(bits: u64) -> Self;
 }
 
-/// Writes an open enum: the name of its value, or its type and number if the value has no name.
+/// Formats an enum value as its name, or as its type and number if the value has no name.
 pub fn fmt_enum(
     formatter: &mut fmt::Formatter<'_>,
     type_name: &str,
@@ -36,7 +36,7 @@ pub fn fmt_enum(
     }
 }
 
-/// Writes flags: the names of the set flags, separated by `|`, and the other bits as a number.
+/// Formats the names of the flags that are set, separated by `|`, and the other bits as a number.
 pub fn fmt_flags<T: Open, P: Primitive>(
     formatter: &mut fmt::Formatter<'_>,
     value: P,
@@ -55,27 +55,27 @@ pub fn fmt_flags<T: Open, P: Primitive>(
     formatter.write_str(")")
 }
 
-/// The names of the flags that are set in `value`. A flag with several names yields only the first.
+/// The names of the flags that are set in `value`. A flag with several names yields only its first name.
 pub fn flag_names<T: Open>(value: impl Primitive) -> impl Iterator<Item = &'static str> {
     let bits = value.bits();
     let flags = T::KNOWN.iter().zip(T::NAMES).enumerate();
     flags.filter_map(move |(index, (mask, name))| {
-        // Drops a negative mask's bits above the size of the number.
+        // Clears the bits of a sign-extended negative mask above the width of the number.
         let mask_bits = mask & i128::from(u64::MAX >> (64 - 8 * T::SCALAR.size()));
         let is_set = mask_bits != 0 && i128::from(bits) & mask_bits == mask_bits;
         (is_set && !T::KNOWN[..index].contains(mask)).then_some(*name)
     })
 }
 
-/// Implements the methods and traits of an enum or of flags for a newtype over a number, from the documented values and
-/// names.
+/// Implements the methods and traits of an enum or of flags for a newtype over a number. The other arguments are the
+/// documented values and their names.
 #[macro_export]
 macro_rules! open {
     ($type:ident: $number:ident; $($known:literal $name:literal;)*) => {
         impl $type {
             /// The name of the value in the definition, without its prefix.
             pub const fn name(self) -> ::core::option::Option<&'static str> {
-                #[allow(unreachable_patterns)] // the first of several names of a value wins
+                #[allow(unreachable_patterns)] // of several names for a value, the first wins
                 match self.0 {
                     $($known => ::core::option::Option::Some($name),)*
                     _ => ::core::option::Option::None,

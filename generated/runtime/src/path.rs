@@ -46,7 +46,7 @@ impl PartialEq for Path {
 }
 
 impl Path {
-    /// The steps of the path. The array may contain stale steps after them.
+    /// The valid steps. The rest of the array may contain stale steps.
     fn steps(&self) -> &[Step] {
         &self.steps[..usize::from(self.len).min(DEPTH)]
     }
@@ -64,7 +64,7 @@ impl Path {
         self.len = self.len.saturating_add(1);
     }
 
-    /// Selects an element of the last field, or the field itself.
+    /// Selects an element of the last field, or the whole field for `None`.
     pub(crate) fn select(&mut self, element: Option<usize>) {
         if let Some(step) = self.len.checked_sub(1).and_then(|last| self.steps.get_mut(usize::from(last))) {
             step.element = element.map_or(NONE, number);

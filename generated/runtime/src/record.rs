@@ -35,7 +35,7 @@ pub trait FieldSink {
     fn field<T: Value>(&mut self, index: usize, value: &T);
 }
 
-/// A source of the fields of one message.
+/// A source for the fields of one message.
 pub trait FieldSource {
     /// Reads the field with this index.
     fn field<T: Value>(&mut self, index: usize) -> T;
@@ -71,7 +71,7 @@ pub trait Sink: FieldSink {
     fn select(&mut self, element: Option<usize>);
 }
 
-/// A source of values in one format.
+/// A source for values in one format.
 pub trait Source: FieldSource {
     /// Reads a number.
     fn scalar<P: Primitive>(&mut self) -> P;
@@ -79,8 +79,8 @@ pub trait Source: FieldSource {
     /// Reads an array of numbers.
     fn scalars<P: Primitive>(&mut self, values: &mut [P]);
 
-    /// Reads the length of a sequence whose elements take at least `element_size` bytes each. The remaining bytes are
-    /// enough for that many elements.
+    /// Reads the length of a sequence whose elements take at least `element_size` bytes each. Ensures that enough bytes
+    /// remain for that many elements.
     fn length(&mut self, shape: Shape, element_size: usize) -> usize;
 
     /// Reads a string of at most `bound` characters.
@@ -142,7 +142,7 @@ pub trait Value: Sized + crate::JsonField {
         let mut values = alloc::vec::Vec::new();
         for index in 0..length {
             let value = element(source, index, field);
-            // Doesn't allocate memory for values after a fault.
+            // After a fault, don't allocate memory for the remaining values.
             if source.has_failed() {
                 break;
             }
@@ -182,7 +182,7 @@ pub trait Primitive: Copy + Default + 'static {
     /// Writes the number to `bytes` in big-endian order.
     fn write_be(self, bytes: &mut [u8]);
 
-    /// The number, in the form that checks use.
+    /// The value as the number type that checks use.
     fn number(self) -> Number;
 
     /// The bits of the number, without sign extension.
@@ -243,7 +243,7 @@ primitives!(
     i64 Int Int64, f32 Float Float32, f64 Float Float64,
 );
 
-/// Any byte other than 0 is true: real logs contain 153, 94 and 194.
+/// Any byte other than 0 is true: real logs contain the bytes 153, 94 and 194.
 impl Primitive for bool {
     const SCALAR: Scalar = Scalar::Bool;
     const SIZE: usize = 1;

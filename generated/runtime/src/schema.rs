@@ -64,7 +64,7 @@ pub fn message<T: Record>(generator: &mut SchemaGenerator) -> Schema {
     })
 }
 
-/// The schema of an enum, flags or error codes: any number of the type. Documented values have names.
+/// The schema of an enum, flags or error codes. It allows any number of the type, and names the documented values.
 #[doc(hidden)]
 pub fn open<T: Open>() -> Schema {
     let known =
@@ -117,7 +117,8 @@ fn number(scalar: Scalar, constraint: &Constraint<'_>) -> Schema {
         let exact = outside.into_iter().map(|value| exactly(value, scalar));
         let alternatives: Vec<Schema> = core::iter::once(within).chain(exact).collect();
         if has_names {
-            // A schema has a single `anyOf`, which contains the names. So the alternatives are nested one level deeper.
+            // A schema can have only one `anyOf`, and it already contains the names. The alternatives are therefore
+            // nested one level deeper.
             let mut nested = Schema::default();
             nested.insert(keyword.to_string(), alternatives.into());
             schema.insert("allOf".to_string(), Vec::from([nested]).into());
@@ -197,7 +198,7 @@ fn exactly(value: Number, scalar: Scalar) -> Schema {
 /// constant `1.0`.
 fn insert(schema: &mut Schema, keyword: &str, value: Number) {
     let value = match value {
-        #[allow(clippy::cast_possible_truncation)] // it is less than 2^53
+        #[allow(clippy::cast_possible_truncation)] // the number is less than 2^53
         Number::Float(value) if value.abs() < 9e15 && value % 1.0 == 0.0 => (value as i64).into(),
         Number::Float(value) => value.into(),
         Number::Int(value) => match u64::try_from(value) {

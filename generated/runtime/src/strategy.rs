@@ -2,8 +2,9 @@
 //!
 //! Every message, enum, set of flags and error code implements [`Arbitrary`](proptest::arbitrary::Arbitrary), so
 //! `any::<BatteryStatus>()` works, alone or within other strategies. It generates [`valid`] values, which have no
-//! violations and can be represented in JSON. Edge cases are frequent: limits of ranges and types, values that mean "no
-//! data", allowed NaN, `-0.0`, subnormal floats, empty and full sequences, strings and text, and multi-byte characters.
+//! violations and can be represented in JSON. Edge cases are frequent: the limits of ranges and types, values that mean
+//! "no data", NaN if it is allowed, `-0.0`, subnormal floats and multi-byte characters. Sequences, strings and text are
+//! often empty or full.
 //!
 //! [`invalid`] generates messages that violate one rule in one field, together with the rule and the path of the field.
 //! [`undocumented`] generates enum values, flags and error codes that the definition doesn't name.
@@ -34,13 +35,12 @@
 //! });
 //! ```
 //!
-//! The strategies draw a list of numbers according to the message descriptor, then decode the message from this list
+//! The strategies draw a list of numbers according to the message descriptor, then decode this list into a message,
 //! like a payload. Messages therefore need no additional code, and a case with three hundred numbers takes about ten
 //! microseconds.
 //!
-//! Simplification of a failing case changes one number at a time. It moves numbers towards zero, or towards the number
-//! in the range that is closest to zero, and documented values towards the smallest one. It removes elements of
-//! sequences and characters of text.
+//! A failing case is simplified one number at a time. Numbers move towards zero, or towards the number closest to zero
+//! in their range. Documented values move towards the smallest one. Sequence elements and text characters are removed.
 
 mod draw;
 mod fault;
@@ -64,25 +64,26 @@ use self::replay::Replay;
 use self::tree::Node;
 use crate::{Constraint, Message, Open, Path, Rule};
 
-/// Messages without violations that JSON can represent.
+/// A strategy for messages that have no violations and that JSON can represent.
 pub const fn valid<T: Message>() -> Valid<T> {
     Valid(PhantomData)
 }
 
-/// Messages that violate one rule in one field. `None` if no value of the message can violate a rule.
+/// A strategy for messages that violate one rule in one field. `None` if no value of the message can violate a rule.
 ///
-/// Never exceeds a sequence or string bound above 4096.
+/// The messages never exceed sequence or string bounds that are greater than 4096.
 pub fn invalid<T: Message>() -> Option<Invalid<T>> {
     let faults = fault::count(T::DESCRIPTOR);
     (faults > 0).then_some(Invalid { faults, marker: PhantomData })
 }
 
-/// The documented values of an enum or of error codes, or any combination of the documented flags.
+/// A strategy for the documented values of an enum or error code, or for combinations of the documented flags.
 pub const fn documented<T: Open>() -> Documented<T> {
     Documented(PhantomData)
 }
 
-/// Values that the definition doesn't name, or flags with at least one unnamed bit. `None` if all values have names.
+/// A strategy for values that the definition doesn't name, or for flags with at least one unnamed bit. `None` if all
+/// values have names.
 pub fn undocumented<T: Open>() -> Option<Undocumented<T>> {
     let has_any = !fault::values(T::SCALAR, constraint::<T>(), Rule::Enum).is_empty();
     has_any.then_some(Undocumented(PhantomData))

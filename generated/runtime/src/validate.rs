@@ -13,7 +13,7 @@ pub struct Violation {
     pub rule: Rule,
     /// The field or element.
     pub path: Path,
-    /// The value. For a sequence or string, this is its length; for text, the number of valid UTF-8 bytes.
+    /// The value. For a sequence or string, the length. For text, the offset of the first invalid UTF-8 byte.
     pub found: Number,
     /// The constraint on the numbers of the field.
     pub constraint: Option<&'static Constraint<'static>>,

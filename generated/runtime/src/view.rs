@@ -32,7 +32,7 @@ use core::marker::PhantomData;
 use crate::record::{Primitive, Record};
 use crate::{Text, uorb};
 
-/// The `N` bytes of a payload that contain the fields of a message `M`: the content of the view type.
+/// The content of a view type: the `N` bytes of a payload that contain the fields of message `M`.
 #[doc(hidden)]
 pub struct Fields<'b, M, const N: usize> {
     bytes: &'b [u8; N],
@@ -48,7 +48,7 @@ impl<M, const N: usize> Clone for Fields<'_, M, N> {
 impl<M, const N: usize> Copy for Fields<'_, M, N> {}
 
 impl<'b, M: Record, const N: usize> Fields<'b, M, N> {
-    /// The message at `offset`. All zeros if there are too few bytes; generated code can't cause this.
+    /// The message at `offset`. All zeros if there are too few bytes, which can't happen in generated code.
     #[inline]
     pub fn at(bytes: &'b [u8], offset: usize) -> Self {
         let bytes = bytes.get(offset..).and_then(<[u8]>::first_chunk).unwrap_or(&[0; N]);

@@ -1,4 +1,4 @@
-//! Codecs of messages of fixed size. The messages are written like generated code.
+//! Codecs for fixed-size messages. The messages are written like generated code.
 
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
 use uavspec_runtime::{DecodeError, Definition, Fault, Message, UorbMessage};
@@ -60,7 +60,7 @@ uavspec_runtime::record! {
 
 const ORDERS: [ByteOrder; 2] = [ByteOrder::LittleEndian, ByteOrder::BigEndian];
 
-/// The decoding errors for a payload of zeros, truncated at each length from the header on.
+/// The decoding errors for a payload of zeros, truncated to each length that includes the header.
 fn truncation_errors<T: Message + std::fmt::Debug>() -> Vec<String> {
     let size = T::CDR_SIZE.expect("a fixed size");
     let error = |order: ByteOrder, end: usize| {
@@ -104,7 +104,7 @@ fn out() -> Out {
     }
 }
 
-/// A payload after a prefix of `by` bytes. Prefixes of 0 to 7 bytes cover all alignments.
+/// The payload, preceded by `by` bytes. Prefixes of 0 to 7 bytes cover all alignments.
 fn shifted(payload: &[u8], by: usize) -> Vec<u8> {
     [&[0xaa; 8][..by], payload].concat()
 }
@@ -157,7 +157,7 @@ const BOOLS: [(&str, usize, usize); 7] = [
     ("ins[1].flags[2]", 28, 28),
 ];
 
-/// An invalid `bool`, which differs for each offset.
+/// An invalid byte for a `bool`, different for each offset.
 fn invalid_bool(at: usize) -> u8 {
     2 + u8::try_from(at).expect("few bytes")
 }

@@ -1,4 +1,4 @@
-//! Integration tests of the runtime. Each file is a module of this program, so the tests link once.
+//! Integration tests of the runtime. Each file is a module of this program, so the tests are linked only once.
 
 mod fixed_size;
 mod variable_size;

@@ -1,5 +1,5 @@
-//! Codecs of messages of variable size: strings, sequences, bounds, and messages without fields. The definitions in
-//! this repository have no such messages, so the messages here are written like generated code.
+//! Codecs for variable-size messages: strings, sequences, bounds, and messages without fields. The definitions in this
+//! repository have no such messages, so the messages here are written like generated code.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -151,9 +151,9 @@ proptest! {
 
 /// Maximum number of allocated bytes per byte of payload.
 ///
-/// The capacity of a vector with one element is four, and later less than twice its length. So the worst case is a list
-/// with one empty string, which takes four bytes in CDR, or with one point, which takes at least 13 bytes. Numbers take
-/// as much memory as in CDR, and text less than twice as much.
+/// A vector with one element has a capacity of four. The capacity of a longer vector is at most twice its length. The
+/// worst case is therefore a list with one element: an empty string, which takes four bytes in CDR, or a point, which
+/// takes at least 13 bytes. Numbers take as much memory as in CDR, and text takes less than twice as much.
 const MAX_ALLOCATION: usize = {
     let (string, point) = (4 * size_of::<String>() / 4, (4 * size_of::<Point>()).div_ceil(13));
     if string > point { string } else { point }
@@ -176,7 +176,7 @@ fn capacity<T>(values: &Vec<T>) -> usize {
     values.capacity().saturating_mul(size_of::<T>())
 }
 
-/// Checks that a decoded message survives encoding and decoding, or that the offset of an error is within the bytes.
+/// Checks that a decoded message survives encoding and decoding, or that the offset of the error is within the payload.
 fn check_decoding(bytes: &[u8]) {
     match Sample::from_cdr(bytes) {
         Ok(sample) => {
@@ -277,7 +277,7 @@ fn encodes_code_units_of_wide_strings_in_four_bytes() {
         assert_eq!(label.to_cdr(order).as_deref(), Ok(bytes.as_flattened()));
         assert_eq!(Label::from_cdr(bytes.as_flattened()).as_ref(), Ok(&label));
     }
-    // A surrogate without its partner, and three code units instead of four.
+    // An unpaired surrogate, and three code units instead of four.
     for (count, error) in [
         (2, "wide at byte 8: expected a Unicode string, found invalid bytes"),
         (4, "wide at byte 12: expected 16 more bytes, found 12"),

@@ -123,7 +123,7 @@ mod tests {
         for entry in fs::read_dir(repository.join("xtask/site/guide")).expect("the guide") {
             let name = entry.expect("a file").file_name().into_string().expect("UTF-8");
             let path = format!("xtask/site/guide/{name}");
-            assert!(by_hand().any(|chapter| chapter.source == path), "{path} is no chapter");
+            assert!(by_hand().any(|chapter| chapter.source == path), "{path} is not a chapter");
             let is_listed = readme.contains(&format!("]({path})"));
             assert!(is_listed || path == START.source, "README.md lacks {path}");
         }

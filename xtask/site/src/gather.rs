@@ -58,7 +58,7 @@ fn page(line: &str) -> Option<&str> {
     line.split_once("](")?.1.strip_suffix(')')
 }
 
-/// The start of pages in other languages, after the comment with the name of the generator.
+/// The start of a page in another language, after the comment that names the generator.
 const TRANSLATED: &str = "-->\n\n<div lang=\"";
 
 /// Copies a folder recursively, except for hidden files, such as the generator's manifests.

@@ -21,7 +21,7 @@ impl<'r> Links<'r> {
 
     /// Returns a document with the links of the site. Links to files that the site doesn't have become plain text.
     ///
-    /// Links to missing files, and links that don't contain their address, are added to `errors`.
+    /// Links to missing files and reference-style links are added to `errors`.
     pub(crate) fn moved(&self, text: &str, chapter: &Chapter, errors: &mut Vec<String>) -> String {
         let mut moved = String::with_capacity(text.len());
         let mut end = 0;
@@ -56,7 +56,7 @@ impl<'r> Links<'r> {
         moved
     }
 
-    /// Returns the path of a file or folder of the repository on the site.
+    /// Returns the path on the site for a file or folder of the repository.
     fn page(&self, path: &str) -> Option<String> {
         if let Some(page) = self.pages.get(path) {
             return Some((*page).to_owned());
@@ -96,7 +96,7 @@ fn joined(from: &str, link: &str) -> String {
     path.display().to_string().replace('\\', "/")
 }
 
-/// Returns the relative address of the page `to` in the page `from`.
+/// Returns the address of the page `to` relative to the page `from`.
 fn seen_from(from: &str, to: &str) -> String {
     format!("{}{to}", "../".repeat(from.matches('/').count()))
 }

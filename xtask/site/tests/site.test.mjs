@@ -293,7 +293,7 @@ function choose(value) {
   };
 }
 
-// Integers beyond JavaScript's range are strings of their digits.
+// Integers beyond JavaScript's range are written as strings of digits.
 function exact(text) {
   return JSON.parse(text.replace(/(?<=[:[,\s])-?\d{16,}(?=[,\]}\s])/g, '"$&"'));
 }

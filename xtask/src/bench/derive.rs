@@ -67,7 +67,7 @@ fn structs(module: &str) -> String {
     text
 }
 
-/// A field. Arrays of more than 32 elements become vectors, because serde doesn't support them.
+/// A field. Arrays of more than 32 elements become vectors, because serde doesn't support such arrays.
 fn plain(field: &str) -> String {
     let Some((name, ty)) = field.split_once(": ") else { return field.to_owned() };
     let ty = ty.trim_end_matches(',');

@@ -1,4 +1,4 @@
-//! Installs the requirements of adapters below the target folder, without root, and creates their commands.
+//! Installs the requirements of adapters below the target folder, without root, and creates the adapters' commands.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;

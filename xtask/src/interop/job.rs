@@ -148,7 +148,7 @@ impl Jobs {
         documents.chain(jobs).map(|line| format!("{line}\n")).collect()
     }
 
-    /// The number of cases that violate each rule that schemas can't express.
+    /// For each rule that schemas can't express, the number of cases that violate it.
     pub(super) fn beyond_schemas(&self) -> BTreeMap<String, usize> {
         let mut rules = BTreeMap::new();
         for case in self.list.iter().filter(|job| job.form == Form::Files).flat_map(|job| &job.cases) {
@@ -160,8 +160,8 @@ impl Jobs {
     }
 }
 
-/// The cases with JSON. The expected results come from the files in the format of the JSON Schema Test Suite. Cases
-/// that these files omit, because tools disagree on them, use the result of the vectors.
+/// The cases that have a JSON form. The expected results come from the files in the format of the JSON Schema Test
+/// Suite. These files omit cases that tools disagree on. For such cases, the result comes from the vectors.
 fn cases(folder: &Path, path: &Path, vectors: Vec<Vector>) -> Result<Vec<Case>, String> {
     let root = folder.join("vectors");
     let relative = path.strip_prefix(&root).map_err(|error| error.to_string())?;

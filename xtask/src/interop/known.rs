@@ -92,9 +92,9 @@ impl Known {
         errors
     }
 
-    /// Classifies the disagreements of the tools that ran. The first matching entry explains a disagreement. For each
-    /// tool that ran, an entry must explain at least one disagreement. Each pattern of an entry must also match at
-    /// least one.
+    /// Classifies the disagreements of the tools that ran. The first matching entry explains a disagreement. An entry
+    /// must explain at least one disagreement of each of its tools that ran. Each pattern of the entry must match at
+    /// least one disagreement.
     pub(super) fn classify(&self, tallies: &BTreeMap<String, Tally>) -> Classification {
         let mut classification = Classification::default();
         let entries: Vec<Matcher<'_>> = self.disagreement.iter().map(Matcher::new).collect();
@@ -137,7 +137,7 @@ impl Known {
         classification
     }
 
-    /// Compares the list of rules that schemas can't express with `rules`, and returns the errors.
+    /// Compares `rules` with the list of rules that schemas can't express, and returns the errors.
     pub(super) fn check_beyond(&self, rules: &BTreeMap<String, usize>) -> Vec<String> {
         let listed: BTreeSet<&str> = self.beyond.iter().map(|entry| entry.rule.as_str()).collect();
         let missing = rules.keys().filter(|rule| !listed.contains(rule.as_str()));

@@ -37,7 +37,7 @@ which the tool generates no code.
 const DISAGREEMENTS: &str = "
 ## Disagreements
 
-The run fails if a disagreement has no explanation, and if an explanation applies to no disagreement. Sections are those of
+The run fails if a disagreement has no explanation, or if an explanation applies to no disagreement. Sections are those of
 JSON Schema 2020-12 (Core, Validation), unless another document is named.
 ";
 

@@ -17,7 +17,7 @@ use super::tally::{Count, Does, Tally};
 use super::tool::{self, Tool};
 use super::{Paths, canonical};
 
-/// Much longer than any script takes.
+/// A time limit that no script reaches.
 const LONG: Duration = Duration::from_secs(120);
 
 const ANSWERS: &str = r#"
@@ -165,7 +165,7 @@ fn a_missing_program_is_a_crash() {
     assert!(matches!(answers.end, End::Crashed(_)));
 }
 
-/// Classifies the disagreements of the tools `fake` and `other`, which are identical, with `entries`.
+/// Classifies the disagreements of the tools `fake` and `other` with `entries`. Both tools have the same disagreements.
 #[cfg(unix)]
 fn classify(entries: &str) -> Classification {
     let known: Known = toml::from_str(entries).expect("entries");

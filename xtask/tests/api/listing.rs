@@ -1,8 +1,8 @@
 //! Lists the public items of a crate from its sources.
 //!
-//! The list contains items without signatures and trait implementations. Items defined by macros are absent. An item of
-//! a private module is listed under each path that re-exports it. A re-export of an item with another public path is
-//! one line.
+//! The list contains no signatures, no trait implementations and no items defined by macros. An item of a private
+//! module is listed under each path that re-exports it. If an item is public under another path, its re-export takes
+//! only one line.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

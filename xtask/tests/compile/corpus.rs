@@ -1,4 +1,4 @@
-//! Processes every message of the corpus as its argument says. The list of messages is appended to this file.
+//! Processes every message of the corpus. The argument is the task. The list of messages is appended to this file.
 
 use std::fmt::Debug;
 use std::io::stdin;
@@ -34,7 +34,7 @@ fn bytes(hex: &str) -> Vec<u8> {
     (0..hex.len()).step_by(2).map(digits).collect()
 }
 
-/// Checks that the JSON and the CDR in both byte orders convert to each other. Returns the written JSON.
+/// Checks that JSON and CDR, in both byte orders, convert to each other. Returns the written JSON.
 fn convert<T: Message + Serialize + DeserializeOwned>(text: &str, bytes: [&[u8]; 2]) -> String {
     let value: T = serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"));
     let text = serde_json::to_string(&value).expect("JSON");
@@ -43,7 +43,7 @@ fn convert<T: Message + Serialize + DeserializeOwned>(text: &str, bytes: [&[u8];
         let read = T::from_cdr_strict(bytes).unwrap_or_else(|error| panic!("{error}: {text}"));
         assert_eq!(serde_json::to_string(&read).expect("JSON"), text, "{order:?}");
         for end in 0..bytes.len() {
-            // The end may be only alignment.
+            // The last bytes may be only alignment.
             let error = T::from_cdr(&bytes[..end]).err().unwrap_or_else(|| panic!("{end} bytes suffice: {text}"));
             assert!(error.offset <= end, "{error}");
         }

@@ -1,5 +1,5 @@
-//! Tests that modules of any definitions pass type checkers, and that the declared types accept exactly the valid
-//! values, as far as types can express it.
+//! Tests that modules generated from arbitrary definitions pass type checkers. The declared types must accept exactly
+//! the valid values, as far as types can express this.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::labels;
 use super::tools::{node_tool, python_with_tools, repository, run, write, xtask};
 
-/// Definitions with names, texts and values that have a meaning in one of the languages.
+/// Definitions whose names, texts and values have a special meaning in one of the languages.
 const ODD: [(&str, &str); 3] = [
     (
         "None.msg",
@@ -170,7 +170,7 @@ struct Case {
     has_further_fields: bool,
 }
 
-/// The valid vectors of every message and type, and those invalid ones that types can detect.
+/// The valid vectors of every message and type, and the invalid vectors that types can detect.
 fn cases() -> Vec<Case> {
     let folder = repository().join("generated/vectors");
     let mut cases = Vec::new();
@@ -222,7 +222,7 @@ fn typescript_types_accept_valid_values() {
     let generated = repository().join("generated/typescript");
     copy(&generated, ".ts", folder.path());
     let cases = cases();
-    // TypeScript allows further fields if a type parameter represents the type of the value.
+    // With a type parameter for the value, TypeScript allows further fields.
     let mut text = "import type { flockwave, px4 } from \"./index.js\";\n\
                     declare function is<T>(): <V extends T>(value: V) => void;\n"
         .to_owned();

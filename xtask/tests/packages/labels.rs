@@ -1,5 +1,5 @@
-//! Tests that labels are identical in both languages, including languages whose tags are keywords, and flags with all
-//! bits.
+//! Tests that labels are identical in JavaScript and Python. The cases include languages whose tags are keywords, and
+//! flags with all bits.
 
 use std::path::Path;
 
@@ -50,7 +50,7 @@ pub(crate) fn emit(folder: &Path, output: &str) {
     xtask(&["codegen", "--config", &config.display().to_string()]);
 }
 
-/// The queries of a program in JavaScript.
+/// A JavaScript program that queries labels.
 const PROGRAM: &str = r#"for (const known of languages) console.log(known.tag, known.name, known.isRightToLeft);
 for (const tags of [["pt_BR.UTF-8"], ["IS-is"], ["pt", "fa"], ["tlh"], []]) {
   const labels = await language(...tags);
@@ -64,7 +64,7 @@ for (const tags of [["pt_BR.UTF-8"], ["IS-is"], ["pt", "fa"], ["tlh"], []]) {
 }
 "#;
 
-/// Equivalent queries in Python.
+/// The equivalent Python program.
 const PYTHON: &str = r#"from gliders.labels import language, languages
 
 for known in languages:
@@ -123,7 +123,7 @@ First "mark" */ passed true
 "#;
 
 #[test]
-#[ignore = "needs Node"]
+#[ignore = "requires Node"]
 fn labels_in_javascript_match_the_language() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();

@@ -75,7 +75,7 @@ fn is_module_source(path: &str) -> bool {
     Path::new(path).extension().is_some_and(|ending| ending == "mts")
 }
 
-/// Compiles sources with each module resolution of TypeScript. The output is used by Node.
+/// Compiles sources with each module resolution of TypeScript. Node runs the output.
 fn compile(folder: &Path, sources: &[String]) {
     let compiler = node_tool("typescript/bin/tsc");
     let (modern, common): (Vec<&str>, Vec<&str>) =
@@ -87,7 +87,7 @@ fn compile(folder: &Path, sources: &[String]) {
         match resolution {
             // Bundlers don't support `import … = require`.
             "bundler" => arguments.push("--skipLibCheck"),
-            // Check all declarations of the package only in the last run, because it takes long.
+            // Check all declarations of the package only in the last run, because this is slow.
             "nodenext" => arguments.extend([&["--skipLibCheck"], &common[..]].concat()),
             _ => arguments.extend(&common),
         }

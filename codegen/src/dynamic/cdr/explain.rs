@@ -13,7 +13,7 @@ use crate::dynamic::trail::Trail;
 use crate::dynamic::types::{MessageType, Types};
 use crate::schema::Shape;
 
-/// Finds the fault of a payload, if any. In a fixed-size message, truncation takes precedence over an invalid `bool`.
+/// Finds the fault in a payload, if any. In a fixed-size message, truncation takes precedence over an invalid `bool`.
 /// Otherwise, the first fault is returned.
 pub(super) fn explain(ty: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Error> {
     let end = if ty.plan.is_fixed && is_strict { first_fault(ty, payload, false) } else { None };

@@ -26,7 +26,7 @@ pub(in crate::dynamic) fn encode(view: DynamicView<'_>, order: ByteOrder) -> Res
 }
 
 fn write<const BIG: bool>(view: DynamicView<'_>, order: ByteOrder) -> Option<Vec<u8>> {
-    // The CDR form is rarely larger than the memory form and the header.
+    // The CDR form is rarely larger than the memory form plus the header.
     let mut out = Vec::with_capacity(view.bytes.len().saturating_sub(view.base) + HEADER);
     out.extend_from_slice(&order.header());
     let mut writer = Writer::<BIG> { types: view.types, bytes: view.bytes, out };

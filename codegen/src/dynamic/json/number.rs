@@ -6,7 +6,7 @@ use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error, Unexpected, Visitor};
 use uavspec_runtime::Scalar;
 
-/// Reads a number of this type. The value is its little-endian bytes, followed by zeros.
+/// Reads a number of this type. The result is the little-endian bytes of the number, followed by zeros.
 #[derive(Clone, Copy)]
 pub(super) struct NumberSeed(pub(super) Scalar);
 

@@ -18,7 +18,7 @@ pub(in crate::dynamic) struct Builder<'t> {
     ty: MessageType<'t>,
     /// The message, followed by the elements of incomplete sequences.
     open: Vec<u8>,
-    /// Strings and complete sequences. They are appended to the message at the end.
+    /// Strings and complete sequences, which are appended to the message when reading ends.
     closed: Vec<u8>,
     /// The current path, or the path of the error.
     pub(in crate::dynamic) trail: Trail<'t>,
@@ -77,7 +77,7 @@ impl<'t> Builder<'t> {
     fn point<E: serde::de::Error>(&mut self, at: usize, start: usize, count: usize) -> Result<(), E> {
         let start = start + self.ty.plan.size.padded;
         let (Ok(start), Ok(count)) = (u32::try_from(start), u32::try_from(count)) else {
-            return Err(E::custom("a message of more than 4 GiB"));
+            return Err(E::custom("the message exceeds 4 GiB"));
         };
         let mut slot = [0; SLOT];
         slot[..4].copy_from_slice(&start.to_le_bytes());
@@ -208,7 +208,7 @@ impl FieldSeed<'_, '_> {
     }
 }
 
-/// Reads a value of a field, or one of its elements, into the builder at `at`.
+/// Reads a field value, or one element of a field, into the builder at `at`.
 struct ElementSeed<'b, 't> {
     builder: &'b mut Builder<'t>,
     field: &'t Field,

@@ -78,7 +78,7 @@ pub(in crate::emit) enum Type {
         values: Vec<i64>,
         is_open: bool,
     },
-    /// A reference to a declaration. `module` is set for another package.
+    /// A reference to a declaration. `module` is set if the declaration is in another package.
     Named {
         module: Option<String>,
         name: String,
@@ -91,14 +91,14 @@ pub(in crate::emit) enum Type {
     List(Box<Type>),
     /// An object with arbitrary keys.
     Map(Box<Type>),
-    /// An array with named elements: name, true if required, and type.
+    /// An array with named elements. Each entry contains the name, `true` if the element is required, and the type.
     Tuple(Vec<(String, bool, Type)>),
     Either(Vec<Type>),
 }
 
 /// An error code from a table.
 pub(in crate::emit) struct KnownCode {
-    /// Name of its constant.
+    /// Name of the code's constant.
     pub(in crate::emit) name: String,
     pub(in crate::emit) code: u32,
     pub(in crate::emit) abbreviation: Option<String>,

@@ -103,7 +103,7 @@ fn expression(declarer: &Declarer<'_>, package: usize, found: &Expression) -> Ty
     }
 }
 
-/// A page may use error codes without defining a table of them.
+/// A page may use error codes without defining an error-code table.
 fn error_code(declarer: &Declarer<'_>, package: usize) -> Type {
     if declarer.schema.packages[package].error_tables.is_empty() {
         return Type::Integer;

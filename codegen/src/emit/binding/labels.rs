@@ -10,12 +10,12 @@ use crate::translation::{
 
 /// The texts of all languages, and the enums of fields.
 pub(in crate::emit) struct Labels<'s> {
-    /// The language of the definitions, which is always complete, followed by the other languages sorted by tag.
+    /// First the language of the definitions, which is always complete, then the other languages sorted by tag.
     pub(in crate::emit) languages: Vec<LabelLanguage<'s>>,
-    /// For each enum used by a field, its values with the keys of their text. If several names share a value, only the
-    /// first is included.
+    /// For each enum used by a field, the values with their text keys. If several names share a value, only the first
+    /// is included.
     pub(in crate::emit) enumerations: Vec<Vec<(i128, String)>>,
-    /// By the key of a field, the index of its enum in `enumerations`.
+    /// Indexes into `enumerations`, by field key.
     pub(in crate::emit) fields: BTreeMap<String, usize>,
 }
 
@@ -35,8 +35,8 @@ impl LabelLanguage<'_> {
     }
 }
 
-/// Collects the labels of all languages. There are no labels without translations, because the modules contain the
-/// original text.
+/// Collects the labels of all languages. Returns no labels if there are no translations, because the modules already
+/// contain the original text.
 pub(in crate::emit) fn labels<'s>(schema: &'s Schema, translations: &'s Translations) -> Option<Labels<'s>> {
     if translations.languages.is_empty() {
         return None;

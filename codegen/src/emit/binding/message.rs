@@ -56,9 +56,9 @@ fn field_type(declarer: &mut Declarer<'_>, message: &Message, field: &Field) -> 
 fn enumeration(owner: &Message, found: &Enum, name: &str) -> Declaration {
     let prefixes = found.prefixes.join(", ");
     let text = if found.is_flags {
-        format!("Flags {prefixes} of {}. Any combination is valid; unnamed bits may be set too.", owner.name)
+        format!("{prefixes} flags of {}. Any combination is valid; unnamed bits may be set too.", owner.name)
     } else {
-        format!("Values {prefixes} of {}. Other firmware versions may use other values.", owner.name)
+        format!("{prefixes} values of {}. Other firmware versions may use other values.", owner.name)
     };
     let mut scope = Scope::default();
     let members = found.members.iter().map(|member| Named {

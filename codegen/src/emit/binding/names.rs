@@ -1,4 +1,4 @@
-//! Names of declarations. A word that is reserved in one language is escaped in both.
+//! Names of declarations. A word that is reserved in TypeScript or Python is escaped in both languages.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ const PYTHON: [&str; 35] = [
     "lambda", "nonlocal", "not", "or", "pass", "raise", "return", "try", "while", "with", "yield",
 ];
 
-/// Reserved words of TypeScript and JavaScript that can't be names of modules, constants or elements.
+/// Reserved words of TypeScript and JavaScript that can't name modules, constants or elements.
 const TYPESCRIPT: [&str; 43] = [
     "abstract",
     "any",
@@ -90,7 +90,7 @@ const USED: [&str; 25] = [
     "type",
 ];
 
-/// Reserved names of modules that aren't packages.
+/// Module names that packages can't use, because other modules use them.
 const MODULES: [&str; 4] = ["data", "index", "labels", "manifest"];
 
 /// The names of all declarations.
@@ -151,7 +151,7 @@ impl Names {
         names
     }
 
-    /// Reserves a name that no definition provides in the module of a package.
+    /// In the module of a package, reserves a name that no definition provides.
     pub(super) fn extra(&mut self, package: usize, name: &str) -> String {
         self.scopes[package].unique_type(name)
     }

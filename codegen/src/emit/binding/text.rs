@@ -5,7 +5,7 @@ use crate::schema::{Constant, Constraint, Docs, Element, Field, Message, Package
 use crate::unit;
 use crate::value::Value;
 
-/// Joins a description and facts, each as a paragraph.
+/// Joins a description and a paragraph that lists facts.
 pub(super) fn with_facts(description: &str, facts: &[String]) -> String {
     let facts = facts.join("; ");
     let mut text = description.trim().to_owned();
@@ -81,7 +81,7 @@ pub(super) fn constant(constant: &Constant) -> String {
     [text, &lines.join("\n")].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n\n")
 }
 
-/// The annotations of a value on a page.
+/// The annotations of a value defined on a page.
 pub(super) fn limits(limits: &Limits) -> Vec<String> {
     let int = |value: u32| Value::Int(value.into());
     let length = Range { low: limits.least.map(int), high: limits.most.map(int) };

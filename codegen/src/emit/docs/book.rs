@@ -63,7 +63,7 @@ fn toml_string(text: &str) -> String {
     quoted + "\""
 }
 
-/// Scripts of the pages. They use no libraries and load nothing else.
+/// Scripts for the pages. They use no libraries and load no other files.
 const SCRIPTS: [(&str, &str); 2] = [
     ("composer.js", include_str!("book/composer.js")),
     ("error-codes.js", include_str!("book/error-codes.js")),
@@ -76,7 +76,7 @@ pub(super) fn scripts() -> impl Iterator<Item = OutputFile> {
         .map(|(path, text)| OutputFile { path: (*path).to_owned(), text: format!("// {}\n{text}", notice()) })
 }
 
-/// Creates `book.css`, which widens the tables of fields and styles the controls created by the scripts.
+/// Creates `book.css`, which widens field tables and styles the controls that the scripts create.
 pub(super) fn style() -> OutputFile {
     OutputFile {
         path: "book.css".to_owned(),

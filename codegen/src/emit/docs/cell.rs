@@ -36,7 +36,7 @@ pub(super) fn range(words: Words, range: &Range) -> Option<String> {
     }
 }
 
-/// Formats a bound. Multiples of π are written as such.
+/// Formats a bound. Common multiples of π are written with the symbol π.
 fn number(value: &Value) -> String {
     let known = [(PI, "π"), (FRAC_PI_2, "π/2"), (TAU, "2π")];
     let name = match value {
@@ -47,8 +47,8 @@ fn number(value: &Value) -> String {
     name.map_or_else(|| inline(&value.to_string()), |(_, name)| format!("{sign}{name}"))
 }
 
-/// The values that a constraint allows, or a value with a special meaning. `text` is the constraint's description.
-/// Returns `None` if all values are valid.
+/// The values that a constraint allows, or a value with a special meaning. `text` describes the constraint. Returns
+/// `None` if all values are valid.
 pub(super) fn constraint(scope: Scope<'_, '_>, constraint: &Constraint, text: MessageText) -> Option<String> {
     let words = scope.site.words;
     let word = Word::of_constraint(constraint.kind);
@@ -105,7 +105,7 @@ pub(super) fn field_link(scope: Scope<'_, '_>, own: MessageId, (id, index): Fiel
     link(&text, &scope.site.href(scope.from, id, Part::Field(index)))
 }
 
-/// The name of a constant, linked to its parameters if it has any.
+/// The name of a constant. If the constant has parameters, the name links to them.
 pub(super) fn name_with_parameters(constant: &Constant) -> String {
     let name = code(&constant.name);
     if has_parameters(constant) { link(&name, &format!("#{}", command_anchor(constant))) } else { name }

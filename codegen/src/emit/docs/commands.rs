@@ -1,4 +1,4 @@
-//! Commands: the constants of `VehicleCommand` with seven parameters.
+//! Commands: the constants in `VehicleCommand` that have seven parameters.
 
 use super::cell::{
     command_anchor, constraint, has_parameters, meaning, name_with_parameters, unit, value_cell,
@@ -12,7 +12,8 @@ use crate::msg::constraint::INVALID;
 use crate::schema::MessageId;
 use crate::translation::MessageText;
 
-/// Writes the commands of a message: a list of the commands outside enums, and a parameter table for each command.
+/// Writes the commands of a message. One table lists the commands outside enums. Each command with parameters has a
+/// parameter table.
 pub(super) fn write(
     page: &mut Page,
     scope: Scope<'_, '_>,

@@ -1,4 +1,4 @@
-//! Data for the script with which readers compose a message: fields, offsets in memory, and labels. If the script
+//! Data for the script that lets readers compose a message: fields, offsets in memory, and labels. If the script
 //! doesn't run, the page shows only one sentence.
 
 use serde_json::{Map, Value as Json, json};
@@ -18,7 +18,7 @@ const MAX_CONTROLS: usize = 500;
 /// Maximum length of a label, in characters.
 const MAX_LABEL: usize = 160;
 
-/// Text of the user interface, by the names used in the script.
+/// User interface text, by the names used in the script.
 const WORDS: [(&str, Word); 20] = [
     ("fieldsOf", words::FIELDS_OF),
     ("setToZero", words::SET_TO_ZERO),
@@ -42,8 +42,7 @@ const WORDS: [(&str, Word); 20] = [
     ("tooManyValues", words::TOO_MANY_VALUES),
 ];
 
-/// Writes the composer section of a message page. Skips messages without a memory layout, without fields, or with too
-/// many fields.
+/// Writes the composer section of a message page. Skips messages with no memory layout, no fields, or too many fields.
 pub(super) fn write(page: &mut Page, site: &Site<'_>, id: MessageId) {
     let message = site.schema.message(id);
     let Some(layout) = site.layout(message) else { return };
@@ -82,7 +81,7 @@ fn embedded(data: &Json) -> String {
     xml(&text.replace("{{", "{\\u007b").replace("{%", "\\u007b%"))
 }
 
-/// Number of controls for a message.
+/// The number of controls needed for a message.
 fn controls(site: &Site<'_>, message: &Message) -> usize {
     let count = |field: &Field| match (field.ty.element, field.ty.shape) {
         (Element::Message(nested), Shape::Single) => controls(site, site.schema.message(nested)),

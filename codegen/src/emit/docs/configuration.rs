@@ -1,4 +1,4 @@
-//! Options of the table `output.docs` in the configuration.
+//! Options of the `output.docs` table in the configuration.
 
 use std::fs;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use crate::failure::Failure;
 pub(in crate::emit) struct Configuration {
     title: Option<String>,
     rules: bool,
-    /// Files with additional parts of the table of contents, in mdBook syntax.
+    /// Files with additional entries for the table of contents, in mdBook syntax.
     contents: OneOrMany,
     #[serde(skip)]
     siblings: Siblings,
@@ -54,7 +54,7 @@ impl Output for Configuration {
             Siblings { schemas: others.address("json_schema"), vectors: others.address("vectors") };
     }
 
-    /// The files of `contents` are read only here, because other commands don't need them.
+    /// Reads the `contents` files only here, because other commands don't need them.
     fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
         let read = |path: &PathBuf| {
             fs::read_to_string(path).map_err(|error| {

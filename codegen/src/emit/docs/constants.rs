@@ -11,7 +11,7 @@ use super::words::{self, Words};
 use crate::schema::{Message, MessageId};
 use crate::translation::MessageText;
 
-/// Constants whose anchors are already on the page. Two enums may share a constant.
+/// Constants whose anchors are already on the page. This matters because two enums may share a constant.
 #[derive(Debug, Default)]
 pub(super) struct Anchored(BTreeSet<usize>);
 
@@ -33,10 +33,10 @@ pub(super) struct ParameterEnum {
     pub(super) constants: Vec<usize>,
 }
 
-/// The constants of a message, by the section in which they are shown.
+/// The constants of a message, grouped by the section that shows them.
 #[derive(Debug, Default)]
 pub(super) struct Constants<'s> {
-    /// Constants with parameters, and constants with the same prefix.
+    /// Constants with parameters, and constants that share their prefix.
     pub(super) commands: Vec<usize>,
     /// Values of command parameters, by prefix.
     pub(super) parameter_enums: BTreeMap<&'s str, ParameterEnum>,
@@ -82,7 +82,7 @@ fn common_start<'n>(left: &'n str, right: &str) -> &'n str {
     left.get(..length).unwrap_or_default()
 }
 
-/// The prefixes named by command parameters, except prefixes of the message's own enums.
+/// The prefixes that command parameters refer to, except prefixes of enums in the same message.
 fn parameter_enums(message: &Message) -> BTreeMap<&str, ParameterEnum> {
     let known: BTreeSet<&str> =
         message.enums.iter().flat_map(|found| &found.prefixes).map(String::as_str).collect();

@@ -29,7 +29,7 @@ pub(super) fn write(
     }
 }
 
-/// The prefixes of the constants, as field annotations name them.
+/// The prefixes of the constants, formatted as code.
 fn title(found: &Enum) -> String {
     found.prefixes.iter().map(|prefix| code(prefix)).collect::<Vec<_>>().join(", ")
 }
@@ -70,7 +70,7 @@ fn table(scope: Scope<'_, '_>, id: MessageId, found: &Enum, anchored: &mut Ancho
     ];
     let mut table = Table::new(&columns);
     let mut members: Vec<&Member> = found.members.iter().collect();
-    // The sort is stable: the first declared name of a value comes first.
+    // The sort is stable, so the first declared name of each value comes first.
     members.sort_by_key(|member| member.value);
     let mut leader: Option<&Member> = None;
     for member in members {

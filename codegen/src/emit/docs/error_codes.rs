@@ -19,8 +19,8 @@ use crate::translation::{error_code_key, error_codes_unit, error_table_key};
 /// Heading of sections about error codes.
 pub(super) const TITLE: &str = words::ERROR_CODES.english();
 
-/// The symbol of a severity: the fuller the circle, the more severe. Style sheets colour the symbol; the adjacent text
-/// has the same meaning.
+/// The symbol of a severity. A fuller circle means a more severe error. Style sheets colour the symbol, and the
+/// adjacent text has the same meaning.
 fn sign(severity: Severity) -> String {
     let sign = match severity {
         Severity::Informational => '○',
@@ -58,8 +58,8 @@ fn slug(title: &str) -> String {
     words.collect::<Vec<_>>().join("-").to_ascii_lowercase()
 }
 
-/// The entries of the table of contents with their depth: the page of all codes, the pages of the tables, and the
-/// translations of both.
+/// Entries for the table of contents, with their depth: the page that lists all codes, the table pages, and their
+/// translations.
 pub(super) fn contents(site: &Site<'_>, package: &Package) -> Vec<(usize, String, String)> {
     let tables: Vec<(&ErrorTable, String)> = package.error_tables.iter().zip(table_paths(package)).collect();
     let overview = overview_path(package);
@@ -144,7 +144,7 @@ struct Codes<'p, 's> {
     unit: String,
     /// Paths of the English pages, by table.
     english_paths: Vec<String>,
-    /// Paths of the pages in the language of the site, by table.
+    /// Paths of the pages in the site language, by table.
     paths: Vec<String>,
     /// Table indexes by code.
     tables: BTreeMap<u32, usize>,
@@ -175,7 +175,7 @@ impl<'p, 's> Codes<'p, 's> {
             page.block(&self.site.line_of_files(&path, Target::ErrorCode(index)));
         }
         heading(&mut page, words, 2, words::ALL_CODES);
-        // A script fills this element. Without it, the table below contains the same data.
+        // A script fills this element. Without the script, the table that follows shows the same data.
         let words_of_script = json!({
             "title": words.get(words::ERROR_CODES),
             "find": words.get(words::FIND_A_CODE),
@@ -237,7 +237,7 @@ impl<'p, 's> Codes<'p, 's> {
         page.finish()
     }
 
-    /// Writes the section of a code. Its heading makes it searchable.
+    /// Writes the section about a code. The section heading makes the code searchable.
     fn write_code(&self, page: &mut Page, path: &str, found: &ErrorCode) {
         let words = self.site.words;
         page.anchor(&code_anchor(found.code));

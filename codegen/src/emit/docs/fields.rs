@@ -68,7 +68,7 @@ fn row(
     ]
 }
 
-/// A type, linked to the page of the message that it names.
+/// A type. A message type links to the page of the message.
 fn type_cell(scope: Scope<'_, '_>, message: &Message, ty: Type) -> String {
     let text = code(&scope.site.schema.type_text(message, ty));
     match ty.element {
@@ -106,7 +106,7 @@ fn values(scope: Scope<'_, '_>, id: MessageId, index: usize, counter: Option<usi
     lines
 }
 
-/// By field, the field that counts its used entries.
+/// For each array field, the field that counts the used entries.
 fn counters(message: &Message) -> Vec<Option<usize>> {
     let mut counters = vec![None; message.fields.len()];
     for (index, field) in message.fields.iter().enumerate() {
@@ -117,7 +117,7 @@ fn counters(message: &Message) -> Vec<Option<usize>> {
     counters
 }
 
-/// The text for a field that counts the used entries of `array`.
+/// The description of a field that counts the used entries of `array`.
 fn count(scope: Scope<'_, '_>, id: MessageId, array: usize) -> String {
     let words = scope.site.words;
     let link = field_link(scope, id, (id, array));

@@ -9,7 +9,7 @@ use crate::translation::MessageText;
 /// Maximum length of a group heading, in characters. A longer heading is shortened, and the full text follows it.
 const MAX_HEADING: usize = 100;
 
-/// Writes a table in parts, one per run of rows in the same group.
+/// Writes a table in parts: consecutive rows in the same group form one part.
 pub(super) fn in_groups(
     page: &mut Page,
     scope: Scope<'_, '_>,

@@ -6,14 +6,14 @@ use super::words::{Word, Words};
 use crate::prose;
 use crate::translation::{SOURCE_LANGUAGE, is_right_to_left};
 
-/// A main heading as Markdown, in the language of the page and in English.
+/// A main heading in Markdown, both in the page language and in English.
 pub(super) struct Heading<'h> {
     pub(super) text: &'h str,
     pub(super) english: &'h str,
 }
 
-/// Starts a page about `unit` in the language of the site, with its main heading and links to other languages.
-/// `english` is the path of the English page.
+/// Starts a page about `unit` in the site language. Adds the main heading and links to other languages. `english` is
+/// the path of the English page.
 pub(super) fn page(site: &Site<'_>, unit: &str, english: &str, heading: &Heading<'_>) -> Page {
     let path = site.path_of(english, unit);
     let mut page = Page::without_heading(&path);
@@ -47,7 +47,7 @@ fn switch(site: &Site<'_>, unit: &str, english: &str, from: &str) -> String {
     all.map(entry).collect::<Vec<_>>().join(" · ")
 }
 
-/// A fixed heading, with the same anchor in all languages.
+/// Adds a fixed heading. Its anchor is the same in all languages.
 pub(super) fn heading(page: &mut Page, words: Words, level: usize, word: Word) {
     if words.are_english() {
         page.heading(level, word.english());
@@ -56,7 +56,7 @@ pub(super) fn heading(page: &mut Page, words: Words, level: usize, word: Word) {
     }
 }
 
-/// Marks inline Markdown in a language other than that of the page, for screen readers.
+/// Marks inline Markdown whose language differs from the page language, for screen readers.
 pub(super) fn marked(markdown: &str, tag: Option<&str>) -> String {
     match tag {
         Some(tag) if !markdown.is_empty() => format!("<span {}>{markdown}</span>", attributes(tag)),

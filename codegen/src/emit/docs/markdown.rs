@@ -1,6 +1,6 @@
 //! Markdown building blocks of pages: headings, paragraphs, tables, links.
 //!
-//! They are public, so other generators can produce pages with the same look.
+//! The building blocks are public, so other generators can produce pages with the same look.
 //!
 //! ```
 //! use uavspec_codegen::emit::docs::markdown::{Page, Table, code, text_column};
@@ -27,7 +27,7 @@ pub struct Page {
     text: String,
     /// Text appended at the end.
     end: &'static str,
-    /// Number of translated headings by English anchor.
+    /// For each English anchor, the number of translated headings.
     headings: BTreeMap<String, usize>,
 }
 
@@ -37,7 +37,7 @@ impl Page {
         Self::with_notice(&notice(), path, heading)
     }
 
-    /// Creates a page with a notice in a comment, and its main heading, given as Markdown.
+    /// Creates a page with a notice in a comment, and a main heading in Markdown.
     pub fn with_notice(notice: &str, path: &str, heading: &str) -> Self {
         let mut page = Self::empty(notice, path);
         page.heading(1, heading);
@@ -49,7 +49,7 @@ impl Page {
         Self::empty(&notice(), path)
     }
 
-    /// Encloses the rest of the page in an element with these attributes, which set the language.
+    /// Encloses the rest of the page in an element with these attributes. They set the language.
     pub(super) fn begin_language(&mut self, attributes: &str) {
         // The blank line ends the HTML block, so Markdown can follow.
         self.put(format_args!("\n<div {attributes}>\n"));
@@ -78,8 +78,8 @@ impl Page {
         self.heading(level, heading);
     }
 
-    /// Adds an anchor before a heading. It is a separate block: mdBook turns each heading into a link, and links can't
-    /// be nested.
+    /// Adds an anchor before a heading. The anchor is a separate block, because mdBook turns each heading into a link,
+    /// and links can't be nested.
     pub(super) fn anchor(&mut self, id: &str) {
         self.put(format_args!("\n{}\n", anchor(id)));
     }
@@ -111,12 +111,12 @@ impl Page {
         self.put(format_args!("{:depth$}- {markdown}\n", "", depth = 2 * depth));
     }
 
-    /// Adds a blank line, such as before a list.
+    /// Adds a blank line, for example before a list.
     pub fn gap(&mut self) {
         self.text.push('\n');
     }
 
-    /// Adds a table without its empty columns. A table without rows is skipped.
+    /// Adds a table, but omits empty columns. A table without rows is skipped.
     pub fn table(&mut self, table: &Table) {
         if table.is_empty() {
             return;
@@ -150,7 +150,7 @@ impl Page {
     }
 }
 
-/// The notice at the start of every file, without comment marks.
+/// The notice for the start of every file, without comment delimiters.
 pub(super) fn notice() -> String {
     file::notice("the definitions")
 }
@@ -223,15 +223,16 @@ impl Table {
     }
 }
 
-/// Escapes text of a definition for use on one line.
+/// Escapes definition text for use on one line.
 ///
-/// Braces are escaped too, because templates of mdBook and GitHub Pages and heading attributes of mdBook use them.
+/// Braces are escaped too, because mdBook and GitHub Pages use them in templates, and mdBook uses them in heading
+/// attributes.
 pub fn inline(text: &str) -> String {
     let escaped = prose::inline(text);
     if escaped.contains('{') { escaped.replace('{', "&#123;") } else { escaped }
 }
 
-/// Escapes text that marks code with backticks, for use on one line.
+/// Escapes text for use on one line. The text may contain code in backticks.
 pub fn with_code(text: &str) -> String {
     let parts: Vec<&str> = text.split('`').collect();
     if parts.len().is_multiple_of(2) {
@@ -269,7 +270,7 @@ pub fn code(text: &str) -> String {
     let mut escaped = String::from("<code>");
     for character in prose::xml(text).chars() {
         match character {
-            // Part of an entity, or harmless.
+            // These characters are part of an entity, or harmless.
             '&' | ';' | '#' | ' ' => escaped.push(character),
             _ if character.is_alphanumeric() => escaped.push(character),
             _ => append(&mut escaped, format_args!("&#{};", u32::from(character))),
@@ -288,7 +289,7 @@ pub(super) fn anchor(id: &str) -> String {
     format!("<a id=\"{}\"></a>", prose::xml(id))
 }
 
-/// The anchor that mdBook and GitHub assign to a heading of plain text.
+/// The anchor that mdBook and GitHub assign to a plain-text heading.
 pub(super) fn heading_anchor(text: &str) -> String {
     let characters = text.trim().chars().filter_map(|character| match character {
         _ if character.is_alphanumeric() || matches!(character, '_' | '-') => Some(character),
@@ -298,7 +299,7 @@ pub(super) fn heading_anchor(text: &str) -> String {
     characters.collect::<String>().to_lowercase()
 }
 
-/// The relative URL of the page `to`, or of an anchor in it, from the page `from`.
+/// The URL of the page `to`, or of an anchor on that page, relative to the page `from`.
 pub fn href(from: &str, to: &str, anchor: &str) -> String {
     let mark = if anchor.is_empty() { "" } else { "#" };
     if from == to && !anchor.is_empty() {

@@ -105,7 +105,7 @@ fn uorb_size(words: Words, layout: &UorbLayout) -> String {
     }
 }
 
-/// The size of the CDR form.
+/// The size of the CDR payload.
 pub(super) fn cdr_size(words: Words, size: CdrSize) -> String {
     let least = words.bytes(size.least);
     if size.is_fixed { least } else { words.fill(words::OR_MORE, &[("size", &least)]) }

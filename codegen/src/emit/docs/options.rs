@@ -5,7 +5,7 @@
 pub struct Options {
     /// Title of the book and of its first page.
     pub title: String,
-    /// True if pages about the rules of uavspec are included.
+    /// True to include pages about the rules of uavspec.
     pub rules: bool,
     /// Markdown list of additional pages, appended to the table of contents.
     pub more_contents: String,

@@ -44,7 +44,7 @@ pub fn emit(
     files
 }
 
-/// The pages of a package in the language of the site.
+/// The pages of a package in the site language.
 fn translated(site: &Site<'_>, package: &Package) -> Vec<OutputFile> {
     let messages = package
         .messages

@@ -1,6 +1,6 @@
-//! Pages of rules: one for each rule, a table of all rules, and a page of parser errors.
+//! Pages about rules: one page for each rule, a table of all rules, and a page about parser errors.
 //!
-//! These pages document uavspec, not the definitions. Each command with rules describes them as a [`Chapter`].
+//! These pages document uavspec, not the definitions. Each command that has rules describes them as a [`Chapter`].
 
 mod breaking;
 mod chapter;

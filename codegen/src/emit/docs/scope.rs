@@ -16,9 +16,9 @@ pub(super) struct Scope<'p, 's> {
     pub(super) from: &'p str,
     /// Index of the package whose names are resolved.
     pub(super) package: usize,
-    /// The message whose parts are referred to by simple names.
+    /// The message in which names of parts are looked up.
     pub(super) message: MessageId,
-    /// The described part of the message. It is not linked to itself.
+    /// The part of the message that the description is about. The description doesn't link to this part.
     at: Option<Part>,
 }
 
@@ -103,13 +103,13 @@ impl<'p, 's> Scope<'p, 's> {
     }
 }
 
-/// True if a name can't be an ordinary word. `Event` at the start of a sentence may be one.
+/// True if a name can't be an ordinary word. False for names such as `Event`, which may start a sentence.
 pub(super) fn is_compound(name: &str) -> bool {
     let capitals = name.chars().filter(char::is_ascii_uppercase).count();
     capitals > 1 && capitals < name.len()
 }
 
-/// Formats a text on one line. `target` receives the previous word and the word, and may return a link.
+/// Formats a text on one line. `target` receives the previous word and the current word, and may return a link.
 pub(super) fn with_links(text: &str, target: impl Fn(&str, &str) -> Option<String>) -> String {
     let mut linked = String::with_capacity(text.len() + 16);
     let mut from = 0;

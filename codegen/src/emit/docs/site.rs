@@ -16,7 +16,7 @@ use crate::translation::{
     Language, MessageKeys, MessageText, SOURCE_LANGUAGE, Translations, interface_unit, message_unit,
 };
 
-/// Constants with a special meaning in PX4, which are shown as facts of the message.
+/// Constants with a special meaning in PX4. Pages show them as facts about the message.
 const KNOWN_CONSTANTS: [&str; 2] = ["MESSAGE_VERSION", "ORB_QUEUE_LENGTH"];
 
 /// File names that are special in mdBook or on GitHub.
@@ -42,32 +42,32 @@ struct Place {
     prefix: String,
 }
 
-/// Index of everything that is documented.
+/// Index of all documented items.
 #[derive(Debug)]
 pub(super) struct Site<'s> {
     pub(super) schema: &'s Schema,
     pub(super) sources: &'s SourceMap,
     origins: Origins<'s>,
     siblings: &'s Siblings,
-    /// By message. `None` for messages that aren't listed.
+    /// Page locations, by message. `None` for messages that aren't listed.
     places: Vec<Option<Place>>,
-    /// By message, the fields of this type.
+    /// For each message, the fields of this type.
     users: Vec<Vec<FieldRef>>,
-    /// By enum, the fields of this enum.
+    /// For each enum, the fields that use it.
     enum_users: BTreeMap<EnumRef, Vec<FieldRef>>,
-    /// By message, unique names of its enums.
+    /// For each message, unique names of its enums.
     enum_names: Vec<Vec<String>>,
-    /// By package, messages by name and by topic.
+    /// For each package, messages by name and by topic.
     names: Vec<HashMap<&'s str, MessageId>>,
-    /// By message, parts by name. Filled lazily.
+    /// For each message, parts by name. Filled lazily.
     parts: Vec<OnceCell<HashMap<&'s str, Part>>>,
     /// All languages with translations.
     languages: &'s [Language],
     /// The language of the site, or `None` for English. Units without a translation use the English page.
     pub(super) language: Option<&'s Language>,
-    /// The fixed text of pages.
+    /// Fixed text for pages.
     pub(super) words: Words,
-    /// By message, the keys of its texts. Filled lazily.
+    /// For each message, the text keys. Filled lazily.
     keys: Vec<OnceCell<MessageKeys<'s>>>,
 }
 
@@ -75,7 +75,7 @@ pub(super) struct Site<'s> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Localized<'t> {
     pub(super) text: &'t str,
-    /// Language of the text, if it differs from the language of the page's fixed text.
+    /// Language of the text. `None` if it is the language of the fixed text on the page.
     pub(super) tag: Option<&'t str>,
     /// True if the text is a translation.
     pub(super) is_translated: bool,
@@ -92,7 +92,7 @@ impl<'s> Site<'s> {
         Self::in_language(schema, translations, sources, siblings, None)
     }
 
-    /// Creates the site in `language`, or in English if it is `None`.
+    /// Creates the site in `language`, or in English if `language` is `None`.
     pub(super) fn in_language(
         schema: &'s Schema,
         translations: &'s Translations,
@@ -161,7 +161,7 @@ impl<'s> Site<'s> {
         }
     }
 
-    /// The packages that contain definitions.
+    /// Packages that contain definitions.
     pub(super) fn packages(&self) -> impl Iterator<Item = &'s Package> + use<'s> {
         self.schema.packages.iter().filter(|package| !package.is_empty())
     }
@@ -184,7 +184,7 @@ impl<'s> Site<'s> {
         self.places[id.0 as usize].as_ref().map_or("", |place| &place.english)
     }
 
-    /// The page of `unit` in the language of the site, or the English page if there is no translation.
+    /// The page of `unit` in the site language, or the English page if there is no translation.
     pub(super) fn path_of(&self, english: &str, unit: &str) -> String {
         match self.language.filter(|language| language.covers(unit)) {
             Some(language) => path_in(english, &language.tag),
@@ -192,17 +192,17 @@ impl<'s> Site<'s> {
         }
     }
 
-    /// The languages with a page of `unit`.
+    /// The languages that have a page for `unit`.
     pub(super) fn languages_of(&self, unit: &str) -> impl Iterator<Item = &'s Language> {
         self.languages.iter().filter(move |language| language.covers(unit))
     }
 
-    /// True if the site has a page of `unit` in its language.
+    /// True if the site has a page for `unit` in the site language.
     pub(super) fn has_page(&self, unit: &str) -> bool {
         self.language.is_none_or(|language| language.covers(unit))
     }
 
-    /// The text with this key in the language of the site.
+    /// The text for this key in the site language.
     pub(super) fn localized<'t>(&'t self, key: impl FnOnce() -> String, text: &'t str) -> Localized<'t> {
         let Some(language) = self.language else {
             return Localized { text, tag: None, is_translated: false };
@@ -217,7 +217,7 @@ impl<'s> Site<'s> {
         }
     }
 
-    /// A text of a message in the language of the site.
+    /// A text of a message in the site language.
     pub(super) fn localized_of(&self, id: MessageId, text: MessageText) -> Localized<'_> {
         let message = self.schema.message(id);
         let keys = || self.keys[id.0 as usize].get_or_init(|| MessageKeys::new(self.schema, message));
@@ -292,23 +292,23 @@ impl<'s> Site<'s> {
         files.collect::<Vec<_>>().join(" · ")
     }
 
-    /// The path, relative to the package folder, of the definition that contains `span`.
+    /// Path of the definition that contains `span`, relative to the package folder.
     pub(super) fn source(&self, span: Span) -> &'s str {
         self.origins.path(span)
     }
 }
 
-/// The path of the page of a service or action.
+/// The page path of a service or action.
 pub(super) fn interface_path(package: &Package, interface: &Interface) -> String {
     format!("{}/{}.{}.md", package.name, interface.name, interface.kind.name())
 }
 
-/// The names of the parts of a service or action.
+/// The part names of a service or action.
 pub(super) fn part_names(kind: Kind) -> impl Iterator<Item = &'static str> {
     kind.part_suffixes().iter().map(|suffix| suffix.trim_start_matches('_'))
 }
 
-/// True if the constant is shown as a fact of the message, and therefore in no table.
+/// True if the page shows the constant as a fact about the message, and therefore in no table.
 pub(super) fn is_fact(message: &Message, constant: usize) -> bool {
     let [version, queue_length] = KNOWN_CONSTANTS.map(|known| message.constants[constant].name == known);
     version && message.version.is_some() || queue_length && message.queue_length.is_some()
@@ -342,7 +342,7 @@ fn parts(message: &Message) -> HashMap<&str, Part> {
     enums.chain(constants).chain(fields).collect()
 }
 
-/// The path of the translated version of the page `path`. It is in the same folder, so relative links stay the same.
+/// The path of the translation of the page `path`. Both are in the same folder, so relative links stay the same.
 pub(super) fn path_in(path: &str, tag: &str) -> String {
     format!("{}.{tag}.md", path.strip_suffix(".md").unwrap_or(path))
 }

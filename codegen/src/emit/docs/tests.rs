@@ -1,4 +1,4 @@
-//! Tests of complete books: links resolve, text is escaped, pictures are well-formed XML.
+//! Tests of complete books: links resolve, text is escaped, and pictures are well-formed XML.
 
 mod translated;
 
@@ -84,7 +84,7 @@ const CODES: &str = "\
 | 128 | FLOOD | Water above the boards. Use it only if the pumps fail; otherwise use code 64. |
 ";
 
-/// A package: its name, its form, and paths and texts of its sources.
+/// A package: its name, its form, and its sources as paths and texts.
 type Input<'i> = (&'i str, Form, &'i [(&'i str, &'i str)]);
 
 fn book(packages: &[Input<'_>]) -> Vec<OutputFile> {
@@ -164,7 +164,7 @@ fn is(file: &OutputFile, extension: &str) -> bool {
     file.path.rsplit_once('.').is_some_and(|(_, found)| found == extension)
 }
 
-/// A book of one message that includes the rules of uavspec.
+/// A book with one message and the rules of uavspec.
 fn rules() -> Vec<OutputFile> {
     let options = Options { rules: true, ..Options::default() };
     book_with(&[("boats", PX4, &[("Boat.msg", BOAT)])], &options)
@@ -183,7 +183,7 @@ fn anchors(text: &str) -> Vec<&str> {
     text.split("<a id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect()
 }
 
-/// All link targets by page.
+/// All link targets, by page.
 fn targets(files: &[OutputFile]) -> BTreeMap<&str, BTreeSet<String>> {
     let of_file = |file: &OutputFile| {
         // Headings are link targets too.
@@ -420,7 +420,7 @@ fn links_error_codes_to_each_other() {
     let files = boats();
     let page = text_of(&files, "codes/error-codes/warnings.md");
     for expected in [
-        "Codes 64 to 127 (warning); 2 codes, defined in `codes.md:3`.",
+        "Range: 64 to 127 (warning). This table lists 2 codes, defined in `codes.md:3`.",
         "\n<a id=\"code-64\"></a>\n\n## 64 DAMP\n\nBilge damp.",
         "otherwise use code [128](errors.md#code-128). See also code [65](#code-65).",
         "\nSeverity: <span class=\"severity-warning\" aria-hidden=\"true\">◔</span>&nbsp;warning · Alternatives: ",

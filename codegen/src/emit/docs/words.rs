@@ -94,7 +94,7 @@ words! {
     AND_MORE = "and {count} more";
     ANOTHER_VALUE = "another value";
     UP_TO_BYTES = "up to {most} UTF-8 bytes";
-    UP_TO_VALUES = "{type}, up to {most} values separated by spaces; the rest is 0";
+    UP_TO_VALUES = "{type}, up to {most} values separated by spaces; missing values are 0";
     NOT_ALL_FIT = "Some values are invalid; see the marked fields.";
     EXPECTED_INTEGER = "expected an integer from {low} to {high}";
     EXPECTED_NUMBER = "expected a number or NaN";
@@ -152,7 +152,7 @@ words! {
 
     // Error codes
     ERROR_CODES = "Error codes";
-    SEVERITY_MEANS = "Two bits of a code contain its severity, `(code & 0xFF) >> 6`: 0 is informational, 1 a warning, 2 an error, 3 a fatal error. All codes below 256 follow this rule, and all other codes should.";
+    SEVERITY_MEANS = "Two bits of a code contain its severity. The value `(code & 0xFF) >> 6` is 0 for informational codes, 1 for warnings, 2 for errors and 3 for fatal errors. All codes below 256 follow this rule, and all other codes should follow it.";
     TABLE = "Table";
     CODE_RANGE = "Range";
     SEVERITY = "Severity";
@@ -165,7 +165,7 @@ words! {
     SEE_ALSO = "See also";
     SINCE = "Since";
     AND_ABOVE = "{first} and above";
-    TABLE_FACTS = "Codes {range} ({class}); {count}, defined in {source}. See also {all}.";
+    TABLE_FACTS = "Range: {range} ({class}). This table lists {count}, defined in {source}. See also {all}.";
     ALL_ERROR_CODES = "all error codes";
     COUNT_OF_CODES = "{count} codes";
     ONE_OF_ALTERNATIVES = "A code and its alternatives denote one condition at different severities. Send only one of them.";
@@ -195,7 +195,7 @@ pub(super) struct Words {
 pub(super) const ENGLISH: Words = Words { translations: None };
 
 impl Words {
-    /// The texts for a language tag, or for a shorter form of the tag. Falls back to English.
+    /// The texts for a language tag, or for the longest known prefix of the tag. Falls back to English.
     pub(super) fn of(tag: &str) -> Self {
         let known = known();
         Self { translations: shorter(tag).find_map(|tag| known.get(tag)) }
@@ -234,8 +234,8 @@ impl Words {
         self.count(COUNT_OF_CODES, "code", count)
     }
 
-    /// A count with its noun. Other languages have complex plural forms, so their text avoids inflected nouns, for
-    /// example by writing `Б` for bytes.
+    /// A count with its noun. Some other languages have complex plural forms, so translations avoid inflected nouns.
+    /// For example, the Ukrainian text uses `Б` for bytes.
     fn count(self, word: Word, noun: &str, count: u64) -> String {
         if self.are_english() {
             plural(count, noun)

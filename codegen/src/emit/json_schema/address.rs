@@ -1,4 +1,4 @@
-//! Locations of schemas: file, absolute URL, name in a bundle.
+//! Locations of schemas: file path, absolute URL, and name in a bundle.
 
 use std::fmt::Write as _;
 
@@ -13,7 +13,7 @@ const EXTENSION: &str = ".schema.json";
 pub(in crate::emit) enum Target {
     /// A message, or a part of a service or action.
     Message(MessageId),
-    /// The error codes of the package with this index.
+    /// An error code of the package with this index.
     ErrorCode(usize),
     /// A list of error codes of the package with this index.
     ErrorList(usize),
@@ -27,7 +27,7 @@ pub(in crate::emit) enum Target {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Address<'s> {
     package: &'s str,
-    /// Subfolder for parts of services and actions, which can't clash with messages there.
+    /// Subfolder for parts of services and actions. It keeps their names from clashing with message names.
     folder: Option<&'static str>,
     name: &'s str,
 }
@@ -87,8 +87,8 @@ impl<'s> Address<'s> {
         reference
     }
 
-    /// The name in the `$defs` of the bundle of `package`. Messages of other packages use their full ROS name,
-    /// separated by dots. These names are unique, and code generators derive readable type names from them.
+    /// The `$defs` name in the bundle of `package`. Messages of other packages use their full ROS name, separated by
+    /// dots. These names are unique, and code generators derive readable type names from them.
     pub(super) fn definition(self, package: &Package) -> String {
         match self.folder {
             _ if self.package != package.name => {
@@ -108,7 +108,8 @@ impl<'s> Address<'s> {
     }
 }
 
-/// The path of the bundle of `package`. It is outside the package folder, so it can't clash with a message.
+/// The path of the bundle of `package`. The bundle is outside the package folder, so its name can't clash with a
+/// message.
 pub(super) fn bundle_path(package: &Package) -> String {
     format!("{}.bundle{EXTENSION}", package.name)
 }

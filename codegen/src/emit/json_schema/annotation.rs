@@ -6,39 +6,39 @@ use crate::schema::{Range, Stated};
 use crate::unit;
 use crate::value::Value;
 
-/// An annotation, if it has a value.
+/// An annotation, or `None` if it has no value.
 pub(super) fn annotation<'s>(name: &'static str, value: Option<impl Into<Node<'s>>>) -> Option<Member<'s>> {
     value.map(|value| member(name, value))
 }
 
-/// The text, unless it is empty.
+/// The text, or `None` if it is empty.
 pub(super) fn filled(text: &str) -> Option<&str> {
     Some(text).filter(|text| !text.is_empty())
 }
 
-/// A list, unless it is empty.
+/// A list, or `None` if it is empty.
 pub(super) fn list<'s>(nodes: impl IntoIterator<Item = Node<'s>>) -> Option<Node<'s>> {
     let nodes: Vec<Node<'s>> = nodes.into_iter().collect();
     (!nodes.is_empty()).then_some(Node::List(nodes))
 }
 
-/// An object with the members that are present, unless there are none.
+/// An object with the present members, or `None` if no member is present.
 pub(super) fn object<'s>(members: impl IntoIterator<Item = Option<Member<'s>>>) -> Option<Node<'s>> {
     let members: Vec<Member<'s>> = members.into_iter().flatten().collect();
     (!members.is_empty()).then_some(Node::Object(members))
 }
 
-/// The `$defs` member with the annotations, unless there are none.
+/// The `$defs` member with the annotations, or `None` if there are no annotations.
 pub(super) fn annotations<'s>(members: impl IntoIterator<Item = Option<Member<'s>>>) -> Option<Member<'s>> {
     object(members).map(|found| member("$defs", Node::Object(vec![member("annotations", found)])))
 }
 
-/// The unit, unless it is the symbol for no unit.
+/// The unit, or `None` if the symbol means "no unit".
 pub(super) fn unit(unit: Option<&str>) -> Option<&str> {
     unit.filter(|unit| *unit != unit::NONE)
 }
 
-/// The prefixes of an enum, as its annotation lists them.
+/// The prefixes of an enum, in the notation of the `@enum` annotation.
 pub(super) fn prefixes(prefixes: &[String]) -> Option<String> {
     (!prefixes.is_empty()).then(|| prefixes.join(" "))
 }

@@ -6,10 +6,10 @@ use super::tree::any_of_type;
 use super::tree::{Member, Node, member};
 use crate::schema::{ErrorCode, ErrorTable, Package};
 
-/// The members of the schema of an error code.
+/// The schema members for an error code.
 ///
-/// The schema is open: it accepts unlisted codes, because vendors and later versions of a specification define more.
-/// The severity is part of the number.
+/// The schema is open: it accepts unlisted codes, because vendors and later versions of a specification define more
+/// codes. The severity is part of the number.
 pub(super) fn code_members(package: &Package) -> Vec<Member<'_>> {
     let known =
         package.error_tables.iter().flat_map(|table| table.codes.iter().map(move |code| node(table, code)));
@@ -30,10 +30,10 @@ pub(super) fn code_members(package: &Package) -> Vec<Member<'_>> {
     ]
 }
 
-/// The members of the schema of a list of error codes.
+/// The schema members for a list of error codes.
 pub(super) fn list_members<'s>(package: &Package, index: usize) -> Vec<Member<'s>> {
     let description = format!(
-        "Simultaneous error codes of package {}. The list is empty if there are no errors.",
+        "Error codes of package {} that apply at the same time. The list is empty if there are no errors.",
         package.name
     );
     vec![

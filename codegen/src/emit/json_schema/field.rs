@@ -94,9 +94,9 @@ impl<'s> FieldSchema<'s> {
         members
     }
 
-    /// True if the special values and the normal range are disjoint for all readers, so that `oneOf` is correct. Code
-    /// generators need `oneOf` to create union types. For readers that store all numbers as 64-bit floats, adjacent
-    /// large integers are equal and would match two alternatives.
+    /// True if the special values and the normal range are disjoint for all readers. Only then is `oneOf` correct,
+    /// which code generators need to create union types. For readers that store all numbers as 64-bit floats, adjacent
+    /// large integers are equal, so one value could match two alternatives.
     fn are_disjoint(self, used: &Numbers, scalar: Scalar) -> bool {
         let specials = self.field.constraints.iter().filter(|found| found.is_special());
         let values = specials.filter_map(|special| bounds::stored(special.stated.value()?, scalar).number());
@@ -162,7 +162,7 @@ impl<'s> FieldSchema<'s> {
         }
     }
 
-    /// A value of the field's type in JSON. Infinity has no JSON form.
+    /// A value of the field's type as JSON. JSON can't represent infinity.
     fn instance(self, value: &'s Value) -> Option<Node<'s>> {
         match value {
             Value::Int(value) if self.field.ty.element == Element::Scalar(Scalar::Bool) => {
@@ -178,7 +178,8 @@ impl<'s> FieldSchema<'s> {
         }
     }
 
-    /// The enum, and the message that declares its constants. Text has no enum, even though `char` is a number.
+    /// The enum of the field, and the message that declares its constants. Text fields have no enum, even though `char`
+    /// is a number.
     fn enumeration(self) -> Option<(&'s Message, &'s Enum)> {
         let reference: EnumRef = self.field.enumeration.filter(|_| !self.is_text())?;
         Some((self.schema.message(reference.message), self.schema.enumeration(reference)))

@@ -16,7 +16,7 @@ use crate::schema::{Package, Schema};
 /// A pattern for padded base64.
 pub(in crate::emit) const BASE64: &str = "^([A-Za-z0-9+/]{4})*([A-Za-z0-9+/]{2}==|[A-Za-z0-9+/]{3}=)?$";
 
-/// The members of the schema of a type.
+/// The schema members for a type.
 pub(super) fn type_members<'s>(schema: &'s Schema, found: &'s JsonType) -> Vec<Entry<'s>> {
     let writer = Writer { schema, package: found.package };
     let mut members = vec![member("title", found.name.as_str())];
@@ -49,7 +49,7 @@ pub(super) fn type_members<'s>(schema: &'s Schema, found: &'s JsonType) -> Vec<E
     members
 }
 
-/// The members of the schema of a message in one direction.
+/// The schema members for a message in one direction.
 pub(super) fn part_members<'s>(
     schema: &'s Schema,
     message: &'s JsonMessage,
@@ -132,7 +132,7 @@ impl<'s> Writer<'s> {
         self.expression(&typed.ty, &typed.limits)
     }
 
-    /// The assertions for values of an expression within `limits`.
+    /// The assertions for values of an expression, restricted by `limits`.
     fn expression(self, expression: &Expression, limits: &Limits) -> Vec<Entry<'s>> {
         match expression {
             Expression::Any => Vec::new(),
@@ -159,14 +159,14 @@ impl<'s> Writer<'s> {
         }
     }
 
-    /// The schema for elements of a list or map, unless it allows any value.
+    /// The schema for elements of a list or map, or `None` if any value is allowed.
     fn within(self, name: &'static str, inner: &Expression, limits: &Limits) -> Option<Entry<'s>> {
         let members = self.expression(inner, &limits.of_elements());
         (!members.is_empty()).then(|| member(name, Node::Object(members)))
     }
 
     fn either(self, alternatives: &[Expression], limits: &Limits) -> Vec<Entry<'s>> {
-        // `string or null` is common, and becomes one schema with two types.
+        // The common expression `string or null` becomes one schema with two types.
         if let [plain, Expression::Null] | [Expression::Null, plain] = alternatives {
             let mut members = self.expression(plain, limits);
             if let Some((name, ty @ Node::Text(_))) = members.first_mut()
@@ -278,7 +278,7 @@ fn strings<'s>(limits: &Limits) -> Vec<Entry<'s>> {
     let mut members = vec![member("type", "string")];
     members.extend(annotation("minLength", limits.least));
     members.extend(annotation("maxLength", limits.most));
-    // The only format is base64. Validators ignore `contentEncoding`, so a pattern checks it too.
+    // The only format is base64. Validators ignore `contentEncoding`, so a pattern also checks the format.
     let pattern = limits.pattern.clone();
     match (pattern, &limits.format) {
         (Some(pattern), None) => members.push(member("pattern", pattern)),

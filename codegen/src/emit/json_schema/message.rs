@@ -9,7 +9,7 @@ use super::tree::{Member, Node, member};
 use crate::schema::{Constant, Dialect, Field, Form, Kind, Message, Package, Parameter, Schema};
 use crate::value::Value;
 
-/// The members of the schema of `message`.
+/// The schema members for `message`.
 pub(super) fn members<'s>(schema: &'s Schema, message: &'s Message) -> Vec<Member<'s>> {
     let package = schema.package_of(message);
     let property = |field: &'s Field| {
@@ -30,7 +30,7 @@ pub(super) fn members<'s>(schema: &'s Schema, message: &'s Message) -> Vec<Membe
     members
 }
 
-/// The header comment, or a default. Parts of services rarely have one.
+/// The header comment, or a default text. Service parts rarely have a header comment.
 fn description(package: &Package, message: &Message) -> String {
     let text = message.docs.text();
     if !text.is_empty() {
@@ -81,7 +81,7 @@ fn parameters(constant: &Constant) -> Option<Member<'_>> {
     Some((Cow::Borrowed(constant.name.as_str()), found))
 }
 
-/// A parameter of a command. An undocumented parameter is an empty object that keeps its position.
+/// A parameter of a command. An undocumented parameter is an empty object, so later parameters keep their positions.
 fn parameter(parameter: &Parameter) -> Node<'_> {
     let head = [
         annotation("description", filled(&parameter.description)),
@@ -93,7 +93,7 @@ fn parameter(parameter: &Parameter) -> Node<'_> {
     object(head.into_iter().chain(constraints).chain([prefixes])).unwrap_or_else(|| Node::Object(Vec::new()))
 }
 
-/// A value of a parameter. There is no empty value.
+/// A parameter value. `None`, the empty value, has no JSON form.
 fn number(value: Option<&Value>) -> Option<Node<'_>> {
     value.map(bounds::number)
 }

@@ -1,7 +1,7 @@
 //! Ordered JSON with unresolved references.
 //!
-//! Each definition is printed twice: into its file, and into the bundle of its package, where references differ.
-//! References are therefore resolved by the printer.
+//! Each definition is printed twice: to its file, and to the bundle of its package. The printer resolves references,
+//! because they differ between the two.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -168,7 +168,7 @@ impl Printer<'_> {
             '\\' => self.text.push_str("\\\\"),
             '\n' => self.text.push_str("\\n"),
             '\t' => self.text.push_str("\\t"),
-            // The remaining characters to escape are at most U+FFFF, so each needs only one escape.
+            // All other escaped characters are at most U+FFFF, so one escape each suffices.
             other => {
                 let _ = write!(self.text, "\\u{:04x}", u32::from(other));
             }
@@ -176,8 +176,8 @@ impl Printer<'_> {
     }
 }
 
-/// True for characters that JSON requires to be escaped, and for controls and direction marks that would distort the
-/// display.
+/// True for characters that must be escaped in JSON, and for control characters and direction marks that would distort
+/// the display.
 fn needs_escape(character: char) -> bool {
     match character {
         '"' | '\\' => true,
@@ -189,7 +189,7 @@ fn needs_escape(character: char) -> bool {
     }
 }
 
-/// Any value of a type, as the last alternative of an open set.
+/// An alternative that accepts any value of a type. It comes last in an open set.
 pub(super) fn any_of_type<'s>(ty: impl Into<Node<'s>>) -> Node<'s> {
     Node::Object(vec![member("type", ty)])
 }

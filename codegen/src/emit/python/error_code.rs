@@ -65,7 +65,7 @@ fn properties() -> String {
 
     @property
     def severity(self) -> {SEVERITY}:
-        """Severity, which is part of the number. It is also defined for unlisted codes."""
+        """Severity. It is part of the number, so it is also defined for unlisted codes."""
         return _SEVERITIES[(int(self) & 0xFF) >> 6]
 
     @property
@@ -89,7 +89,7 @@ fn properties() -> String {
     )
 }
 
-/// A table entry: code, abbreviation, description, alternatives, related codes.
+/// Formats a table entry: code, abbreviation, description, alternatives and related codes.
 fn entry(code: &KnownCode) -> String {
     let abbreviation = code.abbreviation.as_deref().map_or_else(|| "None".to_owned(), quoted);
     format!(

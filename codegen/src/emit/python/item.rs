@@ -19,7 +19,7 @@ pub(super) fn declaration(declaration: &Declaration, uses: &mut Uses) -> String 
             format!("{name}: TypeAlias = {aliased}\n{}", text::docstring(documentation, ""))
         }
         Kind::Enumeration { is_flags, members } => {
-            // In Python, a negative flag is the complement of a set of flags.
+            // In Python, a negative `IntFlag` value is the complement of a set of flags.
             let is_negative =
                 members.iter().any(|member| matches!(member.value, Value::Int(value) if value < 0));
             let base = if *is_flags && !is_negative {

@@ -1,4 +1,4 @@
-//! Labels: the `labels` package lists the languages and returns the labels of a given language. Each language is a
+//! Labels: the `labels` package lists the languages and returns the labels of a given language. Each language has a
 //! module that contains its text and is imported on demand.
 
 use super::text::header;
@@ -8,7 +8,7 @@ use crate::translation::SOURCE_LANGUAGE;
 
 const FROM: &str = "the definitions and their translations";
 
-/// Creates all modules of labels.
+/// Creates all label modules.
 pub(super) fn files(labels: &Labels<'_>) -> Vec<OutputFile> {
     let file = |name: &str, body: String| OutputFile {
         path: format!("labels/{name}.py"),
@@ -22,7 +22,7 @@ pub(super) fn files(labels: &Labels<'_>) -> Vec<OutputFile> {
     files
 }
 
-/// Name of the module of a language. The `_` avoids Python keywords: `is` is Icelandic.
+/// Module name for a language. The `_` avoids Python keywords, such as `is` for Icelandic.
 fn module(tag: &str) -> String {
     format!("_{}", tag.to_ascii_lowercase().replace('-', "_"))
 }
@@ -113,7 +113,7 @@ class Labels:
         return self.text(f"{{package}}/error-code/{{int(code)}}") or str(int(code))
 
     def text(self, key: str) -> Optional[str]:
-        """Returns the text with a key of the translation catalogues, such as `px4/Wind.speed/frame`, or None."""
+        """Returns the text for a catalogue key, such as `px4/Wind.speed/frame`, or None if there is none."""
         found = self._texts.get(key)
         return self._fallback.text(key) if found is None and self._fallback is not None else found
 
@@ -123,7 +123,7 @@ class Labels:
 
 languages: Final[tuple[Language, ...]] = (
 {languages})
-"""All languages: English, the language of the definitions, followed by the others sorted by tag."""
+"""All languages: first English, the language of the definitions, then the others sorted by tag."""
 
 
 def language(*tags: str) -> Labels:
@@ -135,7 +135,7 @@ def language(*tags: str) -> Labels:
 
 
 def _nearest(tags: tuple[str, ...]) -> str:
-    """Finds the first of `tags` that is available. A tag also matches without its last parts."""
+    """Finds the first available language in `tags`. If `pt-BR` is not available, `pt` matches."""
     known = {{language.tag.lower(): language.tag for language in languages}}
     for tag in tags:
         parts = tag.partition(".")[0].partition("@")[0].lower().replace("_", "-").split("-")
@@ -159,8 +159,8 @@ def _members(message: str, field: str) -> dict[int, str]:
     )
 }
 
-/// The body of the function that imports a language. Module names are literals, so tools that bundle programs find
-/// them.
+/// The body of the function that imports a language. Module names are literals, so that packaging tools find the
+/// modules.
 fn load(labels: &Labels<'_>) -> String {
     let import = |index: usize, language: &LabelLanguage<'_>, indent: &str| {
         let module = module(language.tag);
@@ -189,7 +189,7 @@ fn texts(language: &LabelLanguage<'_>) -> String {
     format!("from typing import Final\n\nTEXTS: Final[dict[str, str]] = {{\n{entries}}}\n")
 }
 
-/// The modules' data about enums: values with the keys of their text, and the enum of each field.
+/// Enum data shared by the modules: the values with their text keys, and the enum of each field.
 fn enumerations(labels: &Labels<'_>) -> String {
     let mut text =
         String::from("from typing import Final\n\nENUMERATIONS: Final[list[dict[int, str]]] = [\n");
@@ -199,9 +199,9 @@ fn enumerations(labels: &Labels<'_>) -> String {
         text.extend(members);
         text.push_str("    },\n");
     }
-    text.push_str("]\n\"\"\"The values of each enum, with the keys of their texts.\"\"\"\n\n");
+    text.push_str("]\n\"\"\"For each enum, the values with their text keys.\"\"\"\n\n");
     text.push_str("FIELDS: Final[dict[str, int]] = {\n");
     text.extend(labels.fields.iter().map(|(field, index)| format!("    {}: {index},\n", quoted(field))));
-    text.push_str("}\n\"\"\"By the key of a field, the index of its enum.\"\"\"\n");
+    text.push_str("}\n\"\"\"Indexes into `ENUMERATIONS`, by field key.\"\"\"\n");
     text
 }

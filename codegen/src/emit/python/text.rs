@@ -1,4 +1,4 @@
-//! Docstrings and comments, with all text of definitions escaped.
+//! Docstrings and comments. All definition text is escaped.
 
 use crate::emit::file::notice;
 use crate::prose;
@@ -44,7 +44,7 @@ pub(super) fn comment(text: &str, indent: &str) -> String {
     text.lines().map(|line| format!("{indent}# {}", visible(line)).trim_end().to_owned() + "\n").collect()
 }
 
-/// A text for a one-line comment.
+/// Escapes text for a one-line comment.
 pub(super) fn line(text: &str) -> String {
     visible(text)
 }
@@ -53,7 +53,7 @@ fn visible(line: &str) -> String {
     line.chars().map(prose::visible).collect()
 }
 
-/// The first line of a file.
+/// The first line of a generated file.
 pub(super) fn header(from: &str) -> String {
     format!("# {}\n", notice(from))
 }

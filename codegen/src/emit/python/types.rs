@@ -30,7 +30,7 @@ pub(super) fn ty(found: &Type, uses: &mut Uses) -> String {
         }
         Type::List(element) => format!("list[{}]", ty(element, uses)),
         Type::Map(value) => format!("dict[str, {}]", ty(value, uses)),
-        // `json.loads` returns a list, whose type can't distinguish positions.
+        // `json.loads` returns a list. The type of a list can't distinguish positions.
         Type::Tuple(elements) => {
             let elements = elements.iter().map(|(_, _, element)| element.clone()).collect();
             format!("list[{}]", ty(&Type::Either(elements), uses))
@@ -74,7 +74,7 @@ fn union(mut alternatives: Vec<String>, uses: &mut Uses) -> String {
         return alternatives.remove(0);
     }
     if alternatives.is_empty() {
-        // The element type of an empty tuple.
+        // An empty tuple has no element type.
         uses.typing.insert("Any");
         return "Any".to_owned();
     }

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 pub(super) struct Uses {
     /// Names from `typing`.
     pub(super) typing: BTreeSet<&'static str>,
-    /// Names from `typing` that older Python versions lack.
+    /// Names that `typing` lacks in older Python versions.
     pub(super) recent: BTreeSet<&'static str>,
     pub(super) is_flags_used: bool,
     pub(super) is_open_enum_used: bool,

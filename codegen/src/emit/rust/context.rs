@@ -7,7 +7,7 @@ use super::identifier::ident;
 use crate::emit::origin::Origins;
 use crate::schema::{MessageId, Schema};
 
-/// The location of a message's type: the module path from the root, and the name of the type.
+/// The location of a message type: the module path from the root, and the name of the type.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     pub(super) modules: Vec<String>,
@@ -16,7 +16,7 @@ pub(super) struct Place {
     pub(super) view_name: String,
 }
 
-/// The shared context of the emitter.
+/// The context that all parts of the emitter share.
 pub(super) struct Context<'s> {
     pub(super) schema: &'s Schema,
     pub(super) origins: Origins<'s>,
@@ -28,7 +28,7 @@ pub(super) struct Context<'s> {
 
 impl Context<'_> {
     pub(super) fn place(&self, id: MessageId) -> &Place {
-        // All listed messages, and all messages that they refer to, have a location.
+        // Every listed message, and every message that it refers to, has a location.
         self.places[id.0 as usize].as_ref().unwrap_or(&UNPLACED)
     }
 

@@ -23,8 +23,8 @@ pub(super) fn tokens(owner: &Message, found: &Enum, name: &Ident) -> TokenStream
         .collect();
     let what = if found.is_flags { "Flags" } else { "Values" };
     let owner_text = match users.as_slice() {
-        [] => format!("`{}_*` of `{}`", found.prefixes.join("_*`, `"), owner.name),
-        users => format!("`{}` of `{}`", users.join("`, `"), owner.name),
+        [] => format!("`{}_*` in `{}`", found.prefixes.join("_*`, `"), owner.name),
+        users => format!("`{}` in `{}`", users.join("`, `"), owner.name),
     };
     let rest = if found.is_flags {
         "Any combination is valid, and unnamed bits are preserved."

@@ -1,4 +1,4 @@
-//! Error codes of a package: one open newtype for all tables.
+//! The error codes of a package: one open newtype for all tables.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
@@ -85,7 +85,7 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
                 ::uavspec_runtime::Severity::of(self.0)
             }
 
-            /// The class of the code, which is its range of numbers.
+            /// The class of the code. Each class is a range of numbers.
             pub const fn class(self) -> ::uavspec_runtime::ErrorClass {
                 ::uavspec_runtime::ErrorClass::of(self.0)
             }

@@ -1,4 +1,4 @@
-//! The text of a generated file: its header and its formatted tokens.
+//! The text of a generated file: a header and formatted tokens.
 
 use std::fmt::Write as _;
 
@@ -168,8 +168,9 @@ fn space_out(item: &str, text: &mut String) {
     }
 }
 
-/// Represents a line break in documentation until the file is written. One attribute per comment is faster to parse and
-/// format than one per line. Texts can't contain this character, because `prose` replaces control characters.
+/// Represents a line break in documentation until the file is written. Each comment is one attribute, which is faster
+/// to parse and format than one attribute per line. Texts can't contain this character, because `prose` replaces
+/// control characters.
 const LINE_BREAK: char = '\u{1}';
 
 /// A documentation comment. The text is Markdown.

@@ -1,6 +1,6 @@
 //! `use` declarations. Emitters write full paths; this module shortens them and adds the imports.
 //!
-//! A name that the file declares is not imported, so messages may be named `Option` or `String`.
+//! Names that the file declares are not imported, so a message may have a name such as `Option` or `String`.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -48,7 +48,7 @@ pub(super) fn shorten(file: TokenStream) -> TokenStream {
 struct Imports {
     /// Names that the file declares.
     declared: BTreeSet<String>,
-    /// By short name, the module from which it is imported, or `None` for a prelude name.
+    /// For each short name, the module from which it is imported. `None` for a prelude name.
     used: BTreeMap<String, Option<Vec<String>>>,
 }
 
@@ -61,8 +61,7 @@ impl Imports {
             let path = if starts_path(tokens, at) { segments(&tokens[at..]) } else { Vec::new() };
             let is_macro = is_punct(tokens.get(at + 3 * path.len()), '!');
             if let Some(remaining) = self.import(&path, is_macro) {
-                // A segment consists of two colons and a name. The colons before the first remaining segment are
-                // dropped.
+                // A segment consists of two colons and a name. The first remaining segment loses its colons.
                 let end = at + 3 * path.len();
                 short.extend_from_slice(&tokens[end - 3 * remaining + 2..end]);
                 at = end;
@@ -123,7 +122,7 @@ impl Imports {
     }
 }
 
-/// The index of the imported segment, and the number of segments from there on.
+/// The index of the imported segment, and the number of segments from that index on.
 fn imported(path: &[String], is_macro: bool) -> Option<(usize, usize)> {
     let last = path.len().checked_sub(1)?;
     let name = match path.iter().position(|segment| is_type(segment)) {
@@ -158,7 +157,7 @@ fn declared(tokens: &[TokenTree]) -> BTreeSet<String> {
                 let end = rest.iter().position(|token| is_punct(Some(token), ';')).unwrap_or(rest.len());
                 collect_names(rest[..end].iter().cloned().collect(), &mut names);
             }
-            // A macro call declares the types named before its first semicolon.
+            // A macro call declares the types that are listed before its first semicolon.
             (_, [TokenTree::Punct(mark), TokenTree::Group(call), ..]) if mark.as_char() == '!' => {
                 let head = call.stream().into_iter().take_while(|token| !is_punct(Some(token), ';'));
                 let mut found = BTreeSet::new();
@@ -185,7 +184,7 @@ fn collect_names(tokens: TokenStream, names: &mut BTreeSet<String>) {
 fn starts_path(tokens: &[TokenTree], at: usize) -> bool {
     let is_continued = match at.checked_sub(1).map(|before| &tokens[before]) {
         Some(TokenTree::Ident(word)) => !BEFORE_PATH.contains(&word.to_string().as_str()),
-        // The end of `<T>`, as opposed to that of `->`.
+        // The `>` of `<T>`, not of `->`.
         Some(TokenTree::Punct(mark)) if mark.as_char() == '>' => {
             !at.checked_sub(2).is_some_and(|arrow| is_punct(tokens.get(arrow), '-'))
         }

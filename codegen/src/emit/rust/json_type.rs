@@ -1,8 +1,8 @@
 //! The `json` module of a package: types and messages defined on pages.
 //!
-//! `json/types.rs` contains the types, `json/<message>.rs` the bodies of a message for each direction, and `json.rs` an
-//! enum of all messages for each direction. The package module includes these files with one macro call. The macro
-//! expands to nothing if the runtime's `json` feature is disabled.
+//! `json/types.rs` contains the types. `json/<message>.rs` contains the body of a message for each direction. `json.rs`
+//! contains an enum of all messages for each direction. The package module includes these files with one macro call. If
+//! the runtime's `json` feature is disabled, the macro expands to nothing.
 
 mod default;
 mod message;
@@ -48,8 +48,9 @@ pub(super) fn files(context: &Context<'_>, package: &Package, module: &str) -> V
     let (root, mut messages) = message::files(context, package, &names, module);
     let doc = inner_documentation(&format!(
         "JSON types and messages of package `{}`.\n\n\
-         Optional fields and nullable values are `Option`s. Other fields of an object are ignored unless the \
-         object is closed. Reading doesn't check ranges; types with a range have a method for this.",
+         Optional fields and nullable values are `Option`s. Undefined fields of an object are ignored unless \
+         the object is closed. Reading doesn't check ranges. Types with a range have a method that checks \
+         it.",
         package.name
     ));
     let types = (!package.json_types.is_empty()).then(|| {
@@ -57,8 +58,8 @@ pub(super) fn files(context: &Context<'_>, package: &Package, module: &str) -> V
         let types = ident(TYPES);
         quote!(#doc pub mod #types; pub use self::#types::{#(#re_exported),*};)
     });
-    // An absent value differs from null, so `Option<Option<T>>` is needed. Few messages exist at a time, so boxing
-    // large variants would only complicate their use.
+    // An absent value differs from null, so `Option<Option<T>>` is needed. Few messages exist at the same time, so
+    // boxing large variants would only make them harder to use.
     let allowed = quote!(#![allow(clippy::large_enum_variant)] #![allow(clippy::option_option)]);
     let text = header_of_package(package) + &layout_file(quote!(#doc #allowed #types #root));
     files.push(OutputFile { path: format!("{module}/{MODULE}.rs"), text });

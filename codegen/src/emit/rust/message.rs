@@ -233,7 +233,7 @@ impl Parts<'_> {
         quote!(&number() #(#demands)* #special #count #known #nan)
     }
 
-    /// The defmt format. The text is one literal, which stays on the host.
+    /// The defmt format. The text is one literal, so only the host stores it.
     fn format(&self) -> TokenStream {
         let Self { context, id, message, name, fields } = self;
         let dialect = types::dialect(context, *id);
@@ -356,7 +356,7 @@ impl Parts<'_> {
 /// A string literal of words, wrapped with escaped line breaks.
 fn wrapped(words: &[String]) -> proc_macro2::Literal {
     let mut literal = String::from("\"");
-    // The type name precedes the literal, whose first word is the message name.
+    // The type name comes before the literal, and the literal starts with the message name.
     let mut width = words.first().map_or(0, |name| 2 * name.len());
     for (index, word) in words.iter().enumerate() {
         if index > 0 {
@@ -374,7 +374,8 @@ fn wrapped(words: &[String]) -> proc_macro2::Literal {
     literal.parse().unwrap_or_else(|_| plain())
 }
 
-/// The defmt placeholder of a field. It includes the type if defmt supports it, so that the type isn't transmitted.
+/// The defmt placeholder of a field. If defmt supports the type, the placeholder names it, so the type isn't
+/// transmitted.
 fn placeholder(field: &Field, dialect: Dialect) -> String {
     let primitive = match field.ty.element {
         Element::Scalar(scalar) if field.enumeration.is_none() => types::primitive(scalar).to_string(),
@@ -391,7 +392,7 @@ fn placeholder(field: &Field, dialect: Dialect) -> String {
     }
 }
 
-/// A number of a constraint.
+/// A number in a constraint.
 fn number(value: Number) -> TokenStream {
     match value {
         Number::Int(value) => {

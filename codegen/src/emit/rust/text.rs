@@ -1,4 +1,4 @@
-//! Documentation texts that several kinds of types share.
+//! Documentation text that several kinds of types share.
 
 use std::fmt::Write as _;
 

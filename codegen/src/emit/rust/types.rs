@@ -25,7 +25,7 @@ pub(super) fn primitive(scalar: Scalar) -> TokenStream {
     }
 }
 
-/// The dialect of the package of a message.
+/// The dialect of the package that defines a message.
 pub(super) fn dialect(context: &Context<'_>, id: MessageId) -> Dialect {
     match context.schema.package_of(context.schema.message(id)).form {
         Form::Msg(dialect) => dialect,
@@ -52,7 +52,7 @@ pub(super) fn field(context: &Context<'_>, id: MessageId, field: &Field) -> Toke
     }
 }
 
-/// The type of a field in the view of a fixed-size message. It may use the lifetime `'b` of the bytes.
+/// The type of a field in the view of a fixed-size message. The type may use `'b`, the lifetime of the bytes.
 pub(super) fn view(context: &Context<'_>, id: MessageId, viewed: &Field) -> TokenStream {
     let element = match viewed.ty.element {
         Element::Message(nested) => {

@@ -1,4 +1,4 @@
-//! Comments, with all text of definitions escaped.
+//! Comments. All definition text is escaped.
 
 use crate::emit::file::notice;
 use crate::prose;
@@ -20,12 +20,12 @@ pub(super) fn block(text: &str, indent: &str) -> String {
     format!("{indent}/**\n{}{indent} */\n", lines.collect::<String>())
 }
 
-/// A text for a one-line comment.
+/// Escapes text for a one-line comment.
 pub(super) fn line(text: &str) -> String {
     text.chars().map(prose::visible).collect()
 }
 
-/// The first line of a file.
+/// The first line of a generated file.
 pub(super) fn header(from: &str) -> String {
     format!("// {}\n\n", notice(from))
 }

@@ -119,7 +119,7 @@ function severityOf(code{number}){severity} {{
     )
 }
 
-/// A table entry: code, abbreviation, description, alternatives, related codes.
+/// Formats a table entry: code, abbreviation, description, alternatives and related codes.
 fn entry(code: &KnownCode) -> String {
     let abbreviation = code.abbreviation.as_deref().map_or_else(|| "null".to_owned(), quoted);
     let list = |codes: &[u32]| codes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");

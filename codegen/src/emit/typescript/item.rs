@@ -1,4 +1,4 @@
-//! Declarations in the languages of a package.
+//! Declarations in each [`Language`] of generated files.
 
 use super::comment;
 use super::language::Language;
@@ -82,7 +82,7 @@ fn messages(name: &str, entries: &[(String, Type)]) -> String {
     format!("export interface {name} {{\n{entries}}}\n")
 }
 
-/// The union of the members that are exact as `number`.
+/// The union of the members that a `number` represents exactly.
 fn literals(name: &str, members: &[Named]) -> String {
     if members.iter().all(has_literal) {
         return format!("(typeof {name})[keyof typeof {name}] | ");

@@ -1,5 +1,6 @@
-//! Labels: the `labels` module lists the languages and loads a given language. Each language is a module that contains
-//! its text. Shared code is in modules whose names start with `_`, which are internal and need no type declarations.
+//! Labels: the `labels` module lists the languages and loads a given language. Each language has a module that contains
+//! its text. Shared code is in modules whose names start with `_`. These modules are internal, so they need no type
+//! declarations.
 
 use super::comment;
 use super::comment::header;
@@ -36,13 +37,13 @@ export interface Labels extends Language {
   flags(message: string, field: string, value: number | bigint): string[];
   /** Returns the description of an error code of a package, such as `flockwave`. */
   errorCode(packageName: string, code: number): string;
-  /** Returns the text with a key of the translation catalogues, such as `px4/Wind.speed/frame`, or null. */
+  /** Returns the text for a catalogue key, such as `px4/Wind.speed/frame`, or null if there is none. */
   text(key: string): string | null;
 }
 ";
 
 const LANGUAGES_TEXT: &str =
-    "/** All languages: English, the language of the definitions, followed by the others sorted by tag. */\n";
+    "/** All languages: first English, the language of the definitions, then the others sorted by tag. */\n";
 
 const LANGUAGE_TEXT: &str = "/**
  * Loads the labels of the first of these languages that is available, or the English labels.
@@ -51,7 +52,7 @@ const LANGUAGE_TEXT: &str = "/**
  */
 ";
 
-/// Creates the modules of labels in `language`.
+/// Creates the label modules in `language`.
 pub(super) fn files(labels: &Labels<'_>, language: Language) -> Vec<OutputFile> {
     let file = |name: &str, body: String| {
         let strict = if language == Language::CommonJs { "\"use strict\";\n\n" } else { "" };
@@ -103,7 +104,7 @@ fn entry(labels: &Labels<'_>, language: Language) -> String {
 /// The function that finds a language by its tag.
 fn nearest(language: Language) -> String {
     format!(
-        "/** Finds the first of `tags` that is available. A tag also matches without its last parts. */
+        "/** Finds the first available language in `tags`. If `pt-BR` is not available, `pt` matches. */
 function nearest(tags{strings}){string} {{
   for (const tag of tags) {{
     const parts = tag.replace(/[.@].*$/, \"\").toLowerCase().split(/[-_]/);
@@ -145,7 +146,7 @@ fn load(labels: &Labels<'_>, head: &str, language: Language) -> String {
     )
 }
 
-/// The module of a language with its texts.
+/// The module that contains the texts of a language.
 fn language_module(found: &LabelLanguage<'_>, language: Language) -> String {
     let documentation = comment::block(&format!("Labels in {}.", found.name), "");
     let types = format!("import type {{ Labels }} from \"../labels.{}\";\n", language.imported_extension());
@@ -177,13 +178,13 @@ const texts{record} = {{
     )
 }
 
-/// The modules' data about enums: values with the keys of their text, and the enum of each field.
+/// Enum data shared by the modules: the values with their text keys, and the enum of each field.
 fn enumerations(labels: &Labels<'_>, language: Language) -> String {
     let export = |name: &str, ty: &str| match language {
         Language::CommonJs => format!("exports.{name} = "),
         _ => format!("export const {name}{} = ", typed(&format!(": {ty}"), language)),
     };
-    let mut text = String::from("/** The values of each enum, with the keys of their texts. */\n");
+    let mut text = String::from("/** For each enum, the values with their text keys. */\n");
     text += &export("enumerations", "readonly (readonly (readonly [value: string, key: string])[])[]");
     text.push_str("[\n");
     for members in &labels.enumerations {
@@ -192,7 +193,7 @@ fn enumerations(labels: &Labels<'_>, language: Language) -> String {
         text.extend(members);
         text.push_str("  ],\n");
     }
-    text.push_str("];\n\n/** By the key of a field, the index of its enum. */\n");
+    text.push_str("];\n\n/** Indexes into `enumerations`, by field key. */\n");
     text += &export("fields", "Readonly<Record<string, number>>");
     text.push_str("{\n");
     text.extend(labels.fields.iter().map(|(field, index)| format!("  {}: {index},\n", key(field))));
@@ -200,7 +201,7 @@ fn enumerations(labels: &Labels<'_>, language: Language) -> String {
     text
 }
 
-/// The function that creates the labels of a language from its texts.
+/// The function that creates labels from the texts of a language.
 fn lookup(language: Language) -> String {
     let types = if language == Language::TypeScript {
         "import type { Labels, Language } from \"../labels.js\";\n"
@@ -229,7 +230,7 @@ const enumerationOf = /* @__PURE__ */ new Map(/* @__PURE__ */ Object.entries(fie
     flags: (message, field, value) => {{
       const none = BigInt(0);
       const found{strings} = [];
-      // A fractional number has no bits.
+      // A number with a fractional part has no bits.
       let rest = typeof value === \"number\" && !Number.isInteger(value) ? none : BigInt(value);
       const all = rest;
       for (const [known, key] of members(message, field)) {{
@@ -263,7 +264,7 @@ const enumerationOf = /* @__PURE__ */ new Map(/* @__PURE__ */ Object.entries(fie
     )
 }
 
-/// The members of an object with a language's tag, name and direction.
+/// Object members for the tag, name and text direction of a language.
 fn description(language: &LabelLanguage<'_>) -> String {
     format!(
         "tag: \"{}\", name: {}, isRightToLeft: {}",
@@ -273,7 +274,7 @@ fn description(language: &LabelLanguage<'_>) -> String {
     )
 }
 
-/// A type, in files that contain types.
+/// A type annotation, or an empty string in files without types.
 fn typed(ty: &str, language: Language) -> &str {
     if language == Language::TypeScript { ty } else { "" }
 }

@@ -27,7 +27,7 @@ impl Language {
         }
     }
 
-    /// The extension that imports in other modules use.
+    /// The file extension used to import this file from other modules.
     pub(super) fn imported_extension(self) -> &'static str {
         match self {
             Self::TypeScript | Self::JavaScript => "js",

@@ -3,7 +3,7 @@
 use crate::emit::binding::{Type, float, identifier, quoted};
 use crate::value::Value;
 
-/// The largest integer that a `number` represents without loss of smaller ones.
+/// The largest integer up to which a `number` represents all integers exactly.
 const GREATEST_EXACT: i128 = (1 << 53) - 1;
 
 /// Formats a type.
@@ -37,7 +37,8 @@ pub(super) fn ty(found: &Type) -> String {
     }
 }
 
-/// All values of a primitive type. Next to literals, `& {}` prevents the union from collapsing.
+/// All values of a primitive type. If there are literals, `& {}` keeps them from being absorbed into the primitive
+/// type.
 pub(super) fn any_other(primitive: &str, has_no_literals: bool) -> String {
     if has_no_literals { primitive.to_owned() } else { format!("({primitive} & {{}})") }
 }
@@ -46,7 +47,7 @@ fn union(alternatives: &[String]) -> String {
     if alternatives.is_empty() { "never".to_owned() } else { alternatives.join(" | ") }
 }
 
-/// Formats a set of integers. Values that are not exact as `number` have no literal type.
+/// Formats a set of integers. Values that a `number` can't represent exactly have no literal type.
 fn integers(values: &[i64], is_open: bool) -> String {
     let exact: Vec<String> =
         values.iter().filter(|value| is_exact((**value).into())).map(ToString::to_string).collect();
@@ -105,7 +106,7 @@ pub(super) fn type_of_value(found: &Value) -> String {
     }
 }
 
-/// True if the integer is exact as `number`.
+/// True if a `number` represents the integer exactly.
 pub(super) fn is_exact(value: i128) -> bool {
     value.abs() <= GREATEST_EXACT
 }

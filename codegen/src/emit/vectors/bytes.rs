@@ -1,4 +1,4 @@
-//! Binary forms of messages: encoded from JSON, and modified to bytes that encoders never produce.
+//! Binary forms of messages: encoded from JSON, or modified so that no encoder produces them.
 
 use uavspec_runtime::cdr::ByteOrder;
 
@@ -25,7 +25,7 @@ impl<'t> Codec<'t> {
         Self { message, is_uorb }
     }
 
-    /// Encodes the JSON message `json`. The result is empty if it is invalid.
+    /// Encodes the JSON message `json`. The result is empty if the message is invalid.
     pub(super) fn encode(&self, json: &str) -> Bytes {
         let Ok(message) = self.message.from_json_text(json) else { return Bytes::default() };
         Bytes {

@@ -1,4 +1,4 @@
-//! Cases and the rules that they violate.
+//! Test cases and the rules that they violate.
 
 use uavspec_runtime::{Constraint, Number, Rule};
 
@@ -10,13 +10,13 @@ pub(super) mod rule {
     pub(in super::super) const TYPE: &str = "PX-JSON-02";
     /// An array has the declared length.
     pub(in super::super) const LENGTH: &str = "PX-ARR-01";
-    /// A byte of a `bool` is 0 or 1.
+    /// The byte of a `bool` is 0 or 1.
     pub(in super::super) const BOOL: &str = "PX-BOOL-01";
     /// A uORB payload has the full size, or the size without trailing padding.
     pub(in super::super) const SIZE: &str = "PX-DATA-01";
     /// The encapsulation of a CDR payload is known.
     pub(in super::super) const ENCAPSULATION: &str = "PX-CDR-01";
-    /// A CDR payload has the right length for its type.
+    /// The length of a CDR payload matches its type.
     pub(in super::super) const PAYLOAD: &str = "PX-CDR-02";
 }
 
@@ -27,9 +27,9 @@ pub(super) struct Verdict {
     pub(super) rule: Option<&'static str>,
     /// True if the published schema accepts the value.
     pub(super) passes_schema: bool,
-    /// True if a message can contain the value, so that it can be encoded.
+    /// True if the value can be encoded in a message.
     pub(super) is_encodable: bool,
-    /// True if readers that store all numbers as 64-bit floats arrive at the same verdict.
+    /// True if readers that store all numbers as 64-bit floats reach the same verdict.
     pub(super) suits_doubles: bool,
 }
 
@@ -48,7 +48,7 @@ impl Verdict {
         Self { passes_schema: true, ..Self::malformed(rule) }
     }
 
-    /// The verdict of `constraint` for a number of the right type.
+    /// The verdict of `constraint` on a number of the right type.
     pub(super) fn of(constraint: &Constraint<'_>, number: Number) -> Self {
         match constraint.violated_by(number) {
             None => Self::VALID,
@@ -74,13 +74,13 @@ impl Verdict {
 /// A valid or invalid field value.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
-    /// The end of the id, unique within the field.
+    /// Suffix of the case id, unique within the field.
     pub(super) name: String,
     /// Description.
     pub(super) words: String,
     pub(super) json: String,
     pub(super) verdict: Verdict,
-    /// A change to the bytes. `json` is then used only to locate it.
+    /// A change to the bytes. If there is a change, `json` is used only to locate it.
     pub(super) patch: Option<Patch>,
 }
 
@@ -97,11 +97,11 @@ pub(super) struct Patch {
 pub(super) enum Change {
     /// Replaces one byte.
     Byte(u8),
-    /// Increases the length at this position in CDR by [`GROWTH`], and inserts as many elements.
+    /// Increases the sequence length in CDR by [`GROWTH`], and inserts that many elements.
     Growth {
         /// Size of an element in bytes.
         size: usize,
-        /// The first byte of each element. The others are zero, so an element is a small little-endian number.
+        /// The first byte of each element. The other bytes are zero, so an element is a small little-endian number.
         filler: u8,
     },
 }
@@ -125,7 +125,7 @@ impl Sample {
         Self::new(name, words, json, Verdict::malformed(rule::TYPE))
     }
 
-    /// Adds a change to the first byte that differs from the bytes of `reference`.
+    /// Adds a change at the first byte where the encoding differs from that of `reference`.
     pub(super) fn patched(self, reference: impl Into<String>, change: Change) -> Self {
         Self { patch: Some(Patch { reference: reference.into(), change }), ..self }
     }
@@ -141,16 +141,16 @@ impl Sample {
     }
 }
 
-/// A case as it is printed.
+/// A test case, ready to print.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Case {
     pub(super) id: String,
     pub(super) description: String,
     /// The violated rule, or `None` for a valid case.
     pub(super) rule: Option<&'static str>,
-    /// The message as JSON, if the bytes encode from and decode to it.
+    /// The message as JSON, if it encodes to the bytes and the bytes decode to it.
     pub(super) json: Option<String>,
-    /// The decoded value as JSON, if encoders produce different bytes for it.
+    /// The decoded value as JSON, if encoding it produces different bytes.
     pub(super) decoded: Option<String>,
     pub(super) uorb: Option<Vec<u8>>,
     pub(super) cdr: Option<Vec<u8>>,

@@ -1,7 +1,7 @@
 //! Cases of error codes and lists of error codes.
 //!
 //! Every 32-bit integer is a valid code, because later versions of a specification may define it. A valid case may
-//! therefore contain an unlisted code. Its class and severity are defined.
+//! therefore contain an unlisted code. The class and severity of an unlisted code are also defined.
 
 use std::collections::BTreeMap;
 
@@ -28,7 +28,7 @@ pub(super) fn codes(package: &Package) -> Vec<Case> {
     let mut known: BTreeMap<u32, String> = BTreeMap::new();
     for class in ErrorClass::ALL {
         for code in [class.codes().start(), class.codes().end()] {
-            known.insert(*code, format!("a bound of class \"{}\", unlisted", class.name()));
+            known.insert(*code, format!("an unlisted code at a bound of class \"{}\"", class.name()));
         }
     }
     for code in package.error_tables.iter().flat_map(|table| &table.codes) {
@@ -50,12 +50,12 @@ pub(super) fn lists(package: &Package) -> Vec<Case> {
         .filter(|code| code.alternatives.iter().all(|other| *other > code.code))
         .map(|code| code.code.to_string());
     let mut cases = vec![
-        case("empty", "nothing to report", "[]".to_owned(), None),
+        case("empty", "no errors", "[]".to_owned(), None),
         case("one", "one code", format!("[{one}]"), None),
-        case("many", "all listed codes except alternatives of others", listed(together.collect()), None),
+        case("many", "all listed codes, one per set of alternatives", listed(together.collect()), None),
         Case {
             schema_verdict: Some(true),
-            ..case("zero", "a list that contains the code for no error", "[0]".to_owned(), Some(rule::ZERO))
+            ..case("zero", "a list that contains 0, which means no error", "[0]".to_owned(), Some(rule::ZERO))
         },
         case("null", "null instead of a list", "null".to_owned(), Some(rule::LIST)),
         case("single", "a code instead of a list", one.clone(), Some(rule::LIST)),
@@ -65,7 +65,7 @@ pub(super) fn lists(package: &Package) -> Vec<Case> {
         for other in code.alternatives.iter().filter(|other| **other > code.code) {
             let id = format!("alternatives-{}-{other}", code.code);
             let json = format!("[{},{other}]", code.code);
-            let invalid = case(id, "two codes that are alternatives", json, Some(rule::ALTERNATIVES));
+            let invalid = case(id, "a code together with its alternative", json, Some(rule::ALTERNATIVES));
             cases.push(Case { schema_verdict: Some(true), ..invalid });
         }
     }
@@ -84,7 +84,7 @@ fn malformed(code: &str) -> impl Iterator<Item = Case> {
     let text = quote(code);
     [
         ("below", "a negative number", "-1".to_owned()),
-        ("above", "a number of more than 32 bits", above),
+        ("above", "a number that exceeds 32 bits", above),
         ("fraction", "a fraction", "0.5".to_owned()),
         ("string", "a string of digits", text),
         ("boolean", "a boolean", "true".to_owned()),

@@ -18,7 +18,7 @@ const LONGEST_FILLED: usize = 1 << 16;
 /// A character with four UTF-8 bytes and two UTF-16 code units.
 const WIDE: &str = "🚁";
 
-/// Samples of a field of a message.
+/// Samples of a message field.
 #[derive(Clone, Copy)]
 pub(super) struct FieldSamples<'s> {
     pub(super) schema: &'s Schema,
@@ -28,7 +28,7 @@ pub(super) struct FieldSamples<'s> {
 }
 
 impl<'s> FieldSamples<'s> {
-    /// The JSON of the valid value nearest to zero, or `None` if there is no valid value.
+    /// The valid value nearest to zero, as JSON. `None` if there is no valid value.
     pub(super) fn zero(self) -> Option<String> {
         if self.is_text() {
             return Some("\"\"".to_owned());
@@ -40,7 +40,7 @@ impl<'s> FieldSamples<'s> {
         }
     }
 
-    /// The JSON of a value whose adjacent bytes all differ.
+    /// A typical valid value as JSON. Adjacent bytes differ where possible.
     pub(super) fn typical(self, typical: &mut Typical) -> Option<String> {
         let length = match self.field.ty.shape {
             Shape::Array(length) if self.is_text() => return Some(typical.text(length)),
@@ -157,13 +157,13 @@ impl<'s> FieldSamples<'s> {
     fn no_list(self, element: String) -> impl Iterator<Item = Sample> {
         let is_bytes = matches!(self.field.ty.element, Element::Scalar(scalar) if scalar.size() == 1);
         let base64 = Sample::mistyped("base64", "bytes in base64", "\"AAAA\"");
-        // Invalid elements may be null too, so these names differ.
+        // A sample of an invalid element may also be named `null`, so these names start with `array-`.
         let single = Sample::mistyped("array-single", "an element instead of an array", element);
         [single, Sample::mistyped("array-null", "null", "null")].into_iter().chain(is_bytes.then_some(base64))
     }
 
-    /// The number of bytes that an element adds to CDR. For a message, this is the minimum; for a string, the size of
-    /// its length prefix.
+    /// The number of bytes that an element adds to CDR. For a message, this is the minimum. For a string, it is the
+    /// size of the length prefix.
     fn cdr_size(self) -> usize {
         match self.field.ty.element {
             Element::Scalar(scalar) => scalar.size(),
@@ -177,7 +177,7 @@ impl<'s> FieldSamples<'s> {
     }
 }
 
-/// The JSON of a `message` value whose adjacent bytes all differ.
+/// A typical valid `message` value as JSON. Adjacent bytes differ where possible.
 pub(super) fn message_typical(
     schema: &Schema,
     message: &Message,
@@ -195,7 +195,7 @@ pub(super) fn message_typical(
     Some(json)
 }
 
-/// Samples for a PX4 text of `length` bytes.
+/// Samples for a PX4 text field of `length` bytes.
 fn text(length: u32) -> Vec<Sample> {
     let room = length as usize;
     let ascii = |length: u32| format!("\"{}\"", letters(0, length));
@@ -251,7 +251,7 @@ fn is_fillable(bound: u32, element: &str) -> bool {
     element.len().saturating_mul(bound as usize) <= LONGEST_FILLED
 }
 
-/// A value as long as its bound, and longer values in JSON and in CDR.
+/// A value at its maximum length, and longer values in JSON and in CDR.
 fn bounded(
     bound: u32,
     empty: &str,

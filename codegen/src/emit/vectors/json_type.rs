@@ -19,7 +19,7 @@ use super::case::Case;
 use crate::schema::json_type::{Definition, Expression, Limits, Member, Object, SetValues};
 use crate::schema::{JsonTypeId, Schema};
 
-/// Maximum estimated size of the cases of an object in bytes. Larger objects have no cases for single fields.
+/// Maximum estimated size, in bytes, of the cases for one object. Larger objects have no cases for single fields.
 const MAX_BYTES: usize = 16 << 20;
 
 /// Approximate number of cases per field.
@@ -39,13 +39,13 @@ pub(super) fn of_type(schema: &Schema, id: JsonTypeId) -> Vec<Case> {
                 SetValues::Integers(values) => values.iter().for_each(|found| {
                     writer.push(candidate(
                         format!("value-{}", found.value),
-                        "a value of the set",
+                        "a listed value",
                         found.value.into(),
                     ));
                 }),
                 SetValues::Strings(values) => values.iter().for_each(|found| {
                     let value = Json::from(found.value.as_str());
-                    writer.push(candidate(format!("value-{}", found.value), "a value of the set", value));
+                    writer.push(candidate(format!("value-{}", found.value), "a listed value", value));
                 }),
             }
             writer.push_all(candidate::unlisted(set));
@@ -148,7 +148,7 @@ impl<'s> Writer<'s> {
         self.push_all(candidate::kinds());
     }
 
-    /// The candidates that violate at most one rule, without duplicate ids and values.
+    /// Cases for the candidates that violate at most one rule. Duplicate ids and values are dropped.
     fn finish(self, violations: impl Fn(&Judge<'_>, &Json) -> BTreeSet<&'static str>) -> Vec<Case> {
         let judge = Judge { schema: self.schema };
         let mut ids = BTreeSet::new();

@@ -9,12 +9,12 @@ use super::typical::Typical;
 use crate::dynamic::Types;
 use crate::schema::{Dialect, Form, Kind, Message, MessageId, Package, Schema};
 
-/// Maximum estimated JSON size of the cases of a message, in bytes. The size grows with the square of the number of
+/// Maximum estimated JSON size, in bytes, of the cases for one message. The size grows quadratically with the number of
 /// fields, because each field has cases and each case contains all fields. Larger messages have no cases for single
 /// fields.
 const MOST_JSON: usize = 1 << 22;
 
-/// The cases of a message. There are none if it has no valid value, is too long, or is nested too deeply.
+/// The cases of a message. There are none if the message has no valid value, is too long, or is nested too deeply.
 pub(super) fn cases(schema: &Schema, id: MessageId, parts: &Parts, types: &Types) -> Vec<Case> {
     let message = schema.message(id);
     let Some(samples) = parts.get(id).and_then(|_| MessageSamples::new(schema, message, parts)) else {
@@ -122,9 +122,9 @@ impl Cases<'_> {
         }
     }
 
-    // The ids of byte-only cases have a dot before any hyphen, so they differ from those of fields.
+    // The ids of byte-only cases have a dot before any hyphen, so they differ from the ids of field cases.
 
-    /// uORB payloads of wrong sizes, and of the other valid size.
+    /// uORB payloads: one of the other valid size, one with nonzero padding, and some of invalid sizes.
     fn uorb(&mut self, message: &Message, typical: &str) {
         let (Some(layout), Some(bytes)) = (&message.uorb, self.codec.encode(typical).uorb) else { return };
         let (size, no_padding) = (layout.size, layout.size_no_padding);
@@ -158,7 +158,7 @@ impl Cases<'_> {
         push("uorb.long", "one byte longer than the full size", violated, resized(size + 1));
     }
 
-    /// CDR payloads with other headers and ends.
+    /// CDR payloads that differ in the header or at the end.
     fn cdr(&mut self, typical: &str) {
         let Some(bytes) = self.codec.encode(typical).cdr else { return };
         let big_endian = self.codec.big_endian(typical);
@@ -166,7 +166,7 @@ impl Cases<'_> {
             self.done.push(Case { cdr: Some(bytes), ..payload(id, words, rule, typical) });
         };
         if let Some(big_endian) = big_endian {
-            push("cdr.big-endian", "big-endian, as declared in the header", None, big_endian);
+            push("cdr.big-endian", "a big-endian payload, as declared in the header", None, big_endian);
         }
         let filled = bytes.len().next_multiple_of(4);
         if filled > bytes.len() {
@@ -190,14 +190,13 @@ impl Cases<'_> {
     }
 }
 
-/// A case of bytes that decode to `typical`, unless they violate a rule.
+/// A case without bytes. The caller adds bytes that decode to `typical` or violate `rule`.
 fn payload(id: &str, words: &str, rule: Option<&'static str>, typical: &str) -> Case {
     let decoded = rule.is_none().then(|| typical.to_owned());
     Case { id: id.to_owned(), description: words.to_owned(), rule, decoded, ..Case::default() }
 }
 
-/// True if messages like this one have a uORB payload. Messages of other dialects have none, even if their size is
-/// fixed.
+/// True if the message has a uORB payload. Messages in dialects other than PX4 have none, even if their size is fixed.
 pub(super) fn is_uorb(package: &Package, message: &Message) -> bool {
     package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
 }

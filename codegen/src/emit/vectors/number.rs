@@ -7,7 +7,7 @@ use crate::msg::constraint::{Effect, Probe};
 use crate::schema::{Enum, Field, Message, Restriction, Schema};
 use crate::value::Value;
 
-/// A distance from a 64-bit integer bound that is large enough to survive conversion to a 64-bit float.
+/// An offset from a 64-bit integer bound, large enough to survive conversion to a 64-bit float.
 const FAR: i128 = 1 << 12;
 
 /// Samples of a numeric field, or of the elements of an array.
@@ -38,7 +38,7 @@ impl<'s> NumberSamples<'s> {
             .map(|number| self.json(number))
     }
 
-    /// A valid value consisting of `bytes`, or else a valid value that is as distinctive as the constraints allow.
+    /// The value that `bytes` encode if it is valid; otherwise, a valid value as distinctive as the constraints allow.
     pub(super) fn typical(&self, bytes: [u8; 8]) -> Option<String> {
         let turn = i128::from(bytes[0]);
         let known = self.restriction.known.as_deref().unwrap_or_default();
@@ -83,12 +83,12 @@ impl<'s> NumberSamples<'s> {
     fn integers(&mut self) {
         let Some((least, greatest)) = self.scalar.integer_bounds() else { return };
         let name = self.scalar.name();
-        // If zero is the minimum, the message of zeros covers it.
+        // If the minimum is zero, the all-zero message covers it.
         if least < 0 {
             self.push("min", format!("the minimum {name}"), Number::Int(least));
         }
         self.push("max", format!("the maximum {name}"), Number::Int(greatest));
-        // Adjacent integers near the bounds of 64-bit types are equal as 64-bit floats, except near zero.
+        // As 64-bit floats, adjacent integers are equal near the bounds of 64-bit types, except near zero.
         let is_coarse = |value: i128| self.scalar.size() == 8 && value != -1;
         let outside = [
             ("below-min", "far-below-min", "below the minimum", least - 1, least - FAR),
@@ -121,14 +121,14 @@ impl<'s> NumberSamples<'s> {
         self.push("minus-zero", "negative zero", Number::Float(-0.0));
         self.push("nan", "NaN", Number::Float(f64::NAN));
         if is_single {
-            // JSON has no infinity, and some readers reject numbers beyond the range of 64-bit floats. Only float32
-            // therefore has samples beyond its bounds.
+            // JSON has no infinity, and some readers reject numbers beyond the range of 64-bit floats. Therefore, only
+            // float32 has samples beyond its bounds.
             self.samples.push(Sample::mistyped("below-min", "below the minimum float32", "-3.5e38"));
             self.samples.push(Sample::mistyped("above-max", "above the maximum float32", "3.5e38"));
         }
     }
 
-    /// The bounds of the constraints and the maximum count, and the adjacent values beyond them.
+    /// The bounds set by constraints, the maximum count, and the next value beyond each.
     fn ends(&mut self) {
         for constraint in &self.field.constraints {
             let Effect::Narrows { samples, .. } = constraint.kind.effect else { continue };
@@ -221,7 +221,7 @@ impl<'s> NumberSamples<'s> {
         }
     }
 
-    /// The nearest value of the type.
+    /// The value of the field type that is nearest to `number`.
     #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)] // rounding is intended
     fn rounded(&self, number: Number) -> Number {
         match (number, self.scalar) {
@@ -234,7 +234,7 @@ impl<'s> NumberSamples<'s> {
         }
     }
 
-    /// The adjacent value of the type.
+    /// The next higher or lower value of the field type.
     #[allow(clippy::cast_possible_truncation)] // the value is a float32
     fn step(&self, number: Number, up: bool) -> Option<Number> {
         let next = match number {
@@ -264,7 +264,7 @@ impl<'s> NumberSamples<'s> {
         }
     }
 
-    /// A value in the range, which depends on `turn`.
+    /// A value in the range, chosen by `turn`.
     fn between(&self, turn: u8) -> Option<Number> {
         let count = self.restriction.limits.count.map(|count| Number::Int(count.into()));
         let low = self.restriction.limits.low.or(count.map(|_| Number::Int(0)));

@@ -11,7 +11,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// The options of the schemas to which the vectors refer.
+    /// Options of the schemas that the vectors refer to.
     pub(super) fn schemas(&self) -> json_schema::Options {
         self.base.clone().map_or_else(json_schema::Options::default, |base| json_schema::Options { base })
     }

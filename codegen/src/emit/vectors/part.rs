@@ -3,7 +3,7 @@
 use super::case::Sample;
 use crate::schema::MessageId;
 
-/// The messages for which vectors can be created, by id.
+/// By message id, the messages for which vectors can be created.
 pub(super) struct Parts(pub(super) Vec<Option<Part>>);
 
 /// A message nested in other messages.

@@ -1,4 +1,4 @@
-//! Printer for cases, one per line, so that diffs are readable.
+//! Prints cases, one per line, so that diffs are readable.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use crate::emit::json_schema::DRAFT;
 /// The header of a vector file.
 #[derive(Debug)]
 pub(super) struct Head {
-    /// Facts about the type: names, and values as JSON.
+    /// Facts about the type, as names and JSON values.
     pub(super) facts: Vec<(&'static str, String)>,
     /// Package and name of the type.
     pub(super) title: String,

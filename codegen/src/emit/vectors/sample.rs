@@ -1,4 +1,4 @@
-//! Sample values of messages: the message nearest to zero, and one value for each rule that can be violated.
+//! Sample messages: the message nearest to zero, and one message for each rule that can be violated.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use crate::schema::{Element, Message, MessageId, Schema};
 /// Maximum nesting depth of messages with vectors. JSON readers have slightly higher limits.
 const DEEPEST: usize = 32;
 
-/// Maximum length in bytes of messages with vectors, which exceeds the limit of `ULog`.
+/// Maximum length, in bytes, of messages with vectors. It exceeds the limit of `ULog`.
 const LONGEST: u64 = 1 << 16;
 
 /// A name that is not a valid field name, because field names start with a letter.
@@ -30,8 +30,8 @@ pub(super) fn parts(schema: &Schema) -> Parts {
     parts
 }
 
-/// Groups of messages that depend only on messages of earlier groups, except messages that are too long or nested too
-/// deeply.
+/// Groups of messages. Each message depends only on messages in earlier groups. Messages that are too long or nested
+/// too deeply are omitted.
 fn levels(schema: &Schema) -> Vec<Vec<MessageId>> {
     let mut is_done = vec![false; schema.messages.len()];
     let mut levels = Vec::new();
@@ -62,9 +62,9 @@ fn levels(schema: &Schema) -> Vec<Vec<MessageId>> {
 /// A message with the samples of its fields.
 pub(super) struct MessageSamples<'s> {
     pub(super) message: &'s Message,
-    /// By field, the value nearest to zero.
+    /// For each field, the value nearest to zero.
     zeros: Vec<String>,
-    /// By field, the samples.
+    /// For each field, the samples.
     pub(super) samples: Vec<Vec<Sample>>,
 }
 

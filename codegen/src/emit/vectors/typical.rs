@@ -5,7 +5,7 @@ use uavspec_runtime::Scalar;
 /// Maximum length of a sequence. It decreases by one per nesting level to limit the total number of elements.
 const SEQUENCE: u32 = 3;
 
-/// A source of values that numbers bytes from 1 to 255 repeatedly.
+/// A source of values. Bytes count repeatedly from 1 to 255.
 #[derive(Debug, Default)]
 pub(super) struct Typical {
     last: u8,
@@ -33,7 +33,7 @@ impl Typical {
         self.byte() % 2 == 1
     }
 
-    /// The next text, with space for a NUL.
+    /// The next text. If possible, it leaves room for a NUL.
     pub(super) fn text(&mut self, room: u32) -> String {
         let first = self.byte();
         format!("\"{}\"", letters(first, room.saturating_sub(1).max(1).min(room)))

@@ -7,8 +7,8 @@ pub(in crate::format) fn without_trailing_blank_lines(text: &str) -> &str {
     if end == 0 { "" } else { &text[..line] }
 }
 
-/// Removes trailing white space if it is insignificant. After a backslash it prevents a line break; after `---` it
-/// prevents front matter.
+/// Removes trailing white space if it is insignificant. White space after a backslash prevents a line break, and white
+/// space after `---` prevents front matter.
 pub(super) fn trimmed(line: &str) -> &str {
     let trimmed = line.trim_end_matches([' ', '\t']);
     if trimmed.ends_with('\\') || trimmed == "---" { line } else { trimmed }

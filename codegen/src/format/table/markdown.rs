@@ -10,7 +10,8 @@ use crate::format::aligned::ALIGNED_WITHIN;
 use crate::table::markdown::OPTIONS;
 use crate::table::{Page, error_code, pipe};
 
-/// Formats a page. `written` are the lines of `text`. `page` was parsed from the same text, apart from line endings.
+/// Formats a page. `written` contains the lines of `text`. `page` was parsed from the same text, apart from line
+/// endings.
 pub(super) fn lay_out(text: &str, written: &[&str], page: &Page) -> String {
     let structure = Structure::of(text);
     let starts = line_starts(text);
@@ -41,7 +42,7 @@ pub(super) fn lay_out(text: &str, written: &[&str], page: &Page) -> String {
     lines.join("\n")
 }
 
-/// The structure of a page that formatting depends on.
+/// The parts of a page's structure that affect formatting.
 #[derive(Default)]
 struct Structure {
     /// Ranges with significant white space: code, HTML, front matter, and spaces that break a line.
@@ -75,7 +76,7 @@ impl Structure {
                     let end = text[range.clone()].rfind('\n').unwrap_or(0);
                     structure.verbatim.push(range.start..range.start + end);
                 }
-                // Only the line before the break.
+                // White space is significant only on the line before the break.
                 Event::HardBreak => structure.verbatim.push(range.start..range.start + 1),
                 Event::Start(Tag::Table(alignments)) => {
                     structure.tables.push(Found { range, alignments, is_outermost: depth == 0 });
@@ -91,7 +92,7 @@ impl Structure {
 struct Codes<'s> {
     /// Index of the first line. The second line separates the header from the rows.
     first: usize,
-    /// The cells of the header, followed by those of all rows.
+    /// The cells of the header, followed by the cells of all rows.
     rows: Vec<Vec<&'s str>>,
     alignments: &'s [Alignment],
     /// Index of the column with the codes.
@@ -120,8 +121,8 @@ impl Codes<'_> {
     }
 }
 
-/// Column widths, shared by all tables of the page with the same header. A column is as wide as its widest cell; the
-/// last column is as wide as its header.
+/// Column widths by header. Tables of a page with the same header have the same widths. A column is as wide as its
+/// widest cell; the last column is as wide as its header.
 fn widths<'s>(tables: &[Codes<'s>]) -> BTreeMap<Vec<&'s str>, Vec<usize>> {
     let mut widths = BTreeMap::new();
     for table in tables {

@@ -12,12 +12,12 @@ pub struct ConstraintKind {
     pub name: &'static str,
     /// The syntax, as shown in messages.
     pub form: &'static str,
-    /// The text in the documentation, in which `{value}` is a placeholder. Translations of the generator's texts
-    /// contain it.
+    /// The text in the documentation, in which `{value}` is a placeholder. Translations use the English text as their
+    /// key.
     pub words: &'static str,
     /// The keyword in JSON Schemas.
     pub keyword: &'static str,
-    /// Parses the text after the name into the argument and the explanation. Returns `None` if it is malformed.
+    /// Parses the text after the name into the argument and the explanation. Returns `None` if the text is malformed.
     pub(crate) read: for<'s> fn(&'s str) -> Option<(Argument<'s>, &'s str)>,
     /// Formats the text after the name.
     pub(crate) lay_out: fn(&str) -> String,
@@ -45,7 +45,7 @@ pub(crate) enum Effect {
     Allows {
         /// The title of the value in JSON Schemas.
         title: &'static str,
-        /// The name and description of its test case.
+        /// The name and description of the test case for the value.
         sample: (&'static str, &'static str),
     },
     /// Only some values are valid.
@@ -72,13 +72,14 @@ pub(crate) struct Demand {
 
 /// A number for a test case.
 pub(crate) struct Probe {
-    /// The end of the case's id.
+    /// The suffix of the test case's id.
     pub(crate) name: &'static str,
     /// The description of the number.
     pub(crate) words: &'static str,
-    /// The number, or its neighbour.
+    /// The number, or the number whose neighbour is tested.
     pub(crate) number: Number,
-    /// The neighbour to test: `Some(true)` for the next greater value of the type, `Some(false)` for the next smaller.
+    /// The neighbour to test, if any: the next greater value of the type for `Some(true)`, the next smaller value for
+    /// `Some(false)`.
     pub(crate) up: Option<bool>,
 }
 
@@ -156,7 +157,7 @@ pub struct Constraint {
     pub kind: &'static ConstraintKind,
     /// The stated values.
     pub stated: Stated,
-    /// The explanation of when it applies; may be empty.
+    /// The explanation of when the constraint applies; may be empty.
     pub text: String,
 }
 
@@ -183,7 +184,8 @@ impl Constraint {
         }
     }
 
-    /// The constraint as a fact in the documentation. `code` formats values, `prose` formats text of the definition.
+    /// The constraint as a fact in the documentation. `code` formats values, and `prose` formats text from the
+    /// definition.
     pub(crate) fn fact(&self, code: fn(&str) -> String, prose: fn(&str) -> String) -> Option<String> {
         if !self.is_special() {
             let label = if matches!(self.stated, Stated::Range(_)) { "range: " } else { "" };

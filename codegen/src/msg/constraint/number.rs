@@ -5,7 +5,7 @@ use uavspec_runtime::{Number, Scalar};
 use crate::msg::literal::{LiteralError, parse_scalar};
 use crate::value::Value;
 
-/// Names of the limits of C integer types, which definitions use as invalid values and bounds.
+/// Names of C integer limits, which definitions use as invalid values and as bounds.
 const LIMITS: [(&str, Scalar); 8] = [
     ("UINT8_MAX", Scalar::UInt8),
     ("UINT16_MAX", Scalar::UInt16),

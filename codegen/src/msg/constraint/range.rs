@@ -27,7 +27,7 @@ pub(crate) fn read(argument: &str) -> Option<Range> {
         .then_some(Range { low, high })
 }
 
-/// Parses a bound, with an optional label in parentheses. Returns `None` if it is absent or infinite.
+/// Parses a bound, with an optional label in parentheses. Returns `None` if the bound is absent or infinite.
 fn bound(text: &str) -> Result<Option<Value>, LiteralError> {
     let number = text.split_once('(').map_or(text, |(number, _)| number).trim();
     if number.is_empty() {

@@ -44,7 +44,7 @@ fn read(argument: &str) -> Option<(Argument<'_>, &str)> {
     Some((value, text))
 }
 
-/// Formats a value and the explanation that follows it, whose spaces are preserved.
+/// Formats a value and the explanation that follows it. Preserves the spaces in the explanation.
 fn lay_out(argument: &str) -> String {
     match split_word(argument) {
         (word, "") => word.to_owned(),

@@ -1,9 +1,9 @@
 //! Findings as test cases.
 //!
-//! Each finding is a failed case with the class `command.rule`: Jenkins groups by class, and GitLab displays the class
-//! as the suite. The name consists of the file and the message, without the line, because both tools identify a case by
-//! class and name, and a finding that moved is not new. Notes don't fail. A rule without findings is a passed case, so
-//! there is at least one case.
+//! Each warning or error is a failed case with the class `command.rule`, and each note is a passed case. Jenkins groups
+//! cases by class, and GitLab displays the class as the suite. The name consists of the file and the message. It omits
+//! the line, because both tools identify a case by class and name, and a moved finding is not new. A rule without
+//! findings is also a passed case, so there is always at least one case.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -12,7 +12,7 @@ use super::suite::{Case, Outcome, Reason, Suite, one_line, write as write_suites
 use crate::diagnostic::Level;
 use crate::report::model::{Entry, Report};
 
-/// The maximum length of a message in the name of a case, in characters.
+/// The maximum number of characters of a message in a case name.
 const MAX_NAME: usize = 200;
 
 /// The name of a case without findings.
@@ -32,7 +32,7 @@ fn found(report: &Report) -> Vec<Case> {
         let mut name = name(entry);
         let count = seen.entry((&entry.rule, name.clone())).and_modify(|count| *count += 1).or_insert(1);
         if *count > 1 {
-            // Of several cases with one name, tools display only one.
+            // If several cases have the same name, tools display only one of them.
             let _ = write!(name, " ({count})");
         }
         cases.push(case(report.command, entry, name));
@@ -40,7 +40,7 @@ fn found(report: &Report) -> Vec<Case> {
     cases
 }
 
-/// One case for each rule without findings, or one for the command if there are no other cases.
+/// One case for each rule without findings, or one case for the command if there are no others.
 fn passed(report: &Report) -> Vec<Case> {
     let found: BTreeSet<&str> = report.entries.iter().map(|entry| &*entry.rule).collect();
     if report.rules.is_empty() && found.is_empty() {

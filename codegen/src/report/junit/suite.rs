@@ -103,7 +103,7 @@ impl Case {
     }
 }
 
-/// The XML document of the suites.
+/// The suites as an XML document.
 pub fn write(name: &str, suites: &[Suite]) -> String {
     let mut whole = quick_junit::Report::new(name);
     for suite in suites {

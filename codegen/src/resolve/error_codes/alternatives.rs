@@ -50,8 +50,8 @@ impl Alternatives {
         diagnostics
     }
 
-    /// The alternatives of each code. All codes in one description are alternatives of each other. Sets of different
-    /// descriptions are not merged, because an error in one of them would spread to the others.
+    /// The alternatives of each code. All codes in one description are alternatives of each other. Sets from different
+    /// descriptions are not merged, because an error in one set would spread to the others.
     pub(super) fn closed(&self) -> BTreeMap<u32, BTreeSet<u32>> {
         let mut closed: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
         for (code, others) in &self.named {

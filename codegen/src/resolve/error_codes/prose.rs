@@ -5,7 +5,7 @@ use std::ops::Range;
 /// A reference to a code in a description.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Reference {
-    /// The range of its digits in the description.
+    /// The range of the code's digits in the description.
     pub(super) range: Range<usize>,
     /// True if the code is an alternative to the described code.
     pub(super) is_alternative: bool,
@@ -26,8 +26,8 @@ const VERSION_WORDS: &[&str] = &["flockwave", "protocol", "release", "spec", "sp
 
 /// Finds the codes that `description` refers to: "code 131", "codes 66, 134 or 199".
 ///
-/// References in "use … only if …; otherwise use code N" are alternatives. They follow "use" in a clause that starts
-/// with "otherwise", or after a condition and a semicolon.
+/// References in "use … only if …; otherwise use code N" are alternatives. Alternatives follow "use" in a clause that
+/// starts with "otherwise" or that follows a condition and a semicolon.
 pub(super) fn references(description: &str) -> Vec<Reference> {
     let lower = description.to_ascii_lowercase();
     let tokens = tokens(&lower);
@@ -75,7 +75,7 @@ struct Clause {
     is_conditional: bool,
     /// True in a clause about other cases.
     is_choice: bool,
-    /// True after the word "use" in such a clause.
+    /// True after "use" in a clause about other cases.
     has_use: bool,
 }
 

@@ -6,7 +6,7 @@ use crate::schema::json_type::{Definition, Expression, JsonType, Member};
 /// The maximum number of reported cycles.
 const MAX_REPORTED: usize = 20;
 
-/// The maximum number of types that a single alias or union may comprise, through all referenced names.
+/// The maximum number of alternatives of an alias or union, including those of referenced types.
 const MAX_ALTERNATIVES: usize = 256;
 
 /// The number of names at each end of a displayed path; the middle of longer paths is omitted.
@@ -21,7 +21,7 @@ pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
         Definition::Named(found) => needed(&found.ty),
     });
     if diagnostics.is_empty() {
-        // `A` is `null or A` has finite values, but a recursive definition.
+        // A type `A` defined as `null or A` has finite values, but its definition is recursive.
         diagnostics = cycles(types, first, |definition| match definition {
             Definition::Named(found) => alternatives_of(&found.ty),
             _ => Vec::new(),
@@ -33,7 +33,7 @@ pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     diagnostics
 }
 
-/// Reports types with too many alternatives, through all referenced names. There are no cycles at this point.
+/// Reports types with too many alternatives, including those of referenced types. There are no cycles at this point.
 fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     // The number of alternatives of each type; 0 if not yet known.
@@ -88,7 +88,7 @@ fn needed(expression: &Expression) -> Vec<u32> {
     }
 }
 
-/// The types of which the expression is an alias or union.
+/// The types that an alias or union refers to directly.
 fn alternatives_of(expression: &Expression) -> Vec<u32> {
     match expression {
         Expression::Named(id) => vec![id.0],

@@ -15,7 +15,7 @@ const LINKS: [&str; 5] = ["link:", "xref:", "https://", "http://", "mailto:"];
 /// Marks of bold, italic and monospaced text.
 const MARKS: [char; 3] = ['*', '_', '`'];
 
-/// Adds the text of `stretches`, each with its position on the page, to `builder`.
+/// Adds the text of `stretches` to `builder`. Each stretch has a position on the page.
 pub(super) fn push(stretches: &[Line<'_>], builder: &mut TextBuilder) {
     let mut tokens = Vec::new();
     for (at, text) in stretches {
@@ -71,7 +71,7 @@ struct Scanner<'s, 't> {
 
 impl<'s> Scanner<'s, '_> {
     fn scan(mut self) {
-        // After the last closing bracket, no search for one can succeed.
+        // After the last closing bracket, don't search for another one.
         let last = |bracket| self.text.rfind(bracket).unwrap_or(0);
         let (last_bracket, last_angle) = (last("]"), last(">>"));
         while let Some(c) = self.rest().chars().next() {

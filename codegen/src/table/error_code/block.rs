@@ -51,7 +51,7 @@ const CLASS_NAMES: &[(&str, ErrorClass)] = &[
 ];
 
 impl Block {
-    /// Parses a heading, which contains a name, a range or both. They must agree.
+    /// Parses a heading, which contains a name, a range or both. The name and the range must agree.
     pub(super) fn parse(heading: &str) -> Result<Self, Problem> {
         let range = find_range(heading);
         let title = range.as_ref().map_or(heading, |range| heading[..range.start].trim_end_matches(is_joint));
@@ -110,7 +110,7 @@ struct HeadingRange {
     text: String,
 }
 
-/// True if `heading` contains a range, which only headings of error-code tables do.
+/// True if `heading` contains a range. Only headings of error-code tables contain ranges.
 pub(super) fn has_range(heading: &str) -> bool {
     find_range(heading).is_some()
 }

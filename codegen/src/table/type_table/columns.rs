@@ -28,7 +28,7 @@ pub(super) enum Header {
     Near(&'static [&'static str]),
 }
 
-/// The kind of the header of a table, or `None` for a table in prose.
+/// The kind of a table's header, or `None` for a table in prose.
 pub(super) fn header_of(table: &Table) -> Option<Header> {
     let at = |name: &str| position(&table.header, |column| column.eq_ignore_ascii_case(name));
     let required = at("Required").zip(at("Type")).zip(at("Description"));
@@ -48,10 +48,10 @@ pub(super) fn header_of(table: &Table) -> Option<Header> {
     near(table).map(Header::Near)
 }
 
-/// The intended columns, if all columns of an object or a tuple except one are present or misspelled.
+/// The intended columns, if at most one column of an object or a tuple is missing. Misspelled columns count as present.
 fn near(table: &Table) -> Option<&'static [&'static str]> {
     let is_near = |column: &str, name: &str| {
-        // Longer texts are not misspelled names, and the cost of the comparison is the product of the lengths.
+        // Longer texts are not misspelled names, and comparing them takes time proportional to both lengths.
         column.len() <= 2 * name.len()
             && strsim::damerau_levenshtein(&column.to_ascii_lowercase(), &name.to_ascii_lowercase())
                 <= 1 + name.len() / 5

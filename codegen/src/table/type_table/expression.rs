@@ -17,7 +17,7 @@ use crate::table::text::Text;
 /// The maximum nesting depth.
 const MAX_DEPTH: usize = 16;
 
-/// The maximum number of alternatives of a type, because each is compared with the others.
+/// The maximum number of alternatives of a type, because each alternative is compared with the others.
 const MAX_ALTERNATIVES: usize = 32;
 
 /// A parsed type expression.
@@ -94,7 +94,7 @@ pub(super) fn read_start(paragraph: &Text) -> Option<(Expression, usize)> {
     Some((expression, if is_bracket { end } else { end + 1 }))
 }
 
-/// True if a word is a JSON number. Rust also parses `inf` and `nan` as numbers, which are words in JSON.
+/// True if a word is a JSON number. Rust also parses `inf` and `nan` as numbers, but they are not JSON numbers.
 pub(crate) fn is_number(word: &str) -> bool {
     word.contains(|c: char| c.is_ascii_digit()) && word.parse::<f64>().is_ok()
 }

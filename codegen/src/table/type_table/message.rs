@@ -9,7 +9,7 @@ use crate::source::Span;
 use crate::table::page::{Heading, Page, Table};
 use crate::table::text::Text;
 
-/// The start of the paragraph that lists the messages that answer a request.
+/// The start of the paragraph that lists the possible answers to a request.
 const ANSWER: &str = "Answer:";
 
 /// The start of the paragraph that replaces an empty table.
@@ -27,7 +27,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// All directions, in the order of lists.
+    /// All directions, in the order used in lists.
     pub const ALL: [Self; 3] = [Self::Request, Self::Response, Self::Notification];
 
     /// The name in files and identifiers.
@@ -95,12 +95,12 @@ pub(super) struct Headings {
 }
 
 impl Headings {
-    /// The index of the heading of the type.
+    /// The index of the message heading.
     pub(super) fn index(&self) -> usize {
         self.message
     }
 
-    /// The indices of the headings of the parts.
+    /// The indices of the part headings.
     pub(super) fn parts(&self) -> impl Iterator<Item = usize> {
         self.parts.iter().map(|(_, part)| *part)
     }
@@ -177,7 +177,7 @@ impl<'p> Reader<'p> {
         }
         parts.sort_by_key(|part| part.direction);
         if !is_message_name(name) {
-            let hint = "name a message with letters and digits, and hyphens between words: `UAV-INF`";
+            let hint = "use only letters and digits, with hyphens between words: `UAV-INF`";
             let problem = Problem::TypeName { heading: name.to_owned() };
             self.diagnostics.push(Diagnostic::new(problem, span).with_hint(hint));
             return None;
@@ -233,7 +233,7 @@ impl<'p> Reader<'p> {
     }
 }
 
-/// Splits paragraphs into lists of answers and others.
+/// Separates the lists of answers from the other paragraphs.
 fn apart(paragraphs: Vec<&Text>) -> (Vec<&Text>, Vec<&Text>) {
     paragraphs.into_iter().partition(|text| text.as_str().starts_with(ANSWER))
 }

@@ -49,7 +49,7 @@ pub(crate) struct Member<'p> {
     pub name: &'p str,
     /// The cell with the name.
     pub span: Span,
-    /// True if it is required.
+    /// True if the field or element is required.
     pub is_required: bool,
     /// The type, or `None` if it is invalid.
     pub ty: Option<Expression>,

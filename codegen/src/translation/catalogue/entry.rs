@@ -56,7 +56,7 @@ impl Entry {
         self.flags.iter().any(|flag| flag == FUZZY)
     }
 
-    /// The value of a field of the header (`Name: value`).
+    /// The value of a header field (`Name: value`).
     pub fn header_field(&self, name: &str) -> Option<&str> {
         self.translation.lines().find_map(|line| {
             let (found, value) = line.split_once(':')?;

@@ -41,7 +41,7 @@ struct Parser {
     diagnostics: Vec<Diagnostic>,
     entry: Entry,
     place: Places,
-    /// The current part. A line with only a string is appended to it.
+    /// The current part. A line that contains only a string continues this part.
     part: Option<Part>,
     /// True if the entry has its `msgid`.
     has_id: bool,
@@ -201,7 +201,7 @@ impl Parser {
         (self.catalogue, self.places, self.diagnostics)
     }
 
-    /// Reports a problem of an entry, unless one was already reported for it.
+    /// Reports a problem in an entry, unless a problem in this entry was already reported.
     fn refuse(&mut self, what: &'static str, span: Span, hint: &str) {
         if std::mem::replace(&mut self.is_invalid, true) {
             return;

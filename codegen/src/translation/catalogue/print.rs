@@ -1,5 +1,5 @@
-//! Printer for catalogues. It never wraps lines except at line ends of the text. Wrapping differs between tools and
-//! would cause spurious diffs.
+//! Printer for catalogues. It breaks strings only at the line ends of their text. Any other wrapping differs between
+//! tools and would cause spurious diffs.
 
 use super::entry::{Catalogue, Entry};
 
@@ -41,7 +41,7 @@ fn print_entry(entry: &Entry, text: &mut String) {
     }
 }
 
-/// Prints a string on one line, or one line per line of the text.
+/// Prints a string on a single line, or on one line for each line of its text.
 fn strings(text: &mut String, mark: &str, keyword: &str, string: &str) {
     let parts: Vec<&str> = string.split_inclusive('\n').collect();
     if parts.len() <= 1 && !string.ends_with('\n') {

@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn reports_a_wrong_checksum() {
         let mut packed = zstd(&b"wind ".repeat(1_000));
-        // The checksum ends the frame.
+        // The frame ends with its checksum.
         *packed.last_mut().expect("bytes") ^= 1;
         let error = decompressed(&packed).expect_err("a wrong checksum");
         assert_eq!(error.kind(), ErrorKind::InvalidData, "{error}");

@@ -14,7 +14,7 @@ pub(super) struct Chunk {
     pub(super) offset: u64,
     pub(super) size: u64,
     pub(super) checksum: u32,
-    /// The number of bytes after its records.
+    /// The number of bytes after the records.
     pub(super) added: u64,
     pub(super) records: Records,
 }

@@ -15,19 +15,19 @@ pub(crate) enum Problem {
     NoHeader,
     /// The file ends within a record.
     Truncated {
-        /// The number of missing bytes of the record.
+        /// The number of bytes that are missing from the record.
         missing: u64,
     },
     /// The footer and the magic at the end are missing.
     NoEnd,
-    /// There is data after the end.
+    /// Data follows the closing magic bytes.
     AfterEnd {
         /// The number of bytes.
         length: u64,
     },
-    /// There is no valid record at this offset, so the reader searched for the next one.
+    /// There is no valid record at this offset, so the reader searched for the next valid record.
     Skipped {
-        /// The reason why it is invalid.
+        /// The reason why the bytes aren't a valid record.
         found: Malformed,
         /// The number of bytes before the next record or the end.
         length: u64,
@@ -56,16 +56,16 @@ pub(crate) enum Problem {
         /// The error.
         error: String,
     },
-    /// The size of a chunk differs from its header.
+    /// The size of a chunk differs from the size in its header.
     ChunkSize {
         /// The size in the header.
         stated: u64,
-        /// The actual size; a minimum if `is_more`.
+        /// The actual size, or a lower bound if `is_more` is true.
         found: u64,
-        /// True if it is larger than stated.
+        /// True if the actual size is larger than `found`.
         is_more: bool,
     },
-    /// There is no valid record within the chunk.
+    /// A chunk contains an invalid record.
     InChunk {
         /// The offset in the chunk.
         at: u64,
@@ -177,7 +177,11 @@ impl fmt::Display for Problem {
                 name.escape_debug()
             ),
             Self::Unpack { unpacked, error } => {
-                write!(formatter, "a chunk can't be decompressed after {} bytes: {error}", Grouped(*unpacked))
+                write!(
+                    formatter,
+                    "decompression of a chunk fails after {} bytes: {error}",
+                    Grouped(*unpacked)
+                )
             }
             Self::ChunkSize { stated, found, is_more } => write!(
                 formatter,
@@ -187,7 +191,7 @@ impl fmt::Display for Problem {
                 Grouped(*stated)
             ),
             Self::InChunk { at } => {
-                write!(formatter, "a chunk has no valid record after {} bytes", Grouped(*at))
+                write!(formatter, "a chunk has an invalid record after {} bytes", Grouped(*at))
             }
             Self::ChunkChecksum { stated, found } => write!(
                 formatter,
@@ -243,7 +247,7 @@ impl fmt::Display for Kind {
             op::STATISTICS => "statistics",
             op::METADATA => "metadata",
             op::SUMMARY_OFFSET => "a summary offset",
-            op::DATA_END => "an end of data",
+            op::DATA_END => "an end-of-data record",
             opcode => return write!(formatter, "a record of unknown kind {opcode:#04x}"),
         })
     }

@@ -15,8 +15,8 @@ use super::unpack::{Packing, Unpacker};
 use super::window::Window;
 use super::{Event, Item, MAGIC, Problem};
 
-/// The amount of data that the search for the next valid record examines at a time, in bytes. The search doesn't find
-/// longer messages.
+/// The number of bytes that the search for the next valid record examines at a time. The search doesn't find longer
+/// messages.
 const LOOKAHEAD: usize = 64 * 1024;
 
 /// Reads a file from start to end.
@@ -91,7 +91,7 @@ impl<R: Read> Reader<R> {
     /// The next problem or relevant record: header, schema, channel or message. `None` at the end.
     ///
     /// Fails if the input can't be read. The caller may try again.
-    #[allow(clippy::should_implement_trait)] // an iterator lends nothing
+    #[allow(clippy::should_implement_trait)] // an iterator's items can't borrow from it
     pub(crate) fn next(&mut self) -> io::Result<Option<Item<'_>>> {
         loop {
             if let Some((offset, problem)) = self.problems.pop_front() {
@@ -247,7 +247,7 @@ impl<R: Read> Reader<R> {
         Ok(is_wanted.then_some(Found { offset, opcode, length, is_packed: false }))
     }
 
-    /// Verifies the checksum of everything before the end of the data. A checksum of 0 means that there is none.
+    /// Verifies the checksum of everything before the end of the data. A stored checksum of 0 means that there is none.
     fn check_data(&mut self, offset: u64) {
         let stated = self.file.ahead()[HEAD..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
         let found = self.file.checksum();
@@ -305,7 +305,7 @@ impl<R: Read> Reader<R> {
         loop {
             self.file.require(LOOKAHEAD)?;
             let ahead = self.file.ahead();
-            // Keep enough bytes to check records that start there, unless the file ends.
+            // After each possible start, enough bytes to check a record must remain, unless the file ends.
             let until = if self.file.is_at_end() { ahead.len() } else { ahead.len() - LOOKAHEAD / 2 };
             let next = (from..until).find(|at| is_sound(&ahead[*at..], |id| self.declared.has(id)));
             let (is_over, passed) = (self.file.is_at_end(), next.unwrap_or(until));

@@ -10,16 +10,16 @@ pub(super) const HEAD: usize = 9;
 /// The maximum length of a buffered record, in bytes: twice the size of a large image.
 pub(super) const MAX_RECORD: u64 = 64 << 20;
 
-/// The sizes of the fixed parts of a chunk, before and after the name of its compression.
+/// The sizes of the fixed parts of a chunk, before and after the compression name.
 const CHUNK_FIXED: (usize, usize) = (28, 8);
 
-/// The maximum plausible length of the name of a compression, in bytes.
+/// The maximum plausible length of a compression name, in bytes.
 const MAX_PACKING: usize = 64;
 
 /// The maximum number of bytes after the records of a chunk. Later versions of the format may add such bytes.
 const MAX_ADDED: u64 = 4_096;
 
-/// The size of a message before its payload, in bytes.
+/// The size of the part of a message before its payload, in bytes.
 const MESSAGE_FIXED: u64 = 22;
 
 /// The size of the footer, in bytes.
@@ -47,17 +47,17 @@ pub(super) fn can_be(opcode: u8, length: u64) -> bool {
 /// The header of a chunk.
 #[derive(Debug)]
 pub(super) struct ChunkHead {
-    /// The decompressed size of its records, in bytes.
+    /// The decompressed size of the chunk's records, in bytes.
     pub(super) size: u64,
-    /// Their checksum; 0 if there is none.
+    /// The checksum of the records; 0 if there is none.
     pub(super) checksum: u32,
-    /// The name of the compression; empty if there is none.
+    /// The compression name; empty if the records aren't compressed.
     pub(super) packing: Vec<u8>,
     /// The size of this header, in bytes.
     pub(super) length: usize,
-    /// The size of its records in the file, in bytes.
+    /// The size of the records in the file, in bytes.
     pub(super) packed: u64,
-    /// The number of bytes after its records.
+    /// The number of bytes after the records.
     pub(super) added: u64,
 }
 
@@ -88,7 +88,7 @@ impl ChunkHead {
     }
 }
 
-/// True if the header of an attachment matches its length, which includes the data and a checksum.
+/// True if the header of an attachment matches the record length, which includes the data and a checksum.
 pub(super) fn is_attachment(start: &[u8], length: u64) -> bool {
     let mut parts = Parts(start);
     let data =
@@ -97,7 +97,8 @@ pub(super) fn is_attachment(start: &[u8], length: u64) -> bool {
     data.and_then(|data| data.checked_add(head)?.checked_add(4)) == Some(length)
 }
 
-/// True if the parts of a record match its length. Later versions may append more parts, unless `is_exact`.
+/// True if the parts of a record match its length. Unless `is_exact` is true, the record may end with parts from later
+/// versions.
 pub(super) fn has_parts(opcode: u8, body: &[u8], is_exact: bool) -> bool {
     let mut parts = Parts(body);
     let parts_found = match opcode {
@@ -120,7 +121,7 @@ pub(super) fn has_parts(opcode: u8, body: &[u8], is_exact: bool) -> bool {
     parts_found.is_some() && (parts.0.is_empty() || !is_exact)
 }
 
-/// True if these bytes appear to start a record. `is_declared` returns true for known channels.
+/// True if a record appears to start with these bytes. `is_declared` returns true for known channels.
 ///
 /// Some kinds of records can't be recognised, so a search never stops at them.
 pub(super) fn is_sound(ahead: &[u8], is_declared: impl Fn(u16) -> bool) -> bool {

@@ -14,7 +14,7 @@ pub(super) enum Packing {
 }
 
 impl Packing {
-    /// The compression with this non-empty name from a chunk header.
+    /// Finds the compression with this non-empty name from a chunk header.
     pub(super) fn from_name(name: &[u8]) -> Option<Self> {
         match name {
             b"zstd" => Some(Self::Zstd),
@@ -80,7 +80,7 @@ fn read_lz4(decoder: &mut Lz4<Packed>, out: &mut [u8]) -> io::Result<usize> {
         if read > 0 || out.is_empty() || is_used_up(decoder.get_ref()) {
             return Ok(read);
         }
-        // The frame is complete. A new decoder reads the next one, since frames may differ.
+        // The frame is complete. A new decoder reads the next frame, since frames may differ.
         let packed = std::mem::take(decoder.get_mut());
         *decoder = Lz4::new(packed);
     }

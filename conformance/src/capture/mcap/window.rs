@@ -13,7 +13,7 @@ pub(super) struct Window<R> {
     buffer: Vec<u8>,
     /// The index of the cursor in the buffer.
     start: usize,
-    /// The index in the buffer after the last byte read.
+    /// The buffer index just after the last byte that was read.
     end: usize,
     /// The offset of the cursor in the input.
     offset: u64,
@@ -70,7 +70,7 @@ impl<R: Read> Window<R> {
         }
     }
 
-    /// Skips bytes without storing them. Returns their number.
+    /// Skips bytes without storing them. Returns the number of skipped bytes.
     pub(super) fn skip(&mut self, count: u64) -> io::Result<u64> {
         let mut left = count;
         while left > 0 {
@@ -85,7 +85,7 @@ impl<R: Read> Window<R> {
         Ok(count - left)
     }
 
-    /// Moves bytes to `out`. Returns their number.
+    /// Moves bytes to `out`. Returns the number of moved bytes.
     pub(super) fn take(&mut self, count: usize, out: &mut Vec<u8>) -> io::Result<usize> {
         out.clear();
         while out.len() < count {
@@ -102,7 +102,7 @@ impl<R: Read> Window<R> {
 }
 
 impl<R> Window<R> {
-    /// The bytes in the buffer after the cursor.
+    /// The buffered bytes after the cursor.
     pub(super) fn ahead(&self) -> &[u8] {
         &self.buffer[self.start..self.end]
     }
@@ -141,7 +141,7 @@ impl<R> Window<R> {
         self.whole.clone().finalize()
     }
 
-    /// Restarts the checksum of a part at the cursor.
+    /// Restarts the partial checksum at the cursor.
     pub(super) fn start_part(&mut self) {
         self.part = Hasher::new();
     }

@@ -6,16 +6,16 @@ pub(super) const HEADER: usize = 3;
 /// The maximum size of a message with its header, in bytes.
 pub(super) const LARGEST: usize = HEADER + u16::MAX as usize;
 
-/// The magic of a sync message, which is its whole payload.
+/// The magic of a sync message, which is the whole payload.
 pub(super) const SYNC: [u8; 8] = [0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12];
 
-/// The known kinds, each with its minimum and its largest usual payload size.
+/// The known kinds, each with the minimum and the largest usual size of its payload.
 ///
-/// Minimum: a format has a name of one character and a colon. Entries have the length of a key and `t k`. The others
-/// have a fixed part and a text that may be empty. Shorter messages are invalid.
+/// Minimum: a format consists of at least a one-character name and a colon. An entry consists of at least a key length
+/// and the key `t k`. Other messages have a fixed part, and a text that may be empty. Shorter messages are invalid.
 ///
 /// Usual: sizes that PX4 writes, with a margin. Larger messages are accepted after closer inspection. Flag bits are
-/// usual only at the start, where this isn't checked.
+/// usual only at the start of a log, where sizes aren't compared with the usual size.
 const KINDS: [(u8, u16, u16); 13] = [
     (b'B', 40, 0),
     (b'F', 2, 8_192),
@@ -32,7 +32,7 @@ const KINDS: [(u8, u16, u16); 13] = [
     (b'O', 2, 2),
 ];
 
-/// The sizes of [`KINDS`], indexed by kind. For unknown kinds, the minimum is larger than any size.
+/// The sizes of [`KINDS`], indexed by kind. For unknown kinds, the minimum is larger than any payload.
 static SIZES: [(u32, u16); 256] = {
     let mut table = [(u32::MAX, 0); 256];
     let mut row = 0;
@@ -65,18 +65,18 @@ impl Header {
         HEADER + usize::from(self.size)
     }
 
-    /// True if the kind is known and the size is large enough for it.
+    /// True if the kind is known and the payload has at least the minimum size.
     #[inline]
     pub(super) fn is_plausible(self) -> bool {
         u32::from(self.size) >= SIZES[usize::from(self.kind)].0
     }
 
-    /// True if messages of this kind usually have such a size.
+    /// True if this size is usual for the kind.
     pub(super) fn is_usual(self) -> bool {
         self.is_plausible() && self.size <= SIZES[usize::from(self.kind)].1
     }
 
-    /// True if the kind is known, whatever the size.
+    /// True if the kind is known, regardless of the size.
     pub(super) fn is_known(self) -> bool {
         SIZES[usize::from(self.kind)].0 != u32::MAX
     }

@@ -1,4 +1,4 @@
-//! Tracks the formats and subscriptions of a log, since its data depends on them.
+//! Tracks the formats and subscriptions of a log, since data messages depend on them.
 
 use std::collections::BTreeMap;
 
@@ -10,9 +10,9 @@ use super::log_problem::{LogProblem, MAX_FORMATS, MAX_TEXT};
 use super::message::Event;
 use super::reader::Item;
 
-/// The maximum total size of compiled formats, in bytes. Each compilation counts. The limit is sufficient for a log
-/// that writes each of PX4's 261 formats just before the first data of its topic. A malicious log can cause two seconds
-/// of work.
+/// The maximum total size of compiled formats, in bytes. A format counts each time it is compiled. The limit is
+/// sufficient for a log that writes each of PX4's 261 formats just before the first data of its topic. It limits the
+/// work that a malicious log can cause to two seconds.
 const MAX_COMPILED: usize = 16 << 20;
 
 /// The formats and subscriptions of a log, up to the current item.
@@ -52,7 +52,7 @@ struct Orphans {
     count: u64,
 }
 
-/// A subscription: the topic of the data with an id.
+/// A subscription, which assigns an id to the data of a topic.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Subscription {
     /// The id.
@@ -63,7 +63,7 @@ pub struct Subscription {
     pub multi_id: u8,
     /// The offset of the subscription.
     pub offset: u64,
-    /// True until it is unsubscribed.
+    /// True until the id is unsubscribed.
     pub is_active: bool,
     binding: Binding,
 }
@@ -71,7 +71,7 @@ pub struct Subscription {
 /// The type of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Binding {
-    /// There was no type when the log had this number of formats and of types.
+    /// There was no type when the log had these numbers of formats and types.
     None {
         formats: usize,
         known: usize,
@@ -83,7 +83,7 @@ enum Binding {
     },
 }
 
-/// Data of a known type and of the right size.
+/// Data with a known type and the correct size.
 #[derive(Clone, Copy, Debug)]
 pub struct Record<'l> {
     /// The subscription.
@@ -131,12 +131,12 @@ impl Log {
         }
     }
 
-    /// Ends the log, and reports problems with formats that no data needed.
+    /// Ends the log, and reports problems with formats that no data used.
     pub fn finish(&mut self, on_problem: &mut dyn FnMut(u64, LogProblem)) {
         self.compile(on_problem);
     }
 
-    /// The types of the formats that data needed so far, in [`ULOG_PACKAGE`](uavspec_codegen::dynamic::ULOG_PACKAGE).
+    /// The types of the formats that data has used so far, in [`ULOG_PACKAGE`](uavspec_codegen::dynamic::ULOG_PACKAGE).
     pub fn types(&self) -> &Types {
         &self.types
     }
@@ -151,7 +151,7 @@ impl Log {
         self.subscriptions.get(usize::from(id))?.as_deref()
     }
 
-    /// The latest subscription of each id, in order of ids.
+    /// The latest subscription of each id, ordered by id.
     pub fn subscriptions(&self) -> impl Iterator<Item = &Subscription> {
         self.subscriptions.iter().flatten().map(|subscription| &**subscription)
     }
@@ -325,7 +325,7 @@ impl Log {
         }
     }
 
-    /// Compiles all formats to types. Existing types keep their ids.
+    /// Compiles all formats into types. Existing types keep their ids.
     fn compile(&mut self, on_problem: OnProblem<'_>) {
         let Some(newest) = self.formats.last().filter(|_| self.known < self.formats.len()) else { return };
         let size: usize = self.formats.iter().map(|format| format.name.len() + format.fields.len()).sum();

@@ -7,8 +7,8 @@ use uavspec_codegen::dynamic::{FormatError, FormatProblem};
 /// The maximum number of formats. PX4 has 261 messages. A log could use 65,536 ids, but no real log does.
 pub(super) const MAX_FORMATS: usize = 8_192;
 
-/// The maximum total size of formats and topics, in bytes. The formats of real logs take 22 to 32 kB. Types take up
-/// to fifty times the size of their text, so a malicious log uses at most about 50 MB of memory.
+/// The maximum total size of formats and topics, in bytes. The formats of real logs take 22 to 32 kB. Types take up to
+/// fifty times as much memory as their text, so a malicious log uses at most about 50 MB of memory.
 pub(super) const MAX_TEXT: usize = 1 << 20;
 
 /// A problem with a log's data, formats or subscriptions.
@@ -32,9 +32,9 @@ pub enum LogProblem {
         /// The name.
         name: String,
     },
-    /// There are too many formats. This one and later ones are ignored.
+    /// There are too many formats. This format and all later formats are ignored.
     TooManyFormats,
-    /// The total size of formats and topics is too large. This one is ignored.
+    /// The total size of formats and topics is too large. This format or subscription is ignored.
     TooMuchText,
     /// Too many formats appear late, so types are no longer compiled. Later formats are ignored.
     TooManyLateFormats,
@@ -52,13 +52,13 @@ pub enum LogProblem {
         /// The new topic and instance.
         after: (String, u8),
     },
-    /// Data of an id appears before its subscription.
+    /// Data with an id appears before the id is subscribed.
     LateSubscription {
         /// The id.
         id: u16,
-        /// The number of messages; each one is also reported.
+        /// The number of messages. Each message is also reported.
         count: u64,
-        /// The offset of the first one.
+        /// The offset of the first message.
         first: u64,
     },
     /// An id is unsubscribed, but had no subscription.
@@ -66,12 +66,12 @@ pub enum LogProblem {
         /// The id.
         id: u16,
     },
-    /// Data of an id without a previous subscription.
+    /// Data with an id that has no earlier subscription.
     UnknownId {
         /// The id.
         id: u16,
     },
-    /// Data of an id that was unsubscribed.
+    /// Data with an id that was unsubscribed.
     Unsubscribed {
         /// The id.
         id: u16,
@@ -86,7 +86,7 @@ pub enum LogProblem {
         /// The id.
         id: u16,
     },
-    /// Data whose size differs from its format, with or without the trailing padding.
+    /// Data whose size matches the format neither with nor without the trailing padding.
     DataSize {
         /// The id.
         id: u16,
@@ -118,14 +118,17 @@ impl fmt::Display for LogProblem {
                 write!(formatter, "there are more than {MAX_FORMATS} formats; the rest are ignored")
             }
             Self::TooMuchText => {
-                write!(formatter, "formats and topics take more than {MAX_TEXT} bytes; this one is ignored")
+                write!(
+                    formatter,
+                    "ignored a format or topic: the limit for all formats and topics is {MAX_TEXT} bytes"
+                )
             }
             Self::TooManyLateFormats => formatter
                 .write_str("too many formats appear after the definitions section; later ones are ignored"),
             Self::Resubscribed { id } => write!(formatter, "id {id} is subscribed again"),
             Self::Redefined { id, before, after } => write!(
                 formatter,
-                "id {id} changes from `{}` {} to `{}` {}",
+                "id {id} changes from `{}` instance {} to `{}` instance {}",
                 before.0.escape_debug(),
                 before.1,
                 after.0.escape_debug(),
@@ -134,7 +137,7 @@ impl fmt::Display for LogProblem {
             Self::LateSubscription { id, count, first } => {
                 write!(
                     formatter,
-                    "{count} messages with id {id} precede its subscription, the first at byte {first}"
+                    "{count} messages with id {id} precede its subscription; the first is at byte {first}"
                 )
             }
             Self::NotSubscribed { id } => write!(formatter, "id {id} is unsubscribed, but wasn't subscribed"),

@@ -38,7 +38,7 @@ pub enum Event<'b> {
         key: &'b str,
         /// The type of the value, e.g. `char[8]`.
         ty: &'b str,
-        /// The value, little-endian. Its size matches the type, unless a problem follows.
+        /// The value, in little-endian order. Its size matches the type, unless a problem follows.
         value: &'b [u8],
     },
     /// `M`: one of several values of a key, or a part of a value.
@@ -63,7 +63,7 @@ pub enum Event<'b> {
     },
     /// `Q`: the default value of a parameter.
     DefaultParameter {
-        /// The kinds of default. The lowest bit denotes the firmware, and the next bit the airframe.
+        /// The kinds of default. The lowest bit denotes a firmware default, and the next bit an airframe default.
         defaults: u8,
         /// The name.
         key: &'b str,
@@ -76,7 +76,7 @@ pub enum Event<'b> {
     Subscription {
         /// The instance of the topic.
         multi_id: u8,
-        /// The id of its data.
+        /// The id of the topic's data.
         id: u16,
         /// The topic, which is also the name of its format.
         name: &'b str,
@@ -88,7 +88,7 @@ pub enum Event<'b> {
     },
     /// `D`: a message of a topic.
     Data {
-        /// The id of its subscription.
+        /// The id of the subscription.
         id: u16,
         /// The message in memory layout.
         payload: &'b [u8],
@@ -101,7 +101,7 @@ pub enum Event<'b> {
         tag: Option<u16>,
         /// The time, in µs.
         timestamp: u64,
-        /// The text, up to the first invalid byte of UTF-8.
+        /// The text, up to the first invalid UTF-8 byte.
         text: &'b str,
     },
     /// `S`: a mark for recovery from corruption.
@@ -122,10 +122,10 @@ pub enum Event<'b> {
     Problem(Problem),
 }
 
-/// A message, and a problem that doesn't prevent its use.
+/// A message, and any problem that doesn't prevent its use.
 pub(super) type Parsed<'b> = (Event<'b>, Option<Malformation>);
 
-/// Parses the payload of a message of any kind. Fails if no part of it is usable.
+/// Parses the payload of a message of any kind. Fails if no part of the payload is usable.
 pub(super) fn parse(kind: u8, payload: &[u8]) -> Result<Parsed<'_>, Malformation> {
     let mut rest = Payload { rest: payload, size: payload.len() };
     let event = match kind {
@@ -188,14 +188,14 @@ fn named(name: &str) -> Result<&str, Malformation> {
     if name.is_empty() { Err(Malformation::NoName) } else { Ok(name) }
 }
 
-/// The problem with the value of an information or parameter, if there is one.
+/// The problem, if any, with the value of an information or parameter message.
 fn value_defect(ty: &str, value: &[u8]) -> Option<Malformation> {
     let is_text = ty.starts_with("char[") && str::from_utf8(value).is_err();
     size_defect(ty, value).or_else(|| is_text.then_some(Malformation::ValueNotUtf8))
 }
 
-/// Reports a value whose size differs from its type. Non-basic types can have any size. Text in parts of a value
-/// isn't checked, since a part may end within a character.
+/// Reports a value whose size doesn't match its type. Non-basic types can have any size. The text in a partial value
+/// isn't checked, since it may end within a character.
 fn size_defect(ty: &str, value: &[u8]) -> Option<Malformation> {
     let (element, count) = match ty.split_once('[') {
         None => (ty, 1),
@@ -251,7 +251,7 @@ impl<'b> Payload<'b> {
             .map_err(|error| Malformation::NotUtf8 { at: self.position() + error.valid_up_to() })
     }
 
-    /// Parses a key with its type. The rest is its value.
+    /// Parses a key with its type. The rest of the payload is the key's value.
     fn entry(&mut self) -> Result<((&'b str, &'b str), &'b [u8]), Malformation> {
         let length = usize::from(self.u8()?);
         let room = self.rest.len();

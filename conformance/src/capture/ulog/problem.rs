@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::model::Extent;
 
-/// A problem in the bytes of a log. Its item has the offset of the message header, or of the first affected byte.
+/// A problem in the bytes of a log. The item's offset is that of the message header, or of the first affected byte.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Problem {
@@ -31,7 +31,8 @@ pub enum Problem {
     },
     /// An unknown bit that readers must not ignore is set. Reading stops.
     UnknownIncompatible([u8; 8]),
-    /// An offset of appended data is ignored: it doesn't follow the previous one, or the corresponding bit isn't set.
+    /// An offset of appended data is ignored, because it doesn't follow the previous offset or because the bit for
+    /// appended data isn't set.
     AppendedOffset(u64),
     /// The log ends before this offset of appended data.
     AppendedBeyondEnd(u64),
@@ -54,7 +55,7 @@ pub enum Problem {
         /// The offset of the appended data.
         appended: u64,
     },
-    /// Messages of an unknown kind. All are returned, but only the first one is reported.
+    /// Messages of an unknown kind. All messages are returned, but only the first message is reported.
     UnknownKind(u8),
     /// Bytes that aren't messages, or messages of an impossible size.
     Skipped {
@@ -89,9 +90,9 @@ pub enum Resync {
     Synchronisation,
     /// Several consecutive messages.
     Messages,
-    /// The start of appended data. Nothing before it was readable.
+    /// The start of appended data. The search found no messages before it.
     Appended,
-    /// The end of the log. Nothing before it was readable.
+    /// The end of the log. The search found no messages before it.
     End,
 }
 
@@ -122,11 +123,11 @@ pub enum Malformation {
     ValueNotUtf8,
     /// A format lacks the colon after its name.
     NoColon,
-    /// A key isn't a type and a name, separated by a space.
+    /// A key doesn't consist of a type and a name separated by a space.
     NoType,
     /// A name is empty.
     NoName,
-    /// The size of a value differs from its type.
+    /// The size of a value doesn't match its type.
     ValueSize {
         /// The size of the type, in bytes.
         expected: u64,

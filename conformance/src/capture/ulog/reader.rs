@@ -20,7 +20,7 @@ const VERSION: u8 = 1;
 /// The size of the known flag bits, in bytes.
 const FLAG_BITS: usize = 40;
 
-/// The supported bits of `incompat_flags`: data was appended.
+/// The only supported bit of `incompat_flags`: data was appended.
 const KNOWN_INCOMPATIBLE: [u8; 8] = [1, 0, 0, 0, 0, 0, 0, 0];
 
 /// A message or a problem, with its offset.
@@ -95,7 +95,7 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// The number of bytes read as messages or skipped.
+    /// The number of bytes that were read as messages or skipped.
     pub fn position(&self) -> u64 {
         self.window.offset()
     }
@@ -115,7 +115,8 @@ impl<R: Read> Reader<R> {
         Ok(Some(Item { offset, event }))
     }
 
-    /// The size of the next message, if it is in the buffer and is clearly valid data. Nearly all messages are.
+    /// The size of the next message, if the message is in the buffer and is clearly valid data. Nearly all messages
+    /// meet both conditions.
     #[inline]
     fn data_ahead(&self) -> Option<usize> {
         if self.state != State::Messages || !self.queued.is_empty() {
@@ -248,7 +249,7 @@ impl<R: Read> Reader<R> {
             self.window.require(LOOKAHEAD)?;
             let look = self.look();
             let (size, is_closed) = (look.bytes.len(), look.is_closed);
-            // Later starts are checked once all the bytes that they may need have been read.
+            // Later start positions are checked after all bytes that they may need have been read.
             let starts = if is_closed { size } else { size - LOOKAHEAD + 1 };
             let found = look.search(0..starts);
             self.window.advance(found.map_or(starts, |(at, _)| at));
@@ -362,7 +363,7 @@ impl<R> Reader<R> {
         Step::Problem(self.window.offset(), problem)
     }
 
-    /// The part of the section's rest that is in the buffer.
+    /// The bytes after the cursor that belong to the current section and are in the buffer.
     fn look(&self) -> Look<'_> {
         let ahead = self.window.ahead();
         let left = self.sections.end - self.window.offset();

@@ -6,29 +6,29 @@ use std::ops::Range;
 use super::kind::{HEADER, Header, LARGEST, SYNC};
 use super::problem::Resync;
 
-/// The number of consecutive valid messages that form a run, which is unlikely to occur by chance.
+/// The number of consecutive valid messages that form a run. A run is unlikely to occur by chance.
 const SOUND_RUN: usize = 4;
 
-/// Like [`SOUND_RUN`], at the end of the log or of a section.
+/// Like [`SOUND_RUN`], for the end of the log or of a section.
 const RUN_AT_END: usize = 2;
 
-/// Like [`SOUND_RUN`], directly after the end of a message.
+/// Like [`SOUND_RUN`], for a run directly after the end of a message.
 const RUN_AFTER_MESSAGE: usize = 1;
 
-/// The number of consecutive messages that form a run even if most are only [possible](Plausibility::Possible). By
-/// chance, one start in five looks possible.
+/// The number of consecutive messages that form a run even if most are only [possible](Plausibility::Possible). One
+/// start position in five looks possible by chance.
 const LONG_RUN: usize = 16;
 
-/// The maximum size of a message that is only possible at the start of a run, in bytes. In noise before a log, one
-/// start in 256 looks like data of up to 64 KiB. By chance, some of these end at the start of a message, and would form
-/// a run that hides the messages in between. PX4 data is smaller than this.
+/// The maximum size, in bytes, of a run's first message if it is only [possible](Plausibility::Possible). In noise, one
+/// start position in 256 looks like data of up to 64 KiB. Some of these messages end where a real message starts. They
+/// would form a run that hides the messages in between. PX4 data messages are smaller than this limit.
 const LARGEST_POSSIBLE_START: usize = 1_024;
 
 /// The maximum number of characters to check in a string. Names are shorter, and the time must not depend on sizes that
 /// may be wrong.
 const TEXT: usize = 64;
 
-/// The size of the data to look at: a message and a run after it, all of maximum size.
+/// The number of bytes to examine: a message and a run after it, with all messages of maximum size.
 pub(super) const LOOKAHEAD: usize = (SOUND_RUN + 1) * LARGEST;
 
 /// The classification of the bytes at the cursor.
@@ -40,9 +40,9 @@ pub(super) enum Beginning {
     Message(Header),
     /// A message or header that extends beyond the end.
     Truncated,
-    /// This number of invalid bytes, followed by a message.
+    /// A number of invalid bytes, followed by a message.
     Skip(usize, Resync),
-    /// Invalid bytes. The next start is at least this number of bytes away.
+    /// Invalid bytes. The next message starts at least this number of bytes away.
     Lost(usize),
 }
 
@@ -56,10 +56,10 @@ pub(super) struct Ids {
     is_empty: bool,
 }
 
-/// The size for ids without a subscription.
+/// The placeholder size for ids without a subscription.
 const UNSUBSCRIBED: u16 = 0;
 
-/// The size for ids without messages. Data has at least the two bytes of its id.
+/// The placeholder size for ids without messages. Real data contains at least the two bytes of its id.
 const UNSEEN: u16 = 1;
 
 impl Default for Ids {
@@ -97,8 +97,7 @@ impl Ids {
         payload.first_chunk().map_or(UNSUBSCRIBED, |id| self.sizes[usize::from(u16::from_le_bytes(*id))])
     }
 
-    /// True if a message with this id is possible: the id has no known size, and it is subscribed or no id is
-    /// subscribed.
+    /// True if a message with this id is possible: the id has no known size, and either this id or no id is subscribed.
     fn allow(&self, payload: &[u8]) -> bool {
         self.is_empty || self.size(payload) == UNSEEN
     }
@@ -116,7 +115,7 @@ pub(super) struct Look<'b> {
     pub(super) ids: &'b Ids,
 }
 
-/// The end of a walk from message to message.
+/// The reason why a walk from message to message ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Walk {
     /// There were enough valid messages.
@@ -132,7 +131,7 @@ enum Walk {
 /// The plausibility of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Plausibility {
-    /// The kind is known and the content is valid. Fewer than one in a hundred thousand starts are sound by chance.
+    /// The kind is known and the content is valid. By chance, fewer than one in 100,000 start positions are sound.
     Sound,
     /// Data with an unknown id or a new size, or a kind that may belong to a future version.
     Possible,
@@ -180,7 +179,7 @@ impl Look<'_> {
         }
     }
 
-    /// The first start of a run.
+    /// The first position at which a run starts.
     pub(super) fn search(&self, mut starts: Range<usize>) -> Option<(usize, Resync)> {
         starts.find_map(|at| Some((at, self.run(at)?)))
     }
@@ -198,7 +197,7 @@ impl Look<'_> {
         }
         let is_start = match self.plausibility(header, rest.get(HEADER..header.total())?) {
             Plausibility::Sound => true,
-            // The first data of an id is only possible, since its size is unknown.
+            // The first data message of an id is only `Possible`, since the usual size isn't known yet.
             Plausibility::Possible => {
                 self.ids.allow(&rest[HEADER..]) && header.total() <= LARGEST_POSSIBLE_START
             }
@@ -213,7 +212,7 @@ impl Look<'_> {
         is_run.then_some(Resync::Messages)
     }
 
-    /// True if messages follow a message that ends here.
+    /// True if messages follow at this position, where another message ends.
     fn follows(&self, at: usize) -> bool {
         match self.walk(at, RUN_AFTER_MESSAGE) {
             Walk::Enough | Walk::End { .. } => true,
@@ -289,7 +288,7 @@ fn is_format(text: &[u8]) -> bool {
     name > 0 && text.get(name).is_none_or(|byte| *byte == b':') && text.iter().copied().all(is_printable)
 }
 
-/// True if the bytes are the length of a key, the key with its type, and a value.
+/// True if the bytes consist of a key length, a key with its type, and a value.
 fn is_entry(entry: &[u8]) -> bool {
     let Some((length, rest)) = entry.split_first() else { return false };
     let Some(key) = rest.get(..usize::from(*length)) else { return false };

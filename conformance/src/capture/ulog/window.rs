@@ -12,7 +12,7 @@ pub(super) struct Window<R> {
     buffer: Box<[u8]>,
     /// The index of the cursor in the buffer.
     start: usize,
-    /// The index in the buffer after the last byte read.
+    /// The buffer index just after the last byte that was read.
     end: usize,
     /// The offset of the cursor in the input.
     offset: u64,
@@ -50,7 +50,7 @@ impl<R: Read> Window<R> {
 }
 
 impl<R> Window<R> {
-    /// The bytes in the buffer after the cursor.
+    /// The buffered bytes after the cursor.
     #[inline]
     pub(super) fn ahead(&self) -> &[u8] {
         &self.buffer[self.start..self.end]

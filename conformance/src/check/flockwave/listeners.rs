@@ -1,4 +1,4 @@
-//! The checks of all rules on sessions, and the dispatch of records to them.
+//! The checks of all session rules, and the dispatch of records to these checks.
 
 use crate::definitions::Definitions;
 use crate::flockwave::session::Exchange;
@@ -9,20 +9,20 @@ use crate::rules::flockwave::{Check, Message, RULES, SessionCheck, StatusReport}
 /// The checks of all rules.
 pub(in crate::check) struct Listeners<'d> {
     definitions: &'d Definitions,
-    /// The checks that see status reports come first.
+    /// The checks that receive status reports come first.
     all: Vec<Listener>,
-    /// The number of checks that see status reports.
+    /// The number of checks that receive status reports.
     on_reports: usize,
 }
 
-/// A rule's check, and the number of times that it had something to check.
+/// A rule's check, and the number of items that it has checked.
 struct Listener {
     rule: &'static Rule,
     running: Running,
     coverage: u64,
 }
 
-/// A check, with its state if it keeps one.
+/// A check, with its state, if any.
 enum Running {
     Stateless(Check),
     Session(Box<dyn SessionCheck>),
@@ -63,7 +63,7 @@ impl<'d> Listeners<'d> {
         views.show(&mut self.all, self.definitions, findings);
     }
 
-    /// Passes a status report to the checks, except the message checks, which the report has already passed.
+    /// Passes a status report to all checks except message checks, whose results are already known.
     pub(in crate::check) fn checked_report(&mut self, exchange: &Exchange<'_>, findings: &mut Findings) {
         let views = Views { exchange, message: None, report: StatusReport::from_exchange(exchange) };
         views.show(&mut self.all[..self.on_reports], self.definitions, findings);

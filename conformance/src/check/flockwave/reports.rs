@@ -1,13 +1,13 @@
 //! A fast path for status reports without new findings. Nearly all status reports have none.
 //!
-//! It reads a line in one pass, without building a tree, and compares each value with its schema. Apart from that, the
-//! findings in a report depend on only a few properties: its version, and for each state, which fields are present or
-//! null and the text of the error codes ([`Kind`]).
+//! It reads a line in one pass, without building a tree, and compares each value with its schema. Apart from that, only
+//! a few properties determine the findings in a report. They are the report's version and, for each state, the present
+//! fields, the null fields, and the text of the error codes ([`Kind`]).
 //!
 //! The first state of each kind is passed to all message checks ([`Check::Message`](crate::rules::flockwave::Check)),
-//! alone in a report. The signature of these checks guarantees that nothing else matters, so the results apply to all
-//! states of that kind. A line takes the general path as long as its findings need examples, or if they would name a
-//! new UAV. Later lines are only counted. The other checks still receive each report as a
+//! in a report that contains no other state. The signature of these checks guarantees that nothing else affects them,
+//! so the results apply to all states of that kind. A line takes the general path as long as its findings need examples
+//! or would name a new UAV. Later lines are only counted. The other checks still receive each report as a
 //! [`StatusReport`](crate::rules::flockwave::StatusReport).
 //!
 //! Lines in an unusual form, and other messages, take the general path.
@@ -27,8 +27,8 @@ use uavspec_codegen::schema::json_type::Direction;
 /// The type of the message.
 const TYPE: &str = "UAV-INF";
 
-/// The maximum length of a line on this path, in bytes. It ensures that no line exceeds the maximum number of values in
-/// a tree.
+/// The maximum length of a line on this path, in bytes. The limit ensures that no line exceeds the maximum number of
+/// values in a tree.
 const MAX_LINE: usize = 1 << 20;
 
 /// The maximum length of a message id, in bytes. A longer id may still have few enough characters, but this is rare.
@@ -61,7 +61,7 @@ pub(super) struct Reports<'d> {
     /// The fields of states; `None` if this path can't be used.
     fields: Option<Fields<'d>>,
     known: Known<'d>,
-    /// The kinds of the states of the last report.
+    /// The kind of each state in the last report.
     kinds: Vec<usize>,
 }
 
@@ -99,7 +99,7 @@ struct Body<'l> {
     states: Option<States<'l>>,
 }
 
-/// The states, each with its UAV and reduced to its timestamp.
+/// The UAVs, each with its state reduced to the timestamp.
 type States<'l> = Vec<(Cow<'l, str>, Tree<'l>)>;
 
 impl<'d> Reports<'d> {
@@ -234,7 +234,7 @@ impl<'d> Fields<'d> {
         })
     }
 
-    /// Reads the state of a UAV: its timestamp and its kind.
+    /// Reads the timestamp and the kind of a UAV's state.
     fn state<'l>(&mut self, tokens: &mut Tokens<'l>, uav: &str) -> Result<(i128, Kind<'l>), Unclear> {
         let mut kind = Kind::default();
         let mut timestamp = None;
@@ -273,7 +273,7 @@ impl<'d> Fields<'d> {
         Ok((timestamp.ok_or(Unclear)?, kind))
     }
 
-    /// Reads the key of the next field. The fields probably have the same order as before.
+    /// Reads the key of the next field. The fields probably have the same order as in the previous state.
     fn field(&mut self, tokens: &mut Tokens<'_>, before: usize) -> Result<usize, Unclear> {
         let guess = self.next[before];
         if tokens.takes_key(self.members.name(guess)) {
@@ -293,7 +293,7 @@ fn plain<'l>(tokens: &mut Tokens<'l>) -> Result<&'l str, Unclear> {
 /// A time in seconds.
 fn time(token: &Token<'_>) -> Result<f64, Unclear> {
     match token {
-        #[allow(clippy::cast_precision_loss)] // seconds fit well
+        #[allow(clippy::cast_precision_loss)] // times in seconds are small enough
         Token::Int(value) => Ok(*value as f64),
         Token::Float(value, _) => Ok(*value),
         _ => Err(Unclear),

@@ -17,18 +17,18 @@ type Types = BTreeMap<String, TypeCount>;
 pub struct FlockwaveSummary {
     /// The number of connections.
     pub connections: usize,
-    /// The number of requests, of clients and of the server.
+    /// The number of requests from clients and from the server.
     pub requests: u64,
     /// The number of responses.
     pub responses: u64,
-    /// The number of notifications of the server.
+    /// The number of notifications from the server.
     pub notifications: u64,
-    /// The types of its messages that the definitions have, by name.
+    /// The message types that the definitions contain, by name.
     #[serde(serialize_with = "rows")]
     #[cfg_attr(test, schemars(with = "Vec<Row>"))]
     pub types: Types,
-    /// The types that the definitions lack, by name. Their bodies aren't checked. Machine-readable reports list those
-    /// of the server.
+    /// The message types that the definitions lack, by name. The bodies of such messages aren't checked.
+    /// Machine-readable reports list only the types that the server sent.
     #[serde(rename = "unsupported", serialize_with = "rows_of_server")]
     #[cfg_attr(test, schemars(with = "Vec<Row>"))]
     pub unknown: Types,
@@ -80,7 +80,7 @@ fn rows_of_server<S: Serializer>(types: &Types, serializer: S) -> Result<S::Ok, 
     serializer.collect_seq(from_server(types))
 }
 
-/// The types that the server sent. A client may send wrong requests on purpose, so requests aren't checked.
+/// The types that the server sent. A client may send invalid requests on purpose, so requests aren't checked.
 fn from_server(types: &Types) -> Vec<Row<'_>> {
     types.iter().map(Row::new).filter(|row| row.from_server > 0).collect()
 }
@@ -117,7 +117,7 @@ impl Describe for FlockwaveSummary {
         if !unsupported.is_empty() || self.uncounted > 0 {
             let messages = unsupported.iter().map(Row::total).sum::<u64>() + self.uncounted;
             let text = format!(
-                "{} of types without a definition: {}",
+                "{} without a definition: {}",
                 plural(messages, "message"),
                 names(unsupported.iter().map(|row| row.name)),
             );

@@ -1,4 +1,4 @@
-//! The envelope of a message, which names its type or topic.
+//! The envelope of a message. The envelope names the message's type or topic.
 
 use std::collections::HashMap;
 
@@ -49,7 +49,7 @@ pub(super) struct Open {
 /// All topics and types of the capture.
 #[derive(Debug)]
 pub(super) struct Channels {
-    /// The channel of all values, if the caller set a type.
+    /// The channel for all values, if the caller set a type.
     pub(super) only: Option<usize>,
     pub(super) open: Vec<Open>,
     pub(super) by_type: HashMap<String, usize>,

@@ -9,8 +9,8 @@ const MAX_TEMPLATES: usize = 64;
 /// The maximum length of a template's text, in bytes.
 const MAX_TEXT: usize = 64 * 1024;
 
-/// The number of consecutive misses after which no more templates are created. The form of the messages then probably
-/// varies, for example because the producer numbers them.
+/// The number of consecutive misses after which no more templates are created. After this many misses, the form of the
+/// messages probably varies, for example because the producer numbers them.
 const MAX_MISSES: usize = 256;
 
 /// The templates of a capture.

@@ -1,8 +1,8 @@
 //! Removes stale entries from lists and keeps everything else unchanged, byte for byte.
 //!
 //! An entry extends from its header to its last value, and includes the comments directly above and directly below.
-//! Comments separate from entries are kept. Comments at the start of a list are kept as well, since they may concern
-//! the whole list.
+//! Comments that aren't adjacent to an entry are kept. Comments at the start of a list are kept as well, since they may
+//! concern the whole list.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -12,10 +12,11 @@ use uavspec_codegen::source::{SourceId, Span};
 use super::pattern::exact;
 use super::{Entry, Lists, Stale, StaleReason};
 
-/// The maximum length of the start of a failure message, in characters. A longer start would become stale more often.
+/// The maximum length of a `message` value that a fix writes, in characters. A longer text would become stale more
+/// often.
 const MAX_MESSAGE: usize = 120;
 
-/// The new texts of the lists that change.
+/// The new text of each list that changes.
 pub(super) fn texts(lists: &Lists, stale: &[Stale]) -> BTreeMap<SourceId, String> {
     let mut removed = vec![false; lists.entries.len()];
     let mut values: BTreeMap<usize, Vec<(Span, String)>> = BTreeMap::new();
@@ -77,7 +78,7 @@ struct Line {
     owner: Option<usize>,
 }
 
-/// The parts of a text to remove. Entries are in order, each with true if it must be removed.
+/// The parts of a text to remove. The entries are in order. The flag is true if the entry must be removed.
 fn removals(text: &str, entries: &[(Range<usize>, bool)]) -> Vec<(Range<usize>, String)> {
     let lines = lines(text, entries);
     let is_removed = |line: &Line| line.owner.is_some_and(|owner| entries[owner].1);

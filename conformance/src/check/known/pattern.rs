@@ -14,7 +14,7 @@ impl Pattern {
         Self::new(text, false)
     }
 
-    /// Compiles a pattern for paths. `*` stops at `/`, and `**` doesn't.
+    /// Compiles a pattern for paths. `*` stops at `/`, but `**` doesn't.
     pub(super) fn for_paths(text: &str) -> Result<Self, String> {
         Self::new(text.strip_prefix("./").unwrap_or(text), true)
     }

@@ -17,7 +17,7 @@ use crate::rules::rule;
 /// The allowed keys of an entry, for error messages.
 const KEYS: &str = "expected rule, subject, file, case, reason, link, expires or message";
 
-/// The entries of a list and its errors, in line order.
+/// The entries and the errors of a list, in line order.
 pub(super) fn entries(sources: &SourceMap, source: SourceId) -> (Vec<Entry>, Vec<Finding>) {
     let mut reader = Reader { sources, whole: sources.span(source), mistakes: Vec::new() };
     let (table, errors) = DeTable::parse_recoverable(sources.text(source));
@@ -197,7 +197,7 @@ impl Reader<'_> {
                     "known-selector",
                     span,
                     message,
-                    "add the `rule` that the key restricts, or remove the key",
+                    "add a `rule` to the entry, or remove this key",
                 );
             }
         }

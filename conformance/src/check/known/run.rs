@@ -1,4 +1,4 @@
-//! Converts the findings in a capture to results for lists, and marks excused findings.
+//! Converts the findings in a capture to results that lists can match, and marks excused findings.
 
 use super::{Checked, Lists, Name, Outcome};
 
@@ -27,7 +27,7 @@ pub(crate) fn unread_outcome(file: &str) -> impl Iterator<Item = Checked<'_>> {
     RULES.iter().map(unread)
 }
 
-/// Marks each finding in a file that an entry excuses.
+/// Marks the findings in a file as known if an entry excuses them.
 pub(crate) fn excuse_findings(lists: &Lists, file: &str, findings: &mut Findings) {
     findings.excuse(|group| {
         let name = Name::Rule { rule: group.rule, subject: &group.subject, file };

@@ -9,8 +9,8 @@ use super::{Entry, Lists, Selector};
 use crate::model::Rule;
 use crate::model::{Date, Excuse, ExcuseKind};
 
-/// The maximum length of a pattern that is underlined in full, in bytes. Automatic fixes may write patterns of any
-/// length.
+/// The maximum length, in bytes, of a pattern that messages underline in full. Automatic fixes may write patterns of
+/// any length.
 const MAX_MARKED: u32 = 200;
 
 /// The result of a case, or of a rule for a subject in a file.
@@ -25,7 +25,7 @@ pub(crate) struct Checked<'r> {
 /// The name of a result.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Name<'r> {
-    /// A rule for a subject in a file.
+    /// A rule, applied to a subject in a file.
     Rule {
         /// The rule.
         rule: &'static Rule,
@@ -41,7 +41,7 @@ pub(crate) enum Name<'r> {
 /// The result of a case or rule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// Passed. A rule passes if it was covered. Its violations in the same file are separate results.
+    /// Passed. A rule passes if it was covered. The rule's violations in the same file are separate results.
     Passed,
     /// Failed, with these messages.
     Failed(Vec<String>),
@@ -80,7 +80,7 @@ impl Stale {
 /// The reason why an entry is stale.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum StaleReason {
-    /// Everything that matches passes.
+    /// All matching results pass.
     Passes,
     /// Some of the matching cases pass.
     PassesInPart {
@@ -106,7 +106,7 @@ pub(crate) enum StaleReason {
     Expired,
 }
 
-/// The combined results of everything that an entry matches.
+/// The counts and messages of all results that an entry matches.
 #[derive(Default)]
 struct Sum<'c> {
     passed: usize,
@@ -134,7 +134,7 @@ impl Lists {
         found.map(|entry| &entry.excuse)
     }
 
-    /// The entries that are stale on the day `today`, in order.
+    /// The entries that are stale on `today`, in order.
     pub(crate) fn find_stale(&self, scope: Scope, checked: &[Checked<'_>], today: Date) -> Vec<Stale> {
         let mut stale = Vec::new();
         let by_rule = by_rule(checked);
@@ -168,7 +168,7 @@ impl Lists {
         };
         let (id, span, message, help) = match &stale.reason {
             StaleReason::Passes => {
-                let message = format!("everything that matches this {noun} passes");
+                let message = format!("all results that match this {noun} pass");
                 ("known-passes", spans.selector, message, "remove the entry")
             }
             StaleReason::PassesInPart { count, first, failing } => {
@@ -276,7 +276,7 @@ impl<'c> Sum<'c> {
         otherwise.into_iter().chain(self.reason_to_remove(kind))
     }
 
-    /// The reason why an entry is stale because of results other than failures.
+    /// The reason to remove or narrow an entry, if there is one. Failure messages don't matter here.
     fn reason_to_remove(self, kind: ExcuseKind) -> Option<StaleReason> {
         // A case that wasn't run might fail.
         if self.not_run > 0 {
@@ -299,7 +299,7 @@ impl<'c> Sum<'c> {
     }
 }
 
-/// Groups the results by rule, so that lists with many entries stay fast.
+/// Groups the results by rule, so that checking lists with many entries stays fast.
 fn by_rule<'c, 'r>(checked: &'c [Checked<'r>]) -> BTreeMap<&'static str, Vec<&'c Checked<'r>>> {
     let mut by_rule: BTreeMap<_, Vec<_>> = BTreeMap::new();
     for checked in checked {

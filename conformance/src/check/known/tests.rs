@@ -201,7 +201,7 @@ expires = 2026-05-08
     assert_eq!(
         list.render(&stale, Level::Error, false),
         "\
-error[known-passes]: everything that matches this rule passes
+error[known-passes]: all results that match this rule pass
  --> known.toml:4:8
   |
 4 | rule = \"PX-RANGE-01\"

@@ -49,12 +49,12 @@ pub(super) struct CdrChecker {
     plan: Plan,
     /// The offset of `timestamp` in memory.
     timestamp: Option<usize>,
-    /// The number of payloads with a checked header.
+    /// The number of payloads whose header was checked.
     headers: u64,
     bodies: u64,
     /// The number of decoded messages.
     messages: u64,
-    /// The number of payloads of unsupported kinds of CDR.
+    /// The number of payloads in unsupported CDR encodings.
     others: u64,
 }
 
@@ -115,7 +115,7 @@ impl CdrChecker {
                 return None;
             }
             Header::Short => {
-                let expected = format!("{HEADER} bytes of header");
+                let expected = format!("a header of {HEADER} bytes");
                 report(&px4::CDR_02.rule, Detail::differs(expected, payload.len()));
                 return None;
             }
@@ -171,7 +171,7 @@ impl CdrChecker {
         Some(u64::from_le_bytes(*bytes.first_chunk()?))
     }
 
-    /// Adds the coverage of rules. Returns the number of payloads of unsupported kinds of CDR.
+    /// Adds the coverage of rules. Returns the number of payloads in unsupported CDR encodings.
     pub(super) fn close(self, findings: &mut Findings) -> u64 {
         findings.cover(&px4::CDR_01.rule, self.headers);
         findings.cover(&px4::CDR_02.rule, self.bodies);
@@ -180,7 +180,8 @@ impl CdrChecker {
     }
 }
 
-/// Decompresses a payload if rosbag2 compressed each message separately. No encapsulation header starts like zstd data.
+/// Decompresses a payload if rosbag2 compressed each message separately. No encapsulation header looks like the start
+/// of zstd data.
 pub(super) fn decompressed(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     if !payload.starts_with(&ZSTD) {
         return Ok(Cow::Borrowed(payload));

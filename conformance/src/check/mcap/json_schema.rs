@@ -1,7 +1,7 @@
 //! Compares the JSON Schema in a file with the definition.
 //!
 //! Only explicit statements are compared: the names of properties, their types, and whether they are required. `number`
-//! matches an integer, since many writers have no integer type. A missing type or `anyOf` matches anything.
+//! matches an integer, since many writers have no integer type. A missing type matches anything, and so does `anyOf`.
 
 use serde_json::Value;
 use uavspec_codegen::schema::{self, Dialect, Element, Field, Form, MessageId, Schema, Shape};
@@ -12,7 +12,7 @@ use crate::px4::comparison::{Comparison, Differences};
 /// The maximum depth of compared objects. Definitions don't nest deeper.
 const MAX_DEPTH: usize = 32;
 
-/// The maximum number of consecutive references to follow to a schema.
+/// The maximum number of consecutive references to follow.
 const MAX_REFERENCES: usize = 8;
 
 /// Compares the text of a schema with a definition. Returns `None` if the schema has no properties. The error is a

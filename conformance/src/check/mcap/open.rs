@@ -22,7 +22,7 @@ pub struct McapChannel {
     pub schema: Option<(String, String)>,
     /// The number of messages.
     pub messages: u64,
-    /// The number of messages in unsupported kinds of CDR: parameter lists and CDR version 2.
+    /// The number of messages in unsupported CDR encodings: parameter lists and CDR version 2.
     pub other_cdr: u64,
     /// True if both the channel's hash and its schema differ from the definition.
     pub has_other_hash: bool,
@@ -35,7 +35,7 @@ pub struct McapChannel {
 pub enum CheckStatus {
     /// The messages were checked against the definition.
     Checked(Basis),
-    /// Neither its schema nor its topic names a definition.
+    /// Neither the channel's schema nor its topic names a definition.
     Undefined,
     /// The messages are neither CDR nor JSON.
     Unsupported,
@@ -56,7 +56,7 @@ pub enum Basis {
     TooLong,
     /// Messages of the defined type aren't supported, for this reason. The channel wasn't checked.
     Unusable(String),
-    /// There are too many channels. This one wasn't checked.
+    /// There are too many channels. This channel wasn't checked.
     TooMany,
 }
 
@@ -76,7 +76,7 @@ impl Basis {
     pub fn problem(&self) -> Option<String> {
         match self {
             Self::Compared(_) => None,
-            Self::NoSchema => Some("no schema that names fields".to_owned()),
+            Self::NoSchema => Some("no schema with fields".to_owned()),
             Self::Encoding(encoding) => Some(format!("the schema encoding `{encoding}` isn't supported")),
             Self::Unreadable(error) => Some(format!("invalid schema: {error}")),
             Self::TooLong => Some("the schema is too long".to_owned()),

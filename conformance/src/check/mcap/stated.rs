@@ -1,7 +1,7 @@
-//! Reads the types in a file, in the `ros2msg` format.
+//! Reads the types that a file declares in the `ros2msg` format.
 //!
-//! The text of the type itself comes first. The text of each nested type follows a line of `=` and a line with its
-//! name, `MSG: package/Name`.
+//! The text of the type itself comes first. Before the text of each nested type, there is a line of `=` and a line with
+//! the type's name, `MSG: package/Name`.
 //!
 //! Comments are removed first: they aren't part of a type, and may contain annotations that refer to missing
 //! messages.
@@ -15,7 +15,7 @@ use uavspec_codegen::schema::{Form, Message, MessageId};
 use uavspec_codegen::{PackageInput, SourceMap, read};
 use uavspec_runtime::Number;
 
-/// The package of a type whose name has no package.
+/// The package for type names that contain no package.
 const NO_PACKAGE: &str = "unnamed";
 
 /// The minimum length of a separator line; all writers use 80 characters.
@@ -30,7 +30,7 @@ pub(super) struct Stated {
 }
 
 impl Stated {
-    /// Parses the text of the schema `name`. The error is a message of one line.
+    /// Parses the text of the schema `name`. The error is a one-line message.
     pub(super) fn read(name: &str, text: &[u8]) -> Result<Self, String> {
         let text = std::str::from_utf8(text)
             .map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))?;
@@ -71,7 +71,7 @@ impl Stated {
         let is_root = |id: &&MessageId| schema.message(**id).name == root.1;
         let messages = schema.packages.iter().filter(|package| package.name == root.0);
         let found = messages.flat_map(|package| &package.messages).find(is_root).copied();
-        let root = found.ok_or("it doesn't define the type in its name")?;
+        let root = found.ok_or("it doesn't define the type after which it is named")?;
         let stated = Self { root, version: version(schema.message(root)), types: Types::new(&schema) };
         match stated.root().defect() {
             Some(defect) => Err(format!("it {defect}")),
@@ -90,7 +90,7 @@ impl Stated {
     }
 }
 
-/// The version that PX4 assigns to a message. In ROS 2, this is an ordinary constant.
+/// The version that PX4 assigns to a message. In ROS 2, the version is an ordinary constant.
 fn version(message: &Message) -> Option<u32> {
     let constant = message.constants.iter().find(|constant| constant.name == "MESSAGE_VERSION")?;
     match constant.value.number()? {

@@ -15,7 +15,7 @@ use crate::text::{Grouped, shown};
 pub struct McapSummary {
     /// The profile, e.g. `ros2`.
     pub profile: String,
-    /// The library that wrote it.
+    /// The library that wrote the file.
     pub library: String,
     /// The channels, by topic.
     #[serde(serialize_with = "rows")]
@@ -39,7 +39,7 @@ struct Row<'c> {
     schema_encoding: Option<&'c str>,
     /// The number of messages.
     messages: u64,
-    /// The number of messages in unsupported kinds of CDR: parameter lists and version 2.
+    /// The number of messages in unsupported CDR encodings: parameter lists and CDR version 2.
     other_cdr: u64,
     /// The result of comparing its schema with the definition.
     result: ChannelResult,
@@ -52,16 +52,16 @@ struct Row<'c> {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 enum ChannelResult {
-    /// All fields have equal types and the same order.
+    /// The fields have the same types and the same order.
     Equal,
     /// Something differs.
     Differs,
-    /// There is no comparable schema. The name of the schema, or the topic, identifies the definition.
+    /// There is no comparable schema. The schema name or the topic identifies the definition.
     #[serde(rename = "by name")]
     ByName,
-    /// No definition is known for it.
+    /// There is no known definition for the channel.
     Undefined,
-    /// Its messages are neither CDR nor JSON.
+    /// The channel's messages are neither CDR nor JSON.
     Unsupported,
 }
 
@@ -97,9 +97,10 @@ impl<'c> Row<'c> {
     fn not_read(&self) -> Option<String> {
         match self.result {
             ChannelResult::Unsupported => Some(format!("unsupported encoding `{}`", shown(self.encoding))),
-            _ if self.other_cdr > 0 => {
-                Some(format!("{} messages in CDR other than plain version 1", Grouped(self.other_cdr)))
-            }
+            _ if self.other_cdr > 0 => Some(format!(
+                "{} messages in a CDR encoding other than plain version 1",
+                Grouped(self.other_cdr)
+            )),
             _ => None,
         }
     }

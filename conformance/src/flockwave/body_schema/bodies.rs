@@ -1,4 +1,4 @@
-//! The body schemas of all messages of the definitions.
+//! The body schemas of all defined messages.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -7,7 +7,7 @@ use uavspec_codegen::source::Span;
 
 use super::defined::{Object, Tuple, ValueSchema};
 
-/// The body schemas of all messages of the definitions.
+/// The body schemas of all defined messages.
 #[derive(Debug, Default)]
 pub struct DefinedSchemas {
     /// The bodies by message type, one for each direction.
@@ -26,14 +26,14 @@ pub struct DefinedSchemas {
 /// The body of a message in one direction.
 #[derive(Debug)]
 pub(super) struct Body {
-    /// The index of its object.
+    /// The index of the body's object schema.
     pub(super) object: usize,
     /// The location of its definition.
     pub(super) span: Span,
 }
 
 impl DefinedSchemas {
-    /// Marks the schemas as parts of other definitions, so that no locations are reported.
+    /// Marks the schemas as belonging to other definitions, so that no locations are reported.
     #[must_use]
     pub(crate) fn foreign(self) -> Self {
         Self { is_foreign: true, ..self }

@@ -17,16 +17,16 @@ const MAX_DEVIATIONS: usize = 10_000;
 /// the visits at each level of nesting.
 const MAX_VISITS: usize = 1 << 21;
 
-/// The cost of reporting a deviation, in visits for each step of its path.
+/// The cost of reporting a deviation, in visits per path step.
 const VISITS_PER_DEVIATION: usize = 8;
 
-/// The maximum number of listed fields of an object.
+/// The maximum number of object fields to list in a message.
 const MAX_LISTED: usize = 12;
 
-/// The maximum number of listed values of a set.
+/// The maximum number of allowed values to list in a message.
 const MAX_VALUES: usize = 16;
 
-/// The maximum number of elements to compare by their text in a list of unique elements.
+/// In a list of unique elements, the maximum number of elements to compare by their text.
 const MAX_COMPARED: usize = 10_000;
 
 /// A step of the path to a value.
@@ -43,8 +43,8 @@ pub(super) enum At<'c> {
 }
 
 impl DefinedSchemas {
-    /// The deviations of a body from the schema for its type and direction, at most ten thousand. `None` if there is no
-    /// such schema.
+    /// Up to ten thousand deviations of a body from the schema for its type and direction. `None` if there is no such
+    /// schema.
     pub(crate) fn check(
         &self,
         type_name: &str,
@@ -98,11 +98,11 @@ fn first<'c>(
 
 struct Check<'c> {
     defined_schemas: &'c DefinedSchemas,
-    /// The body, for locations of definitions.
+    /// The body schema. Its location is reported for values that belong to no defined field.
     body: Option<&'c Body>,
     /// The path from the body to the current value.
     path: Vec<At<'c>>,
-    /// For the fields of each object on the path, true if the field was found. The innermost object is last.
+    /// One flag per field of each object on the path: true if the field was found. The innermost object is last.
     seen: Vec<bool>,
     visits: usize,
     deviations: Vec<Deviation>,
@@ -139,7 +139,7 @@ impl<'c> Check<'c> {
         }
     }
 
-    /// Checks the value at a step.
+    /// Checks the value at a step of the path.
     fn step(&mut self, at: At<'c>, schema: &'c ValueSchema, value: &'c Tree<'c>) {
         self.path.push(at);
         self.value(schema, value);
@@ -208,7 +208,7 @@ impl<'c> Check<'c> {
                 break;
             }
             match object.field(key, guess) {
-                // The first value of a repeated key counts.
+                // If a key is repeated, its first value counts.
                 Some(index) if self.seen[start + index] => {}
                 Some(index) => {
                     self.seen[start + index] = true;
@@ -266,8 +266,8 @@ impl<'c> Check<'c> {
         }
     }
 
-    /// Reports a value that matches no alternative. If only one alternative has the value's kind, its deviations are
-    /// reported.
+    /// Reports a value that matches no alternative. If exactly one alternative has the value's kind, the deviations
+    /// from that alternative are reported.
     fn either(&mut self, all: &'c [ValueSchema], value: &'c Tree<'c>) {
         let start = self.deviations.len();
         let mut of_kind: Vec<Vec<Deviation>> = Vec::new();
@@ -320,7 +320,7 @@ impl<'c> Check<'c> {
 }
 
 impl<'c> At<'c> {
-    /// The defined field or element.
+    /// The defined field or tuple element. `None` for map keys, undefined fields and list elements.
     pub(super) fn field(&self) -> Option<&'c Field> {
         match self {
             Self::Field(field) | Self::Element(_, field) => Some(field),
@@ -344,7 +344,7 @@ impl<'c> At<'c> {
     }
 }
 
-/// The listed values of a set.
+/// A description of the allowed values.
 fn one_of(values: impl ExactSizeIterator<Item = String>) -> String {
     let count = values.len();
     let reported = values.take(MAX_VALUES).collect::<Vec<_>>().join(", ");
@@ -371,10 +371,10 @@ pub(super) fn fits(schema: &Text, text: &str) -> bool {
         && (!schema.is_base64 || base64::decode(text).is_some())
 }
 
-/// A number as a float. Numbers beyond its range are infinite.
+/// A number as a float. A number beyond the range of a float is infinite.
 fn float(value: &Tree<'_>) -> f64 {
     match value {
-        #[allow(clippy::cast_precision_loss)] // like bounds
+        #[allow(clippy::cast_precision_loss)] // bounds are rounded in the same way
         Tree::Int(value) => *value as f64,
         Tree::Float(value, _) => *value,
         Tree::Huge(text) if text.starts_with('-') => f64::NEG_INFINITY,

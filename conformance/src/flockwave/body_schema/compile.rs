@@ -1,4 +1,4 @@
-//! Compiles the definitions of types and messages to schemas.
+//! Compiles type and message definitions to schemas.
 
 use std::collections::HashMap;
 
@@ -12,12 +12,12 @@ use uavspec_codegen::value::Value;
 use super::bodies::{Body, DefinedSchemas};
 use super::defined::{Field, Length, List, Object, Pattern, Test, Text, Tuple, ValueSchema};
 
-/// The name of the only string format.
+/// The only supported string format.
 const BASE64: &str = "base64";
 
 impl DefinedSchemas {
-    /// Compiles all messages of the definitions. If two packages define a message, the first package's definition
-    /// applies.
+    /// Compiles all messages of the definitions. If two packages define the same message, the first package's
+    /// definition applies.
     pub(crate) fn new(schema: &Schema) -> Self {
         let mut compiler =
             Compiler { schema, defined_schemas: DefinedSchemas::default(), known: HashMap::new() };
@@ -73,7 +73,7 @@ impl Compiler<'_> {
         index
     }
 
-    /// Fills the reserved place of an object.
+    /// Fills the slot that is reserved for an object.
     fn fill(&mut self, index: usize, name: &str, object: &written::Object) {
         let fields = self.fields(&object.fields);
         self.defined_schemas.objects[index] = Object::new(name, fields, object.is_closed);
@@ -89,7 +89,7 @@ impl Compiler<'_> {
         members.iter().map(field).collect()
     }
 
-    /// The schema of an expression and of all limits that apply to it.
+    /// The schema of an expression, including all limits that apply to it.
     fn expression(&mut self, expression: &Expression, limits: &[&Limits]) -> ValueSchema {
         match expression {
             Expression::Any => ValueSchema::Any,
@@ -127,7 +127,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// The schema of the elements of a list or the values of a map.
+    /// The schema of list elements or map values.
     fn within(&mut self, inner: &Expression, limits: &[&Limits]) -> ValueSchema {
         let limits: Vec<Limits> = limits.iter().map(|limits| limits.of_elements()).collect();
         self.expression(inner, &limits.iter().collect::<Vec<_>>())
@@ -166,7 +166,7 @@ impl Compiler<'_> {
                     ValueSchema::Constants(values.iter().map(|value| value.value.clone()).collect())
                 }
             },
-            // Names aren't recursive, so the recursion ends.
+            // Definitions of this kind aren't recursive, so the recursion ends.
             Definition::Named(typed) => {
                 let all: Vec<&Limits> = limits.iter().copied().chain([&typed.limits]).collect();
                 self.expression(&typed.ty, &all)
@@ -182,7 +182,7 @@ struct Bound {
     integer: Option<i128>,
 }
 
-/// The narrowest bounds.
+/// The tightest bounds among these limits.
 fn bounds(limits: &[&Limits]) -> (Option<Bound>, Option<Bound>) {
     let bound = |value: &Value| {
         let integer = if let Value::Int(integer) = value { Some(*integer) } else { None };
@@ -195,7 +195,7 @@ fn bounds(limits: &[&Limits]) -> (Option<Bound>, Option<Bound>) {
     (lows.max_by(by_value), highs.min_by(by_value))
 }
 
-/// The narrowest range of lengths.
+/// The tightest length range among these limits.
 fn length(limits: &[&Limits]) -> Length {
     let size = |length: u32| usize::try_from(length).unwrap_or(usize::MAX);
     let least = limits.iter().filter_map(|limits| limits.least).max().map_or(0, size);

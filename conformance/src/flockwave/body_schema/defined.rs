@@ -1,4 +1,4 @@
-//! Schemas that are compiled from definitions.
+//! Schemas compiled from definitions.
 
 use std::fmt;
 
@@ -24,9 +24,9 @@ pub(super) enum ValueSchema {
     Constants(Vec<String>),
     /// One of these integers.
     Integers(Vec<i64>),
-    /// A list with one schema for its elements.
+    /// A list whose elements share one schema.
     List(List),
-    /// An object with one schema for its values.
+    /// An object whose values share one schema.
     Map(Box<ValueSchema>),
     /// A value that matches one of several schemas.
     Either(Vec<ValueSchema>),
@@ -41,9 +41,9 @@ pub(super) enum ValueSchema {
 pub(super) struct Text {
     /// The number of characters.
     pub(super) length: Length,
-    /// The patterns that it must match.
+    /// The patterns that the string must match.
     pub(super) patterns: Vec<Pattern>,
-    /// True if it is Base64.
+    /// True if the string must be Base64.
     pub(super) is_base64: bool,
 }
 
@@ -66,7 +66,7 @@ pub(super) struct Pattern {
 /// A compiled pattern.
 #[derive(Debug)]
 pub(super) enum Test {
-    /// A non-empty string without these characters. `^[^/]+$` is used for ids, so this form must be fast.
+    /// A non-empty string without these characters. Ids use `^[^/]+$`, so this form must be fast.
     Without(Vec<char>),
     /// Any other pattern.
     Regex(Regex),
@@ -96,7 +96,7 @@ pub(super) struct Object {
     pub(super) is_closed: bool,
 }
 
-/// The schema of a list with a meaning for each position.
+/// The schema of a list with a separate schema for each position.
 #[derive(Debug, Default)]
 pub(super) struct Tuple {
     /// The elements.
@@ -105,7 +105,7 @@ pub(super) struct Tuple {
     pub(super) required: usize,
 }
 
-/// A field of an object, or an element of a tuple.
+/// An object field or a tuple element.
 #[derive(Debug)]
 pub(super) struct Field {
     /// The name.
@@ -218,7 +218,7 @@ impl fmt::Display for List {
 }
 
 impl Tuple {
-    /// The allowed numbers of elements.
+    /// The allowed number of elements, as a range.
     pub(super) fn length(&self) -> Length {
         Length { least: self.required, most: self.elements.len() }
     }

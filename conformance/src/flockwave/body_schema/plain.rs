@@ -1,7 +1,7 @@
 //! Checks values against their schemas in one pass, without building a tree.
 //!
-//! It only confirms valid values. For all other values, [`super::check`] examines a tree. Nearly all values in UAV
-//! states are integers, so their schemas are stored as 64-bit ranges.
+//! This module only confirms valid values. For all other values, [`super::check`] examines a tree. Nearly all values in
+//! UAV states are integers, so integer schemas are stored as 64-bit ranges.
 
 use super::bodies::DefinedSchemas;
 use super::check::fits;
@@ -9,7 +9,7 @@ use super::defined::{Length, Object, ValueSchema};
 use crate::json::{Token, Tokens, Unclear};
 use uavspec_codegen::schema::json_type::Direction;
 
-/// The fields of the objects in one of a body's maps.
+/// The fields of the objects in a map that is part of a body.
 #[derive(Debug)]
 pub(crate) struct Members<'s> {
     object: &'s Object,
@@ -28,9 +28,9 @@ struct Member<'s> {
 #[derive(Debug)]
 enum Plain<'s> {
     One(Scalar<'s>),
-    /// A list with a meaning for each position.
+    /// A list with a separate schema for each position.
     Tuple(Vec<Scalar<'s>>, Length),
-    /// A list with one schema for its elements.
+    /// A list whose elements share one schema.
     List(Scalar<'s>, Length),
 }
 
@@ -98,7 +98,7 @@ impl<'s> Plain<'s> {
                 let elements = tuple.elements.iter().map(|element| Scalar::new(&element.schema));
                 Self::Tuple(elements.collect(), tuple.length())
             }
-            // Unique lists need the tree.
+            // Checking that elements are unique requires the tree.
             ValueSchema::List(list) if !list.is_unique => Self::List(Scalar::new(&list.element), list.length),
             schema => Self::One(Scalar::new(schema)),
         }
@@ -161,7 +161,7 @@ fn accepts(schema: &ValueSchema, token: &Token<'_>) -> bool {
         }
         (ValueSchema::Integer(low, high), Token::Int(value)) => (low..=high).contains(&value),
         (ValueSchema::Integers(all), Token::Int(value)) => all.iter().any(|one| i128::from(*one) == *value),
-        #[allow(clippy::cast_precision_loss)] // like bounds
+        #[allow(clippy::cast_precision_loss)] // bounds are rounded in the same way
         (ValueSchema::Number(low, high), Token::Int(value)) => {
             let value = *value as f64;
             low.is_none_or(|low| value >= low) && high.is_none_or(|high| value <= high)

@@ -24,7 +24,7 @@ const MAX_DEVIATIONS: usize = 100;
 /// The maximum length of a quoted part of a schema, in characters.
 const MAX_DEMAND: usize = 80;
 
-/// The base address of files without `$id`. Such files refer to each other by names relative to it.
+/// The base address of files without `$id`. Such files refer to each other by names relative to this address.
 const BASE: &str = "uavspec://schemas/";
 
 /// JSON Schemas for bodies, by message type.
@@ -43,7 +43,7 @@ struct Schema {
     validator: Validator,
 }
 
-/// The reason why schemas can't be used.
+/// The reason why user-supplied schemas can't be used.
 #[derive(Debug)]
 pub struct SchemaError {
     /// The file or folder.
@@ -64,8 +64,8 @@ impl fmt::Display for SchemaError {
 impl std::error::Error for SchemaError {}
 
 impl Schemas {
-    /// Loads all `*.json` files in these folders and their subfolders. References may lead to other files, but nothing
-    /// is downloaded.
+    /// Loads all `*.json` files in these folders and their subfolders. Schemas may refer to other files, but nothing is
+    /// downloaded.
     pub fn load(folders: &[PathBuf]) -> Result<Self, SchemaError> {
         let mut schemas = Self::default();
         for (number, folder) in folders.iter().enumerate() {
@@ -125,8 +125,8 @@ impl Schemas {
         self.by_type.contains_key(type_name)
     }
 
-    /// The deviations of a body from its schema. `None` if there is no schema, or if the body contains values that
-    /// JSON Schema can't express; other rules report these.
+    /// The deviations of a body from its schema. `None` if there is no schema, or if the body contains values that JSON
+    /// Schema can't express. Other rules report such values.
     pub(crate) fn check(
         &self,
         type_name: &str,
@@ -164,7 +164,7 @@ impl Schema {
 /// The files in a folder.
 #[derive(Debug)]
 struct Files {
-    /// The files by address. A file's address results from its path in the folder.
+    /// The files by address. A file's address is derived from its path in the folder.
     by_address: BTreeMap<String, (PathBuf, Value)>,
     /// The addresses by `$id`.
     by_id: HashMap<String, String>,
@@ -213,7 +213,7 @@ impl Files {
         Ok(files)
     }
 
-    /// Files without `$schema` use the draft of the first file that names one. Often only a single file names it.
+    /// Files without `$schema` use the draft that the first `$schema` names. Often only one file has a `$schema`.
     fn set_default_draft(&mut self) {
         let named = self.by_address.values().find_map(|(_, value)| value["$schema"].as_str());
         let Some(named) = named.map(str::to_owned) else { return };
@@ -225,8 +225,8 @@ impl Files {
     }
 }
 
-/// Resolves references to files: by `$id`, by path, and finally by file name. An `$id` may contain a path that the
-/// files don't have.
+/// Resolves references to files: by `$id`, by path, and finally by file name. The path in an `$id` may differ from the
+/// path of its file.
 struct Lookup(Arc<Files>);
 
 impl Retrieve for Lookup {
@@ -256,7 +256,7 @@ fn address(path: &Path) -> String {
     path.to_string_lossy().replace('\\', "/").bytes().map(written).collect()
 }
 
-/// The message types that a file states; otherwise, the type in its name.
+/// The message types that a schema specifies. If it specifies none, the type in the file name.
 fn types_of(path: &Path, value: &Value) -> Vec<String> {
     let of_type = &value["properties"]["type"];
     let values = of_type["enum"].as_array().into_iter().flatten().chain([&of_type["const"]]);
@@ -291,7 +291,7 @@ fn is_type(word: &str) -> bool {
 }
 
 /// A tree as a JSON value. `None` if the tree contains tokens that aren't JSON, or a number beyond the range of a
-/// float. The first value of a repeated key counts.
+/// float. If a key is repeated, its first value counts.
 fn value_of(tree: &Tree<'_>) -> Option<Value> {
     Some(match tree {
         Tree::Null => Value::Null,

@@ -1,4 +1,4 @@
-//! A record with its meaning in the session.
+//! A record with its context in the session.
 
 use std::borrow::Cow;
 
@@ -23,9 +23,9 @@ pub(crate) enum Role {
     Event,
     /// Not a Flockwave message: invalid JSON, or not an object.
     Unreadable,
-    /// A message that expects an answer.
+    /// A message that requires an answer.
     Request,
-    /// An answer. It has `refs`.
+    /// An answer: a message with `refs`.
     Response,
     /// An unsolicited message from the server.
     Notification,
@@ -49,34 +49,35 @@ pub(crate) enum Reference {
     Unknown,
 }
 
-/// The change of the server's clock between two answers that state its time.
+/// The change in the server's clock between two answers that state the server's time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClockMove {
-    /// The minimum change in seconds; 0 if the answers allow for no change.
+    /// The minimum change in seconds; 0 if the two answers are consistent with an unchanged clock.
     pub by: f64,
     /// The time since the previous answer, in seconds.
     pub since: f64,
-    /// True if the client requested an adjustment by 0 since then.
+    /// True if the client has requested an adjustment by 0 since the previous answer.
     pub is_after_nothing: bool,
 }
 
 /// The identity of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ConnectionId {
-    /// The number in the capture.
+    /// The index in the capture.
     pub index: usize,
-    /// A number that distinguishes the connection from earlier ones with the same name.
+    /// A number that distinguishes the connection from earlier connections with the same name.
     pub serial: u64,
 }
 
-/// A record with its meaning in the session.
+/// A record with its context in the session.
 #[derive(Clone, Debug)]
 pub(crate) struct Exchange<'t> {
     /// The record.
     pub record: &'t SessionRecord<'t>,
     /// The role.
     pub role: Role,
-    /// A number that distinguishes its connection from all others, including earlier ones with the same name.
+    /// A number that distinguishes the record's connection from all others, including earlier connections with the same
+    /// name.
     pub serial: u64,
     /// The time in seconds, if it is reliable.
     pub time: Option<f64>,
@@ -88,22 +89,22 @@ pub(crate) struct Exchange<'t> {
     pub body: Option<&'t Tree<'t>>,
     /// The type of the body, if it is a string.
     pub type_name: Option<&'t str>,
-    /// The message to which its `refs` refers.
+    /// The message to which the record's `refs` refers.
     pub reference: Reference,
     /// The request that the record answers, if that is certain, or the unanswered request.
     pub request: Option<SentRequest>,
-    /// True if its id must be unique but isn't.
+    /// True if the record's id must be unique but isn't.
     pub is_id_in_use: bool,
-    /// The receipts that it issues.
+    /// The receipts that the record issues.
     pub opened: Vec<Named>,
-    /// The operations that it reports on.
+    /// The operations that the record reports on.
     pub operations: Vec<Named>,
-    /// The known bounds of the offset of the server's clock before this record, in seconds. A positive offset means
+    /// The bounds of the server's clock offset that were known before this record, in seconds. A positive offset means
     /// that the server's clock is ahead.
     pub clock: Option<(f64, f64)>,
     /// The change of the clock, if both this record and an earlier one state the server's time.
     pub clock_move: Option<ClockMove>,
-    /// The violations of its body schema. `None` if there is no schema.
+    /// The body schema violations in the message. `None` if there is no schema.
     pub deviations: Option<Vec<Deviation>>,
 }
 
@@ -181,7 +182,7 @@ impl<'t> Exchange<'t> {
         self.body_of(type_name).filter(|_| self.role == Role::Notification)
     }
 
-    /// True if it has a version and a type, like any Flockwave message.
+    /// True if it has a version and a type, as every Flockwave message must.
     pub(crate) fn is_sound(&self) -> bool {
         let version = self.record.value.and_then(|message| message.get("$fw.version"));
         version.and_then(Tree::as_str).is_some() && self.type_name.is_some()
@@ -209,7 +210,7 @@ impl<'t> Exchange<'t> {
         }
     }
 
-    /// The violations of the body schema by a message from the server.
+    /// The body schema violations in a message from the server.
     pub(super) fn deviations_from(&self, schemas: BodySchemas<'_>) -> Option<Vec<Deviation>> {
         let body = self.body.filter(|_| self.is_from_server())?;
         schemas.deviations(self.type_name?, self.direction()?, body)
@@ -220,7 +221,7 @@ impl<'t> Exchange<'t> {
         self.body.and_then(|body| body.get(name))
     }
 
-    /// The request that the record answers, if it has the same type.
+    /// The request that the record answers, if both have the same type.
     pub(crate) fn same_type_request(&self) -> Option<&SentRequest> {
         self.request
             .as_ref()
@@ -236,7 +237,7 @@ impl<'t> Exchange<'t> {
         Some((server_time - self.time?, server_time - request.time?))
     }
 
-    /// The subject of findings: the type.
+    /// The subject of findings: the message type.
     pub(crate) fn subject(&self) -> Cow<'t, str> {
         match self.type_name {
             Some(name) if name.chars().count() <= MAX_NAME => Cow::Borrowed(name),
@@ -258,7 +259,7 @@ impl<'t> Exchange<'t> {
 /// Converts milliseconds to seconds.
 pub(crate) fn seconds(value: &Tree<'_>) -> Option<f64> {
     match value {
-        #[allow(clippy::cast_precision_loss)] // times fit well, and other values needn't be exact
+        #[allow(clippy::cast_precision_loss)] // times are small enough, and other values needn't be exact
         Tree::Int(value) => Some(*value as f64 / 1000.0),
         Tree::Float(value, _) => Some(*value / 1000.0),
         _ => None,

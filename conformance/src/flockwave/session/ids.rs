@@ -1,7 +1,7 @@
 //! A bounded map of remembered ids. It forgets the oldest entries first.
 //!
-//! It is a version of [`Remembered`](super::remembered::Remembered) for the ids of a connection. Its hash table is
-//! several times faster. This is important because each server message has an id, and so does each UAV state.
+//! This is a version of [`Remembered`](super::remembered::Remembered) for the ids of a connection. It uses a hash
+//! table, which is several times faster. Speed matters here because every server message and every UAV state has an id.
 
 use std::collections::VecDeque;
 use std::hash::BuildHasher;
@@ -10,10 +10,10 @@ use hashbrown::{DefaultHashBuilder, HashTable};
 
 use super::remembered::OVERHEAD;
 
-/// The maximum number of gaps that removed entries leave, in addition to the number of entries.
+/// The number by which the gaps from removed entries may exceed the remaining entries.
 const MAX_GAPS: usize = 64;
 
-/// Values by connection serial and id. The oldest are removed when the size limit is reached.
+/// Values by connection serial and id. The oldest values are removed when the size limit is reached.
 #[derive(Debug)]
 pub(crate) struct Ids<V> {
     hasher: DefaultHashBuilder,
@@ -120,7 +120,7 @@ impl<V> Ids<V> {
         self.table.find(hash, is_match).and_then(|number| position(self.first, *number))
     }
 
-    /// Removes the number of an entry from the table.
+    /// Removes an entry's number from the table.
     fn unlist(&mut self, hash: u64, number: u64) {
         if let Ok(listed) = self.table.find_entry(hash, |listed| *listed == number) {
             listed.remove();

@@ -19,11 +19,11 @@ pub(crate) enum Stage {
 /// An operation.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Operation {
-    /// The type of the response that issued its receipt, if it is known.
+    /// The type of the response that issued the operation's receipt, if known.
     pub type_name: Option<String>,
     /// The stage.
     pub stage: Stage,
-    /// True if it was or may have been reported as suspended.
+    /// True if the operation was, or may have been, reported as suspended.
     pub was_suspended: bool,
 }
 

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, VecDeque};
 /// The approximate overhead of an entry, in bytes.
 pub(super) const OVERHEAD: usize = 128;
 
-/// Values by key. The oldest are removed when the size limit is reached.
+/// Values by key. The oldest values are removed when the size limit is reached.
 #[derive(Debug)]
 pub(crate) struct Remembered<K, V> {
     values: BTreeMap<K, Entry<V>>,
@@ -74,8 +74,8 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
         Some(entry.value)
     }
 
-    /// Removes the values of consecutive keys, from `first` up to the first that isn't wanted. Returns them in order
-    /// of insertion.
+    /// Removes the values of consecutive keys, from `first` up to but excluding the first unwanted key. Returns the
+    /// values in order of insertion.
     pub(crate) fn take(&mut self, first: &K, mut is_wanted: impl FnMut(&K) -> bool) -> Vec<V> {
         let mut wanted: Vec<(u64, K)> = self
             .values

@@ -1,4 +1,4 @@
-//! Facts about message types of Flockwave 2.10 that session tracking needs and the definitions lack.
+//! Facts about Flockwave 2.10 message types that session tracking needs but the definitions don't contain.
 
 /// The fields of a response that reports on several requested objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,8 +44,8 @@ const RECEIPTS: Parts = Parts { request_field: "ids", reply_fields: &["success",
 
 const SUBSCRIPTIONS: Parts = Parts { request_field: "paths", reply_fields: &["success", "error"] };
 
-/// The other types whose response reports on each object. Only the text of the specification requires that each object
-/// appears in exactly one part, so the tables in the definitions don't contain this requirement.
+/// The other types whose response reports on each object. Each object must appear in exactly one part. The
+/// specification states this only in its text, so the tables in the definitions don't contain this requirement.
 pub(crate) const PARTS: [(&str, Parts); 14] = [
     ("ASYNC-CANCEL", RECEIPTS),
     ("ASYNC-RESUME", RECEIPTS),

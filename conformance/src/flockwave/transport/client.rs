@@ -26,7 +26,7 @@ pub enum Received {
 
 /// A connection to a server.
 pub trait Client: Send {
-    /// Sends a message. To test servers, callers may pass bytes that aren't a message.
+    /// Sends a message. To test servers, callers may pass bytes that aren't a valid message.
     fn send(&mut self, message: &[u8]) -> io::Result<()>;
 
     /// Waits for the next message.
@@ -68,7 +68,7 @@ fn text_of(bytes: &[u8]) -> io::Result<&str> {
     std::str::from_utf8(bytes).map_err(|_| invalid("Socket.IO carries text only"))
 }
 
-/// An error for unexpected behaviour of a server.
+/// An error for unexpected server behavior.
 fn invalid(message: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, message.into())
 }

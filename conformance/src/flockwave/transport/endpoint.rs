@@ -25,7 +25,7 @@ pub enum Endpoint {
     SocketIo {
         /// The host and port.
         address: Address,
-        /// The revision of the protocols; the newer one by default.
+        /// The Engine.IO and Socket.IO revision; the newer revision by default.
         revision: Revision,
         /// The carrier of packets; WebSocket by default.
         carrier: Carrier,

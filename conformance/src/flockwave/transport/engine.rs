@@ -1,9 +1,9 @@
-//! Packets of Engine.IO, the protocol below Socket.IO. Two revisions are in use. They differ in the side that sends
-//! pings, and in the way that long polling combines packets.
+//! Packets of Engine.IO, the protocol below Socket.IO. Two revisions are in use. They differ in which side sends pings,
+//! and in how packets are combined for long polling.
 
 use std::fmt::Write as _;
 
-/// The separator of packets in a payload of revision 4.
+/// The packet separator in revision 4 payloads.
 const SEPARATOR: char = '\u{1e}';
 
 /// The supported revisions.
@@ -121,7 +121,7 @@ pub(crate) fn decode(revision: Revision, payload: &[u8]) -> Result<Vec<Packet>, 
         Revision::Three if payload.first().is_some_and(|first| *first <= 1) => binary_lengths(payload)?,
         Revision::Three => {
             let text = utf8(payload)?;
-            // JavaScript clients count UTF-16 units, and Python clients count code points.
+            // JavaScript clients count UTF-16 code units, and Python clients count code points.
             text_lengths(text, |_| 1).or_else(|_| text_lengths(text, char::len_utf16))?
         }
         Revision::Four => utf8(payload)?.split(SEPARATOR).map(str::to_owned).collect(),
@@ -180,8 +180,8 @@ fn text_lengths(mut text: &str, length_of: fn(char) -> usize) -> Result<Vec<Stri
     Ok(packets)
 }
 
-/// Splits text packets in binary form. Each consists of 0, the decimal digits of the length in bytes as one byte each,
-/// 255, and the packet.
+/// Splits text packets in binary form. Each packet is preceded by a byte 0, the length in bytes as decimal digits (one
+/// byte per digit), and a byte 255.
 fn binary_lengths(mut payload: &[u8]) -> Result<Vec<String>, String> {
     let mut packets = Vec::new();
     while let Some((kind, rest)) = payload.split_first() {

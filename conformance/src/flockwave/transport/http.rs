@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::MESSAGE_LIMIT;
 
-/// The maximum size of the head of a request, in bytes. Browsers send one or two kilobytes.
+/// The maximum size of a request head, in bytes. Browsers send one or two kilobytes.
 const HEAD_LIMIT: usize = 32 << 10;
 
 /// The maximum number of header lines.
@@ -42,7 +42,7 @@ impl Request {
         self.headers.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
-    /// A field of the query, without unescaping. The fields in use don't require it.
+    /// A query field. It isn't unescaped, since the fields in use don't require that.
     pub(crate) fn field(&self, name: &str) -> Option<&str> {
         self.query
             .split('&')
@@ -268,7 +268,7 @@ mod tests {
 
     use super::*;
 
-    /// The results that a server gets from a client that sends these pieces and then closes its side.
+    /// The server-side results for a client that sends these pieces and then closes its side.
     fn received(pieces: &'static [&'static [u8]]) -> Vec<Incoming> {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let address = listener.local_addr().expect("an address");

@@ -7,7 +7,7 @@ use super::MESSAGE_LIMIT;
 /// A line of a stream.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Line {
-    /// A line without its line end, which may be preceded by a carriage return.
+    /// A line without its line end (a line feed, or a carriage return and a line feed).
     Whole(Vec<u8>),
     /// A line longer than [`MESSAGE_LIMIT`], which was dropped.
     TooLong,
@@ -17,7 +17,7 @@ pub(crate) enum Line {
 #[derive(Debug, Default)]
 pub(crate) struct Lines {
     buffer: Vec<u8>,
-    /// The start of the first line that wasn't returned yet.
+    /// The start of the first line that hasn't been returned yet.
     start: usize,
     /// The index before which there is no line end.
     searched: usize,

@@ -1,4 +1,4 @@
-//! A fast check that confirms messages without findings. It reads the text in one pass, without building a tree.
+//! A fast check that confirms that a message has no findings. It reads the text in one pass, without building a tree.
 //!
 //! All other messages are checked with a tree, which provides the findings.
 
@@ -147,7 +147,7 @@ impl<'p> Reading<'p, '_> {
     }
 }
 
-/// Reads the key of a field, which is most likely the next declared one.
+/// Reads the key of a field. It is most likely the next declared field.
 fn next_field(fields: &[FieldPlan], guess: usize, tokens: &mut Tokens<'_>) -> Result<usize, Unclear> {
     if fields.get(guess).is_some_and(|field| tokens.takes_key(&field.name)) {
         return Ok(guess);
@@ -171,7 +171,8 @@ impl<'t> Leaf<'t> {
 }
 
 impl FieldPlan {
-    /// True if the field is the timestamp of a message. Its definition has no restriction, so it needs no check.
+    /// True if the field is the timestamp of a message. The timestamp's definition has no restriction, so the field
+    /// needs no check.
     pub(super) fn is_timestamp(&self) -> bool {
         self.name == "timestamp"
             && matches!(self.element, Element::Scalar(Scalar::UInt64))

@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 /// An accepted deviation of JSON messages from the published schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Dialect {
-    /// rosbridge writes arrays of `uint8`, and so `char[N]`, as base64.
+    /// rosbridge writes arrays of `uint8` as base64, and therefore also `char[N]`.
     Base64,
     /// In ROS 2, `char` is `uint8`, so `char[N]` is an array of numbers.
     NumbersForText,

@@ -13,7 +13,7 @@ use crate::json::{Tree, shortened};
 use crate::model::{Detail, Findings, Location, Rule};
 use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans, Violation};
 
-/// The maximum number of an object's unknown fields to report separately.
+/// The maximum number of unknown fields to report separately for each object.
 const MAX_UNKNOWN: usize = 16;
 
 /// The origin of a message, for findings.
@@ -43,7 +43,7 @@ impl Plans {
     }
 
     /// Like `explain`, and also returns true if unused array entries had findings that were ignored. A single-pass
-    /// reader can't know the number of used entries, since it may follow the array.
+    /// reader can't know the number of used entries, since that number may follow the array.
     pub(super) fn explain_with_ignored(
         &self,
         origin: MessageOrigin<'_>,
@@ -287,7 +287,7 @@ impl<'p> Explaining<'p, '_> {
         }
     }
 
-    /// Checks an array in place of a single value. ROS 2 writes text in this form.
+    /// Checks an array that appears in place of a single value. ROS 2 writes text in this form.
     fn list(&mut self, values: &[Tree<'_>], tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
         let byte = |value: &Tree<'_>| match value {
             Tree::Int(value) => u8::try_from(*value).ok(),
@@ -319,7 +319,7 @@ impl<'p> Explaining<'p, '_> {
     }
 }
 
-/// The number of used entries according to the field that counts them, if it is valid.
+/// The number of used entries according to the field that counts them, if that field is valid.
 fn in_use(object: &Tree<'_>, count: &FieldPlan) -> Option<usize> {
     match object.get(&count.name) {
         Some(Tree::Int(count)) => usize::try_from(*count).ok(),

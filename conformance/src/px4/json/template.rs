@@ -1,4 +1,4 @@
-//! Confirms messages without findings by comparing them with an earlier message on the same channel.
+//! Confirms that messages have no findings by comparing them with an earlier message on the same channel.
 //!
 //! A producer always writes a message in the same form, and most values don't change. A template stores the text of a
 //! message without findings, with the positions of its values. The next message is compared with it byte by byte.
@@ -16,7 +16,7 @@ use crate::px4::values::{Element, FieldPlan, Plans};
 /// The maximum number of values in a template. Larger templates cost too much memory for the time they save.
 const MAX_STEPS: usize = 8_192;
 
-/// The keys of an envelope that identify the message. Other keys don't.
+/// The envelope keys that identify the message.
 const TYPE_KEYS: [&str; 5] = ["op", "topic", "type", "msg", "message"];
 
 /// A message without findings, with its envelope.
@@ -77,8 +77,8 @@ impl Template {
         read.ok().map(|()| learner.template)
     }
 
-    /// Compares a text with the template. If only values differ and all values are valid, returns the text's results
-    /// and replaces the text of the template.
+    /// Compares a text with the template. If only values differ and all values are valid, returns the results for the
+    /// text, and makes it the text of the template.
     pub(crate) fn read(&mut self, plans: &Plans, text: &str) -> Option<Clean> {
         self.compare(plans, text)?;
         self.advance(plans, text);
@@ -124,7 +124,7 @@ impl Template {
         }
     }
 
-    /// Updates the template to a text that has these changes.
+    /// Updates the template to a text with the recorded changes.
     fn advance(&mut self, plans: &Plans, text: &str) {
         let Some(first) = self.changes.first() else { return };
         // If lengths differ, later values move.

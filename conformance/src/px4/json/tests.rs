@@ -11,7 +11,7 @@ use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::{Findings, Location};
 
-/// Pieces of text that replace others.
+/// The texts that replace random pieces of a message.
 const PIECES: [&str; 28] = [
     "null",
     "true",
@@ -64,7 +64,7 @@ fn agrees(plans: &Plans, id: MessageId, text: &str) -> Result<bool, TestCaseErro
     Ok(was_clean)
 }
 
-/// The boundaries of the values, keys and punctuation of a text.
+/// The boundaries of the values, keys and punctuation in a text.
 fn pieces(text: &str) -> Vec<usize> {
     let is_mark = |byte: u8| matches!(byte, b'{' | b'}' | b'[' | b']' | b',' | b':');
     let marks = text.bytes().enumerate().filter(|(_, byte)| is_mark(*byte));

@@ -21,14 +21,14 @@ impl Leaf<'_> {
     /// The value in memory, in little-endian order, if it fits into this type.
     pub(super) fn bytes(self, scalar: Scalar) -> [u8; 8] {
         let float = |value: f64| match scalar {
-            #[allow(clippy::cast_possible_truncation)] // like any float32
+            #[allow(clippy::cast_possible_truncation)] // rounded like any float32
             Scalar::Float32 => u64::from((value as f32).to_bits()),
             _ => value.to_bits(),
         };
         let bits = match self {
             Self::Null => float(f64::NAN),
             Self::Bool(value) => value.into(),
-            #[allow(clippy::cast_precision_loss)] // like any float
+            #[allow(clippy::cast_precision_loss)] // rounded like any float
             Self::Int(value) if scalar.is_float() => float(value as f64),
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // two's complement
             Self::Int(value) => value as u64,
@@ -90,7 +90,7 @@ impl FieldPlan {
         check_text(bytes)
     }
 
-    /// The description of the JSON type of a value or element.
+    /// The expected JSON type of a value or element, as text.
     pub(super) fn expected(&self, is_element: bool) -> Expected<'_> {
         Expected { field: self, is_element }
     }
@@ -100,12 +100,12 @@ impl FieldPlan {
 fn float<'p>(scalar: Scalar, leaf: Leaf<'_>) -> Result<Number, Violation<'p>> {
     let value = match leaf {
         Leaf::Null => f64::NAN,
-        #[allow(clippy::cast_precision_loss)] // like any float
+        #[allow(clippy::cast_precision_loss)] // rounded like any float
         Leaf::Int(value) => value as f64,
         Leaf::Float(value) => value,
         Leaf::Bool(_) | Leaf::Text(_) => return Err(Violation::Type),
     };
-    #[allow(clippy::cast_possible_truncation)] // like any float32
+    #[allow(clippy::cast_possible_truncation)] // rounded like any float32
     let value = if scalar == Scalar::Float32 { f64::from(value as f32) } else { value };
     if value.is_infinite() { Err(Violation::TooLarge(scalar)) } else { Ok(Number::Float(value)) }
 }

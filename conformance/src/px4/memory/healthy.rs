@@ -10,7 +10,7 @@ use crate::px4::values::{Constraint, Element, number};
 pub(super) enum Healthy {
     /// The bytes 0 and 1.
     Bool,
-    /// UTF-8 up to a NUL.
+    /// UTF-8 text up to the first NUL.
     Text,
     /// Integers between two bounds, inclusive.
     Between(Scalar, i64, i64),
@@ -23,8 +23,8 @@ pub(super) enum Healthy {
 }
 
 impl Healthy {
-    /// Derives the fast check from a constraint, and verifies the ends of its ranges with the constraint. `None` if
-    /// nothing is constrained.
+    /// Derives the fast check from a constraint, and verifies the ends of the derived ranges with the constraint.
+    /// `None` if nothing is constrained.
     pub(super) fn new(constraint: Constraint<'_>) -> Option<Self> {
         let scalar = match constraint.element {
             Element::Scalar(Scalar::Bool) => return Some(Self::Bool),

@@ -10,7 +10,7 @@ use crate::report::{About, Finding, OutcomeKind, Report, RuleVerdict, Subject, V
 use crate::rules::px4;
 use crate::text::Grouped;
 
-/// The number of initially visible items of a list. The user can expand the rest.
+/// The number of items of a list that are initially visible. The user can expand the rest.
 const MAX_OPEN: usize = 4;
 
 /// The maximum number of items in the expanded part. The JSON report has more.
@@ -174,7 +174,7 @@ fn has_own_section(rule: &RuleVerdict) -> bool {
     rule.findings > 0 && (rule.id != px4::FMT_01.rule.id || rule.verdict == Verdict::Fail)
 }
 
-/// The anchor of the findings of a rule in a subject.
+/// The anchor for the findings of a rule in a subject.
 pub(super) fn rule_anchor(subject: &Subject, index: usize, rule: &str) -> Option<String> {
     // Failures of a testee are listed by case.
     let has_anchor =

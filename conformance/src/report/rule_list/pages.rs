@@ -34,7 +34,7 @@ pub(crate) fn pages(rows: &[Row]) -> Vec<OutputFile> {
     files
 }
 
-/// The path of a rule's page. It is next to the pages of lint rules, where `rule_url` points.
+/// The path of a rule's page, which `rule_url` points to. The pages of lint rules are in the same folder.
 fn path(id: &str) -> String {
     format!("rules/{id}.md")
 }
@@ -101,7 +101,7 @@ fn mutant(from: &str, rows: &[&Row]) -> String {
     text
 }
 
-/// The encoding in the title of a row: `a value outside its range (ULog)`.
+/// The encoding in the title of a row, such as `ULog` in `a value outside its range (ULog)`.
 fn encoding(row: &Row) -> Option<&str> {
     row.title.strip_prefix(row.mutant.name)?.strip_prefix(" (")?.strip_suffix(')')
 }

@@ -97,7 +97,7 @@ pub(crate) fn matrix(rows: &[Row]) -> String {
     let unexpected = rows.iter().filter(|row| !row.is_right()).count();
     let _ = writeln!(
         text,
-        "\n● violated, as expected · ○ another rule, as expected · ! unexpected result · - not possible with these \
+        "\n● violated, as expected · ○ also violated, as expected · ! unexpected result · - not possible with these \
          definitions\n{} mutants, {unexpected} with unexpected results",
         rows.len()
     );

@@ -6,7 +6,7 @@ use super::{FAIL, PASS, WARN};
 use crate::report::{Case, CaseVerdict, Counts, OutcomeKind, Subject, Testee};
 use crate::text::shown;
 
-/// The maximum number of failures to show, and of lines of standard error.
+/// The maximum number of failures shown, and of standard error lines shown for each.
 const MAX_SHOWN: usize = 20;
 
 pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fmt::Result {

@@ -15,8 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "ACK-ACK and ACK-NAK are sent only as responses.",
         source: source::MESSAGES,
         applies_to: "ACK-ACK, ACK-NAK",
-        why: "A client cannot match an acknowledgment without `refs` to a request, so the acknowledged request times \
-              out.",
+        why: "Without `refs`, a client cannot match an acknowledgment to its request, so the request times out.",
         example: r#"{"$fw.version":"1.0","id":"s7","body":{"type":"ACK-ACK"}}"#,
         fix: "Copy the `id` of the request to the `refs` of the acknowledgment. Do not send ACK-ACK or ACK-NAK \
               without a request.",

@@ -16,8 +16,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The body of ACK-NAK has no fields other than `type` and an optional string `reason`.",
         source: source::MESSAGES,
         applies_to: "ACK-NAK",
-        why: "Clients show `reason` to the operator. If it is not a string, the message may fail to decode, and the \
-              operator does not learn why the request was refused.",
+        why: "Clients show `reason` to the operator. If `reason` is not a string, the message may fail to decode, and \
+              the operator does not learn why the request was refused.",
         example: r#"{"type":"ACK-NAK","reason":{"en":"Not allowed"}}"#,
         fix: "Send `reason` as one human-readable string, or omit it. Remove all other fields.",
     },

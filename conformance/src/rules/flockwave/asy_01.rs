@@ -14,8 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A response about one object has exactly one of `result`, `error` and `receipt`.",
         source: source::ASYNC,
         applies_to: "LOG-DATA",
-        why: "With two of them, the client does not know whether the operation succeeded, failed or is still \
-              pending. With none, it waits forever.",
+        why: "If two of the fields are present, the client does not know whether the operation succeeded, failed or is \
+              still pending. If none is present, the client waits forever.",
         example: r#"{"type":"LOG-DATA","receipt":"r4","error":"The log is not available yet"}"#,
         fix: "Send `result` after success, `error` after failure, and `receipt` only while the operation is pending.",
     },

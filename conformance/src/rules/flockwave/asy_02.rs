@@ -15,8 +15,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                     `error` and `receipt`.",
         source: source::ASYNC,
         applies_to: "commands to several objects",
-        why: "The client does not know whether a missing UAV received the command. The operator may assume that it \
-              did, or send the command twice.",
+        why: "The client does not know whether a missing UAV received the command. The operator may assume that the \
+              UAV received it, or may send the command twice.",
         example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1","uav-2"]}
 ← {"type":"UAV-TAKEOFF","result":{"uav-1":true}}"#,
         fix: "Add one entry for every requested id: to `result` after success, to `error` after failure, or to \
@@ -24,7 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("The response lacks the last requested object.", |out| {
+    bug: Bug::message("The response omits the last object in the request.", |out| {
         out.drop_last(&OPERATIONS);
     })
     .with(&[&asy_09::RULE.rule]),

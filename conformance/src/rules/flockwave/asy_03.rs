@@ -18,7 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         why: "An entry for another UAV suggests that the command was sent to that UAV too.",
         example: r#"→ {"type":"UAV-LAND","ids":["uav-1"]}
 ← {"type":"UAV-LAND","result":{"uav-1":true,"uav-2":true}}"#,
-        fix: "Build the maps in the response from the ids in the request only.",
+        fix: "Build the maps in the response only from the ids in the request.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

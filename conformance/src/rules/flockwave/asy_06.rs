@@ -12,20 +12,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-06",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "The response with a receipt precedes all notifications about that receipt.",
+        statement: "A response that contains a receipt precedes all notifications about that receipt.",
         source: source::DERIVED,
         applies_to: "ASYNC-* over time",
-        why: "The client does not know the receipt yet and drops the notification. It then waits for a result that \
-              was already sent.",
+        why: "The client does not know the receipt yet and drops the notification. The client then waits for a result \
+              that was already sent.",
         example: r#"→ {"type":"UAV-RTH","ids":["uav-1"]}
 ← {"type":"ASYNC-RESP","id":"r8","result":true}
 ← {"type":"UAV-RTH","receipt":{"uav-1":"r8"}}"#,
-        fix: "Send the response before you start the operation, or hold back its notifications until the response \
-              is sent.",
+        fix: "Send the response before you start the operation, or hold back the operation's notifications until the \
+              response is sent.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("A progress notification precedes the response with its receipt.", |out| {
+    bug: Bug::message("A progress notification precedes the response that contains its receipt.", |out| {
         if let Some(receipt) = out.receipt() {
             out.precede(bug::progress(&receipt));
         }
@@ -33,7 +33,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     .with(&[&asy_09::RULE.rule]),
     trial: None,
     mutants: &[Mutant {
-        name: "the end of an operation before its receipt",
+        name: "an operation that ends before its receipt is sent",
         make: || {
             mutant::then(|session| {
                 let id = session.sends(json!({ "type": "UAV-RTH", "ids": ["kite"] }));
@@ -52,7 +52,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if named.stage() == Some(Stage::Early) {
             exchange.violates(context, || {
                 Detail::new(format!(
-                    "a notification named {} before this response",
+                    "an earlier notification already contained {}",
                     body::quoted(&named.receipt)
                 ))
                 .at("/body/receipt")

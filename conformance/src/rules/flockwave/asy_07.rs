@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "ASYNC-RESP has exactly one of `result` and `error`.",
         source: source::ASYNC,
         applies_to: "ASYNC-RESP",
-        why: "With both or neither, the client does not know whether the operation succeeded.",
+        why: "If both or neither are present, the client does not know whether the operation succeeded.",
         example: r#"{"type":"ASYNC-RESP","id":"r1","result":true,"error":"Motor fault"}"#,
         fix: "Send `result` after success and `error` after failure, never both. Send `result` even if it is null.",
     },

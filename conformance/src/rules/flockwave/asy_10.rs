@@ -20,8 +20,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Exactly one ASYNC-RESP or ASYNC-TIMEOUT is sent for each receipt.",
         source: source::ASYNC,
         applies_to: "ASYNC-* over time",
-        why: "Without this message, the client waits forever. After a second one, the client and the server may \
-              disagree about the result.",
+        why: "Without a final message, the client waits forever. After two final messages, the client and the server \
+              may disagree about the result.",
         example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
 ← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r2"}}
 ← {"type":"ASYNC-TIMEOUT","ids":["r2"]}
@@ -74,13 +74,14 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The longest time without news of a short operation while the server sends other messages, in seconds.
+/// The longest time, in seconds, that a short operation may go without news while the server sends other messages.
 const MAX_SECONDS: f64 = 18.0;
 
 /// The maximum number of tracked operations per connection.
 const MAX_OPEN: usize = 1_000;
 
-/// The operations that test the rule, by receipt: the location of the response, and the time of the latest news.
+/// The operations that test the rule. Maps each receipt to the location of its response and the time of its latest
+/// news.
 type Open = BTreeMap<String, (Location, f64)>;
 
 /// The operations that test the rule, by connection.
@@ -132,7 +133,7 @@ impl SessionCheck for Ends {
     }
 }
 
-/// Reports a second end of an operation.
+/// Reports an operation that ends a second time.
 fn check_single_end(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     for named in &exchange.operations {
         context.covered();
@@ -144,7 +145,7 @@ fn check_single_end(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     }
 }
 
-/// Reports and removes the operations without news for too long.
+/// Reports and removes the operations that had no news for too long.
 fn report_overdue(open: &mut Open, now: f64, context: &mut RuleContext<'_>) {
     open.retain(|receipt, (location, last_news)| {
         let waited = now - *last_news;

@@ -15,12 +15,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "The specification text allows null for the percentage; the published JSON Schema does not. This rule \
              allows null.",
         ),
-        statement: "ASYNC-ST has `id` and `progress`. `percentage` is an integer from 0 to 100 or null, and \
+        statement: "ASYNC-ST has `id` and `progress`. `percentage` is an integer from 0 to 100, or null, and \
                     `suspended` is a boolean.",
         source: source::ASYNC,
         applies_to: "ASYNC-ST",
-        why: "Clients draw a progress bar from `percentage` and ask the user for input if `suspended` is true. \
-              Wrong values break both.",
+        why: "Clients draw a progress bar from `percentage` and ask the user for input if `suspended` is true. Wrong \
+              values break both features.",
         example: r#"{"type":"ASYNC-ST","id":"r1","progress":{"percentage":110}}"#,
         fix: "Send `id` and `progress` in every ASYNC-ST. Round and clamp the percentage to 0–100, or send null if \
               it is unknown.",

@@ -17,8 +17,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "When an operation is suspended, the server sends ASYNC-ST with `suspended` set to true.",
         source: source::ASYNC,
         applies_to: "ASYNC-RESUME over time",
-        why: "Without this notification, the client does not know that the operation is waiting for it. The operation \
-              is never resumed and stays pending.",
+        why: "Without this notification, the client does not know that it must resume the operation. The operation \
+              then stays pending.",
         example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
 ← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
 → {"type":"ASYNC-RESUME","ids":["r1"]}
@@ -47,7 +47,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    // FW-ASY-19 checks the probe requests that resume an operation that is not suspended.
+    // If a probe resumes an operation that is not suspended, FW-ASY-19 checks the request.
     if exchange.response("ASYNC-RESUME").is_none() || exchange.tried(&asy_19::RULE.rule).is_some() {
         return;
     }

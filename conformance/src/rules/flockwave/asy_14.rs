@@ -21,7 +21,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 ← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
 ← {"type":"ASYNC-ST","id":"r1","progress":{},"suspended":true}
 ← {"type":"ASYNC-RESP","id":"r1","result":true}"#,
-        fix: "Keep the operation suspended until ASYNC-RESUME or ASYNC-CANCEL names its receipt, or the client \
+        fix: "Keep the operation suspended until ASYNC-RESUME or ASYNC-CANCEL names its receipt, or until the client \
               disconnects.",
     },
     checks: &[Check::Exchange(check)],

@@ -1,8 +1,8 @@
 //! `FW-ASY-17`.
 //!
-//! The end may precede the response to the cancellation; it may then still be the regular end. Progress after that
-//! response does not prove that the operation continues. The rule therefore checks the message that ends the operation
-//! after the response, and that this message arrives in time ([`MAX_SECONDS`]) while the server sends other messages.
+//! An operation that ends before the ASYNC-CANCEL response may have ended regularly. Progress after that response does
+//! not prove that the operation continues. The rule therefore checks only operations that are pending at the response.
+//! They must end with the correct message, and within [`MAX_SECONDS`] if the server sends other messages.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -21,8 +21,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A cancelled operation ends with an ASYNC-RESP that contains an error.",
         source: source::ASYNC,
         applies_to: "ASYNC-CANCEL over time",
-        why: "The client learns from this message that the operation has stopped. Without it, the UAV may still be \
-              executing a command that the operator cancelled.",
+        why: "The client learns from this message that the operation has stopped. Without this message, the UAV may \
+              still be executing a command that the operator cancelled.",
         example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
 ← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
 → {"type":"ASYNC-CANCEL","ids":["r1"]}
@@ -70,7 +70,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The longest time from the response to the end of a cancelled operation, in seconds.
+/// The longest time, in seconds, from the ASYNC-CANCEL response to the end of the operation.
 const MAX_SECONDS: f64 = 10.0;
 
 /// The maximum number of tracked operations per connection.
@@ -89,9 +89,9 @@ struct Cancelled(PerConnection<Waiting>);
 /// Cancelled operations that have not ended.
 #[derive(Default)]
 struct Waiting {
-    /// The location of the response to the cancellation, by receipt.
+    /// The location of the ASYNC-CANCEL response, by receipt.
     receipts: BTreeMap<String, Location>,
-    /// The times of the responses to the cancellations, in order. Some of the operations may have ended.
+    /// The times of the ASYNC-CANCEL responses, in order. Some of the cancelled operations may have ended.
     times: VecDeque<(f64, String, Location)>,
 }
 
@@ -134,7 +134,7 @@ impl Waiting {
         }
     }
 
-    /// Removes the operations that a message ends, and reports a wrong kind of end.
+    /// Removes the operations that this message ends, and reports those that end in the wrong way.
     fn end(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         // A new operation reuses the receipt.
         for named in &exchange.opened {
@@ -143,7 +143,7 @@ impl Waiting {
         let actual = match exchange.type_name {
             Some("ASYNC-TIMEOUT") => Some("ASYNC-TIMEOUT"),
             Some("ASYNC-RESP") if body::is_present(exchange.field("error")) => None,
-            // Without a result and an error, FW-ASY-07 reports the message.
+            // If the message has neither a result nor an error, FW-ASY-07 reports it.
             Some("ASYNC-RESP") => exchange.field("result").map(|_| "a result"),
             _ => return,
         };

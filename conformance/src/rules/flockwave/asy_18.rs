@@ -11,11 +11,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-18",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "An unknown receipt in ASYNC-CANCEL or ASYNC-RESUME has an entry in `error` of the response.",
+        statement: "If a receipt in ASYNC-CANCEL or ASYNC-RESUME is unknown, the response lists it in `error`.",
         source: source::DERIVED,
         applies_to: "ASYNC-CANCEL and ASYNC-RESUME requests from a probe that tests this rule",
         why: "If an unknown receipt is accepted, the client believes that an operation was stopped. If the whole \
-              request is refused, the client gets no answer for the other receipts.",
+              request is refused, the client gets no answer about the other receipts.",
         example: r#"→ {"type":"ASYNC-CANCEL","ids":["r99"]}
 ← {"type":"ASYNC-CANCEL","success":["r99"]}"#,
         fix: "Look up each receipt. If it is unknown, add an entry such as \"unknown receipt\" to `error`, and \

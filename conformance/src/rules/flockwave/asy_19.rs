@@ -1,7 +1,7 @@
 //! `FW-ASY-19`.
 //!
-//! The operation may become suspended just before the request. An operation that the server reported as suspended may
-//! therefore be resumed.
+//! An operation may become suspended just before the request. The rule therefore accepts the resumption if the server
+//! reported the operation as suspended.
 
 use serde_json::json;
 
@@ -18,12 +18,13 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         source: source::DERIVED,
         applies_to: "ASYNC-RESUME requests from a probe that tests this rule",
         why: "The client believes that the operation received the values in the request, although the operation was \
-              not waiting for any.",
+              not waiting for any values.",
         example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
 ← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
 → {"type":"ASYNC-RESUME","ids":["r1"]}
 ← {"type":"ASYNC-RESUME","success":["r1"]}"#,
-        fix: "Check that the operation is suspended before you resume it. If it is not, add an entry to `error`.",
+        fix: "Check that the operation is suspended before you resume it. If it is not suspended, add an entry to \
+              `error`.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

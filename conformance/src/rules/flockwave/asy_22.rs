@@ -16,10 +16,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "For the result of ASYNC-RESP, the specification text requires an object, its example has a number, and \
              the JSON Schema allows any value. This rule requires the type that an immediate response would have.",
         ),
-        statement: "Each result has the type that the definition of its command specifies: a boolean for most UAV \
-                    commands.",
+        statement: "Each result has the type that the definition of its command specifies. For most UAV commands, this \
+                    is a boolean.",
         source: source::SCHEMA,
-        applies_to: "responses with `result`, ASYNC-RESP",
+        applies_to: "ASYNC-RESP, and responses with `result`",
         why: "Clients compare the result with true. A string such as \"failed\" may count as success, and null as \
               failure.",
         example: r#"{"type":"UAV-LAND","result":{"uav-1":"ok"}}"#,
@@ -91,7 +91,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
 /// A message type, a description of its results, and a predicate for them.
 type ResultSpec = (&'static str, &'static str, fn(&Tree<'_>) -> bool);
 
-/// The required results of a command, if the definitions specify them.
+/// The result specification of a command, if the definitions have one.
 fn result_of(name: &str) -> Option<ResultSpec> {
     RESULTS.iter().find(|(known, ..)| *known == name).copied()
 }
@@ -119,7 +119,7 @@ const RESULTS: [ResultSpec; 18] = [
     ("UAV-WAKEUP", BOOLEAN, is_boolean),
 ];
 
-/// The types in [`RESULTS`].
+/// The message types in [`RESULTS`].
 const TYPES: [&str; RESULTS.len()] = {
     let mut types = [""; RESULTS.len()];
     let mut at = 0;

@@ -1,23 +1,24 @@
-//! Attribution: the violations of body schemas that a rule reports in place of `FW-ENV-18`.
+//! Attribution: the body schema violations that a rule reports in place of `FW-ENV-18`.
 //!
-//! Some rules accept null in place of an absent field, because the specification contradicts itself there. The body
-//! schema does not, so `FW-ENV-18` reports null.
+//! Some rules accept null in place of an absent field, because the specification contradicts itself about null. Body
+//! schemas do not accept null, so `FW-ENV-18` reports it.
 
 use super::{FlockwaveRule, RULES};
 use crate::flockwave::body_schema::{Deviation, Fault, Step};
 use crate::model::Rule;
 
-/// Violations in bodies of some types, at a path, of some kinds.
+/// Selects body schema violations by message type, path and fault.
 #[derive(Debug)]
 pub(crate) struct Attribution {
     /// The types of the messages.
     types: &'static [&'static str],
-    /// The path of fields, separated by dots. `*` matches any step, and `**` at the end any number of steps.
+    /// The path, with its steps separated by dots. `*` matches any one step, and `**` at the end matches any number of
+    /// steps.
     path: &'static str,
     faults: &'static [Fault],
 }
 
-/// An invalid value of the right kind, or a value of another kind, but not null.
+/// An invalid value of the right kind, or a value of any other kind except null.
 pub(super) const WRONG: &[Fault] = &[Fault::Kind, Fault::Value];
 
 /// A missing value, null, or a value of another kind.
@@ -30,7 +31,7 @@ pub(super) const INVALID: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, 
 pub(super) const ALL: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value, Fault::Further];
 
 impl Attribution {
-    /// Creates an attribution for violations of these kinds, at this path in bodies of these types.
+    /// Creates an attribution for these message types, this path and these faults.
     pub(super) const fn new(
         types: &'static [&'static str],
         path: &'static str,
@@ -61,13 +62,13 @@ fn matches_path(path: &str, steps: &[Step]) -> bool {
 }
 
 impl FlockwaveRule {
-    /// True if the rule reports this violation of the body schema of a type.
+    /// True if the rule reports this body schema violation for a message type.
     pub(super) fn covers(&self, type_name: &str, deviation: &Deviation) -> bool {
         self.covers.iter().any(|attribution| attribution.matches(type_name, deviation))
     }
 }
 
-/// The rule that reports a violation of a type's body schema; `None` if `FW-ENV-18` reports it.
+/// The rule that reports this body schema violation; `None` if `FW-ENV-18` reports it.
 pub(crate) fn attributed(type_name: &str, deviation: &Deviation) -> Option<&'static Rule> {
     let found = RULES.iter().find(|rule| rule.covers(type_name, deviation));
     found.map(|found| &found.rule)
@@ -79,7 +80,7 @@ mod tests {
     use crate::flockwave::body_schema::Mismatch;
 
     fn by(path: &[&str], fault: Fault) -> Option<&'static str> {
-        // An id may be the same as the name of a field.
+        // An id may be equal to a field name.
         let step = |name: &&str| match name.strip_prefix('=') {
             Some(_) => Step::Other,
             None => Step::Field((*name).to_owned()),

@@ -50,12 +50,12 @@ pub(super) fn member(
     }
 }
 
-/// The states in a message of this type, by object.
+/// The states in a message of this type, by object id.
 pub(super) fn states<'t>(message: &Message<'t>, type_name: &str) -> &'t [(Cow<'t, str>, Tree<'t>)] {
     members(message.body_of(type_name), "status")
 }
 
-/// Checks that the key of each state is its id.
+/// Checks that the key of each state equals the `id` in that state.
 pub(super) fn keyed(message: &Message<'_>, context: &mut RuleContext<'_>, type_name: &str) {
     for (key, state) in states(message, type_name) {
         context.covered();
@@ -136,14 +136,14 @@ pub(super) fn is_version(text: &str) -> bool {
     parts.by_ref().take(3).all(is_number) && parts.next().is_none()
 }
 
-/// A shortened text in backticks.
+/// The text in backticks, shortened if it is long.
 pub(super) fn quoted(text: &str) -> String {
     let short: String = text.chars().take(MAX_QUOTED).collect();
     let more = if short.len() < text.len() { "…" } else { "" };
     format!("`{short}{more}`")
 }
 
-/// The members of an object in a field of the body; empty if the field is not an object.
+/// The members of the object in this body field; empty if the field is not an object.
 pub(super) fn members<'t>(body: Option<&'t Tree<'t>>, name: &str) -> &'t [(Cow<'t, str>, Tree<'t>)] {
     match body.and_then(|body| body.get(name)) {
         Some(Tree::Object(members)) => members,

@@ -1,4 +1,4 @@
-//! Bugs in the reference server. Each bug makes the server violate one rule.
+//! Bugs in the reference server. Each bug makes the server violate a rule.
 //!
 //! A bug either changes messages before they are sent, or changes the behaviour of the server. In the second case, the
 //! server code checks whether the bug is enabled.
@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use crate::model::Rule;
 
-/// The protocol version in messages of the server.
+/// The protocol version in server messages.
 const PROTOCOL: &str = "1.0";
 
 /// A bug in the reference server.
@@ -17,12 +17,12 @@ pub(crate) struct Bug {
     pub description: &'static str,
     /// Other rules that the bug violates.
     pub also: &'static [&'static Rule],
-    /// The setup in which the bug shows.
+    /// The setup needed to observe the bug.
     pub needs: Needs,
     change: Change,
 }
 
-/// The setup in which a bug is observable, in addition to a probe over TCP.
+/// The setup needed to observe a bug, in addition to a probe over TCP.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Needs {
     /// No additional setup.
@@ -62,7 +62,7 @@ impl Bug {
         Self { also, ..self }
     }
 
-    /// Sets the setup in which the bug is observable.
+    /// Sets the setup needed to observe the bug.
     pub(super) const fn needs(self, needs: Needs) -> Self {
         Self { needs, ..self }
     }
@@ -77,13 +77,13 @@ impl Bug {
 
 /// A server message before it is sent, and the messages that a bug adds.
 pub(crate) struct Outgoing<'r> {
-    /// Messages to send before it.
+    /// Messages to send before this message.
     before: Vec<Value>,
     /// The message; `None` if a bug drops it.
     pub(super) message: Option<Value>,
-    /// Messages to send after it.
+    /// Messages to send after this message.
     after: Vec<Value>,
-    /// The body of the request that the response answers, if any.
+    /// The body of the request that this message answers, if any.
     pub(super) request: Option<&'r Value>,
     /// The number of messages sent on the connection, including this one.
     pub(super) number: u64,
@@ -109,12 +109,12 @@ impl<'r> Outgoing<'r> {
         self.message.get_or_insert(Value::Null)
     }
 
-    /// The type of its body.
+    /// The type of the message body.
     pub(super) fn kind(&self) -> &str {
         self.message.as_ref().and_then(|message| message["body"]["type"].as_str()).unwrap_or_default()
     }
 
-    /// The type of the request that it answers.
+    /// The type of the request that this message answers.
     pub(super) fn request_type(&self) -> Option<&str> {
         self.request.map(|body| body.get("type").and_then(Value::as_str).unwrap_or_default())
     }
@@ -152,19 +152,19 @@ impl<'r> Outgoing<'r> {
         }
     }
 
-    /// A list of ids in the body, if the body has this type.
+    /// The list of ids in the body, if the body has this type.
     pub(super) fn ids_of(&mut self, kind: &str) -> Option<&mut Vec<Value>> {
         self.body_of(kind)?["ids"].as_array_mut()
     }
 
-    /// Replaces the last id of a list with a number.
+    /// Replaces the last id in a list with a number.
     pub(super) fn make_last_id_a_number(&mut self, kind: &str) {
         if let Some(last) = self.ids_of(kind).and_then(|ids| ids.last_mut()) {
             *last = json!(7);
         }
     }
 
-    /// Appends the first id of a list again.
+    /// Appends a copy of the first id in a list.
     pub(super) fn repeat_first_id(&mut self, kind: &str) {
         if let Some(ids) = self.ids_of(kind) {
             ids.extend_from_within(..1.min(ids.len()));

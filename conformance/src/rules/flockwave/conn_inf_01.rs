@@ -21,7 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("CONN-INF lacks the last requested connection.", |out| {
+    bug: Bug::message("CONN-INF omits the last connection in the request.", |out| {
         out.drop_last(&["CONN-INF"]);
     }),
     trial: None,

@@ -15,8 +15,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "In each state, `purpose` and `status` have values that the specification defines.",
         source: source::MESSAGES,
         applies_to: "CONN-INF",
-        why: "Clients choose the icon and the warning of a connection by these values. With an unknown value, a \
-              working link may look broken, or the reverse.",
+        why: "Clients use these values to choose the icon and the warning for a connection. With an unknown value, a \
+              working link may look broken, or a broken link may look fine.",
         example: r#"{"type":"CONN-INF","status":{"radio-1":{"id":"radio-1","purpose":"dgps","status":"up"}}}"#,
         fix: "Map internal values to those in the specification. Use the purpose `other` or the status `unknown` if \
               none fits.",

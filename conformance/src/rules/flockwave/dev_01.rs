@@ -25,7 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("DEV-LIST and DEV-INF lack the last requested object or path.", |out| {
+    bug: Bug::message("DEV-LIST and DEV-INF omit the last object or path in the request.", |out| {
         out.drop_last(&["DEV-LIST", "DEV-INF"]);
     })
     .with(&[&inf_01::RULE.rule]),

@@ -1,7 +1,7 @@
 //! `FW-ENV-01`.
 //!
-//! Other rules report a message over TCP in several lines, and several messages in one line or datagram. A line that
-//! may start a message is therefore reported only when it turns out not to.
+//! Other rules report a TCP message that spans several lines, and several messages in one line or datagram. This rule
+//! reports a line that could start a message only after the line turns out not to start one.
 
 use serde_json::json;
 
@@ -66,7 +66,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// Lines that may not be part of a message.
+/// Lines that are not known to be part of a message.
 #[derive(Default)]
 struct Unreadable(Lines);
 

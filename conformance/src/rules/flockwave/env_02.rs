@@ -12,7 +12,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`$fw.version` of a message is a string.",
+        statement: "The `$fw.version` of a message is a string.",
         source: source::GENERAL,
         applies_to: "messages from the server",
         why: "This field identifies a Flockwave message. A client that requires a string rejects the whole message.",

@@ -12,7 +12,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-02J",
         level: Level::Should,
         status: Status::Advisory,
-        statement: "`$fw.version` of a message is one to three numbers separated by dots.",
+        statement: "The `$fw.version` of a message is one to three numbers separated by dots.",
         source: source::SCHEMA,
         applies_to: "messages from the server",
         why: "Clients compare the numbers of a version one by one. They may reject a message whose version they cannot \

@@ -12,7 +12,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-03",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`id` of a message is a string.",
+        statement: "The `id` of a message is a string.",
         source: source::GENERAL,
         applies_to: "messages from the server",
         why: "Clients use the id to detect duplicate messages and to refer to a message in a log. A strict client \

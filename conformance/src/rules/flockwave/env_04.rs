@@ -15,8 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "No two responses or notifications on a connection have the same id.",
         source: source::GENERAL,
         applies_to: "messages from the server over time",
-        why: "Clients that detect duplicates by id drop the second message, and with it a response or a state \
-              change.",
+        why: "Clients that detect duplicates by id drop the second message, so a response or a state change is lost.",
         example: r#"← {"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}
 ← {"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-2"]}}"#,
         fix: "Create a new id for every message: a UUID, or a counter that is never reset on the connection.",

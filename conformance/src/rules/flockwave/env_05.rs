@@ -12,17 +12,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-05",
         level: Level::Should,
         status: Status::Advisory,
-        statement: "`refs` of a message, if present, is a string of 1 to 36 characters.",
+        statement: "The `refs` field of a message, if present, is a string of 1 to 36 characters.",
         source: source::SCHEMA,
         applies_to: "messages from the server",
-        why: "`refs` distinguishes responses from notifications. With null or an empty string, a client may treat a \
-              notification as a response, or reject it.",
+        why: "`refs` distinguishes responses from notifications. If `refs` is null or empty, a client may treat a \
+              notification as a response, or reject the notification.",
         example: r#"{"$fw.version":"1.0","id":"s1","refs":null,"body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
         fix: "In responses, copy the `id` of the request to `refs`. In notifications, omit `refs`; do not send null.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("Notifications have `refs` with the value null.", |out| {
+    bug: Bug::message("The `refs` of notifications is null.", |out| {
         if out.is_notification() {
             out.message()["refs"] = Value::Null;
         }

@@ -1,6 +1,7 @@
 //! `FW-ENV-06`.
 //!
-//! Requests from before the recording are unknown. The rule therefore checks only connections whose start was recorded.
+//! Requests that were sent before the recording are unknown. The rule therefore checks only connections whose start was
+//! recorded.
 
 use serde_json::json;
 
@@ -14,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-06",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`refs` of a response is the id of a request that was sent on the same connection.",
+        statement: "The `refs` of a response is the id of a request that was sent on the same connection.",
         source: source::GENERAL,
         applies_to: "responses over time",
         why: "The client cannot match the response to a request. It drops the response, and the request times out.",

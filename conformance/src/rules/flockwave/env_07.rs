@@ -1,9 +1,9 @@
 //! `FW-ENV-07`.
 //!
-//! The specification sets no time limit, and a recording may end before the response. A request is therefore reported
-//! only if no response arrives before the connection or the recording ends, and the server still sends messages long
-//! after the request ([`MAX_SECONDS`]). A probe waits for the response and marks the request as a test of this rule.
-//! Requests that test other rules are left to those rules.
+//! The specification sets no time limit, and a recording may end before the response arrives. A request is therefore
+//! reported only if no response arrives before the connection or the recording ends. In addition, the server must still
+//! send messages long after the request ([`MAX_SECONDS`]). A probe waits for the response and marks the request as a
+//! test of this rule. Requests that test other rules are checked by those rules.
 
 use serde_json::json;
 
@@ -17,7 +17,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-07",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Every request gets a response, even if the server does not know its type.",
+        statement: "Every request gets a response, even if the server does not know the type of the request.",
         source: source::GENERAL,
         applies_to: "requests over time",
         why: "A client waiting for the response blocks or times out. It cannot distinguish an unknown request from a \
@@ -54,7 +54,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The longest time to a response, in seconds. A server answers slower requests with a receipt.
+/// The longest time until a response, in seconds. A server answers slower requests with a receipt.
 const MAX_SECONDS: f64 = 30.0;
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
@@ -64,7 +64,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         return;
     }
     if let Some((tested, _)) = &request.trial {
-        // If a request tests another rule, that rule checks it. FW-ENV-25 is an exception, since it checks only the
+        // If a request tests another rule, that rule checks it. FW-ENV-25 is an exception, because it checks only the
         // order of responses.
         if tested.id == RULE.rule.id {
             served::tried(exchange, context);

@@ -19,7 +19,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
               reports an error.",
         example: r#"← {"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}
 ← {"$fw.version":"1.0","id":"s2","refs":"s1","body":{"type":"ACK-ACK"}}"#,
-        fix: "Set `refs` in responses only, to the `id` of the request. Do not refer to your own notifications.",
+        fix: "Set `refs` only in responses, and set it to the `id` of the request. Do not refer to your own \
+              notifications.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

@@ -15,7 +15,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A message never has both `body` and `error`.",
         source: source::GENERAL,
         applies_to: "messages from the server",
-        why: "The client does not know whether the request succeeded. Different clients decide differently.",
+        why: "The client does not know whether the request succeeded. Different clients may reach different \
+              conclusions.",
         example: r#"{"$fw.version":"1.0","id":"s1","refs":"c1","body":{"type":"ACK-ACK"},"error":{"code":7}}"#,
         fix: "Send `body` in normal responses and `error` in failures, never both.",
     },

@@ -12,11 +12,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-12",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`error` of a message is an object with an integer `code`, a string `message`, or both.",
+        statement: "The `error` of a message is an object with an integer `code`, a string `message`, or both.",
         source: source::GENERAL,
         applies_to: "messages from the server",
-        why: "The client has no error to show, so the operator learns only that something failed. Some clients cannot \
-              decode the message at all.",
+        why: "Without `code` and `message`, the client has no error to show, so the operator learns only that \
+              something failed. Some clients cannot decode the message at all.",
         example: r#"{"$fw.version":"1.0","id":"s1","refs":"c1","error":{"code":"three"}}"#,
         fix: "Send at least a human-readable `message`. Send `code` only if it is an integer.",
     },

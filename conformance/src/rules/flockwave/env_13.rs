@@ -14,12 +14,12 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-13",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`$fw.version` is the only key of the envelope that starts with `$`. In requests, the server \
-                    accepts all other additional keys.",
+        statement: "The only key of the envelope that starts with `$` is `$fw.version`. In requests, the server \
+                    accepts all additional keys that do not start with `$`.",
         source: source::GENERAL,
         applies_to: "messages from the server, and probe requests that test this rule",
-        why: "Later versions of the protocol may give the reserved key a meaning. If a server rejects additional keys, \
-              clients that send them cannot use it.",
+        why: "Later versions of the protocol may give a reserved key a meaning. If a server rejects additional keys, \
+              it excludes all clients that send such keys.",
         example: r#"{"$fw.version":"1.0","$node":"a","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
         fix: "Rename keys that start with `$`. When you parse a request, ignore unknown keys in the envelope.",
     },

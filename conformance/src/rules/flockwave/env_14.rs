@@ -12,7 +12,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-14",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`type` of a body is a string.",
+        statement: "The `type` of a body is a string.",
         source: source::GENERAL,
         applies_to: "messages from the server",
         why: "Clients choose the handler for a message by its type. Without a valid type, they drop the message.",

@@ -12,12 +12,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-15",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A message type consists of two parts joined by a hyphen. Each part is 2 to 8 uppercase letters or \
+        statement: "A message type consists of two parts joined by a hyphen. Each part has 2 to 8 uppercase letters or \
                     digits. Seven types in the specification are exceptions.",
         source: source::GENERAL,
         applies_to: "messages from the server",
-        why: "Clients and proxies select messages by family, the part before the hyphen. They cannot route a type in a \
-              different form.",
+        why: "Clients and proxies select messages by family, the part before the hyphen. They cannot route a type that \
+              has a different form.",
         example: r#"{"type":"uav-wind","speed":6200}"#,
         fix: "Name custom types like the standard ones: an uppercase family and name joined by one hyphen, such as \
               `UAV-WIND`.",

@@ -13,7 +13,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "A response has the type of its request, or is ACK-NAK. There are two exceptions: AUTH-RESP answers \
-                    AUTH-REQ, and ACK-ACK answers SYS-PING, SHOW-SETCFG, SHOW-SETLIGHTS and RTK-SOURCE with `id`.",
+                    AUTH-REQ, and ACK-ACK answers SYS-PING, SHOW-SETCFG, SHOW-SETLIGHTS and any RTK-SOURCE that has an \
+                    `id`.",
         source: source::GENERAL,
         applies_to: "responses over time",
         why: "The client decodes the body as the expected type. If the type differs, the client reads wrong data or \

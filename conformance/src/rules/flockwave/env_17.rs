@@ -17,12 +17,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "The specification text allows UAV-INF, CONN-INF, DEV-INF, CLK-INF and UAV-PREFLT as notifications; the \
              published JSON Schema of notifications does not. This rule allows them.",
         ),
-        statement: "A message from the server without `refs` is a SYS-PING or has a type that is allowed as a \
-                    notification.",
+        statement: "If a message from the server has no `refs`, its type is SYS-PING or a type that is allowed for \
+                    notifications.",
         source: source::GENERAL,
         applies_to: "messages from the server",
-        why: "Usually, the message is a response whose `refs` was left out. The client cannot match it to a request, \
-              and the request times out.",
+        why: "Such a message is usually a response that lacks its `refs`. The client cannot match it to a request, and \
+              the request times out.",
         example: r#"{"$fw.version":"1.0","id":"s1","body":{"type":"UAV-LIST","ids":["uav-1"]}}"#,
         fix: "Add `refs` if the message answers a request. Otherwise do not send it: only some types may be \
               notifications.",

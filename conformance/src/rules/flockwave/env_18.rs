@@ -24,7 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         why: "Clients generated from the definitions fail to decode the body. Hand-written clients read missing or \
               wrong values.",
         example: r#"{"type":"UAV-PREFLT","status":{"uav-1":{"result":"fine","items":[]}}}"#,
-        fix: "Compare the body with the definition of its type, and correct the named field. Omit optional fields \
+        fix: "Compare the body with the definition of its type, and correct the reported field. Omit optional fields \
               instead of sending null.",
     },
     checks: &[Check::Message(check)],

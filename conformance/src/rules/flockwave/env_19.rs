@@ -1,7 +1,7 @@
 //! `FW-ENV-19`.
 //!
 //! This is the only rule that checks clients: a reused id makes it impossible to match responses to requests. Only a
-//! probe shows whether the server accepts an id again after the response.
+//! probe shows whether the server accepts the id of an answered request.
 
 use serde_json::json;
 
@@ -19,12 +19,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                     server accepts the id again.",
         source: source::GENERAL,
         applies_to: "requests over time",
-        why: "For clients: if two open requests have the same id, neither side can tell which response belongs to \
-              which request.",
+        why: "If two open requests have the same id, neither side can tell which response belongs to which request.",
         example: r#"→ {"$fw.version":"1.0","id":"c1","body":{"type":"SYS-PING"}}
 → {"$fw.version":"1.0","id":"c1","body":{"type":"UAV-LIST"}}"#,
-        fix: "In the client, create a new id for each request. In the server, do not reject an id that was already \
-              answered.",
+        fix: "In the client, create a new id for each request. In the server, do not reject the id of an answered \
+              request.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
@@ -48,7 +47,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "an answered id is refused",
+            name: "the id of an answered request is refused",
             make: || mutant::refused("tcp#9", &RULE.rule),
             also: &[],
         },
@@ -70,6 +69,6 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
 }
 
 fn requests() -> Vec<Request> {
-    let request = Request::new("an answered id", json!({ "type": "SYS-VER" }));
+    let request = Request::new("the id of an answered request", json!({ "type": "SYS-VER" }));
     vec![Request { is_repeated: true, ..request }]
 }

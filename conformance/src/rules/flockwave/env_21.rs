@@ -12,11 +12,12 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-21",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "If the id of a request is unusual but valid, the response has the same id in `refs`. Such ids are \
-                    36 characters long or contain non-ASCII letters or spaces.",
+        statement: "The `refs` of a response equals the id of the request, even if the id has 36 characters or \
+                    contains spaces or non-ASCII letters.",
         source: source::DERIVED,
         applies_to: served::APPLIES_TO,
-        why: "Any string is a valid id. A client that uses such ids gets no usable responses from this server.",
+        why: "Unusual ids are valid as well. If the server changes an id, the client cannot match the response to its \
+              request.",
         example: r#"→ {"$fw.version":"1.0","id":"Höhe 1","body":{"type":"SYS-PING"}}
 ← {"$fw.version":"1.0","id":"s1","refs":"Hhe1","body":{"type":"ACK-ACK"}}"#,
         fix: "Treat ids as opaque Unicode strings. Do not trim, filter, re-encode or truncate them.",

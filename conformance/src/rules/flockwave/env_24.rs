@@ -1,10 +1,11 @@
 //! `FW-ENV-24`.
 //!
 //! The probe sends requests of each family, and a request of an unknown type on the same connection. A family has no
-//! handler if all of its requests are refused like the unknown type. ACK has no requests, so it is not tested.
+//! handler if the server refuses all its requests in the same way as the unknown type. ACK has no requests, so it is
+//! not tested.
 //!
-//! A server that requires a login may refuse every request before it in the same way. If the server reports that it
-//! requires a login, connections without one are not checked.
+//! Before login, a server may refuse every request in the same way. If the server reports that it requires a login,
+//! connections without a login are not checked.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,7 +25,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                     UAV. ACK has no requests.",
         source: source::GENERAL,
         applies_to: "probe requests that test this rule",
-        why: "Clients rely on these families without checking for them. Their device and connection views stay empty.",
+        why: "Clients rely on these families without checking for them. If a handler is missing, views such as the \
+              list of devices stay empty.",
         example: r#"→ {"type":"UAV-SOAR"}
 ← {"type":"ACK-NAK","reason":"No handler for UAV-SOAR"}
 → {"type":"DEV-LIST","ids":["uav-1"]}
@@ -163,7 +165,7 @@ impl Families {
         let family = families.entry(family).or_insert_with(new);
         match reason(exchange, name) {
             Some(reason) if family.reasons.len() < MAX_REASONS => _ = family.reasons.insert(reason),
-            // With that many different reasons, a handler refuses the requests.
+            // Only a handler gives so many different reasons.
             Some(_) | None => family.is_served = true,
         }
     }

@@ -1,7 +1,7 @@
 //! `FW-ENV-25`.
 //!
-//! The specification allows responses in any order. Most clients only ever see responses in the order of their
-//! requests, so a server that deviates is worth knowing. `FW-ENV-07` reports unanswered requests.
+//! The specification allows responses in any order. However, most clients only ever see responses in request order, so
+//! a different order is worth reporting. `FW-ENV-07` reports unanswered requests.
 
 use super::{
     Attempt, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
@@ -18,7 +18,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         source: source::DERIVED,
         applies_to: "probe requests that test this rule",
         why: "The specification allows any order, but many clients were only ever tested with responses in order. A \
-              client that matches responses by position mixes them up.",
+              client that matches responses by position assigns them to the wrong requests.",
         example: r#"→ {"type":"SYS-VER"}
 → {"type":"CONN-LIST"}
 ← {"type":"CONN-LIST","ids":[]}
@@ -44,7 +44,7 @@ struct Order(PerConnection<Answered>);
 /// The answered requests of a connection.
 #[derive(Default)]
 struct Answered {
-    /// The location of the last answered request in the order of sending.
+    /// The location of the most recently sent request that was answered.
     latest: Option<Location>,
     is_reported: bool,
 }
@@ -78,7 +78,7 @@ impl SessionCheck for Order {
     }
 }
 
-/// Several requests that are sent together. Other transports don't guarantee the order.
+/// An attempt that sends several requests together. Empty for transports that don't guarantee the order.
 fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
     if !matches!(endpoint, Endpoint::Tcp(_) | Endpoint::SocketIo { .. }) {
         return Vec::new();

@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Error codes are integers of 0 or more.",
+        statement: "Error codes are non-negative integers.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
         why: "Clients look up the severity and the text of a code by its number. A negative code has neither.",

@@ -16,7 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Each error code below 256 is defined in the specification.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
-        why: "Clients have no text for the code. The operator sees a bare number, or nothing.",
+        why: "Clients have no text for an undefined code. The operator sees a bare number, or nothing.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[50]}}}"#,
         fix: "Replace the code with the matching one in the specification. If none fits, use 127, 191 or 255, or a \
               custom code of 32768 or above.",

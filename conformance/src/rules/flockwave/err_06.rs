@@ -13,7 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-06",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "The list of errors contains no code twice.",
+        statement: "The list of errors contains each code at most once.",
         source: source::DERIVED,
         applies_to: "`errors` of UAV-INF",
         why: "Clients that show one line per entry show the problem twice and count too many problems.",

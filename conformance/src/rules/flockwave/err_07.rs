@@ -11,7 +11,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-07",
         level: Level::Should,
         status: Status::Disputed(
-            "The specification text of code 65 names 131 as its alternative, but 131 is unrelated. This rule uses 132.",
+            "The specification text for code 65 names 131 as the alternative, but 131 is unrelated. This rule uses \
+             132.",
         ),
         statement: "Alternative error codes are not listed together: 65 and 132; 66, 134 and 199; 133 and 197; 71 \
                     and 201; 72 and 139.",

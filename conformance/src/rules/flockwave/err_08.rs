@@ -11,17 +11,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-08",
         level: Level::Should,
         status: Status::Normative,
-        statement: "201 (outside the geofence, in the air) is not listed together with 1 (on the ground). On the \
-                    ground, 71 is used instead.",
+        statement: "Code 201 (outside the geofence, in the air) is not listed together with code 1 (on the ground). On \
+                    the ground, code 71 is used instead.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
-        why: "201 is fatal and means that the UAV attempts to land. On the ground, it raises a false alarm.",
+        why: "Code 201 is fatal and means that the UAV attempts to land. On the ground, this code raises a false \
+              alarm.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[1,201]}}}"#,
-        fix: "Send 71 instead of 201 while the UAV is on the ground.",
+        fix: "Send code 71 instead of 201 while the UAV is on the ground.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
-    bug: Bug::message("201 is sent for a UAV on the ground.", |out| {
+    bug: Bug::message("Code 201 is sent for a UAV on the ground.", |out| {
         out.set_in_state("errors", json!([1, 201]));
     }),
     trial: None,

@@ -11,7 +11,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-09",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "1 (on the ground) is not listed together with 5 (taking off), 6 (landing) or 63 (returning to \
+        statement: "Code 1 (on the ground) is not listed together with 5 (taking off), 6 (landing) or 63 (returning to \
                     home).",
         source: source::DERIVED,
         applies_to: "`errors` of UAV-INF",

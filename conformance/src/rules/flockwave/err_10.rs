@@ -11,7 +11,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-10",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "188 and 253 are simulated errors for tests. uavspec reports each use.",
+        statement: "Codes 188 and 253 are simulated errors for tests. uavspec reports each use.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
         why: "A simulated error triggers a return to home or an emergency landing. It should not appear in normal \

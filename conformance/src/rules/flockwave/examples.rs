@@ -1,8 +1,8 @@
-//! Tests of the examples: each must violate its rule.
+//! Tests that each example violates its rule.
 //!
-//! An example is one message of the server, or a transcript. Lines of a transcript start with `→` for the client and
-//! `←` for the server. A line that starts with two spaces continues the previous one, and lines in parentheses are
-//! remarks. Messages may consist of their body only.
+//! An example is one server message or a transcript. In a transcript, client lines start with `→` and server lines with
+//! `←`. A line that starts with two spaces continues the previous line. Lines in parentheses are remarks. A message may
+//! consist of its body only.
 
 use std::fmt::Write as _;
 

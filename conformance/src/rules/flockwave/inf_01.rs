@@ -14,8 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Each requested id or path is in exactly one map of the response.",
         source: source::MESSAGES,
         applies_to: "BCN-INF, CLK-INF, DEV-INF, EXT-INF, RTK-INF, UAV-PREFLT, WTH-INF",
-        why: "The client does not know whether a missing object is unknown or was left out by mistake. It keeps \
-              showing old data.",
+        why: "The client does not know whether a missing object is unknown or was left out by mistake. The client \
+              keeps showing old data.",
         example: r#"→ {"type":"WTH-INF","ids":["mast-1","mast-2"]}
 ← {"type":"WTH-INF","error":{"mast-1":"No data yet"}}"#,
         fix: "Add an entry for every requested id or path: its data, or a reason in `error`.",
@@ -23,7 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message(
-        "The response lacks the last requested object, in BCN-INF and similar messages.",
+        "In BCN-INF and similar messages, the response omits the last object in the request.",
         |out| {
             out.drop_last(&["BCN-INF", "CLK-INF", "WTH-INF", "RTK-INF", "EXT-INF", "UAV-PREFLT"]);
         },
@@ -31,37 +31,37 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "no data for a requested object, BCN-INF",
+            name: "BCN-INF has no data for a requested object",
             make: || mutant::reply("BCN-INF", |body| body["status"] = json!({})),
             also: &[],
         },
         Mutant {
-            name: "no data for a requested object, CLK-INF",
+            name: "CLK-INF has no data for a requested object",
             make: || mutant::reply("CLK-INF", |body| body["status"] = json!({})),
             also: &[],
         },
         Mutant {
-            name: "no data for a requested object, DEV-INF",
+            name: "DEV-INF has no data for a requested object",
             make: || mutant::reply("DEV-INF", |body| body["values"] = json!({})),
             also: &[],
         },
         Mutant {
-            name: "no data for a requested object, EXT-INF",
+            name: "EXT-INF has no data for a requested object",
             make: || mutant::reply("EXT-INF", |body| body["status"] = json!({})),
             also: &[],
         },
         Mutant {
-            name: "no data for a requested object, RTK-INF",
+            name: "RTK-INF has no data for a requested object",
             make: || mutant::reply("RTK-INF", |body| body["preset"] = json!({})),
             also: &[],
         },
         Mutant {
-            name: "no data for a requested object, UAV-PREFLT",
+            name: "UAV-PREFLT has no data for a requested object",
             make: || mutant::reply("UAV-PREFLT", |body| body["status"] = json!({})),
             also: &[],
         },
         Mutant {
-            name: "no data for a requested object, WTH-INF",
+            name: "WTH-INF has no data for a requested object",
             make: || mutant::reply("WTH-INF", |body| body["status"] = json!({})),
             also: &[],
         },

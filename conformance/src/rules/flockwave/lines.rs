@@ -1,4 +1,4 @@
-//! Detects messages that violate the framing of a transport: one message per line or per datagram.
+//! Detects messages that violate the framing of a transport, which is one message per line or datagram.
 
 use std::collections::BTreeMap;
 
@@ -7,10 +7,10 @@ use crate::flockwave::record::{Connection, Direction};
 use crate::json::Frame;
 use crate::model::Location;
 
-/// The maximum size of a message over several lines, in bytes. Longer texts are not treated as a message.
+/// The maximum size, in bytes, of a message that spans several lines. A longer text is not treated as a message.
 const MAX_TEXT: usize = 1 << 20;
 
-/// The maximum number of lines of a message.
+/// The maximum number of lines in a message.
 const MAX_LINES: usize = 10_000;
 
 /// The maximum number of connections with open lines.
@@ -27,13 +27,13 @@ pub(super) struct Line {
     pub(super) excerpt: String,
 }
 
-/// Lines from servers that are not messages. They are either parts of a message that spans several lines, or other
-/// lines. The decision may have to wait for the next message.
+/// Lines from servers that are not complete messages. A line is either part of a message that spans several lines, or
+/// an unrelated line. Sometimes only the next message shows which.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
-    /// Undecided lines, by index of the connection.
+    /// Undecided lines, by connection index.
     open: BTreeMap<usize, Open>,
-    /// The first line and the number of lines of each message over several lines.
+    /// For each message that spans several lines, its first line and its number of lines.
     pub(super) split: Vec<(Line, usize)>,
     /// Lines that are not part of a message.
     pub(super) other: Vec<Line>,
@@ -54,7 +54,7 @@ impl Lines {
         match exchange.role {
             Role::Unanswered => {}
             Role::Unreadable if exchange.record.direction == Direction::In => self.line(index, exchange),
-            // Client messages do not separate the server's lines.
+            // Client messages do not interrupt a server message.
             _ if exchange.record.direction == Direction::Out => {}
             // The client closed the connection without waiting for the rest.
             Role::Event if exchange.record.note == Some("client") => _ = self.open.remove(&index),
@@ -83,7 +83,8 @@ impl Lines {
             actual: record.value.map(ToString::to_string),
             excerpt: exchange.excerpt(),
         };
-        // A line that is a JSON value on its own may be part of a message. Any value serves as its placeholder.
+        // A line that is a complete JSON value may be part of a larger message. Any JSON value works as its
+        // placeholder.
         let text = if record.value.is_some() { "0" } else { record.text };
         let is_first = !self.open.contains_key(&index);
         if is_first && (!is_tcp(exchange) || !text.trim_start().starts_with('{')) {
@@ -113,7 +114,7 @@ impl Lines {
     }
 }
 
-/// True if messages are lines on this connection: names of TCP connections start with `tcp`.
+/// True if the connection uses TCP, where each message is a line. The names of TCP connections start with `tcp`.
 fn is_tcp(exchange: &Exchange<'_>) -> bool {
     name_starts_with(exchange.record.connection, "tcp")
 }
@@ -124,7 +125,7 @@ pub(super) fn name_starts_with(connection: Connection<'_>, start: &str) -> bool 
     name.is_some_and(|name| name.eq_ignore_ascii_case(start))
 }
 
-/// True if a server sends several messages in one line or one datagram.
+/// True if the record is a server line or datagram that contains several messages.
 pub(super) fn has_several_messages(exchange: &Exchange<'_>, transport: &str) -> bool {
     let record = exchange.record;
     if exchange.role != Role::Unreadable || record.direction != Direction::In || record.value.is_some() {
@@ -140,7 +141,7 @@ pub(super) fn has_several_messages(exchange: &Exchange<'_>, transport: &str) -> 
         })
 }
 
-/// True if the text before this byte is an object.
+/// True if the text before this byte is a JSON object.
 fn is_object_up_to(text: &str, at: usize) -> bool {
     text.get(..at).is_some_and(|text| matches!(Tree::read(text), Ok(Tree::Object(_))))
 }

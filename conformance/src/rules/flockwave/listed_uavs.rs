@@ -1,8 +1,8 @@
-//! The check of UAV-INF against the UAVs in UAV-LIST.
+//! Checks UAV-INF against the UAVs in UAV-LIST.
 //!
-//! UAVs come and go. UAV-INF therefore lacks a UAV only if the lists before and after it contain that UAV, and no
-//! OBJ-DEL in between names it. If the request contains an id twice, that may be the cause, so `FW-UAV-INF-07` reports
-//! the missing UAV instead of `FW-UAV-LIST-03`.
+//! UAVs come and go. A UAV therefore counts as missing from UAV-INF only if the lists before and after UAV-INF contain
+//! the UAV, and no OBJ-DEL in between names it. An id that is repeated in the request may be the cause. In that case,
+//! `FW-UAV-INF-07` reports the missing UAV instead of `FW-UAV-LIST-03`.
 
 use std::collections::BTreeSet;
 
@@ -26,7 +26,7 @@ pub(super) fn listed_twice(session: &mut Session, add: impl FnOnce(&mut Session)
 /// The maximum number of stored unknown UAVs per connection.
 const MAX_UNKNOWN: usize = 1_000;
 
-/// UAVs that UAV-INF does not know, by connection.
+/// UAVs that UAV-INF reports as unknown, by connection.
 #[derive(Default)]
 pub(super) struct Unknown {
     /// True to check only trials with a repeated id, false to check all other requests.
@@ -39,7 +39,7 @@ pub(super) struct Unknown {
 struct Listed {
     /// The latest list.
     uavs: BTreeSet<String>,
-    /// UAVs in that list that UAV-INF does not know, and the locations of those responses.
+    /// UAVs in the latest list that UAV-INF reports as unknown, each with the location of the UAV-INF response.
     unknown: Vec<(String, Location)>,
 }
 
@@ -65,7 +65,7 @@ impl SessionCheck for Unknown {
                 context.violation("UAV-INF", location, || {
                     let id = body::quoted(&id);
                     Detail::new(format!(
-                        "{id} is unknown to UAV-INF, but UAV-LIST contains it before and afterwards"
+                        "UAV-INF reports {id} as unknown, but UAV-LIST contains it both before and after"
                     ))
                     .expected("a state")
                     .actual("an error")

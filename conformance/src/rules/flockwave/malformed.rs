@@ -16,7 +16,7 @@ pub(super) struct Malformed {
     pub(super) how: &'static str,
     /// The text of the request.
     pub(super) text: String,
-    /// True if a response that refers to its id can be expected.
+    /// True if a response with this id in `refs` can be expected.
     pub(super) has_id: bool,
 }
 
@@ -73,8 +73,8 @@ pub(super) fn all(id: &str) -> Vec<Malformed> {
     for (how, body, has_id) in texts {
         kinds.push((how, format!(r#"{{"$fw.version":"1.0","id":{id_text},"body":{body}}}"#), has_id));
     }
-    // FW-ENV-07 tests unknown types. Ids that are not strings are omitted: it is unspecified what a response should
-    // refer to.
+    // FW-ENV-07 tests unknown types. Ids that are not strings are omitted, because the specification does not say what
+    // a response should refer to.
     kinds.extend(
         [
             ("an empty type", envelope(json!({ "type": "" }))),

@@ -1,4 +1,4 @@
-//! Sessions that violate a rule: small changes of the conforming session.
+//! Sessions that violate a rule: small changes to the conforming session.
 
 use serde_json::{Value, json};
 
@@ -9,7 +9,7 @@ pub(super) fn reply(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<
     Some(Session::new().reply(type_name, change)?.to_bytes())
 }
 
-/// The conforming session with a changed envelope of that response.
+/// The conforming session with a changed envelope in the first response of this type.
 pub(super) fn reply_message(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
     Some(Session::new().reply_message(type_name, change)?.to_bytes())
 }
@@ -24,7 +24,7 @@ pub(super) fn state(change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
     Some(Session::new().state(change)?.to_bytes())
 }
 
-/// The conforming session with these error codes in the changed UAV state.
+/// The conforming session with these error codes in a UAV state of the last status report.
 pub(super) fn errors(codes: &[i64]) -> Option<Vec<u8>> {
     Some(Session::new().errors(codes)?.to_bytes())
 }

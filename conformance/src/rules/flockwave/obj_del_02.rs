@@ -13,11 +13,12 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-OBJ-DEL-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "After OBJ-DEL names an object, the object is not listed until the server reports its state again.",
+        statement: "After OBJ-DEL names an object, the object is not listed until the server reports the object's \
+                    state again.",
         source: source::DERIVED,
         applies_to: "OBJ-DEL, OBJ-LIST and UAV-LIST over time",
-        why: "Clients remove the object after OBJ-DEL. If it appears in the next list, the operator sees a UAV that \
-              does not exist.",
+        why: "Clients remove the object after OBJ-DEL. If the object appears in the next list, the operator sees a UAV \
+              that does not exist.",
         example: r#"← {"type":"OBJ-DEL","ids":["uav-2"]}
 → {"type":"OBJ-LIST"}
 ← {"type":"OBJ-LIST","ids":["uav-1","uav-2"]}"#,
@@ -42,7 +43,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 /// The memory limit, in bytes.
 const MEMORY_LIMIT: usize = 1 << 20;
 
-/// The maximum length of a stored id, in bytes: 64 characters of up to four bytes.
+/// The maximum length of a stored id, in bytes: 64 characters of up to four bytes each.
 const MAX_ID: usize = 256;
 
 /// The deleted objects, by connection and id.

@@ -13,7 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`ids` is a list of strings.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST",
-        why: "Clients send these ids back in other requests. An id that is not a string cannot be used there.",
+        why: "Clients send these ids back in other requests, where only strings are valid.",
         example: r#"{"type":"OBJ-LIST","ids":["uav-1",2]}"#,
         fix: "Convert all ids to strings, and send `ids` even if the list is empty.",
     },

@@ -18,8 +18,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                     types.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
-        why: "Clients use the filter to find UAVs. If it is ignored, they treat beacons or docks as UAVs and send \
-              flight commands to them.",
+        why: "Clients use the filter to find UAVs. If the server ignores the filter, they treat beacons or docks as \
+              UAVs and send flight commands to them.",
         example: r#"→ {"type":"OBJ-LIST","filter":["uav"]}
 ← {"type":"OBJ-LIST","ids":["uav-1","mast-1"]}
 → {"type":"OBJ-LIST","filter":["beacon"]}

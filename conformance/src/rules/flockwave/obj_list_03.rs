@@ -19,7 +19,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
               like a failure, and a full list looks like a match.",
         example: r#"→ {"type":"OBJ-LIST","filter":["cloud"]}
 ← {"type":"ACK-NAK","reason":"Unknown object type: cloud"}"#,
-        fix: "Do not validate the types in `filter`. Return the matching objects. For an unknown type, there are none.",
+        fix: "Do not validate the types in `filter`. Return the matching objects, or an empty list if the type is \
+              unknown.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

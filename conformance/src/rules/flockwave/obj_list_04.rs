@@ -1,7 +1,7 @@
 //! `FW-OBJ-LIST-04`.
 //!
 //! Objects come and go. An object therefore counts as missing only if the unfiltered lists before and after a filtered
-//! one are equal, and no notification in between reports it as deleted.
+//! list are equal, and no notification in between reports it as deleted.
 
 use std::collections::BTreeSet;
 
@@ -61,7 +61,7 @@ struct Objects(PerConnection<Listed>);
 struct Listed {
     /// The latest unfiltered list.
     all: Option<BTreeSet<String>>,
-    /// The objects in filtered lists since then.
+    /// The objects in filtered lists since the latest unfiltered list.
     others: BTreeSet<String>,
 }
 

@@ -1,4 +1,4 @@
-//! State of checks by connection.
+//! Check state for each connection.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ impl<T> Default for PerConnection<T> {
 }
 
 impl<T: Default> PerConnection<T> {
-    /// The state of the connection of a record.
+    /// The state of a record's connection.
     pub(super) fn get(&mut self, exchange: &Exchange<'_>) -> &mut T {
         self.at(exchange.connection_id())
     }
@@ -39,7 +39,7 @@ impl<T: Default> PerConnection<T> {
         state
     }
 
-    /// Removes the state of a connection if this record reports that the connection closed.
+    /// Removes and returns the state of a connection, if this record reports that the connection closed.
     pub(super) fn closed(&mut self, exchange: &Exchange<'_>) -> Option<T> {
         if exchange.role != Role::Event || exchange.record.text != "closed" {
             return None;

@@ -12,13 +12,13 @@ const MAX_LISTED: usize = 1 << 19;
 /// The approximate overhead of a stored id, in bytes.
 const OVERHEAD: usize = 40;
 
-/// The maximum length of a stored id, in bytes: 64 characters of up to four bytes.
+/// The maximum length of a stored id, in bytes: 64 characters of up to four bytes each.
 const MAX_ID: usize = 256;
 
 /// The maximum number of misplaced objects in a finding.
 const MAX_LISTED_ITEMS: usize = 4;
 
-/// Checks that each requested object appears in exactly one part of the response, for responses of these types.
+/// Checks that responses of these types contain each requested object in exactly one part.
 pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     let Some((request, parts)) = replied(exchange, types) else { return };
     context.covered();
@@ -49,7 +49,7 @@ pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, 
             }
             let reported = reported.join(", ");
             Detail::new(format!(
-                "requested objects: {reported}; expected each in exactly one of {}",
+                "requested objects: {reported}; each must be in exactly one of {}",
                 parts.join(", ")
             ))
             .at("/body")
@@ -95,7 +95,7 @@ pub(super) fn named<'t>(exchange: &Exchange<'t>, part: &str) -> impl Iterator<It
     members.iter().map(|(key, _)| key.as_ref()).chain(values.iter().filter_map(Tree::as_str))
 }
 
-/// The `ids` of a message, if it is a list of strings and not too long.
+/// The `ids` of a message, if they are a list of strings and the list is not too long.
 pub(super) fn listed(exchange: &Exchange<'_>) -> Option<BTreeSet<String>> {
     let Some(Tree::List(values)) = exchange.field("ids").filter(|_| exchange.role != Role::Unanswered) else {
         return None;
@@ -109,7 +109,7 @@ pub(super) fn listed(exchange: &Exchange<'_>) -> Option<BTreeSet<String>> {
     values.iter().map(id).collect()
 }
 
-/// True if this is a response from the server, and the request to which its `refs` refers is known.
+/// True if this is a response from the server and its `refs` can be checked, because no earlier records are missing.
 pub(super) fn refers(exchange: &Exchange<'_>) -> bool {
     let is_response = exchange.role == Role::Response && exchange.is_from_server();
     is_response && exchange.record.connection.is_ordered && exchange.reference != Reference::Unclear

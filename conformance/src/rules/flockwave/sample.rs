@@ -1,5 +1,5 @@
-//! A conforming Flockwave session, recorded by a client that monitors two gliders. In between, the client runs trials
-//! on separate connections.
+//! A conforming Flockwave session, recorded by a client that monitors two gliders. The client also runs trials on
+//! separate connections.
 
 mod trials;
 
@@ -13,7 +13,7 @@ const START: f64 = 1_790_000_000.0;
 /// The time between messages, in seconds.
 const STEP: f64 = 0.05;
 
-/// The number of status reports at the end, and the time between them in seconds.
+/// The number of status reports at the end, and the time between two reports in seconds.
 const REPORTS: (u32, f64) = (12, 5.0);
 
 /// A recorded session.
@@ -73,7 +73,7 @@ impl Session {
         self.answers(&id, json!({ "body": answer }));
     }
 
-    /// Adds a request and returns its id.
+    /// Adds a request. Returns the id of the request.
     pub(crate) fn sends(&mut self, request: Value) -> String {
         self.num_requests += 1;
         let id = format!("ask-{}", self.num_requests);
@@ -81,7 +81,7 @@ impl Session {
         id
     }
 
-    /// Adds a request that tests a rule and returns its id.
+    /// Adds a request that tests a rule. Returns the id of the request.
     pub(crate) fn tries(&mut self, rule: &Rule, how: &str, request: Value) -> String {
         let id = self.sends(request);
         self.marks_trial(rule, how);
@@ -351,7 +351,7 @@ impl Session {
         Some(self)
     }
 
-    /// Changes the error codes of that glider.
+    /// Changes the error codes of one glider in the last status report.
     pub(crate) fn errors(self, codes: &[i64]) -> Option<Self> {
         self.state(|kite| kite["errors"] = codes.into())
     }

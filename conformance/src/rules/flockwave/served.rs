@@ -1,4 +1,4 @@
-//! Checks of trials: probe requests that test a rule. Parts shared by rules on requests that a server must serve.
+//! Shared checks of trials: probe requests that test a rule and that a server must serve.
 //!
 //! Trials are marked in the session. A refused request counts as not served, so trials use only requests that a server
 //! has no other reason to refuse.
@@ -28,7 +28,8 @@ pub(super) fn no_connection(rule: &Rule) -> Option<Vec<u8>> {
 }
 
 /// True if this is the response to a request that tests the rule. Reports a violation if there is no response or no
-/// connection, unless the session does not show the end of the connection or messages may be lost.
+/// connection. A missing response is not reported if the session does not show the end of the connection, or if
+/// messages may be lost.
 pub(super) fn tried(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> bool {
     let Some(how) = exchange.tried(context.rule) else { return false };
     let (problem, actual) = match exchange.role {
@@ -45,13 +46,13 @@ pub(super) fn tried(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> b
     false
 }
 
-/// True if the session would contain a response.
+/// True if the session is complete enough to contain any response.
 fn is_over(exchange: &Exchange<'_>) -> bool {
     exchange.record.note.is_some() && exchange.record.connection.is_ordered
 }
 
-/// Reports a request that tests the rule but gets no response, or no connection. The subject is the part of `how`
-/// before the first colon, which groups similar trials.
+/// Reports a trial without a response or without a connection. The subject of the finding is the part of `how` before
+/// the first colon, so similar trials are grouped.
 fn unserved(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, problem: &str, actual: &str, how: &str) {
     let type_name = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
     let (group, kind) = how.split_once(": ").unwrap_or((how, ""));
@@ -69,7 +70,7 @@ fn unserved(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, problem: &st
     });
 }
 
-/// True if this is the response to a request that tests the rule, and it does not refuse the request. Reports a refusal
+/// True if this is the response to a request that tests the rule, and the response is not a refusal. Reports a refusal
 /// as a violation.
 pub(super) fn served(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> bool {
     if !tried(exchange, context) {
@@ -99,8 +100,8 @@ fn refusal<'t>(exchange: &Exchange<'t>) -> Option<(&'static str, Option<&'t str>
     Some(("an error", error.get("message").and_then(Tree::as_str)))
 }
 
-/// Checks that the response to a request that tests the rule names the requested object in `error`. If the object is
-/// missing from the response, other rules report it.
+/// Checks that the response to a request that tests the rule lists the requested object in `error`. If the response
+/// omits the object, other rules report that.
 pub(super) fn in_error(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     if !served(exchange, context) {
         return;

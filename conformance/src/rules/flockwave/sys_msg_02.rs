@@ -12,7 +12,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-MSG-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`severity` of an item is `debug`, `info`, `warning`, `error` or `critical`.",
+        statement: "The `severity` of an item is `debug`, `info`, `warning`, `error` or `critical`.",
         source: source::MESSAGES,
         applies_to: "SYS-MSG",
         why: "Clients choose colour, sound and filter by severity. An unknown severity may hide a critical message.",

@@ -1,7 +1,7 @@
 //! `FW-SYS-PING-01`.
 //!
-//! Before login, a server may refuse even SYS-PING with ACK-NAK. Only ACK-NAK to a probe, which logs in first, is a
-//! violation.
+//! Before login, a server may refuse even SYS-PING with ACK-NAK. An ACK-NAK is therefore a violation only if a probe
+//! sent the request, because a probe logs in first.
 
 use serde_json::json;
 

@@ -1,6 +1,6 @@
 //! `FW-SYS-PORTS-02`.
 //!
-//! With port forwarding, the client sees another port than the server. The level is therefore INFO.
+//! With port forwarding, the port that the client uses differs from the server's port. The level is therefore INFO.
 
 use serde_json::json;
 
@@ -37,7 +37,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "another port",
+        name: "a different port",
         make: || {
             let ports = json!({ "ports": { "tcp": 7004, "udp": 7002 } });
             mutant::over("tcp#9", |session| session.exchange(json!({ "type": "SYS-PORTS" }), ports))

@@ -16,13 +16,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         source: source::MESSAGES,
         applies_to: "SYS-TIME",
         why: "Clients compute the clock offset from this value. With seconds instead of milliseconds, the offset is \
-              decades.",
+              wrong by decades.",
         example: r#"{"type":"SYS-TIME","timestamp":1790000000.25}"#,
         fix: "Send the Unix time in milliseconds as an integer.",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-TIME"], "timestamp", attribution::MISSING)],
-    bug: Bug::message("The server time is in seconds, including fractions of a second.", |out| {
+    bug: Bug::message("The server time is in fractional seconds.", |out| {
         if let Some(body) = out.body_of("SYS-TIME") {
             #[expect(clippy::cast_precision_loss, reason = "it is a bug")]
             let seconds = body["timestamp"].as_u64().unwrap_or_default() as f64 / 1000.0 + 0.000_5;

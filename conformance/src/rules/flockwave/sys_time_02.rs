@@ -1,7 +1,6 @@
 //! `FW-SYS-TIME-02`.
 //!
-//! A request that adjusts the clock changes the offset, so the offset is unknown after it. `FW-SYS-TIME-03` checks
-//! adjustments of 0.
+//! After a request that adjusts the clock, the offset is unknown. `FW-SYS-TIME-03` checks adjustments of 0.
 
 use serde_json::json;
 
@@ -19,8 +18,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                     the response.",
         source: source::DERIVED,
         applies_to: "SYS-TIME over time",
-        why: "Clients use the offset to compare timestamps with their own clock. If it changes, the age of all UAV \
-              states is wrong.",
+        why: "Clients use the offset to compare timestamps with their own clock. If the offset changes, the age of all \
+              UAV states is wrong.",
         example: r#"→ {"type":"SYS-TIME"}
 ← {"type":"SYS-TIME","timestamp":1790000000000}
 (10 s later)

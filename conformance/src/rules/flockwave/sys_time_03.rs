@@ -1,7 +1,7 @@
 //! `FW-SYS-TIME-03`.
 //!
 //! The rule compares the server times before and after the adjustment. A stopped or drifting clock deviates from the
-//! recording clock at most by the elapsed time; `FW-SYS-TIME-02` reports it.
+//! recording clock by at most the elapsed time. `FW-SYS-TIME-02` reports such a clock.
 
 use serde_json::json;
 
@@ -19,8 +19,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "An `adjustment` of 0 does not change the server clock.",
         source: source::MESSAGES,
         applies_to: "SYS-TIME over time",
-        why: "Clients send 0 to find out whether the clock can be adjusted. If that changes the clock, the timestamps \
-              of a flight in progress become wrong.",
+        why: "Clients send 0 to find out whether the clock can be adjusted. If the request changes the clock, the \
+              timestamps of a flight in progress become wrong.",
         example: r#"→ {"type":"SYS-TIME"}
 ← {"type":"SYS-TIME","timestamp":1790000000000}
 → {"type":"SYS-TIME","adjustment":0}
@@ -37,7 +37,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The session in which the server clock is an hour ahead, starting at one of three responses.
+/// A session with three responses. From response `first` on, the server clock is an hour ahead.
 fn adjusted(first: usize) -> Option<Vec<u8>> {
     mutant::over("tcp#9", |session| {
         let requests = [json!({}), json!({ "adjustment": 0 }), json!({})];

@@ -15,10 +15,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`name` and `revision`, if present, are strings.",
         source: source::MESSAGES,
         applies_to: "SYS-VER",
-        why: "Clients show the name to tell several servers apart. If it is not a string, the message may fail to \
-              decode.",
+        why: "Clients show the name to tell several servers apart. If the name is not a string, the message may fail \
+              to decode.",
         example: r#"{"type":"SYS-VER","software":"Example","version":"1.0","revision":7}"#,
-        fix: "Convert both to strings, or omit them.",
+        fix: "Convert `name` and `revision` to strings, or omit them.",
     },
     checks: &[Check::Message(check)],
     covers: &[

@@ -13,16 +13,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-VER-04",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "SYS-VER returns the same values each time on a connection.",
+        statement: "On a connection, SYS-VER always returns the same values.",
         source: source::DERIVED,
         applies_to: "SYS-VER over time",
-        why: "Clients query the version once and store it. If it changes, they use the wrong features for the rest of \
-              the connection.",
+        why: "Clients query the version once and store it. If the version changes, they use the wrong features for the \
+              rest of the connection.",
         example: r#"→ {"type":"SYS-VER"}
 ← {"type":"SYS-VER","software":"Example","version":"1.0","revision":"b7"}
 → {"type":"SYS-VER"}
 ← {"type":"SYS-VER","software":"Example","version":"1.0","revision":"b8"}"#,
-        fix: "Determine name, version and revision once at startup. If a load balancer is in use, pin each \
+        fix: "Determine the name, version and revision once at startup. If a load balancer is in use, pin each \
               connection to one server.",
     },
     checks: &[Check::Session(|| Box::new(Versions::default()))],
@@ -49,7 +49,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// The compared fields.
 const FIELDS: [&str; 4] = ["software", "version", "name", "revision"];
 
-/// The maximum compared length of a field, in characters.
+/// The number of characters that are compared in each field.
 const MAX_TEXT: usize = 256;
 
 /// The values of the latest response, by connection.

@@ -1,7 +1,7 @@
 //! `FW-TCP-01`.
 //!
-//! Lines that are not messages but form one together are a message with line breaks. `FW-ENV-01` reports all other
-//! lines that are not messages.
+//! If several lines form a message only when joined, they are a message with line breaks, and this rule reports it.
+//! `FW-ENV-01` reports all other lines that are not messages.
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Location, Mutant, Rule, RuleContext,
@@ -13,7 +13,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-TCP-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Over TCP, each message is a single line: it ends with a line break and contains no other.",
+        statement: "Over TCP, each message is a single line: it ends with a line break and contains no other line \
+                    breaks.",
         source: source::TRANSPORT,
         applies_to: "messages from the server on connections whose name begins with `tcp`",
         why: "Clients split the stream at line breaks. A message that spans several lines becomes several invalid \

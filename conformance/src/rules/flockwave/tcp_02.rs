@@ -20,8 +20,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 → {"$fw.version":"1.0","id":"c1","body":{"ty
 → pe":"SYS-VER"}}
 (no response)"#,
-        fix: "Append received data to a buffer and process every complete line in it. Keep the rest for the next \
-              segment.",
+        fix: "Append received data to a buffer and process every complete line in it. Keep the remaining bytes until \
+              the next segment arrives.",
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],

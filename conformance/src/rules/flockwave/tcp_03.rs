@@ -14,7 +14,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Over TCP, a line that is not JSON is ignored, and the next line is processed.",
         source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,
-        why: "One corrupt line from one client ends its session, or the server stops processing its requests.",
+        why: "A single corrupt line ends the client's session, or the server stops processing the client's requests.",
         example: r#"→ this is not JSON
 → {"type":"SYS-PING"}
 (the server closes the connection)"#,

@@ -27,7 +27,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],
-    bug: Bug::behaviour("Over TCP, the start of a message is dropped if its end is in another segment.")
+    bug: Bug::behaviour("Over TCP, the start of a message is dropped if the rest is in another segment.")
         .with(&[&tcp_02::RULE.rule]),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[
@@ -45,5 +45,5 @@ fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
         return Vec::new();
     }
     let late = Step::Pieces(Sent::request("one", "SYS-VER"), 2, LONG_PAUSE);
-    vec![Attempt::new("a message whose second half comes late", [late])]
+    vec![Attempt::new("a message whose second half arrives late", [late])]
 }

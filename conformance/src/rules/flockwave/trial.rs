@@ -25,14 +25,14 @@ const INVALID_TEXTS: [(&str, &[u8]); 4] = [
 /// The trial of a rule.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Trial {
-    /// Requests on the connection of the survey, created from the ids of the UAVs.
+    /// Requests on the survey's connection, created from the UAV ids.
     Requests(fn(&[String]) -> Vec<Request>),
     /// Attempts on separate connections; empty if the rule does not apply to the transport.
     Attempts(Strain, fn(&Endpoint) -> Vec<Attempt>),
 }
 
 /// The load that attempts put on a server. Attempts with the lowest load come first, because a server may not survive
-/// the others.
+/// higher loads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Strain {
     /// Valid requests.
@@ -47,9 +47,9 @@ pub(crate) enum Strain {
 pub(crate) struct Request {
     /// A short description of the test.
     pub(crate) how: &'static str,
-    /// Its body.
+    /// The body of the request.
     pub(crate) body: Value,
-    /// An additional member of its envelope.
+    /// An additional member of the envelope.
     pub(crate) member: Option<(&'static str, Value)>,
     /// True if the request is sent and answered once before the test.
     pub(crate) is_repeated: bool,
@@ -66,7 +66,7 @@ impl Request {
 pub(crate) struct Attempt {
     /// A short description of the test.
     pub(crate) how: String,
-    /// A separate endpoint; `None` for the endpoint of the probe.
+    /// An endpoint for this attempt only; `None` to use the probe's endpoint.
     pub(crate) endpoint: Option<Endpoint>,
     /// The steps, in order.
     pub(crate) steps: Vec<Step>,
@@ -115,7 +115,7 @@ pub(crate) struct Sent {
 }
 
 impl Sent {
-    /// Its id, if the message can be answered.
+    /// The id of the message, if the message can be answered.
     pub(crate) fn id(&self) -> Option<&str> {
         self.id.as_deref()
     }
@@ -133,7 +133,7 @@ impl Sent {
     }
 }
 
-/// Creates an attempt for each invalid text. The text is sent before these requests.
+/// Creates an attempt for each invalid text. Each attempt sends the text, followed by requests with these ids.
 pub(super) fn after_noise(before: &str, ids: &[&str]) -> Vec<Attempt> {
     let attempt = |(kind, noise): (&str, &[u8])| {
         let noise = Step::Send(Sent::text(noise, None));
@@ -143,7 +143,7 @@ pub(super) fn after_noise(before: &str, ids: &[&str]) -> Vec<Attempt> {
     INVALID_TEXTS.into_iter().map(attempt).collect()
 }
 
-/// All requests that test rules on the connection of the survey.
+/// All requests that test rules on the survey's connection.
 pub(crate) fn requests(uavs: &[String]) -> Vec<(&'static Rule, Request)> {
     let mut all = Vec::new();
     for flockwave in RULES {

@@ -20,7 +20,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("UAV-INF lacks the last requested UAV.", |out| {
+    bug: Bug::message("UAV-INF omits the last UAV in the request.", |out| {
         out.drop_last(&["UAV-INF"]);
     }),
     trial: None,

@@ -17,7 +17,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         why: "The client did not ask for this UAV. It may add a UAV to its fleet that the operator has filtered out.",
         example: r#"→ {"type":"UAV-INF","ids":["uav-9"]}
 ← {"type":"UAV-INF","error":{"uav-9":"Unknown UAV","uav-8":"Unknown UAV"}}"#,
-        fix: "Build the maps in the response from the ids in the request only.",
+        fix: "Build the maps in the response only from the ids in the request.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

@@ -15,8 +15,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`error` maps ids to strings.",
         source: source::SCHEMA,
         applies_to: "UAV-INF",
-        why: "Clients show the reason to the operator. If it is not a string, the message may fail to decode, and \
-              the states in it are lost too.",
+        why: "Clients show the reason to the operator. If the reason is not a string, the message may fail to decode, \
+              and its states are lost too.",
         example: r#"→ {"type":"UAV-INF","ids":["uav-9"]}
 ← {"type":"UAV-INF","error":{"uav-9":404}}"#,
         fix: "Send each reason as one human-readable string.",

@@ -11,7 +11,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UAV-INF-06",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "In a UAV-INF response, an unknown UAV has an entry in `error`; the request is not refused.",
+        statement: "UAV-INF lists an unknown UAV in `error` instead of refusing the request.",
         source: source::DERIVED,
         applies_to: "UAV-INF requests from a probe that tests this rule",
         why: "If one unknown id fails the whole request, the client does not get the state of any requested UAV.",

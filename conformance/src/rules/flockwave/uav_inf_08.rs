@@ -40,7 +40,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// The memory limit, in bytes.
 const MEMORY_LIMIT: usize = 4 << 20;
 
-/// The maximum length of a stored id, in bytes: 64 characters of up to four bytes.
+/// The maximum length of a stored id, in bytes: 64 characters of up to four bytes each.
 const MAX_ID: usize = 256;
 
 /// The latest timestamp of each UAV, by its connection and id.

@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The `ids` are unique, and each is 1 to 64 characters long and contains no `/`.",
         source: source::SCHEMA,
         applies_to: "UAV-LIST",
-        why: "Device paths start with the UAV id and use `/` as separator, so an id with a slash cannot be \
+        why: "Device paths start with the UAV id and use `/` as a separator, so an id with a slash cannot be \
               addressed. Clients may list a duplicate id twice.",
         example: r#"{"type":"UAV-LIST","ids":["fleet/uav-1"]}"#,
         fix: "Replace slashes in ids, shorten long ids, and remove duplicates.",
@@ -24,7 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["UAV-LIST"], "ids", &[Fault::Value]),
         Attribution::new(&["UAV-LIST"], "ids.*", &[Fault::Value]),
     ],
-    bug: Bug::message("UAV-LIST has its first id twice.", |out| out.repeat_first_id("UAV-LIST")),
+    bug: Bug::message("UAV-LIST contains its first id twice.", |out| out.repeat_first_id("UAV-LIST")),
     trial: None,
     mutants: &[
         Mutant {

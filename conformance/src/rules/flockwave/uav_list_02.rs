@@ -33,14 +33,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Session(|| Box::new(Uavs::default()))],
     covers: &[],
-    bug: Bug::message("UAV-LIST lacks its last UAV.", |out| {
+    bug: Bug::message("UAV-LIST omits its last UAV.", |out| {
         if let Some(ids) = out.ids_of("UAV-LIST") {
             ids.pop();
         }
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "UAV-LIST lacks a UAV", make: || listed(&["kite"], &["kite", "swift"]), also: &[] },
+        Mutant { name: "UAV-LIST omits a UAV", make: || listed(&["kite"], &["kite", "swift"]), also: &[] },
         Mutant {
             name: "UAV-LIST has an additional UAV",
             make: || listed(&["kite", "owl"], &["kite"]),
@@ -49,7 +49,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The session with `objects` in OBJ-LIST, and with `uavs` in UAV-LIST before and after it.
+/// A session with `uavs` in UAV-LIST, `objects` in OBJ-LIST, and `uavs` in UAV-LIST again.
 fn listed(uavs: &[&str], objects: &[&str]) -> Option<Vec<u8>> {
     mutant::over("tcp#9", |session| {
         session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
@@ -70,7 +70,7 @@ struct Uavs(PerConnection<Listed>);
 struct Listed {
     /// The ids of the latest UAV-LIST.
     uavs: Option<BTreeSet<String>>,
-    /// The ids and locations of OBJ-LIST responses since then.
+    /// The ids and locations of OBJ-LIST responses since the latest UAV-LIST.
     objects: Vec<(BTreeSet<String>, Location)>,
 }
 

@@ -1,10 +1,9 @@
-//! The check of requests over UDP that must be served.
+//! Checks that a server serves requests over UDP.
 //!
 //! Datagrams may be lost. A probe therefore sends several requests for each trial, and the trial fails only if all of
 //! them are unanswered when the connection closes.
 //!
-//! If the server never sends anything over UDP, its responses do not arrive at all. A missing response then does not
-//! prove that the service ended.
+//! If nothing from the server ever arrives over UDP, a missing response does not prove that the service ended.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +17,7 @@ use super::{
 /// The records that these rules apply to.
 pub(super) const APPLIES_TO: &str = "probe requests over UDP that test this rule";
 
-/// The ids of the requests of a trial. Datagrams may be lost: one response is sufficient.
+/// The request ids of a trial. Datagrams may be lost, so one response is sufficient.
 pub(super) const REQUESTS: [&str; 3] = ["one", "two", "three"];
 
 /// The conforming session with unanswered trials of a rule.
@@ -33,10 +32,10 @@ pub(super) fn unanswered(rule: &Rule) -> Option<Vec<u8>> {
 /// The maximum number of distinct trials on a connection. Further trials are counted as one.
 const MAX_TRIALS: usize = 64;
 
-/// The outcomes of the trials of a rule, by connection and description.
+/// The trial outcomes for a rule, by connection and description.
 #[derive(Default)]
 pub(super) struct Trials {
-    /// True if a violation is reported even if the server never sent anything over UDP.
+    /// True to report violations even if the server never sent anything over UDP.
     is_silence_reported: bool,
     /// True if the server sent something over UDP.
     has_received: bool,
@@ -46,17 +45,17 @@ pub(super) struct Trials {
 /// The outcome of a trial.
 struct Outcome {
     is_answered: bool,
-    /// The location of its first request.
+    /// The location of the trial's first request.
     location: Location,
 }
 
 impl Trials {
-    /// Trials that fail if none of their requests is answered.
+    /// Creates trials that fail if none of their requests is answered.
     pub(super) fn new() -> Self {
         Self { is_silence_reported: true, ..Self::default() }
     }
 
-    /// Trials that fail only if the server sends something else over UDP.
+    /// Creates trials that fail only if the server sends anything over UDP.
     pub(super) fn if_server_sends() -> Self {
         Self::default()
     }

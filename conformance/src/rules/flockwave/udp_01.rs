@@ -17,11 +17,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         example: r#"(one datagram)
 ← {"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}
   {"$fw.version":"1.0","id":"s2","body":{"type":"OBJ-DEL","ids":["uav-2"]}}"#,
-        fix: "Send each message in its own datagram, and do not buffer datagrams.",
+        fix: "Send each message in a separate datagram, and do not buffer datagrams.",
     },
     checks: &[Check::Exchange(check), Check::StatusReport(check_status_report)],
     covers: &[],
-    bug: Bug::behaviour("Over UDP, each datagram contains its notification twice.").needs(Needs::Udp),
+    bug: Bug::behaviour("Over UDP, each notification is sent twice in one datagram.").needs(Needs::Udp),
     trial: None,
     mutants: &[Mutant {
         name: "two messages in a datagram",

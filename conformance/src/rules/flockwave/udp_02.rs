@@ -14,7 +14,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Over UDP, the response goes to the address and port that the request came from.",
         source: source::DERIVED,
         applies_to: udp::APPLIES_TO,
-        why: "The client receives responses only on the socket that it sent from, and most firewalls and NATs drop \
+        why: "The client receives responses only on the socket that sent the request, and most firewalls and NATs drop \
               all other datagrams.",
         example: r#"→ {"type":"SYS-PING"}
 (the request comes from port 40001, the response goes to port 40002)"#,
@@ -22,7 +22,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Session(|| Box::new(udp::Trials::new()))],
     covers: &[],
-    bug: Bug::behaviour("Over UDP, responses go to the port after the client's port.").needs(Needs::Udp),
+    bug: Bug::behaviour("Over UDP, responses go to the client's port number plus one.").needs(Needs::Udp),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[
         Mutant { name: "requests without a response", make: || udp::unanswered(&RULE.rule), also: &[] },

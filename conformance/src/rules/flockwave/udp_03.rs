@@ -14,7 +14,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Over UDP, the server keeps serving after a datagram that is not a message.",
         source: source::DERIVED,
         applies_to: udp::APPLIES_TO,
-        why: "Anyone can send a datagram to a UDP port. One port scan then ends the service for all clients.",
+        why: "Anyone can send a datagram to a UDP port. If an invalid datagram stops the server, a single port scan \
+              ends the service for all clients.",
         example: r#"→ {"type":"SYS-PING"}
 ← {"type":"ACK-ACK"}
 → this is not JSON

@@ -1,4 +1,4 @@
-//! Parts shared by the `FW-UST-…` rules. Each of them checks that one field of a UAV state matches its definition.
+//! Parts shared by the `FW-UST-…` rules. Each rule checks that one field of a UAV state matches its definition.
 
 use serde_json::Value;
 
@@ -28,7 +28,7 @@ pub(super) fn with(field: &str, value: Value) -> Option<Vec<u8>> {
     mutant::state(|kite| kite[field] = value)
 }
 
-/// Counts the states with a field, and reports the violations of its body schema that the rule covers.
+/// Counts the states that have this field, and reports the body schema violations that the rule covers.
 pub(super) fn check(message: &Message<'_>, context: &mut RuleContext<'_>, rule: &FlockwaveRule, field: &str) {
     for (_, state) in body::states(message, "UAV-INF") {
         if state.get(field).is_some() {

@@ -14,7 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
               to be level.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "attitude":[0,0,3600]}}}"#,
-        fix: "Send three integers in tenths of a degree. Wrap yaw to 0–3599, and roll and pitch to -1800–1799.",
+        fix: "Send three integers in tenths of a degree. Wrap yaw to the range 0 to 3599, and roll and pitch to the \
+              range -1800 to 1799.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "attitude"))],

@@ -9,7 +9,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-ERRORS",
         status: ust::NULL,
         statement: "`errors` is a list of integers.",
-        why: "Clients show the error codes of a UAV from this list. In a different form, a fatal error may stay hidden.",
+        why: "Clients show the error codes of a UAV from this list. If the list has a different form, a fatal error \
+              may stay hidden.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "errors":"none"}}}"#,
         fix: "Send a list of integer codes. If there are no errors, send an empty list or omit the field.",

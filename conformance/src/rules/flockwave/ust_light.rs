@@ -10,10 +10,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: ust::NULL,
         statement: "`light` is a 16-bit colour, an integer from 0 to 65535.",
         why: "Clients show the light of each UAV, for example in a drone show. A colour in a different format is \
-              displayed wrongly.",
+              displayed incorrectly.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "light":16746496}}}"#,
-        fix: "Convert to RGB565: 5 bits red, 6 bits green, 5 bits blue.",
+        fix: "Convert the colour to RGB565: 5 bits for red, 6 bits for green, and 5 bits for blue.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "light"))],

@@ -12,7 +12,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         why: "Clients compute the age of the state from its timestamp, and warn if the state is too old. Without a \
               timestamp, a lost UAV seems to be connected.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":"12:30:00"}}}"#,
-        fix: "Send the Unix time in milliseconds at which the server received the state.",
+        fix: "Send the time when the server received the state, as Unix time in milliseconds.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "timestamp"))],

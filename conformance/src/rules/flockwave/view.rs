@@ -1,7 +1,7 @@
 //! Views of session records for checks.
 //!
-//! Each kind of check ([`Check`](super::Check)) gets a view that limits the inputs of its result. Checks of messages
-//! need not run for a status report with the same content as an earlier one.
+//! Each kind of check ([`Check`](super::Check)) gets a view with only those inputs that its result may depend on.
+//! Message checks need not run for a status report that has the same content as an earlier report.
 
 use super::{Detail, Exchange, Role, RuleContext, Tree};
 use crate::flockwave::body_schema::{Deviation, Mismatch};
@@ -11,20 +11,20 @@ use crate::flockwave::session::ConnectionId;
 /// The type of status reports.
 const STATUS: &str = "UAV-INF";
 
-/// The content of a server message, without time, connection, location and earlier messages.
+/// The content of a server message, without its time, connection and location, and without earlier messages.
 #[derive(Debug)]
 pub(crate) struct Message<'t> {
-    /// Its part in an exchange.
+    /// The role of the message in its exchange.
     pub role: Role,
-    /// The message, an object.
+    /// The message, which is an object.
     pub value: &'t Tree<'t>,
-    /// Its `id`, if it is a string.
+    /// The `id` of the message, if it is a string.
     pub id: Option<&'t str>,
-    /// Its `body`, if it is an object.
+    /// The `body` of the message, if it is an object.
     pub body: Option<&'t Tree<'t>>,
     /// The type of the body, if it is a string.
     pub type_name: Option<&'t str>,
-    /// The violations of its body schema; `None` if there is no such schema.
+    /// The body schema violations; `None` if there is no body schema.
     pub deviations: Option<&'t [Deviation]>,
     /// The exchange, for findings only.
     exchange: &'t Exchange<'t>,
@@ -63,7 +63,7 @@ impl<'t> Message<'t> {
         self.exchange.violates(context, detail);
     }
 
-    /// Reports a violation of its body schema, in a field or in the whole body.
+    /// Reports a body schema violation in a field or in the whole body.
     pub(super) fn deviates(&self, context: &mut RuleContext<'_>, field: &str, deviation: &Deviation) {
         let name = self.exchange.subject();
         let subject = if field.is_empty() { name } else { format!("{name}.{field}").into() };
@@ -74,7 +74,7 @@ impl<'t> Message<'t> {
     }
 }
 
-/// A status report (UAV-INF notification) in its session. It gives access only to the ids and timestamps of the states.
+/// A status report (UAV-INF notification) in its session. Gives access only to the ids and timestamps of the states.
 #[derive(Debug)]
 pub(crate) struct StatusReport<'t>(&'t Exchange<'t>);
 
@@ -94,12 +94,12 @@ impl<'t> StatusReport<'t> {
         self.0.connection_id()
     }
 
-    /// Its time in seconds, if the time is reliable.
+    /// The time of the report in seconds, if the time is reliable.
     pub(super) fn time(&self) -> Option<f64> {
         self.0.time
     }
 
-    /// Its `id`, if it is a string.
+    /// The `id` of the report, if it is a string.
     pub(super) fn id(&self) -> Option<&'t str> {
         self.0.id
     }
@@ -109,7 +109,7 @@ impl<'t> StatusReport<'t> {
         self.0.is_id_in_use
     }
 
-    /// The bounds of the clock offset of the server, in seconds.
+    /// The bounds of the server's clock offset, in seconds.
     pub(super) fn clock(&self) -> Option<(f64, f64)> {
         self.0.clock
     }

@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "The specification text requires whole milliseconds, and all its examples are integers; most JSON \
              Schemas allow any number. This rule requires an integer.",
         ),
-        statement: "`timestamp` of weather data is an integer number of milliseconds.",
+        statement: "The `timestamp` of weather data is an integer number of milliseconds.",
         source: source::TYPES,
         applies_to: "WTH-AT, WTH-INF",
         why: "Clients compute the age of the weather data from this timestamp. With seconds instead of milliseconds, \

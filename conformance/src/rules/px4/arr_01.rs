@@ -9,8 +9,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-ARR-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "In JSON, an array has its defined length, and a sequence, a string or the text of \
-            a `char` array does not exceed its bound.",
+        statement: "In JSON, each array has its defined length. Sequences, strings and the text of `char` arrays do \
+                    not exceed their bounds.",
         source: "field type in the definition: `T[N]`, `T[<=N]`, `string<=N`, `char[N]`",
         applies_to: "JSON messages",
         why: "A reader with a fixed-size array can't store the message. It rejects the message, or it drops or adds \
@@ -45,7 +45,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     ],
 };
 
-/// Finds a topic with an array of numbers: the topic's index and the array's name.
+/// Finds a topic with an array of numbers. Returns the topic's index and the array's name.
 fn array(flight: &Flight<'_>) -> Option<(usize, String)> {
     let is_numeric =
         |value: &Value| value.as_array().and_then(|array| array.first()).is_some_and(Value::is_number);

@@ -13,11 +13,11 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         source: "DDS-XTypes 1.3, section 7.4; the field types in the definition",
         applies_to: "CDR messages",
         why: "A payload that is too short has no values for its last fields. Extra bytes show that the writer uses a \
-              different definition, so the values of other fields can be wrong as well.",
+              different definition, so the other values may be wrong as well.",
         example: "ArmingCheckRequest: 4 (header) + 8 + 1 + 3 (alignment) + 4 = 20 bytes\n\
             payload:            16 bytes, without valid_registrations_mask",
-        fix: "Encode all fields in the order of the definition, with the alignment that CDR requires. \
-            Build writer and reader from the same definition.",
+        fix: "Encode all fields in the order of the definition, with the alignment that CDR requires. Build the writer \
+              and the reader from the same definition.",
     },
     check: Check::Source,
     mutants: &[

@@ -11,8 +11,8 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         statement: "Each data message has the id of a subscription that precedes it and is still active.",
         source: "ULog file format, section on data messages",
         applies_to: "logs",
-        why: "The subscription defines the topic and the format of a record. Without it, readers \
-            can't decode the record.",
+        why: "The subscription defines the topic and the format of a record. Without the subscription, readers can't \
+              decode the record.",
         example: "subscription: id 0, battery_status\n\
             data:         id 7, …                 (id 7 was never subscribed)",
         fix: "Write the subscription for an id before the first data message with that id. After the id is \

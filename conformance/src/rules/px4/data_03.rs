@@ -15,8 +15,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "A log has at most one active subscription for each instance of a topic.",
         source: "ULog file format, section on subscription messages",
         applies_to: "logs",
-        why: "Readers identify a stream by topic and instance. They merge the two streams or drop \
-            one, so samples seem to be duplicated, out of order or missing.",
+        why: "Readers identify a stream by topic and instance. If two subscriptions describe the same stream, readers \
+              merge their samples or drop some, so samples seem to be duplicated, out of order or missing.",
         example: "subscription: id 0, battery_status, instance 0\n\
             subscription: id 9, battery_status, instance 0",
         fix: "Give each instance of a topic its own number. Unsubscribe an instance before you \
@@ -24,7 +24,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     },
     check: Check::State(|| Box::new(Instances::default())),
     mutants: &[Mutant {
-        name: "a second subscription of an instance",
+        name: "a second subscription to an instance",
         change: Change::Ulog(|flight, mut log| {
             log.entries.push(Entry::Subscription(u16::MAX, 0, flight.topics.first()?.name.clone()));
             Some(log)
@@ -47,9 +47,9 @@ impl Checker for Instances {
         if first != channel.index {
             let definition = context.defined(channel.definition);
             context.violation_of(channel.topic, channel.location, definition, || {
-                Detail::new(format!("a second subscription of instance {multi_id}"))
-                    .expected(format!("one subscription of instance {multi_id} at a time"))
-                    .actual("a second one")
+                Detail::new(format!("a second subscription to instance {multi_id}"))
+                    .expected("one active subscription")
+                    .actual("two")
             });
         }
         Interest::Nothing

@@ -1,14 +1,15 @@
-//! The messages of external components, for the rules `PX-EXT-…`: requests, replies and registrations.
+//! Requests, replies and registrations of external components, for the `PX-EXT-…` rules.
 //!
 //! A flight controller regularly asks all registered components whether they allow arming, and each component replies.
-//! A capture rarely contains all of these messages, so the rules report only what is certain:
+//! A capture rarely contains all of these messages, so the rules report only violations that are beyond doubt:
 //!
-//! - After a dropout, corrupt data, or a message that can't be trusted, the state is reset. It is also reset if time
-//!   goes back, for example after a restart of the flight controller.
-//! - Request ids are consecutive. After a gap, a request is missing in the capture.
-//! - The topics need not be in a common order. A message is correct if it is correct by its position in the file or by
-//!   its time, and the clocks of both sides may differ a little ([`TOLERANCE`]).
-//! - If two topics have requests, for example of two vehicles, nothing is reported, since the addressee is unknown.
+//! - The state is reset after a dropout, corrupt data, or an unreadable message. It is also reset if time goes
+//!   backwards, for example after a restart of the flight controller.
+//! - Request ids are consecutive, so a gap means that the capture lacks a request.
+//! - Messages on different topics may be out of order, and the clocks of both sides may differ slightly
+//!   ([`TOLERANCE`]). A message passes if its position in the file or its timestamp is correct.
+//! - If two topics carry requests, for example from two vehicles, nothing is reported, because the recipient of each
+//!   reply is unknown.
 
 use std::collections::VecDeque;
 
@@ -20,10 +21,10 @@ use uavspec_runtime::Number;
 use super::{Channel, Checker, Interest, Location, Message, RuleContext};
 
 /// The maximum difference between two times that count as equal, in µs. A component uses the clock of its computer,
-/// which is synchronized with the flight controller to a few milliseconds.
+/// which is synchronized with the flight controller to within a few milliseconds.
 pub(super) const TOLERANCE: u64 = 10_000;
 
-/// The number of requests that are stored, to find the request of a late reply.
+/// The number of stored requests, used to match late replies.
 const REQUESTS: usize = 8;
 
 /// The maximum number of replies that wait for the next request. A flight controller registers far fewer components.
@@ -38,7 +39,7 @@ enum Role {
     Unregistration,
 }
 
-/// The message names with their roles, in the order of the roles.
+/// Each message name with its role, in role order.
 const ROLES: [(&str, Role); 4] = [
     ("ArmingCheckRequest", Role::Request),
     ("ArmingCheckReply", Role::Reply),
@@ -52,13 +53,13 @@ pub(super) struct Request {
     pub(super) id: u8,
     /// The time in µs, if known.
     pub(super) time: Option<u64>,
-    /// The mask of the registrations that exist and respond. `None` if the release has no such field.
+    /// The mask of the registrations that exist and respond. `None` if the PX4 release lacks this field.
     pub(super) mask: Option<u32>,
     pub(super) definition: Option<MessageId>,
     pub(super) location: Location,
 }
 
-/// A reply of a component.
+/// A reply from a component.
 #[derive(Clone, Debug)]
 pub(super) struct Reply {
     pub(super) topic: String,
@@ -69,7 +70,7 @@ pub(super) struct Reply {
     pub(super) location: Location,
 }
 
-/// A rule about these messages.
+/// A rule on requests, replies and registrations.
 pub(super) trait Listener: Default {
     /// Receives the start time of the capture.
     fn started(&mut self, _time: u64) {}
@@ -86,7 +87,7 @@ pub(super) trait Listener: Default {
     /// Handles the end of a registration.
     fn unregistered(&mut self, _id: u8, _time: Option<u64>) {}
 
-    /// Resets the state, since messages may be lost.
+    /// Resets the state, because messages may have been lost.
     fn forget(&mut self);
 
     /// Handles the end of the capture.
@@ -97,7 +98,7 @@ pub(super) trait Listener: Default {
 #[derive(Default)]
 pub(super) struct Talk<L> {
     listener: L,
-    /// The first channel of each role that had a message.
+    /// For each role, the first channel that had a message.
     channels: [Option<usize>; ROLES.len()],
     /// True if there are several flight controllers, whose messages can't be distinguished.
     is_ambiguous: bool,
@@ -174,7 +175,7 @@ impl<L: Listener> Talk<L> {
             Role::Registration => {
                 let is_success = number::<u8>(values, "success")? != 0;
                 let id: i128 = number(values, "arming_check_id")?;
-                // A component that takes no part in arming checks gets -1.
+                // A component that takes no part in arming checks gets the id -1.
                 if let Some(id) = u8::try_from(id).ok().filter(|_| is_success) {
                     self.listener.registered(id, time);
                 }
@@ -225,7 +226,7 @@ pub(super) fn is_reply(channel: &Channel<'_>, context: &RuleContext<'_>) -> bool
     role(channel, context) == Some(Role::Reply)
 }
 
-/// The value of an integer field, or of a bool as 0 or 1. `None` if the field is missing or the value doesn't fit.
+/// The value of an integer field; a bool counts as 0 or 1. `None` if the field is missing or the value doesn't fit.
 pub(super) fn number<T: TryFrom<i128>>(values: DynamicView<'_>, path: &str) -> Option<T> {
     match values.get(path)?.number()? {
         Number::Int(value) => T::try_from(value).ok(),
@@ -233,7 +234,7 @@ pub(super) fn number<T: TryFrom<i128>>(values: DynamicView<'_>, path: &str) -> O
     }
 }
 
-/// True if a time is certainly later than another.
+/// True if a time is later than another by more than the tolerance.
 pub(super) fn is_later(time: Option<u64>, than: Option<u64>) -> bool {
     time.zip(than).is_some_and(|(time, than)| time > than.saturating_add(TOLERANCE))
 }
@@ -243,7 +244,7 @@ pub(super) fn is_later(time: Option<u64>, than: Option<u64>) -> bool {
 pub(super) struct Requests(VecDeque<Request>);
 
 impl Requests {
-    /// Adds a request. Returns true if it has the next id; otherwise the earlier requests are removed.
+    /// Adds a request. Returns true if its id follows the latest id. Otherwise, removes the earlier requests.
     pub(super) fn push(&mut self, request: Request) -> bool {
         let is_next = self.latest().is_some_and(|latest| latest.id.wrapping_add(1) == request.id);
         if !is_next {
@@ -255,12 +256,12 @@ impl Requests {
         is_next
     }
 
-    /// The latest request in the order of the file.
+    /// The latest request, in file order.
     pub(super) fn latest(&self) -> Option<&Request> {
         self.0.back()
     }
 
-    /// The latest request at a time.
+    /// The latest request at this time.
     pub(super) fn latest_at(&self, time: Option<u64>) -> Option<&Request> {
         self.0.iter().rfind(|request| !is_later(request.time, time))
     }
@@ -271,7 +272,7 @@ impl Requests {
     }
 }
 
-/// Replies that wait for the next request. If there are too many, the oldest are dropped.
+/// Replies waiting for the next request. If there are too many, the oldest are dropped.
 #[derive(Default)]
 pub(super) struct Waiting(VecDeque<Reply>);
 

@@ -2,9 +2,9 @@
 //!
 //! A capture may lack requests: a logger may record only some of them, and a file may be truncated. A reply that
 //! matches no known request therefore waits for the next request. If the ids of the requests are consecutive, no
-//! request is missing. Then the reply is wrong, unless it answers the new request and only its position in the file is
-//! earlier. A reply that is older than all known requests is not checked, since a log starts with the latest message of
-//! each topic.
+//! request is missing. In that case, the reply is wrong unless it answers the new request and merely precedes that
+//! request in the file. A reply that is older than all known requests is not checked, because a log starts with the
+//! latest message of each topic.
 
 use super::ext::{Listener, Reply, Request, Requests, Talk, Waiting};
 use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
@@ -15,8 +15,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-EXT-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The `request_id` of an ArmingCheckReply is the id of the latest ArmingCheckRequest or of the \
-                    request before that.",
+        statement: "The `request_id` of an ArmingCheckReply is the id of one of the two latest ArmingCheckRequests.",
         source: "`request_id` of ArmingCheckReply and ArmingCheckRequest",
         applies_to: "message sequences",
         why: "The flight controller matches replies to requests by this id. It can't use a reply with a different id, \
@@ -86,7 +85,7 @@ impl Listener for Answers {
     }
 }
 
-/// True if a reply answers this request or the one before it.
+/// True if a reply answers this request or the previous one.
 fn is_answer(reply: &Reply, request: Option<&Request>) -> bool {
     request.is_some_and(|request| request.id.wrapping_sub(reply.request_id) < 2)
 }
@@ -103,7 +102,7 @@ fn report_violation(reply: &Reply, latest: u8, context: &mut RuleContext<'_>) {
     });
 }
 
-/// Adds a reply to an earlier request: its id is lower by `behind`.
+/// Adds a reply to an earlier request, whose id is lower by `behind`.
 fn stray<'d>(flight: &Flight<'d>, behind: u8) -> Option<Flight<'d>> {
     flight.with_reply(|reply| {
         let id = reply["request_id"].as_u64().and_then(|id| u8::try_from(id).ok());

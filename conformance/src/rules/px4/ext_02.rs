@@ -1,14 +1,14 @@
 //! `PX-EXT-02`.
 //!
 //! An id may have been assigned before the capture started. An unknown id is therefore wrong only if the capture
-//! contains all registrations. A flight controller sends requests only while a component is registered, and then
-//! regularly. So all registrations are known if one comes shortly before the first request ([`STARTUP_TIME`]) and the
-//! mask of this request has no other bits. The mask alone proves nothing, since the bit of a slow component is clear as
-//! well. An old registration proves nothing either, since a log starts with the latest message of each topic.
+//! contains all registrations. A flight controller sends requests at regular intervals while at least one component is
+//! registered. All registrations are therefore known if one precedes the first request by at most [`STARTUP_TIME`], and
+//! the mask of this request has no other bits. The mask alone proves nothing, because it omits slow components. An old
+//! registration proves nothing either, because a log starts with the latest message of each topic.
 //!
-//! A released id is wrong in a reply to a request that was sent after the release. A reply to an earlier request may
-//! have been sent before. If the mask of a later request contains the id, it was assigned again. Without masks, a
-//! component that continues to reply is assumed to be registered again ([`REQUESTS_TO_WAIT`]).
+//! A reply must not contain a released id if its request was sent after the release. A reply to an earlier request may
+//! have been sent before the release. If the mask of a later request contains the id, the id was assigned again.
+//! Without masks, a component that continues to reply is assumed to be registered again ([`REQUESTS_TO_WAIT`]).
 
 use super::ext::{Ids, Listener, Reply, Request, TOLERANCE, Talk, Waiting, is_later};
 use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
@@ -24,13 +24,13 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         source: "`registration_id` of ArmingCheckReply, `arming_check_id` of \
             RegisterExtComponentReply and UnregisterExtComponent",
         applies_to: "message sequences",
-        why: "The flight controller identifies the component by this id. With a wrong id, it ignores the reply or \
+        why: "The flight controller identifies the component by this id. If the id is wrong, it ignores the reply or \
               attributes the reply to another component.",
         example: "→ RegisterExtComponentReply {\"success\": true, \"arming_check_id\": 3, …}\n\
             → ArmingCheckRequest        {\"request_id\": 42, …}\n\
             ← ArmingCheckReply          {\"request_id\": 42, \"registration_id\": 9, …}",
-        fix: "Check `success` in the RegisterExtComponentReply, and copy `arming_check_id` from it. \
-            Send no replies after UnregisterExtComponent.",
+        fix: "Check `success` in the RegisterExtComponentReply, and copy its `arming_check_id`. Send no replies after \
+              UnregisterExtComponent.",
     },
     check: Check::State(|| Box::new(Talk::<Registrations>::default())),
     mutants: &[
@@ -55,7 +55,7 @@ const MAX_REGISTRATION_ID: u8 = 127;
 /// The maximum time from the first registration to the first request, in µs: twice PX4's request interval.
 const STARTUP_TIME: u64 = 600_000;
 
-/// The number of requests after which a released component that doesn't reply again counts as gone.
+/// The number of requests without another reply after which a released component counts as gone.
 const REQUESTS_TO_WAIT: u8 = 3;
 
 /// The state of an id.
@@ -72,7 +72,7 @@ enum Known {
     },
 }
 
-/// The completeness of the registrations in the capture.
+/// Indicates if the capture contains all registrations.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 enum Whole {
     /// No message was received yet.
@@ -190,7 +190,7 @@ impl Listener for Registrations {
 }
 
 impl Registrations {
-    /// Decides by the first request whether there were registrations before the capture.
+    /// Uses the first request to decide if components were registered before the capture started.
     fn find_start(&mut self, request: &Request) {
         let is_assigned = |id: u8| matches!(self.known[usize::from(id)], Known::Assigned(_));
         self.whole = match (self.whole, request.mask, request.time) {
@@ -221,7 +221,7 @@ impl Registrations {
                 }
             };
             if is_new {
-                // The component was registered, but the capture doesn't contain the message.
+                // The component was registered, but the capture doesn't contain the registration.
                 *known = Known::Assigned(request.time);
                 self.whole = Whole::No;
             }
@@ -235,7 +235,7 @@ impl Registrations {
             None => self.suspects.push(reply),
             Some(at) if self.suspects[at].request_id == reply.request_id => {}
             // The component continues to reply, so it was registered again, but the capture doesn't contain that
-            // message.
+            // registration.
             Some(at) => {
                 self.suspects.remove(at);
                 self.known[usize::from(id)] = Known::Assigned(None);
@@ -259,7 +259,7 @@ impl Registrations {
     }
 }
 
-/// The text for a reply of a released component.
+/// The message for a reply from a released component.
 const RELEASED: &str = "was released before the request";
 
 fn report_violation(reply: &Reply, what: &str, context: &mut RuleContext<'_>) {
@@ -277,7 +277,7 @@ fn stranger<'d>(flight: &Flight<'d>, id: u8) -> Option<Flight<'d>> {
     flight.with_reply(|reply| reply["registration_id"] = id.into())
 }
 
-/// Adds a reply of a component that was unregistered.
+/// Adds a reply from an unregistered component.
 fn ghost<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     let left =
         flight.messages.iter().find(|sent| Some(sent.topic) == flight.topic("UnregisterExtComponent"))?;

@@ -1,14 +1,14 @@
 //! `PX-EXT-03`.
 //!
-//! A capture may lack replies that were sent, since a logger may record only some of them. A component is therefore
+//! A capture may lack replies that were sent, because a logger may record only some of them. A component is therefore
 //! checked only after it has answered several requests in a row ([`STREAK`]), which also gives it time to start. It
-//! must answer a request if its bit is set in the mask of this request and of the next: a component may be unregistered
-//! at any time, and the flight controller doesn't wait for slow components. Without masks, the registrations in the
-//! capture count.
+//! must answer a request if its bit is set in the masks of both this request and the next one. The next mask is needed
+//! because a component may be unregistered at any time, and because the flight controller doesn't wait for slow
+//! components. Without masks, the registrations in the capture decide.
 //!
-//! A request is checked when the second request after it is received, since replies may be late in the file. For a
-//! reply without a time, as from many ROS 2 nodes, only the order in the file shows whether it was late. A single reply
-//! after the next request may still have been in time, but several in a row were not.
+//! A request is checked two requests later, because its replies may appear late in the file. Many ROS 2 nodes send
+//! replies without a time. For these, only the order in the file shows if a reply was late. A single reply after the
+//! next request may still have been in time, but several in a row were late.
 
 use std::collections::VecDeque;
 
@@ -36,8 +36,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     mutants: &[Mutant { name: "a missing reply", change: Change::Flight(silent), also: &[] }],
 };
 
-/// The number of consecutive replies after which a component is checked, and the number of consecutive replies without
-/// a time after the next request that count as late.
+/// The number of consecutive replies after which a component is checked. Also the number of consecutive replies without
+/// a time that must follow the next request to count as late.
 const STREAK: u8 = 3;
 
 /// A request with the components that answered it.
@@ -54,15 +54,15 @@ struct SentRequest {
 
 struct Silence {
     requests: Requests,
-    /// The latest consecutive requests. Between two messages, there are at most two.
+    /// The latest consecutive requests: at most two between messages.
     requests_sent: VecDeque<SentRequest>,
     /// Replies to unknown requests.
     waiting: Waiting,
-    /// The registered components, from the registrations in the capture.
+    /// The components that are registered according to the capture.
     registered: Ids,
-    /// The number of consecutive requests that each id answered.
+    /// For each id, the number of consecutive requests that it answered.
     in_a_row: [u8; 256],
-    /// The number of consecutive requests that each id answered after the next request in the file.
+    /// For each id, the number of consecutive requests that it answered after the next request in the file.
     behind_in_a_row: [u8; 256],
 }
 
@@ -88,7 +88,7 @@ impl Listener for Silence {
         let [answered, late, behind] = [Ids::default(); 3];
         let mut sent = SentRequest { request, required, answered, late, behind };
         for reply in self.waiting.take() {
-            // The reply precedes the request only in the file.
+            // The reply precedes the request in the file, but not in time.
             if reply.request_id == request.id && !is_later(request.time, reply.time) {
                 sent.answered.insert(reply.registration_id);
             }
@@ -138,7 +138,7 @@ impl Silence {
         self.behind_in_a_row[usize::from(id)] = 0;
     }
 
-    /// Checks the oldest request, after two more were received.
+    /// Checks the oldest request, once two more requests have arrived.
     fn check_oldest(&mut self, topic: &str, context: &mut RuleContext<'_>) {
         let Some(oldest) = self.requests_sent.pop_front() else { return };
         let Some(next) = self.requests_sent.front() else { return };

@@ -14,8 +14,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-EXT-04",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The first `num_events` entries of `events` in an ArmingCheckReply have an `id` \
-            other than 0. Later entries are ignored.",
+        statement: "In an ArmingCheckReply, the first `num_events` entries of `events` have an `id` other than 0. \
+                    Later entries are ignored.",
         source: "`num_events` and `events` of ArmingCheckReply, `id` of Event",
         applies_to: "message values",
         why: "Ground stations look up the text of an event by its id, and 0 means no event. The \
@@ -39,14 +39,14 @@ impl Checker for Reasons {
         let Some(values) = message.values else { return };
         let in_use: Option<usize> = number(values, "num_events");
         let (Some(in_use), Some(Value::Array(events))) = (in_use, values.get("events")) else { return };
-        // A count beyond the array violates another rule, and the used events are unknown.
+        // A count above the array length violates another rule, and it is unknown which events are used.
         for (index, event) in events.iter().take(in_use).enumerate().filter(|_| in_use <= events.len()) {
             let Value::Message(event) = event else { return };
             let Some(id) = number::<u32>(event, "id") else { return };
             context.covered();
             if id == 0 {
                 context.violation_in_field(channel, "events", message.location, || {
-                    Detail::new(format!("event without an id among the {in_use} used events"))
+                    Detail::new(format!("one of the {in_use} used events has no id"))
                         .at(format!("events[{index}].id"))
                         .expected("an id other than 0")
                         .actual("0")

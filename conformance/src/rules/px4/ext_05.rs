@@ -12,7 +12,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-EXT-05",
         level: Level::Should,
         status: Status::Normative,
-        statement: "An ArmingCheckReply with `can_arm_and_run` false has at least one event that gives the reason.",
+        statement: "If `can_arm_and_run` of an ArmingCheckReply is false, the reply has at least one event that gives \
+                    the reason.",
         source: "`can_arm_and_run` and `events` of ArmingCheckReply",
         applies_to: "message values",
         why: "The flight controller forwards the events to ground stations. Without an event, the \
@@ -50,7 +51,7 @@ impl Checker for Refusals {
     }
 }
 
-/// Removes the reasons of the last refusal.
+/// Removes the reasons from the last refusal.
 fn without_reason<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     flight.with_refusal(|reply| reply["num_events"] = 0.into())
 }

@@ -9,7 +9,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "A format in a capture matches the definition in fields, order, types, array lengths and padding. \
-                    Formats differ between firmware versions, so uavspec only shows differences unless \
+                    Formats differ between firmware versions, so uavspec reports differences as violations only if \
                     `--strict-formats` is set.",
         source: "the definition",
         applies_to: "logs and MCAP schemas",

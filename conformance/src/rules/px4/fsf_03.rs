@@ -1,8 +1,9 @@
 //! `PX-FSF-03`.
 //!
-//! Flags and requirements are matched by name. The name of a flag contains the words of its requirement, and words for
-//! the failure ([`STATES`]): `mode_req_local_position_relaxed` and `local_position_invalid_relaxed`. A table has the
-//! exceptions ([`RENAMED_REQUIREMENTS`]). Flags without a requirement are not checked.
+//! Flags and requirements are matched by name. A flag's name contains the words of its requirement and words that
+//! describe the failure ([`STATES`]). For example, `local_position_invalid_relaxed` belongs to
+//! `mode_req_local_position_relaxed`. [`RENAMED_REQUIREMENTS`] lists the exceptions. Flags without a requirement are
+//! not checked.
 
 use uavspec_codegen::dynamic::{DynamicView, Value};
 
@@ -18,19 +19,19 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-FSF-03",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "If a flag of FailsafeFlags is set, at least one mode requires it: the matching \
-            `mode_req` mask is not 0.",
+        statement: "If a flag of FailsafeFlags is set, at least one mode has a matching requirement: the `mode_req` \
+                    mask for the flag is not 0.",
         source: "FailsafeFlags",
         applies_to: "message values",
-        why: "A flag that no mode requires doesn't prevent any mode from running. This can be correct, or a mode may \
-              lack a requirement.",
+        why: "A flag without a matching requirement doesn't prevent any mode from running. This can be correct, or a \
+              mode may lack a requirement.",
         example: "{…, \"mode_req_attitude\": 0, \"attitude_invalid\": true, …}",
         fix: "Check which modes need the value, and set their bits in the mask. If no mode needs it, \
             no change is necessary.",
     },
     check: Check::State(|| Box::new(Flags::default())),
     mutants: &[Mutant {
-        name: "a flag that no mode requires is set",
+        name: "a set flag without a matching requirement",
         change: Change::Flight(not_required),
         also: &[],
     }],
@@ -38,10 +39,10 @@ pub(super) static RULE: Px4Rule = Px4Rule {
 
 const REQUIREMENT: &str = "mode_req_";
 
-/// Words in the name of a flag that its requirement lacks.
+/// Words that appear in flag names but not in the names of their requirements.
 const STATES: [&str; 6] = ["invalid", "lost", "missing", "auto", "control", "signal"];
 
-/// Flags and their requirements, if the names differ.
+/// Pairs of a flag and its requirement that can't be matched by name.
 const RENAMED_REQUIREMENTS: [(&str, &str); 2] = [
     ("wind_limit_exceeded", "wind_and_flight_time_compliance"),
     ("flight_time_limit_exceeded", "wind_and_flight_time_compliance"),
@@ -55,7 +56,7 @@ struct Flags {
 /// The fields of a channel's messages.
 #[derive(Clone)]
 struct Fields {
-    /// The indices of each flag and its requirement.
+    /// The field indices of each flag and its requirement.
     pairs: Vec<(usize, usize)>,
     names: Vec<String>,
 }
@@ -77,7 +78,7 @@ impl Checker for Flags {
             if is_set(flag) == Some(true) && is_set(requirement) == Some(false) {
                 let [flag, requirement] = [&fields.names[*flag], &fields.names[*requirement]];
                 context.violation_in_field(channel, flag, message.location, || {
-                    Detail::new(format!("set, but no mode requires it: {requirement} is 0"))
+                    Detail::new(format!("set, but no mode has a matching requirement: {requirement} is 0"))
                         .expected(format!("not set, or {requirement} other than 0"))
                         .actual("set")
                 });
@@ -106,8 +107,8 @@ fn is_set(value: Value<'_>) -> bool {
     matches!(value, Value::Bool(true) | Value::UInt(1..))
 }
 
-/// True if a flag belongs to a requirement: its name has all words of the requirement in their order, or longer forms
-/// (`alt`, `altitude`), and all its other words are in [`STATES`].
+/// True if a flag belongs to a requirement. The flag's name must contain all words of the requirement in order,
+/// possibly in longer forms (`altitude` for `alt`). All other words must be in [`STATES`].
 fn belongs_to(flag: &str, required: &str) -> bool {
     let mut rest = required.split('_').peekable();
     let is_known = |word: &str| {

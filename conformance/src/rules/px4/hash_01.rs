@@ -15,8 +15,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
               data or reject it.",
         example: "schema:          same fields as the definition\n\
             topic_type_hash: RIHS01_00000000… (64 digits)",
-        fix: "Write the hash of the type that the messages were built from, as the ROS 2 type support \
-            provides it.",
+        fix: "Write the hash that the ROS 2 type support provides for the type of the messages.",
     },
     check: Check::Source,
     mutants: &[Mutant {

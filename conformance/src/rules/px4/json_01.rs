@@ -16,8 +16,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             misspelt name, so its value is lost.",
         example: "ArmingCheckRequest:\n\
             {\"timestamp\": 1000000, \"requestId\": 42, \"valid_registrations_mask\": 8}",
-        fix: "Write each field of the definition once, with its name in the definition. Validate the \
-            messages against the JSON Schema.",
+        fix: "Write each field of the definition exactly once, under its defined name. Validate the messages against \
+              the JSON Schema.",
     },
     check: Check::Value,
     mutants: &[

@@ -8,7 +8,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-LEN-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The number of used entries of an array is at most its length.",
+        statement: "The count of used array entries does not exceed the array length.",
         source: "`@count` in the definition, or the field names `num_x` and `x_count`",
         applies_to: "message values",
         why: "A reader that trusts the count reads beyond the end of the array. In C++, this is \

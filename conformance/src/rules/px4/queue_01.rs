@@ -13,12 +13,12 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-QUEUE-01",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A topic does not publish more messages with the same timestamp than its queue holds.",
+        statement: "Messages of a topic that share a timestamp fit into the topic's queue.",
         source: "`ORB_QUEUE_LENGTH` in the definition",
         applies_to: "message sequences",
         why: "A full queue overwrites its oldest message. A subscriber that runs after the burst misses that message.",
         example: "definition: uint8 ORB_QUEUE_LENGTH = 4\n\
-            log:        5 messages of the topic with timestamp 1000000",
+            log:        5 messages on the topic, all with timestamp 1000000",
         fix: "Increase `ORB_QUEUE_LENGTH` to a power of two that is large enough for the burst, or publish fewer \
               messages in a row.",
     },
@@ -77,7 +77,7 @@ impl Checker for Bursts {
     }
 }
 
-/// Repeats the last message of a topic until its queue overflows.
+/// Repeats the last message of a topic until the topic's queue overflows.
 fn burst<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     let length = |message: &schema::Message| message.queue_length.unwrap_or(DEFAULT);
     let topic = flight.regular(|message| length(message) > DEFAULT)?;

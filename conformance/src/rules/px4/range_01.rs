@@ -8,7 +8,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-RANGE-01",
         level: Level::Should,
         status: Status::Normative,
-        statement: "A value is in its range, unless it is the value for missing data.",
+        statement: "A value is within its range, unless it is the value for missing data.",
         source: "`@range` and `@invalid` in the definition",
         applies_to: "message values",
         why: "Readers rely on the range for scaling, limits and display. A value outside the range is often in the \

@@ -14,8 +14,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         why: "Readers show replacement characters in place of invalid bytes, or reject the message.",
         example: "definition: char[25] name\n\
             bytes:      4d 6f 64 65 ff 00 …    (ff is not valid in UTF-8)",
-        fix: "Write valid UTF-8, and fill the rest of the array with NUL bytes. Shorten long text \
-            between two characters.",
+        fix: "Write valid UTF-8, and fill the rest of the array with NUL bytes. If you shorten a text, do not split a \
+              character.",
     },
     check: Check::Value,
     mutants: &[

@@ -49,7 +49,7 @@ impl Checker for Times {
         if timestamp < *latest && timestamp != 0 {
             let latest = *latest;
             context.violation_in_field(channel, "timestamp", message.location, || {
-                Detail::new(format!("timestamp {timestamp} is before the previous one, {latest}"))
+                Detail::new(format!("timestamp {timestamp} is earlier than the previous timestamp, {latest}"))
                     .expected(format!("{latest} or later"))
                     .actual(timestamp.to_string())
             });

@@ -40,12 +40,12 @@ struct Gaps {
     channels: PerChannel<Rhythm>,
     /// The time of the latest message of any channel.
     now: u64,
-    /// The end of the time in which a dropout excuses pauses.
+    /// The time until which a dropout excuses pauses.
     excused_until: u64,
 }
 
-/// The rhythm of a channel. Its period starts as the median of the first pauses. Each further pause changes it by a
-/// small step at most, so rare long pauses have little effect.
+/// The rhythm of a channel. Its period starts as the median of the first pauses. Each further pause changes the period
+/// by at most a small step, so rare long pauses have little effect.
 #[derive(Clone, Default)]
 struct Rhythm {
     latest: u64,

@@ -9,8 +9,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-VER-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The version suffix of a topic name, `_vN`, is the version of its message.",
-        source: "`MESSAGE_VERSION` of the type in the capture, or else of the definition",
+        statement: "The version suffix of a topic name (`_vN`) matches the version of the topic's message type.",
+        source: "`MESSAGE_VERSION` in the capture's schema; if absent, in the definition",
         applies_to: "topic names",
         why: "Subscribers select a message version by the topic name. With a wrong suffix, they decode the message \
               with a different definition.",
@@ -62,7 +62,7 @@ impl Checker for Versions {
     }
 }
 
-/// The version suffix of a topic name, which may be followed by an instance: `battery_status_v1_0`.
+/// The version suffix of a topic name. An instance may follow the suffix: `battery_status_v1_0`.
 fn version_of(topic: &str) -> Option<&str> {
     let (_, behind) = topic.rsplit_once("_v")?;
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());

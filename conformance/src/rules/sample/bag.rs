@@ -1,4 +1,4 @@
-//! Flights as MCAP files like those of rosbag2: CDR with `ros2msg` schemas.
+//! Flights as MCAP files in rosbag2 style: CDR messages with `ros2msg` schemas.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -36,7 +36,7 @@ pub(crate) struct BagChannel {
 }
 
 impl Bag {
-    /// Creates the file of a flight.
+    /// Creates the file for a flight.
     pub(super) fn from_flight(flight: &Flight<'_>) -> Self {
         let schema = &flight.definitions.schema;
         let channels = flight.topics.iter().map(|topic| {
@@ -100,7 +100,7 @@ fn record(bytes: &mut Vec<u8>, kind: u8, parts: &[&[u8]]) {
 
 /// Prefixes bytes with their length.
 fn sized(bytes: &[u8]) -> Vec<u8> {
-    // No definition is longer.
+    // No definition exceeds this length.
     [&u32::try_from(bytes.len()).unwrap_or(u32::MAX).to_le_bytes(), bytes].concat()
 }
 

@@ -11,7 +11,7 @@ pub(crate) enum Encoding {
     Mcap,
     /// JSON Lines with the type of each message.
     Lines,
-    /// JSON Lines of rosbridge, with the topic of each message.
+    /// JSON Lines in rosbridge format, with the topic of each message.
     Rosbridge,
 }
 
@@ -44,7 +44,7 @@ impl Encoding {
         }
     }
 
-    /// Encodes a changed flight. `None` if the encoding doesn't represent the change.
+    /// Encodes a changed flight. `None` if the encoding can't represent the change.
     pub(in crate::rules) fn write_change(self, flight: &Flight<'_>, changed: &Flight<'_>) -> Option<Vec<u8>> {
         let is_changed = self != Self::Lines || flight.messages != changed.messages;
         if is_changed { self.write(changed) } else { None }

@@ -36,7 +36,7 @@ pub(crate) enum Entry {
 }
 
 impl Log {
-    /// Creates the log of a flight. The id of a topic is its index.
+    /// Creates the log for a flight. The id of a topic is its index.
     pub(super) fn from_flight(flight: &Flight<'_>) -> Self {
         let mut log =
             Self { entries: vec![Entry::FlagBits, Entry::Information("char[3] sys_name", b"PX4".to_vec())] };
@@ -97,7 +97,7 @@ impl Log {
         let mut bytes = [&ULOG_MAGIC[..], &[1], &START.to_le_bytes()].concat();
         for entry in &self.entries {
             let (kind, payload) = entry.to_bytes();
-            // No definition results in an entry that is longer than the format allows.
+            // No definition results in an entry that exceeds the maximum length of the format.
             bytes.extend(u16::try_from(payload.len()).unwrap_or(u16::MAX).to_le_bytes());
             bytes.push(kind);
             bytes.extend(payload);

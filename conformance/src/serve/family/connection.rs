@@ -11,7 +11,7 @@ use crate::serve::message::Outcomes;
 /// The radio link to the UAVs.
 const RADIO: &str = "radio-1";
 
-/// The connection to the source of RTK corrections.
+/// The connection to the RTK correction source.
 pub(super) const CORRECTIONS: &str = "base-1";
 
 pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
@@ -42,7 +42,7 @@ fn radio(hub: &Hub) -> ConnectionInfo {
     )
 }
 
-/// The state of the connection to the source of RTK corrections.
+/// The state of the connection to the RTK correction source.
 pub(super) fn corrections(hub: &Hub) -> ConnectionInfo {
     let is_used = hub.world.preset.is_some();
     let status = if is_used { ConnectionStatus::Connected } else { ConnectionStatus::Disconnected };

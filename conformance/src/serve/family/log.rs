@@ -15,7 +15,7 @@ const LOG: &str = "1";
 /// The content of the log.
 const TEXT: &str = "took off\nlanded\n";
 
-/// The time to fetch a log, in seconds.
+/// The time that it takes to fetch a log, in seconds.
 const FETCHING: f64 = 2.0;
 
 pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
@@ -49,7 +49,7 @@ fn metadata() -> FlightLogMetadata {
     FlightLogMetadata { id: LOG.into(), kind: "text".to_owned(), timestamp: None, size: Some(size) }
 }
 
-/// Starts to fetch a log, and returns the receipt.
+/// Starts fetching a log, and returns the receipt.
 fn fetch(hub: &mut Hub, session: SessionId, request: &log_data::Request) -> Result<String, String> {
     hub.uav(&request.uav_id.0).ok_or_else(no_such_uav)?;
     if request.log_id.0 != LOG {

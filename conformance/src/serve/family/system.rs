@@ -38,7 +38,7 @@ fn adjust(hub: &mut Hub, adjustment: f64) -> Result<(), String> {
         hub.adjustment += 3_600_000;
     }
     if adjustment < 0.0 {
-        // A negative adjustment would move timestamps of UAVs into the future or back.
+        // After a negative adjustment, UAV timestamps would be in the future or go backwards.
         return Err("a negative adjustment isn't supported".to_owned());
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates")]

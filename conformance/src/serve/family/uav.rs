@@ -27,7 +27,7 @@ const RESTART: f64 = 3.0;
 /// The default duration of a signal, in seconds.
 const DEFAULT_SIGNAL: f64 = 5.0;
 
-/// The results of a command for each UAV. A result is usually true for success.
+/// The result of a command for each UAV, usually `true` on success.
 type CommandResults<T = bool> = Result<Outcomes<Outcome<T>>, String>;
 
 /// Builds the response to a command. All these responses have the same three maps.
@@ -187,8 +187,8 @@ fn versions(
     Outcomes::collect(ids, |id| call(hub, session, id, |_| Ok(version.clone())))
 }
 
-/// Calls a function for a UAV. A sleeping UAV doesn't respond, so the result is the receipt of an operation that times
-/// out.
+/// Calls a function for a UAV. A sleeping UAV doesn't respond. In that case, the result is the receipt of an operation
+/// that times out.
 fn call<T>(
     hub: &mut Hub,
     session: SessionId,

@@ -28,7 +28,7 @@ const PACKETS_AT_ONCE: usize = 16;
 /// The maximum duration of a poll without packets. Pings are more frequent.
 const POLL_LIMIT: Duration = Duration::from_secs(60);
 
-/// The read timeout of a WebSocket. After it, queued packets are sent.
+/// The read timeout of a WebSocket, after which queued packets are sent.
 const READ_TIMEOUT: Duration = Duration::from_millis(10);
 
 /// All sessions, by id.

@@ -22,7 +22,7 @@ const BATCH: usize = 64;
 /// Sends messages as lines.
 struct LineSink {
     outbox: Arc<Outbox>,
-    /// The bug of FW-TCP-01: splits notifications into several lines.
+    /// True with the FW-TCP-01 bug, which splits notifications into several lines.
     is_spread: bool,
 }
 

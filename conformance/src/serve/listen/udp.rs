@@ -29,7 +29,7 @@ const CLIENT_LIMIT: usize = 1024;
 struct DatagramSink {
     socket: UdpSocket,
     client: SocketAddr,
-    /// The bug of FW-UDP-01: sends each notification twice in one datagram.
+    /// True with the FW-UDP-01 bug, which sends each notification twice in one datagram.
     is_doubling: bool,
 }
 
@@ -48,7 +48,7 @@ impl Sink for DatagramSink {
     fn close(&self) {}
 }
 
-/// The response to send if the actual one doesn't fit into a datagram.
+/// The response to send if the actual response doesn't fit into a datagram.
 fn shortened(long: &str) -> Option<String> {
     let message: Value = serde_json::from_str(long).ok()?;
     let (id, refs) = (message["id"].as_str()?, message["refs"].as_str()?);

@@ -50,7 +50,7 @@ impl Uav {
         }
     }
 
-    /// The voltage in tenths of volts.
+    /// The voltage in tenths of a volt.
     pub(in crate::serve) fn voltage(&self) -> i64 {
         rounded((EMPTY + (FULL - EMPTY) * self.charge / 100.0) * 10.0)
     }

@@ -9,8 +9,8 @@ use crate::testee::wire::to_base64;
 /// The number of requests in checks that send several.
 const NUM_CASES: usize = 16;
 
-/// The length of a long request in bytes. It is similar to that of a mission or of all firmware parameters, and longer
-/// than typical buffers.
+/// The length of a long request in bytes. A mission or a list of all firmware parameters has a similar length. The
+/// request is longer than typical buffers.
 const LONG_REQUEST_LENGTH: usize = 1 << 20;
 
 /// The limits of common integer types, and the smallest and largest integers that every JSON parser preserves.
@@ -48,14 +48,14 @@ pub(super) const ONE_ANSWER_EACH: Check = Check {
 
 pub(super) const IDS_OF_ANY_SIZE: Check = Check {
     id: "ids-of-any-size",
-    statement: "ids may be any integers within ±2^53",
+    statement: "an id may be any integer within ±2^53",
     help: "store ids as signed 64-bit integers, 64-bit floats or unparsed JSON",
     attempt: ids_of_any_size,
 };
 
 pub(super) const QUESTIONS_IN_ONE_WRITE: Check = Check {
     id: "questions-in-one-write",
-    statement: "every request in a single write gets a response",
+    statement: "if one write contains several requests, each gets a response",
     help: "read input line by line; one system read may return many lines",
     attempt: questions_in_one_write,
 };

@@ -7,7 +7,7 @@ const NUM_CASES: usize = 8;
 
 pub(super) const ANSWERS_BEFORE_END: Check = Check {
     id: "answers-before-end",
-    statement: "requests sent before standard input closes get responses",
+    statement: "every request sent before standard input closes must get a response",
     help: "process all lines up to the end of the input, write and flush all responses, then exit",
     attempt: answers_before_end,
 };

@@ -12,7 +12,7 @@ pub(super) const EMPTY_LINE: Check = Check {
 pub(super) const NOT_JSON: Check = Check {
     id: "not-json",
     statement: "the testee continues after a line that is not a JSON object",
-    help: "catch errors of the JSON parser, and read the next line; lines without an id need no response",
+    help: "catch JSON parser errors, and continue with the next line; lines without an id need no response",
     attempt: not_json,
 };
 

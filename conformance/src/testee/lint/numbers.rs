@@ -19,7 +19,7 @@ const NUM_CASES: usize = 16;
 pub(super) const TAGGED_INTEGERS: Check = Check {
     id: "tagged-integers",
     statement: "integers outside ±2^53 are read and written as {\"$u64\":\"…\"} or {\"$i64\":\"…\"}",
-    help: "read and write these integers as strings with a tag; many JSON parsers round numbers",
+    help: "read and write these integers as strings with a tag; many JSON parsers round large integers",
     attempt: |bench| tagged(bench, INTEGERS),
 };
 

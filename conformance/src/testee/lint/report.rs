@@ -14,7 +14,7 @@ const FAIL: Style = AnsiColor::Red.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
 const DIMMED: Style = Style::new().dimmed();
 
-/// The result as text, with colors; the output stream removes these if necessary.
+/// The result as text, with colors. The output stream removes the colors if necessary.
 pub(crate) fn to_text(found: &LintResult) -> String {
     let mut text = String::new();
     // Writing to a string can't fail.
@@ -51,7 +51,7 @@ fn write_text(found: &LintResult, text: &mut String) -> fmt::Result {
     }
 }
 
-/// A line with escaped control characters, since it may contain output of the testee.
+/// A line with its control characters escaped, since it may contain output from the testee.
 fn shown(line: &str) -> String {
     let escape = |it: char| if it.is_control() { it.escape_debug().to_string() } else { it.to_string() };
     line.chars().map(escape).collect()

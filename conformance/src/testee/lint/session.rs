@@ -40,7 +40,7 @@ pub(super) struct ReceivedResponses {
     hellos_due: usize,
     /// The lines of repeated hellos.
     pub(super) hellos: Vec<Vec<u8>>,
-    /// The first id of a response without a request.
+    /// The id of the first response without a request.
     pub(super) foreign: Option<i64>,
     /// The first id with more than one response.
     pub(super) repeated: Option<i64>,
@@ -132,14 +132,14 @@ impl<'o> Session<'o> {
         }
     }
 
-    /// Sends a malformed line. A response with the id, an error without an id, and no response are all valid.
+    /// Sends a malformed line. Valid reactions are a response with the id, an error without an id, and no response.
     pub(super) fn send_malformed(&mut self, id: Option<i64>, line: &[u8]) {
         self.received.optional.extend(id);
         self.received.refusals += 1;
         self.link.send_bytes([line, b"\n"].concat());
     }
 
-    /// Requests another hello. A hello, an error and no response are all valid.
+    /// Requests another hello. Valid reactions are a hello, an error, and no response.
     pub(super) fn send_hello(&mut self) {
         self.received.hellos_due += 1;
         self.received.refusals += 1;
@@ -177,7 +177,7 @@ impl<'o> Session<'o> {
         Ok(())
     }
 
-    /// Sends a case and waits for its response, which shows that the testee has survived everything sent before.
+    /// Sends a case and waits for its response, which shows that the testee has survived all earlier input.
     pub(super) fn check_alive(&mut self, case: &Case) -> Result<(), String> {
         self.send_case(case);
         self.receive()

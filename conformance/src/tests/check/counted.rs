@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use super::{FORMAT, Glider, MARK_FORMAT, PERIOD, run_check, violated};
 use crate::tests::support::Writer;
 
-/// A log of a glider whose array has a given number of marks, of which a given number are in use.
+/// A glider log with an array of `marks` elements, of which `num_marks` are in use.
 fn glider_of(marks: usize, num_marks: u8) -> Writer {
     let mut log = Writer::with_flags();
     log.format(&format!("glider:{}", FORMAT.replace("mark[3]", &format!("mark[{marks}]"))));
@@ -70,7 +70,7 @@ fn tow() -> (TempDir, Definitions) {
     (folder, definitions)
 }
 
-/// Checks a message with ropes and knots, each with a count; a knot has turns with a count.
+/// Checks a message with counted ropes and counted knots. Each knot has counted turns.
 fn check_tow(ropes: (u8, [u8; 4]), num_knots: i8, knots: [(u8, [u8; 3], u8); 2]) -> CaptureResult {
     let mut log = Writer::with_flags();
     log.format(

@@ -30,7 +30,8 @@ fn covered(result: &CaptureResult, id: &str) -> u64 {
     result.findings.covered(rule(id).expect("a rule"))
 }
 
-/// Asserts that a message at this time has no finding, and that one a microsecond later is reported as a gap.
+/// Asserts that a message at the time `last` has no finding, and that a message one microsecond later is reported as a
+/// gap.
 fn check_longest(log: &Writer, last: u64) {
     for (time, is_pause) in [(last, false), (last + 1, true)] {
         let mut log = log.clone();
@@ -63,7 +64,7 @@ fn reports_no_gap_before_the_period_is_learned() {
     }
 }
 
-/// A log starts with the latest message of each topic, which may be old, and several may have the same time.
+/// A log starts with the latest message of each topic. These messages may be old, and several may have the same time.
 #[test]
 fn reports_no_gap_after_an_old_first_message() {
     for first in [FIRST - 1, FIRST - 100, FIRST - 500_000] {
@@ -183,7 +184,7 @@ uint64 timestamp # [us] Time since system start
 # TOPICS sonde sonde_v8 sonde_v9
 ";
 
-/// Checks a log of a message without a queue, with these topics and times.
+/// Checks a log with these topics and times. The message of the topics has no queue.
 fn check_sonde(topics: &[&str], times: &[u64]) -> CaptureResult {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("Sonde.msg"), SONDE).expect("a file");

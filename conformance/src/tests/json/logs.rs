@@ -1,4 +1,4 @@
-//! Tests that real logs converted to JSON have the same findings.
+//! Tests that real logs have the same findings before and after conversion to JSON.
 
 use std::fmt::Write as _;
 use std::fs;

@@ -104,18 +104,18 @@ fn skips_corrupt_chunks() {
         (raw_chunk("zstd", length, 7, whole.0, whole.1), &wrong, 6),
         (raw_chunk("", length, 7, length, &inner), &wrong, 6),
         (raw_chunk("zstd", long, checksum, whole.0, whole.1), &bytes_left, 6),
-        (raw_chunk("zstd", short, 0, whole.0, whole.1), "a chunk has no valid record after 214 bytes", 5),
+        (raw_chunk("zstd", short, 0, whole.0, whole.1), "a chunk has an invalid record after 214 bytes", 5),
         (
             raw_chunk("zstd", length, checksum, cut.len() as u64, cut),
-            "a chunk can't be decompressed after ",
+            "decompression of a chunk fails after ",
             3,
         ),
         (
             raw_chunk("lz4", length, checksum, whole.0, whole.1),
-            "a chunk can't be decompressed after 0 bytes: ",
+            "decompression of a chunk fails after 0 bytes: ",
             3,
         ),
-        (chunk(Form::Lz4, &spoiled), "a chunk has no valid record after 321 bytes", 6),
+        (chunk(Form::Lz4, &spoiled), "a chunk has an invalid record after 321 bytes", 6),
         (
             raw_chunk("zstd", length, checksum, whole.0 + 5, whole.1),
             "the parts of a chunk don't match its length; ",
@@ -182,8 +182,8 @@ fn reports_contradicting_declarations() {
         (2, "channel 3 is declared again with different content; the first declaration is used"),
         (3, "schema 1 is declared again with different content; the first declaration is used"),
         (4, "a schema has the reserved id 0"),
-        (5, "a message refers to channel 4, which isn't declared before it"),
-        (6, "channel 8 refers to schema 77, which isn't declared before it"),
+        (5, "a message refers to channel 4, which hasn't been declared yet"),
+        (6, "channel 8 refers to schema 77, which hasn't been declared yet"),
         (
             7,
             "schema 9 is too long to compare: it has 1048577 bytes; the limit is 1048576 bytes per schema \
@@ -254,7 +254,8 @@ fn checks_truncated_files_to_their_end() {
     }
 }
 
-/// A flipped bit loses a few messages or a chunk. Under a checksum, it is always reported.
+/// A flipped bit loses at most a few messages or a chunk. If a checksum covers the bit, the corruption is always
+/// reported.
 #[test]
 fn flipped_bits_lose_few_messages_and_fail_checksums() {
     let mut random = Random(11);

@@ -171,8 +171,8 @@ fn checks_incomparable_schemas_by_name() {
         ("ros2msg", b"\xff\xfe", "invalid schema: invalid UTF-8 at byte 0"),
         ("ros2msg", b"Rope rope\n", "invalid schema: "),
         ("ros2msg", b"uint64[4000000000] timestamp\n", "invalid schema: "),
-        ("", b"", "no schema that names fields"),
-        ("ros2msg", b"", "no schema that names fields"),
+        ("", b"", "no schema with fields"),
+        ("ros2msg", b"", "no schema with fields"),
         ("omgidl", b"module", "the schema encoding `omgidl` isn't supported"),
     ] {
         let records = [

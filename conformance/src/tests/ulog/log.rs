@@ -30,12 +30,12 @@ fn reports_data_without_a_type() {
         &[
             (early, "data for id 2, which isn't subscribed"),
             (again, "data for id 2, which isn't subscribed"),
-            (late, &format!("2 messages with id 2 precede its subscription, the first at byte {early}")),
+            (late, &format!("2 messages with id 2 precede its subscription; the first is at byte {early}")),
             (missing, "data for id 3, whose topic has no format"),
             (gone, "data for id 1, which was unsubscribed"),
             (twice, "id 1 is unsubscribed, but wasn't subscribed"),
             (same, "id 1 is subscribed again"),
-            (other, "id 1 changes from `wind` 0 to `wind` 1"),
+            (other, "id 1 changes from `wind` instance 0 to `wind` instance 1"),
             (short, &size(11)),
             (between, &size(14)),
             (longer, &size(17)),
@@ -100,7 +100,7 @@ fn stores_a_bounded_number_of_formats() {
     }
     let more = log.format(&format!("more:uint8_t {text}"));
     let topic = log.subscribe(1, 0, &text);
-    let problem = "formats and topics take more than 1048576 bytes; this one is ignored";
+    let problem = "ignored a format or topic: the limit for all formats and topics is 1048576 bytes";
     check(&log.bytes, &[(more, problem), (topic, problem)]);
 
     let mut log = Writer::with_flags();

@@ -1,4 +1,4 @@
-//! Tests that real logs have the contents that another tool reads.
+//! Tests that uavspec reads the same contents from real logs as another tool.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -79,7 +79,7 @@ impl Content {
                     None => counts.push(1),
                 }
             }
-            // Parameters after the first data are changes.
+            // Parameters that follow the first data message are changes.
             Event::Parameter { .. } if !self.records.is_empty() => self.changed += 1,
             Event::Parameter { key, ty, value } => {
                 self.initial.insert(key.to_owned(), typed(ty, value));

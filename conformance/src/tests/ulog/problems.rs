@@ -5,7 +5,7 @@ use crate::capture::ulog::{Event, Reader};
 use super::seen::{problems, read};
 use crate::tests::support::Writer;
 
-/// A log with definitions of one topic with trailing padding, and one message.
+/// A log that defines one topic with trailing padding and contains one message.
 pub(crate) fn definitions() -> Writer {
     let mut log = Writer::with_flags();
     log.format("wind:uint64_t timestamp;float speed;uint8_t[4] _padding0;");

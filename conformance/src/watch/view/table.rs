@@ -22,7 +22,7 @@ use super::{MIDDLE_WIDTH, Scene};
 /// The minimum width for the wide layout.
 const WIDE_WIDTH: u16 = 130;
 
-/// The age from which a state counts as stale.
+/// The minimum age of a stale state.
 const STALE: Duration = Duration::from_secs(10);
 
 /// The content of a column.

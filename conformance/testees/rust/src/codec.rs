@@ -13,7 +13,7 @@ use uavspec_runtime::{ErrorClass, Severity};
 const CODE: &str = "flockwave/ErrorCode";
 const LIST: &str = "flockwave/ErrorList";
 
-/// Why a request has no result.
+/// The reason why a request has no result.
 enum CodecError {
     /// The input is invalid.
     Input(String),

@@ -11,7 +11,7 @@ fuzz_target!(|data: &[u8]| {
     dispatch!(data, check; Sample, Point, ArmingCheckReply, BatteryStatus, Event, RegisterExtComponentReply);
 });
 
-/// Checks that a message that was read can be written, and that reading and writing again yields the same text.
+/// Checks that a parsed message can be written, and that reading and writing the result yields the same text.
 fn check<T: Message + Serialize + DeserializeOwned>(text: &[u8]) {
     let Ok(message) = serde_json::from_slice::<T>(text) else { return };
     let written = serde_json::to_string(&message).unwrap_or_else(|error| panic!("{error}"));

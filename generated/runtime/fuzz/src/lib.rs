@@ -1,8 +1,8 @@
-//! Code that the fuzz targets share: the selection of a message, and messages of variable size.
+//! Code shared by the fuzz targets: message selection, and variable-size messages.
 
 use uavspec_runtime::{Definition, Message};
 
-/// Calls a generic function with the message type that the first byte selects, and the other bytes.
+/// Calls a generic function for the message type that the first byte selects, and passes the remaining bytes.
 #[macro_export]
 macro_rules! dispatch {
     ($data:expr, $check:ident; $($type:ty),* $(,)?) => {
@@ -15,7 +15,7 @@ macro_rules! dispatch {
 
 macro_rules! sample {
     ($type:ident { $($field:ident: $field_type:ty),* }) => {
-        /// A message of variable size, written like generated code.
+        /// A variable-size message, written like generated code.
         #[derive(Clone, Debug, Default, PartialEq)]
         #[allow(missing_docs)]
         pub struct $type {

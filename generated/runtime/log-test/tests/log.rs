@@ -1,7 +1,7 @@
-//! Tests that the defmt decoder can read logs of messages. A separate program logs values like a device. The decoder
-//! combines the output of the program with its format strings.
+//! Tests that the defmt decoder can read logged messages. A separate program logs values in the format of a device. The
+//! decoder combines the program's output with the program's format strings.
 
-// Linkers of other systems need other scripts.
+// Other systems need a different linker script.
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 
 use std::fs;

@@ -33,7 +33,7 @@ const UNUSUAL: [char; 14] = [
     '\\',
 ];
 
-/// Bytes that make text invalid UTF-8 when appended to it.
+/// Bytes that make text invalid UTF-8 when appended.
 const BAD_BYTES: [u8; 4] = [0xff, 0x80, 0xc3, 0xf0];
 
 pub(super) struct Draw {
@@ -115,7 +115,7 @@ impl Draw {
         }
     }
 
-    /// Draws the length of a sequence or string. Also returns the minimum length during simplification.
+    /// Draws the length of a sequence or string. Also returns the minimum length for simplification.
     fn length(&mut self, bound: Option<u32>, least: usize, is_too_long: bool) -> (usize, usize) {
         let bound = bound.map_or(usize::MAX, |bound| bound as usize);
         if is_too_long {

@@ -71,7 +71,7 @@ impl Leaf {
         Self { kind: Kind::Character, value: Number::Int(u32::from(character).into()), progress: None }
     }
 
-    /// The bits of the value in a field of its type.
+    /// The bits of the value as stored in a field of its type.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // the value fits the type of the field
     pub(super) fn bits(&self) -> u64 {
         match (self.value, self.kind) {
@@ -122,7 +122,7 @@ impl Leaf {
     }
 }
 
-/// Skips invalid values of a search if `value` is valid.
+/// Skips the invalid values in the search if `value` is valid.
 fn next_valid(kind: Kind, value: Number, mut next: Option<Number>, search: &mut Search) -> Option<Number> {
     let Kind::Number(_, constraint) = kind else { return next };
     if constraint.violated_by(value).is_none() {
@@ -203,7 +203,7 @@ impl Allowed<'_> {
         random.pick(&values).copied()
     }
 
-    /// The value in a field of the type, or `None` if it doesn't fit.
+    /// The value as stored in a field of the type, or `None` if the value doesn't fit.
     fn representable(self, value: Number) -> Option<Number> {
         if !self.scalar.is_float() {
             return matches!(value, Number::Int(value) if fault::fits(self.scalar, value)).then_some(value);
@@ -331,7 +331,7 @@ impl Allowed<'_> {
         if is_beyond { f32::from_bits((random.bits() >> 32) as u32).into() } else { single.into() }
     }
 
-    /// The integers from the simplest one to `drawn`.
+    /// The integers from the simplest value to `drawn`.
     fn integers_to(self, drawn: i128) -> Domain {
         let range = self.integers();
         let Some(known) = self.constraint.known else {
@@ -351,7 +351,7 @@ impl Allowed<'_> {
         Domain::Listed(values.into_iter().chain([drawn]).map(Number::Int).collect())
     }
 
-    /// The floats from the simplest one to `drawn`.
+    /// The floats from the simplest value to `drawn`.
     fn floats_to(self, drawn: f64) -> Domain {
         let Some((low, high)) = self.floats() else { return Domain::Listed(vec![Number::Float(drawn)]) };
         let simplest = 0_f64.clamp(low, high);

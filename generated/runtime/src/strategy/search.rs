@@ -4,7 +4,7 @@ use std::vec::Vec;
 
 use crate::Number;
 
-/// Values in order of simplicity, simplest first. The last value is the drawn one.
+/// Values in order of simplicity, simplest first. The last value is the drawn value.
 pub(super) enum Domain {
     /// The listed values.
     Listed(Vec<Number>),
@@ -34,7 +34,8 @@ impl Floats {
         }
     }
 
-    /// The count of whole numbers, and the first one. The count is 0 for large floats, because all of them are whole.
+    /// The count of whole numbers, and the first whole number. The count is 0 for large floats, because all large
+    /// floats are whole.
     fn whole(&self) -> (u64, f64) {
         let limit = if self.is_single { 1_u64 << 24 } else { 1 << 53 };
         let first = self.simplest.floor() + 1.0;
@@ -44,7 +45,7 @@ impl Floats {
         if count >= 1.0 && self.drawn < limit as f64 { (count as u64, first) } else { (0, self.simplest) }
     }
 
-    /// The magnitude that precedes the sequence of all floats: the last whole number.
+    /// The last whole number, which precedes the sequence of all floats.
     fn base(&self) -> f64 {
         if self.whole().0 == 0 { self.simplest } else { self.drawn.trunc() }
     }
@@ -102,7 +103,7 @@ impl Domain {
 /// A binary search by rank. It tries the simplest value first.
 pub(super) struct Search {
     domain: Domain,
-    /// All lower ranks are known to pass, or assumed to.
+    /// All lower ranks pass, or are assumed to pass.
     low: u64,
     /// A rank that is known to fail.
     high: u64,

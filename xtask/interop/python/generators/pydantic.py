@@ -15,7 +15,7 @@ WORK = Path(sys.argv[2]).resolve()
 
 
 def prepare(documents):
-    """Generates one module for each form and package of schemas: a model with one field for each job."""
+    """Generates one module for each form and package of schemas. Its model has one field for each job."""
     _, jobs = read_jobs()
     groups = {}
     for job in jobs:

@@ -1,4 +1,4 @@
-//! Generates types from the bundles with typify, and a function that returns the check of a type.
+//! Generates types from the bundles with typify, and a function that returns the check for a type.
 //!
 //! If typify rejects a bundle, the function returns the error for its types. Other bundles are still used.
 

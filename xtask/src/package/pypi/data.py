@@ -54,7 +54,7 @@ class Vector(_OfErrorCode):
     """The value as JSON."""
 
     decoded: NotRequired[Any]
-    """The decoded value of bytes that are valid but not written by encoders."""
+    """The decoded value as JSON, if encoding it produces different bytes."""
 
     uorb: NotRequired[str]
     """The uORB payload, hexadecimal."""

@@ -1,4 +1,4 @@
-//! Index of a package's types and messages: their pages, and the uses of each type.
+//! Index of the types and messages in a package: their pages, and the uses of each type.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -12,7 +12,7 @@ use crate::schema::{JsonMessageId, JsonTypeId, Package};
 /// Maximum length of a cell in an index, in characters.
 const MAX_GIST: usize = 160;
 
-/// The owner of a field or element.
+/// The type or message that contains a field or element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Owner {
     Type(JsonTypeId),

@@ -62,7 +62,7 @@ impl Json<'_, '_> {
         ]
     }
 
-    /// Formats a type with links to the pages of named types.
+    /// Formats a type. Named types link to their pages.
     pub(super) fn type_cell(&self, from: &str, expression: &Expression) -> String {
         let inner = |inner: &Expression| {
             let text = self.type_cell(from, inner);

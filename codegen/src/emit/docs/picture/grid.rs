@@ -1,4 +1,4 @@
-//! Arrangement of a layout's bytes in rows of eight, with the middle of long fields omitted.
+//! Arrangement of the bytes of a layout in rows of eight. The middle of long fields is omitted.
 
 use std::ops::Range;
 
@@ -7,13 +7,14 @@ use crate::schema::Slot;
 /// Number of bytes per row. It is the maximum alignment of a layout.
 pub(super) const ROW: usize = 8;
 
-/// Maximum number of complete rows of a scalar field. For longer fields, only the first and last row are drawn.
+/// Maximum number of complete rows drawn for a scalar field. For longer fields, only the first and last of these rows
+/// are drawn.
 const MAX_ROWS: usize = 7;
 
 /// Maximum number of lines of a picture. The longest PX4 message needs fewer than 100.
 const MAX_LINES: usize = 256;
 
-/// The colour of a box, by the size of its elements.
+/// The colour of a box. It depends on the element size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Tint {
     Eight,
@@ -50,7 +51,7 @@ impl Member<'_> {
         self.slot.offset..self.slot.offset.saturating_add(self.slot.size)
     }
 
-    /// Rows that contain only this member.
+    /// Rows filled by this member alone.
     fn whole_rows(&self) -> Range<usize> {
         let bytes = self.bytes();
         bytes.start.div_ceil(ROW)..bytes.end / ROW
@@ -69,11 +70,12 @@ impl Member<'_> {
 pub(super) enum Line {
     /// A row of bytes that starts at this offset.
     Row(usize),
-    /// A gap in place of these bytes.
+    /// A gap that replaces omitted bytes.
     Break {
         /// The omitted bytes.
         bytes: Range<usize>,
-        /// True for a torn edge. Nested messages have no torn edge, because another page has a picture of their fields.
+        /// True if the gap has torn edges. Gaps in nested messages have none, because another page has a picture of
+        /// their fields.
         is_torn: bool,
     },
 }
@@ -122,7 +124,7 @@ pub(super) struct Grid<'s> {
 }
 
 impl<'s> Grid<'s> {
-    /// Arranges members. They must be sorted by offset and fill `size` bytes.
+    /// Arranges members. The members must be sorted by offset and fill `size` bytes.
     pub(super) fn new(members: &[Member<'s>], size: usize) -> Self {
         let lines = lines(members, size);
         let cells = cells(members, &lines);
@@ -146,7 +148,7 @@ fn lines(members: &[Member<'_>], size: usize) -> Vec<Line> {
     shortened(lines)
 }
 
-/// Omits the middle of too many lines.
+/// If there are too many lines, omits the middle ones.
 fn shortened(mut lines: Vec<Line>) -> Vec<Line> {
     if lines.len() <= MAX_LINES {
         return lines;

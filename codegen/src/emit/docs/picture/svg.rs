@@ -1,7 +1,7 @@
 //! Small SVG files without external resources.
 //!
-//! The background is transparent. Text outside boxes is grey, which is legible on light and dark pages. Boxes have
-//! their own background colour.
+//! The background is transparent. Text outside boxes is grey, which is legible on light and dark pages. Each box has a
+//! background colour.
 
 use std::fmt;
 
@@ -16,10 +16,10 @@ const LEFT: usize = 44;
 const BYTE: usize = 88;
 /// Height of the column numbers.
 const TOP: usize = 18;
-/// Height of a break with a torn edge, and of a break within a box.
+/// Heights of a break with torn edges, and of a break within a box.
 const OPEN_BREAK: usize = 30;
 const INNER_BREAK: usize = 14;
-/// Height of a row without its name lines: offset, type and margins.
+/// Height of a labelled row without the lines of the name.
 const ROW_HEAD: usize = 17;
 /// Height of a row without a label.
 const ROW_PLAIN: usize = 15;
@@ -31,7 +31,7 @@ const TORN: usize = 4;
 const MAX_NAME_LINES: usize = 4;
 /// Height of the legend.
 const BOTTOM: usize = 30;
-/// Width of a name's letters in tenths of a pixel, at the default size and at the large size.
+/// Width of a letter in a name, in tenths of a pixel: at the default size, and at the large size.
 const LETTER: usize = 53;
 const WIDE_LETTER: usize = 68;
 /// Margin between the edge of a box and its text.
@@ -201,11 +201,12 @@ impl Svg {
         }
     }
 
-    /// Writes the number of omitted bytes into each break.
+    /// Writes the number of omitted bytes in each break.
     fn breaks(&mut self, grid: &Grid<'_>, rows: &Rows) {
         for (index, line) in grid.lines.iter().enumerate() {
             let Line::Break { bytes, is_torn } = line else { continue };
-            // A break within a box is drawn on the colour of the box; a torn break is drawn on the page background.
+            // Inside a box, the text of a break is on the box colour. At a torn break, the text is on the page
+            // background.
             let class = if *is_torn { "o" } else { "s" };
             let y = usize::midpoint(rows.top(index), rows.below(index)) + 3;
             self.put(format_args!(
@@ -271,7 +272,7 @@ impl Svg {
         self.put(format_args!("{}</text>", if name.is_cut { "…" } else { "" }));
     }
 
-    /// Repeats the name in a segment that doesn't touch the labelled one.
+    /// Repeats the name in a segment that doesn't touch the labelled segment.
     fn echo(&mut self, name: &str, segment: &Segment, rows: &Rows) {
         let room = (segment.columns.len() * BYTE - 2 * INSET) * 10 / LETTER;
         if name.chars().count() + 2 <= room {
@@ -284,7 +285,7 @@ impl Svg {
         }
     }
 
-    /// Draws the outline of a cell: one polygon per run of lines without a torn break.
+    /// Draws the outline of a cell. Torn breaks divide the outline into several polygons.
     fn outline(&mut self, cell: &Cell<'_>, rows: &Rows) {
         let step = if cell.member.tint == Tint::Nested { 2 } else { 1 };
         let belong =
@@ -300,7 +301,8 @@ impl Svg {
         self.put(format_args!("\"/>"));
     }
 
-    /// Draws a run of segments. Only the first may start, and only the last may end, inside its line.
+    /// Draws a run of segments. Only the first segment may start inside a line, and only the last may end inside a
+    /// line.
     fn polygon(&mut self, run: &[Segment], rows: &Rows, is_torn_above: bool, is_torn_below: bool) {
         let (Some(first), Some(last)) = (run.first(), run.last()) else { return };
         let (top, bottom) = (rows.top(first.line), rows.below(last.line));
@@ -327,7 +329,7 @@ impl Svg {
         self.put(format_args!("z"));
     }
 
-    /// Draws a torn edge, to the right or to the left.
+    /// Draws a torn edge, either from left to right or from right to left.
     fn wave(&mut self, width: usize, direction: isize) {
         const HALF: usize = 22;
         let step = direction * 22;

@@ -13,9 +13,9 @@ use crate::source::SourceMap;
 /// The text above the table.
 const ABOUT: &str = "\
 `cargo xtask breaking --against REV` compares the definitions with an earlier version. Each rule is one kind of \
-change. The columns show who is affected: `source` means programs built from the definitions; `json`, `cdr` (DDS and \
-ROS 2) and `uorb` (memory and logs) mean peers that exchange messages in these formats; `version` means users of MESSAGE_VERSION; \
-`semantic` means users of a value's meaning.";
+change. The columns show who is affected. `source` means programs built from the definitions. `json`, `cdr` (DDS and \
+ROS 2) and `uorb` (memory and logs) mean peers that exchange messages in these formats. `version` means programs \
+that use MESSAGE_VERSION. `semantic` means programs that depend on the meaning of a value.";
 
 pub(super) fn chapter() -> Chapter {
     Chapter {
@@ -38,7 +38,7 @@ fn table() -> Table {
     table
 }
 
-/// The level at which a change breaks a category, if it does.
+/// The level at which a change breaks a category. `None` if it doesn't break the category.
 fn level(rule: &Rule, category: Category) -> Option<Level> {
     rule.breaks.iter().find(|(broken, _)| *broken == category).map(|(_, level)| *level)
 }
@@ -59,13 +59,13 @@ fn page(rule: &Rule) -> RulePage {
         fix: rule.fix,
         corrected: Vec::new(),
         configuration: format!(
-            "{} sets the level from which the command fails: see {guide}. Individual changes can't be ignored.",
+            "{} sets the lowest level at which the command fails. See {guide}. Individual changes can't be ignored.",
             code("--deny LEVEL")
         ),
     }
 }
 
-/// The output of the rule for its examples.
+/// The output of the rule for its example.
 fn output(rule: &Rule) -> String {
     let mut sources = SourceMap::default();
     let mut schema = |folder, examples: &[Example]| {

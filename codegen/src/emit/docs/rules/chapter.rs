@@ -11,7 +11,7 @@ const CONTEXT: usize = 2;
 
 /// The rules of a command.
 pub(super) struct Chapter {
-    /// Heading of the table; plain text.
+    /// Heading of the table, as plain text.
     pub(super) title: &'static str,
     /// A description of the rules, in Markdown.
     pub(super) about: String,
@@ -28,7 +28,7 @@ pub(super) struct RulePage {
     /// Facts in Markdown, such as the level.
     pub(super) facts: Vec<String>,
     pub(super) why: &'static str,
-    /// A violation, and the output of the tool.
+    /// An example of a violation, and the output of the tool.
     pub(super) example: Vec<Listing>,
     pub(super) fix: &'static str,
     /// The corrected example.
@@ -39,7 +39,7 @@ pub(super) struct RulePage {
 
 /// Lines of a file, or output of a tool.
 pub(super) struct Listing {
-    /// The path of the file; empty for output.
+    /// The path of the file. Empty for output.
     pub(super) path: String,
     pub(super) text: String,
 }
@@ -59,7 +59,7 @@ impl Listing {
     }
 }
 
-/// The path of a rule's page, to which [`report::rule_url`](crate::report::rule_url) points.
+/// The path of a rule page. [`report::rule_url`](crate::report::rule_url) points to it.
 pub(super) fn rule_path(id: &str) -> String {
     format!("rules/{id}.md")
 }

@@ -30,8 +30,8 @@ const ABOUT: &str = "\
 `cargo xtask lint` finds definitions that are valid but misleading, incomplete or inconsistent. The `px4` preset \
 contains the rules of PX4's documentation standard and rules for mistakes that mislead readers or parsers. The \
 `strict` preset contains all rules except `unit-unlisted`. Set `lint.preset` and `lint.levels` in `uavspec.toml`. \
-The pages state the number of findings in PX4's own messages (`px4_msgs` main at a4a9864). A finding is correct if an \
-expert would change the definition.";
+The pages state the number of findings in PX4's own messages (`px4_msgs` main at a4a9864). A finding counts as \
+correct if an expert would change the definition.";
 
 /// A rule with its output for the bad example.
 struct Described {
@@ -116,25 +116,25 @@ fn measured_text(measured: Measured) -> String {
     }
 }
 
-/// A line about ignoring findings and switching the rule off.
+/// A line that explains how to ignore a finding and how to switch the rule off.
 fn configuration(rule: &Rule) -> String {
     let id = rule.id;
     let off = format!("set {} in `lint.levels` of `uavspec.toml`", code(&format!("{id} = \"off\"")));
     let guide = link("the guide", &format!("{GUIDE_URL}lint.html#ignore-a-finding"));
     if matches!(rule.check, Check::Ignores) {
-        return format!("To switch the rule off, {off}: see {guide}.");
+        return format!("To switch the rule off, {off}. See {guide}.");
     }
     let ignore = match form(rule.bad.path) {
         _ if is_catalogue(rule.bad.path) => {
             format!(
-                "add an entry with the rule {}, the path of the catalogue and a reason to `lint.ignore`",
+                "add an entry to `lint.ignore` with the rule {}, the path of the catalogue and a reason",
                 code(id)
             )
         }
         Form::Table => format!("add {} to the line", code(&format!("<!-- uavspec:ignore {id} REASON -->"))),
         Form::Msg(_) => format!("add {} to the line", code(&format!("# uavspec:ignore {id} REASON"))),
     };
-    format!("To ignore a finding, {ignore}. To switch the rule off, {off}: see {guide}.")
+    format!("To ignore a finding, {ignore}. To switch the rule off, {off}. See {guide}.")
 }
 
 /// The form of an example, by its extension.

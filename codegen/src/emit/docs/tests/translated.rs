@@ -9,7 +9,7 @@ use crate::emit::file::OutputFile;
 use crate::translation::catalogue::{Catalogue, print};
 use crate::translation::{Text, new_catalogue, resolve, texts, update};
 
-/// The book of boats with translations into `tag`. An empty result of `translate` means no translation.
+/// The boat book with translations into `tag`. If `translate` returns an empty text, there is no translation.
 fn boats_in(tag: &str, translate: impl Fn(&Text<'_>) -> String) -> Vec<OutputFile> {
     let (mut sources, schema) = definitions(BOATS);
     let texts = texts(&schema);

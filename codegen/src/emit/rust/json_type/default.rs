@@ -1,4 +1,4 @@
-//! Decides which types implement `Default`: the types whose default doesn't require a choice among several values.
+//! Decides which types implement `Default`. A type does if its default requires no choice among several values.
 
 use crate::schema::json_type::{Definition, Expression, Member};
 use crate::schema::{JsonTypeId, Schema};

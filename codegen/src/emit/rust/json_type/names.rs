@@ -24,7 +24,7 @@ pub(super) struct Names {
     types: Vec<String>,
     /// All names used in the module of the types.
     pub(super) used: Vec<String>,
-    /// Group numbers by type. Types of a group contain each other without a list or map in between.
+    /// Group numbers by type. Types in the same group contain each other without a list or map in between.
     groups: Vec<usize>,
 }
 
@@ -87,8 +87,8 @@ fn contained(definition: &Definition) -> BTreeSet<u32> {
 
 /// Numbers the groups of types that contain each other directly or indirectly.
 ///
-/// Kosaraju's algorithm: the first search numbers the types in the order in which it leaves them; the second search
-/// follows the reversed edges from the last number on and finds one group per start.
+/// This is Kosaraju's algorithm. The first search numbers the types in post-order. The second search visits them in
+/// descending order along reversed edges, and finds one group per start.
 fn groups(contains: &[BTreeSet<u32>], first: u32) -> Vec<usize> {
     let index = |id: &u32| (*id - first) as usize;
     let inner: Vec<Vec<usize>> =
@@ -161,7 +161,7 @@ pub(super) fn text(docs: &crate::schema::Docs, what: &str, name: &str) -> String
     text
 }
 
-/// True if a field of a body is also a field of the struct. The `type` field is not.
+/// True if a body field is also a field of the struct. Only `type` is not.
 pub(super) fn is_struct_field(member: &Member) -> bool {
     member.name != TYPE_FIELD
 }

@@ -17,10 +17,10 @@ use crate::schema::{JsonTypeId, Range};
 use crate::unit;
 use crate::value::Value;
 
-/// Name of the variant for unnamed values. Definitions use `other` as a name.
+/// Name of the variant for unnamed values. The name `Other` could clash, because definitions use `other`.
 const UNNAMED: &str = "Unnamed";
 
-/// The definitions of a module.
+/// The type definitions of a module.
 pub(super) struct Definitions<'c> {
     context: &'c Context<'c>,
     names: &'c Names,
@@ -29,7 +29,7 @@ pub(super) struct Definitions<'c> {
     written: Vec<String>,
     /// Path prefix from this module to the module `json`, which re-exports the types.
     above: TokenStream,
-    /// The page type whose definition is being written.
+    /// The page-defined type that is being written.
     current: Option<JsonTypeId>,
     /// Anonymous types inside the definition being written.
     inner: Vec<TokenStream>,
@@ -44,7 +44,7 @@ pub(super) struct Place<'m> {
 }
 
 impl<'c> Definitions<'c> {
-    /// Starts the module of the types.
+    /// Starts the module that contains the types.
     pub(super) fn new(context: &'c Context<'c>, names: &'c Names) -> Self {
         let mut scope = Scope::default();
         names.used.iter().for_each(|name| drop(scope.unique_type(name)));
@@ -75,7 +75,7 @@ impl<'c> Definitions<'c> {
         found
     }
 
-    /// Declares a type of a page with its inner types.
+    /// Declares a type defined on a page, with its inner types.
     pub(super) fn json_type(&mut self, id: JsonTypeId) -> TokenStream {
         let found = self.context.schema.json_type(id);
         let name = ident(self.names.name(id));
@@ -92,7 +92,7 @@ impl<'c> Definitions<'c> {
         quote!(#tokens #(#inner)*)
     }
 
-    /// Takes the inner types of the definition written last.
+    /// Takes the inner types of the last written definition.
     pub(super) fn take_inner(&mut self) -> Vec<TokenStream> {
         std::mem::take(&mut self.inner)
     }
@@ -261,7 +261,7 @@ impl<'c> Definitions<'c> {
         let name = self.new_name(site);
         let value = |constant: &String| SetValue { value: constant.clone(), description: String::new() };
         let values = SetValues::Strings(constants.iter().map(value).collect());
-        let doc = documentation("The values of a field. Other values are not allowed.");
+        let doc = documentation("The only values allowed in a field.");
         let tokens = set_body(&doc, &name, &Set { values, is_open: false });
         self.inner.push(tokens);
         quote!(#name)
@@ -314,7 +314,7 @@ impl<'c> Definitions<'c> {
     }
 }
 
-/// The presence of an element: whether it may be absent or null.
+/// The presence of an element: required, nullable, optional, or both optional and nullable.
 fn tuple_presence(member: &Member) -> &'static str {
     let is_nullable = member.typed.ty.is_nullable() && member.typed.ty.without_null().is_some();
     match (member.is_required, is_nullable) {
@@ -396,7 +396,7 @@ fn declarations<'v, T: ToString>(
     })
 }
 
-/// Unique names of variants, which also differ from the variant for unnamed values.
+/// Unique variant names. They also differ from the name of the variant for unnamed values.
 fn variant_names(names: impl Iterator<Item = String>, is_open: bool) -> Vec<Ident> {
     let mut scope = Scope::default();
     if is_open {

@@ -1,4 +1,4 @@
-//! Candidate values: the bounds of a value, adjacent values, and values of other types.
+//! Candidate values: values at a bound, values just beyond it, and values of other types.
 
 use serde_json::{Map, Value as Json};
 
@@ -7,19 +7,19 @@ use crate::schema::json_type::{Expression, Limits, Set, SetValues};
 use crate::schema::{Range, Schema};
 use crate::value::Value;
 
-/// Integers of at least this magnitude may be equal to an adjacent integer as 64-bit floats.
+/// From this magnitude on, an integer and its neighbour may be equal as 64-bit floats.
 const EXACT_WITHIN: u128 = 1 << 53;
 
 /// Maximum length of strings and lists in cases.
 const MAX_LENGTH: u32 = 4_096;
 
-/// Texts, some of which violate most patterns.
+/// Texts chosen so that most patterns reject at least one of them.
 const TEXTS: [&str; 6] = ["", " ", "a", "A", "/", "é!"];
 
 /// A candidate value.
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {
-    /// The end of the id, unique within the field.
+    /// Suffix of the case id, unique within the field.
     pub(super) name: String,
     /// Description.
     pub(super) words: String,
@@ -95,7 +95,7 @@ fn special(schema: &Schema, expression: &Expression, limits: &Limits, into: &mut
             }
         }
         Expression::Named(_) => {
-            // The type has separate cases. These cover the additional restrictions of its use.
+            // The type itself has separate cases. The cases here cover restrictions added where the type is used.
             if let Some(plain) = schema.plain(expression).filter(|_| limits.is_restriction()) {
                 special(schema, &plain, limits, into);
             }
@@ -104,7 +104,7 @@ fn special(schema: &Schema, expression: &Expression, limits: &Limits, into: &mut
     }
 }
 
-/// Both bounds of a range, and the adjacent values beyond them.
+/// Both bounds of a range, and the next value beyond each bound.
 fn bounds(range: &Range) -> Vec<Candidate> {
     let mut found = Vec::new();
     let mut bound = |value: Option<&Value>, step: i32, at: &str, beyond: &str, words: [&str; 2]| {
@@ -147,7 +147,7 @@ fn strings(limits: &Limits, into: &mut Vec<Candidate>) {
         // Lengths count characters, not bytes or UTF-16 code units.
         into.push(candidate(
             "longest-wide",
-            "the maximum length in multibyte characters",
+            "the maximum length, with multibyte characters",
             "🚁".repeat(most as usize).into(),
         ));
     }

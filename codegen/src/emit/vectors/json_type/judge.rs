@@ -1,4 +1,4 @@
-//! Finds the rules that a JSON value violates, from the schema alone.
+//! Finds the rules that a JSON value violates, using only the schema.
 
 use std::collections::BTreeSet;
 
@@ -87,7 +87,7 @@ impl Judge<'_> {
             }
             Expression::Named(id) => {
                 let mut rules = self.type_violations(*id, value);
-                // The restrictions at the place of use apply only if the value has the right type.
+                // The restrictions added where the type is used apply only if the value has the right type.
                 if let Some(plain) = self.schema.plain(expression).filter(|_| !rules.contains(rule::TYPE)) {
                     rules.extend(self.violations(&plain, limits, value));
                 }
@@ -112,8 +112,9 @@ impl Judge<'_> {
         rules
     }
 
-    /// Empty if any alternative accepts the value. Otherwise, the violated rules of the only alternative with the same
-    /// JSON type.
+    /// The rules that a value violates if several alternatives are allowed. Empty if any alternative accepts the value.
+    /// If exactly one alternative has the JSON type of the value, returns the rules violated there. Otherwise, returns
+    /// only the type rule.
     fn either_violations(&self, alternatives: &[Expression], limits: &Limits, value: &Json) -> Rules {
         let all: Vec<Rules> =
             alternatives.iter().map(|inner| self.violations(inner, limits, value)).collect();

@@ -8,7 +8,7 @@ use crate::schema::json_type::{Definition, Expression, Limits, Object, SetValues
 use crate::schema::{JsonTypeId, Range, Schema};
 use crate::value::Value;
 
-/// Maximum depth of types with all optional fields. Deeper values are as short as possible.
+/// Maximum depth at which values include all optional fields. Deeper values are as short as possible.
 const MAX_OPTIONAL_DEPTH: usize = 2;
 
 /// Maximum depth of values.
@@ -17,7 +17,7 @@ const MAX_DEPTH: usize = 16;
 /// Maximum length of lists and strings.
 const MAX_LENGTH: usize = 1_000;
 
-/// Maximum total number of values. Limits the size of nested types with many fields.
+/// Maximum total number of values. This limits the size of nested types with many fields.
 const MAX_PARTS: usize = 2_000;
 
 /// A source of values with distinct numbers and texts.
@@ -33,7 +33,7 @@ impl<'s> Typical<'s> {
         Self { schema, depth: 0, count: 0, parts: 0 }
     }
 
-    /// A valid value, or `None` if the search fails.
+    /// A valid value, or `None` if none is found.
     pub(super) fn value(&mut self, expression: &Expression, limits: &Limits) -> Option<Json> {
         let value = self.any(expression, limits)?;
         Judge { schema: self.schema }.violations(expression, limits, &value).is_empty().then_some(value)
@@ -113,7 +113,7 @@ impl<'s> Typical<'s> {
                 SetValues::Strings(values) => values.first().map(|found| Json::from(found.value.as_str())),
             },
             Definition::Named(typed) => {
-                // The value must satisfy the limits of the type and of its use.
+                // The value must satisfy the limits of the type and the limits added where the type is used.
                 self.any(&typed.ty, &narrower(&typed.limits, limits))
             }
         };
@@ -144,7 +144,7 @@ impl<'s> Typical<'s> {
             return lengthened(&pattern::example(found)?, limits);
         }
         if limits.format.is_some() {
-            // The bytes 0 to 3.
+            // Base64 of the bytes 0 to 3.
             return Some("AAECAw==".to_owned());
         }
         let most = limits.most.map_or(usize::MAX, |most| most as usize);

@@ -1,4 +1,4 @@
-//! The check results of status reports, by the properties that determine them.
+//! The check results for status reports, by the properties that determine the results.
 
 use std::collections::BTreeSet;
 
@@ -10,14 +10,14 @@ use crate::model::{Findings, Location, Rule};
 use crate::rules::RuleContext;
 use crate::rules::flockwave::{Check, Message, RULES};
 
-/// The maximum number of versions, and of kinds of states. Hostile input may contain any number.
+/// The maximum number of versions, and of state kinds. Hostile input may contain any number of them.
 const MAX_KNOWN: usize = 256;
 
-/// The maximum length of a stored version or list of error codes, in bytes.
+/// The maximum length, in bytes, of a stored version or of a stored list of error codes.
 const MAX_TEXT: usize = 256;
 
 /// The properties that determine the findings in a state. The state's values must match their schemas or be null, and
-/// its id must be the UAV's id.
+/// the state's id must be the UAV's id.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Kind<'k> {
     /// One bit for each field, set if the field is present.
@@ -44,10 +44,10 @@ struct Entry<K> {
     key: K,
     /// The results; `None` if they are unknown.
     outcome: Option<Outcome>,
-    /// True if its findings have enough examples and only need counting.
+    /// True if the entry's findings have enough examples and only need counting.
     is_settled: bool,
-    /// The UAVs whose findings have been reported since then. Finding messages name the UAV, so the first report of
-    /// each UAV is checked in full.
+    /// The UAVs whose findings have been reported since the entry was settled. The messages of findings name the UAV,
+    /// so the first report of each UAV is checked in full.
     reported_uavs: BTreeSet<Box<str>>,
     /// The number of counted reports or states.
     times: u64,
@@ -138,7 +138,7 @@ impl<'d> Known<'d> {
         Some(self.kinds.len() - 1)
     }
 
-    /// Runs all checks that see only the message on a report.
+    /// Checks a report with all checks that see only the message.
     fn check(&self, version: &str, states: &str) -> Option<Outcome> {
         let text = format!(
             "{{\"$fw.version\":\"{version}\",\"id\":\"1\",\"body\":{{\"type\":\"{}\",\"status\":{{{states}}}}}}}",
@@ -174,7 +174,7 @@ impl<'d> Known<'d> {
         Some(Outcome { covered: all, violations: violations.collect() })
     }
 
-    /// Counts a report of a version, with states of these kinds.
+    /// Counts a report with this version and with states of these kinds.
     pub(super) fn count(&mut self, version: usize, kinds: &[usize]) {
         self.versions[version].times += 1;
         for kind in kinds {
@@ -205,8 +205,8 @@ impl<'d> Known<'d> {
 }
 
 impl Outcome {
-    /// The results that a state adds to those of a report without states. `None` if that report has findings or
-    /// covers a rule more often; every such state is then checked in full.
+    /// The results that a state adds to the results for a report without states. `None` if the report without states
+    /// has findings or covers a rule more often. Every state of this kind is then checked in full.
     fn beyond(self, without: Self) -> Option<Self> {
         let is_sound = without.violations.is_empty();
         let counts = self.covered.into_iter().zip(without.covered);

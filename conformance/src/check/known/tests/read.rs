@@ -58,12 +58,12 @@ error[known-selector]: `subject` without `rule`
   --> known.toml:16:11
    |
 16 | subject = "["
-   |           ^^^ add the `rule` that the key restricts, or remove the key
+   |           ^^^ add a `rule` to the entry, or remove this key
 error[known-selector]: `file` without `rule`
   --> known.toml:17:8
    |
 17 | file = "*.ulg"
-   |        ^^^^^^^ add the `rule` that the key restricts, or remove the key
+   |        ^^^^^^^ add a `rule` to the entry, or remove this key
 error[known-type]: `link` contains a line break or another control character
   --> known.toml:18:8
    |

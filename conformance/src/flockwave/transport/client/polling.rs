@@ -18,7 +18,7 @@ use crate::net::Address;
 /// The maximum duration of a poll. Servers end a poll after their ping interval, usually 25 s.
 const POLL_LIMIT: Duration = Duration::from_secs(90);
 
-/// The maximum number of payloads in the queue. Polling pauses when it is full.
+/// The maximum number of payloads in the queue. Polling pauses when the queue is full.
 const WAITING_LIMIT: usize = 16;
 
 /// The maximum number of packets received before the namespace is joined. Some servers send messages early.
@@ -195,7 +195,7 @@ impl Polling {
         body(request.send(encode(self.revision, packets))).map(|_| ())
     }
 
-    /// The next packet. `None` if none arrives in time. The end of the session is a packet as well.
+    /// The next packet. `None` if none arrives in time. The end of the session is returned as a packet.
     fn packet(&mut self, until: Instant) -> io::Result<Option<Packet>> {
         loop {
             if let Some(packet) = self.packets.pop_front() {

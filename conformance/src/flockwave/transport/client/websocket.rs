@@ -19,7 +19,7 @@ use crate::net::{Address, Connection};
 /// The maximum time that sending may block.
 const SEND_LIMIT: Duration = Duration::from_secs(30);
 
-/// A stream with a deadline for reading, which also applies if single bytes keep arriving.
+/// A stream with a read deadline, which applies even if single bytes keep arriving.
 struct Limited {
     stream: TcpStream,
     until: Instant,

@@ -1,4 +1,4 @@
-//! Trials of the client on separate connections.
+//! The client's trials on separate connections.
 
 use serde_json::{Value, json};
 
@@ -69,7 +69,7 @@ impl Session {
         self.tries_and_receives(rule, how, json!({ "type": "SYS-PING" }), json!({ "type": "ACK-ACK" }));
     }
 
-    /// Adds several requests that test a rule, and then their responses in the given order of requests.
+    /// Adds several requests that test a rule, followed by responses in the given order.
     pub(crate) fn pipelines(&mut self, rule: &Rule, answered: &[usize]) {
         let ids: Vec<String> =
             answered.iter().map(|_| self.tries(rule, "", json!({ "type": "SYS-PING" }))).collect();
@@ -78,7 +78,7 @@ impl Session {
         }
     }
 
-    /// Adds a request with a changed envelope that tests a rule.
+    /// Adds a request that tests a rule and has a changed envelope.
     pub(crate) fn tries_with(
         &mut self,
         rule: &Rule,
@@ -167,7 +167,7 @@ impl Session {
         self.exchange(command, json!({ "receipt": { "kite": receipt } }));
     }
 
-    /// Adds a request of each mandatory family, and one of an unknown type.
+    /// Adds a request of each mandatory family, and a request of an unknown type.
     fn families(&mut self) {
         self.logs_in();
         let refusal = json!({ "type": "ACK-NAK", "reason": "No handler for UAV-SOAR" });

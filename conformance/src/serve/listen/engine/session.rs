@@ -61,7 +61,7 @@ fn push(outbox: &Outbox, kind: Kind, data: String) {
     outbox.push(Packet::new(kind, data).to_text());
 }
 
-/// A pending poll. Dropping it allows the next one.
+/// A pending poll. Dropping it allows the next poll.
 pub(super) struct Poll<'s>(&'s Session);
 
 impl Drop for Poll<'_> {
@@ -73,7 +73,7 @@ impl Drop for Poll<'_> {
 }
 
 impl Session {
-    /// Opens a session, and returns its id as well.
+    /// Opens a session. Returns its id and the session.
     pub(super) fn open(shared: &Shared, revision: Revision) -> (String, Arc<Self>) {
         // `RandomState` has random keys.
         let sid = format!("{:016x}{:016x}", RandomState::new().hash_one(0), RandomState::new().hash_one(1));

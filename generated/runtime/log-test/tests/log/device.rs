@@ -1,4 +1,4 @@
-//! Logs a few values to the standard output, in the binary format of a device.
+//! Logs a few values to standard output, in the binary format that a device uses.
 
 use std::io::Write as _;
 

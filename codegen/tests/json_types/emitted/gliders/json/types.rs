@@ -103,7 +103,7 @@ json_object! {
     note "note" optional;
 }
 
-/// The values of a field. Other values are not allowed.
+/// The only values allowed in a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum GliderWinch {
     /// `north`.

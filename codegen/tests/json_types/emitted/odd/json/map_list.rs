@@ -21,7 +21,7 @@ json_object! {
     request "request" optional;
 }
 
-/// The values of a field. Other values are not allowed.
+/// The only values allowed in a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ResponseRequest {
     /// `Request`.

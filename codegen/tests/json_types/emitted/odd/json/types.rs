@@ -48,7 +48,7 @@ json_object! {
     many "many" optional;
 }
 
-/// The values of a field. Other values are not allowed.
+/// The only values allowed in a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum A2 {
     /// `x`.
@@ -87,7 +87,7 @@ json_either! {
     List;
 }
 
-/// The values of a field. Other values are not allowed.
+/// The only values allowed in a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum AMany {
     /// `Other`.
