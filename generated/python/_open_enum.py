@@ -6,7 +6,7 @@ from typing import Any
 
 
 class OpenIntEnum(IntEnum):
-    """Integers with names. Unnamed integers are valid too; their name is `UNKNOWN_` and the number."""
+    """Named integers. Unnamed integers are valid too; their name is `UNKNOWN_` followed by the number."""
 
     @classmethod
     def _missing_(cls, value: object) -> Any:

@@ -4881,7 +4881,7 @@ class ErrorCode(OpenIntEnum):
 
     @property
     def severity(self) -> Severity:
-        """Severity, which is part of the number. It is also defined for unlisted codes."""
+        """Severity. It is part of the number, so it is also defined for unlisted codes."""
         return _SEVERITIES[(int(self) & 0xFF) >> 6]
 
     @property

@@ -183,7 +183,7 @@ class ArmingCheckReply(TypedDict):
 
 
 class ArmingCheckReplyHealthComponentIndex(OpenIntEnum):
-    """Values HEALTH_COMPONENT_INDEX of ArmingCheckReply. Other firmware versions may use other values."""
+    """HEALTH_COMPONENT_INDEX values of ArmingCheckReply. Other firmware versions may use other values."""
 
     NONE = 0
     """No health component"""
@@ -488,7 +488,7 @@ class BatteryStatus(TypedDict):
 
 
 class BatteryStatusBatterySource(OpenIntEnum):
-    """Values BATTERY_SOURCE of BatteryStatus. Other firmware versions may use other values."""
+    """BATTERY_SOURCE values of BatteryStatus. Other firmware versions may use other values."""
 
     POWER_MODULE = 0
     """Power module that measures voltage and current"""
@@ -501,7 +501,7 @@ class BatteryStatusBatterySource(OpenIntEnum):
 
 
 class BatteryStatusBatteryFault(IntFlag):
-    """Flags BATTERY_FAULT of BatteryStatus. Any combination is valid; unnamed bits may be set too."""
+    """BATTERY_FAULT flags of BatteryStatus. Any combination is valid; unnamed bits may be set too."""
 
     DEEP_DISCHARGE = 1
     """Deep discharge"""
@@ -535,7 +535,7 @@ class BatteryStatusBatteryFault(IntFlag):
 
 
 class BatteryStatusBatteryWarning(OpenIntEnum):
-    """Values BATTERY_WARNING, BATTERY_STATE of BatteryStatus. Other firmware versions may use other values."""
+    """BATTERY_WARNING, BATTERY_STATE values of BatteryStatus. Other firmware versions may use other values."""
 
     NONE = 0
     """No low-voltage warning"""
@@ -563,7 +563,7 @@ class BatteryStatusBatteryWarning(OpenIntEnum):
 
 
 class BatteryStatusBatteryMode(OpenIntEnum):
-    """Values BATTERY_MODE of BatteryStatus. Other firmware versions may use other values."""
+    """BATTERY_MODE values of BatteryStatus. Other firmware versions may use other values."""
 
     UNKNOWN = 0
     """Normal operation, or a battery without special modes"""

@@ -25,17 +25,17 @@ export interface Labels extends Language {
   flags(message: string, field: string, value: number | bigint): string[];
   /** Returns the description of an error code of a package, such as `flockwave`. */
   errorCode(packageName: string, code: number): string;
-  /** Returns the text with a key of the translation catalogues, such as `px4/Wind.speed/frame`, or null. */
+  /** Returns the text for a catalogue key, such as `px4/Wind.speed/frame`, or null if there is none. */
   text(key: string): string | null;
 }
 
-/** All languages: English, the language of the definitions, followed by the others sorted by tag. */
+/** All languages: first English, the language of the definitions, then the others sorted by tag. */
 export const languages: readonly Language[] = [
   { tag: "en", name: "English", isRightToLeft: false },
   { tag: "uk", name: "Українська", isRightToLeft: false },
 ];
 
-/** Finds the first of `tags` that is available. A tag also matches without its last parts. */
+/** Finds the first available language in `tags`. If `pt-BR` is not available, `pt` matches. */
 function nearest(tags: readonly string[]): string {
   for (const tag of tags) {
     const parts = tag.replace(/[.@].*$/, "").toLowerCase().split(/[-_]/);

@@ -141,13 +141,13 @@ export interface ArmingCheckReply {
   mode_req_manual_control: boolean;
 }
 
-/** Values HEALTH_COMPONENT_INDEX of ArmingCheckReply. Other firmware versions may use other values. */
+/** HEALTH_COMPONENT_INDEX values of ArmingCheckReply. Other firmware versions may use other values. */
 export const ArmingCheckReplyHealthComponentIndex = {
   /** No health component */
   NONE: 0,
 } as const;
 
-/** Values HEALTH_COMPONENT_INDEX of ArmingCheckReply. Other firmware versions may use other values. */
+/** HEALTH_COMPONENT_INDEX values of ArmingCheckReply. Other firmware versions may use other values. */
 export type ArmingCheckReplyHealthComponentIndex = (typeof ArmingCheckReplyHealthComponentIndex)[keyof typeof ArmingCheckReplyHealthComponentIndex] | (number & {});
 
 /** Constants of ArmingCheckReply. */
@@ -446,7 +446,7 @@ export interface BatteryStatus {
   nominal_voltage: number | null;
 }
 
-/** Values BATTERY_SOURCE of BatteryStatus. Other firmware versions may use other values. */
+/** BATTERY_SOURCE values of BatteryStatus. Other firmware versions may use other values. */
 export const BatteryStatusBatterySource = {
   /** Power module that measures voltage and current */
   POWER_MODULE: 0,
@@ -456,10 +456,10 @@ export const BatteryStatusBatterySource = {
   ESCS: 2,
 } as const;
 
-/** Values BATTERY_SOURCE of BatteryStatus. Other firmware versions may use other values. */
+/** BATTERY_SOURCE values of BatteryStatus. Other firmware versions may use other values. */
 export type BatteryStatusBatterySource = (typeof BatteryStatusBatterySource)[keyof typeof BatteryStatusBatterySource] | (number & {});
 
-/** Flags BATTERY_FAULT of BatteryStatus. Any combination is valid; unnamed bits may be set too. */
+/** BATTERY_FAULT flags of BatteryStatus. Any combination is valid; unnamed bits may be set too. */
 export const BatteryStatusBatteryFault = {
   /** Deep discharge */
   DEEP_DISCHARGE: 1,
@@ -483,10 +483,10 @@ export const BatteryStatusBatteryFault = {
   HARDWARE_FAILURE: 512,
 } as const;
 
-/** Flags BATTERY_FAULT of BatteryStatus. Any combination is valid; unnamed bits may be set too. */
+/** BATTERY_FAULT flags of BatteryStatus. Any combination is valid; unnamed bits may be set too. */
 export type BatteryStatusBatteryFault = number;
 
-/** Values BATTERY_WARNING, BATTERY_STATE of BatteryStatus. Other firmware versions may use other values. */
+/** BATTERY_WARNING, BATTERY_STATE values of BatteryStatus. Other firmware versions may use other values. */
 export const BatteryStatusBatteryWarning = {
   /** No low-voltage warning */
   NONE: 0,
@@ -506,10 +506,10 @@ export const BatteryStatusBatteryWarning = {
   OVER_TEMPERATURE: 10,
 } as const;
 
-/** Values BATTERY_WARNING, BATTERY_STATE of BatteryStatus. Other firmware versions may use other values. */
+/** BATTERY_WARNING, BATTERY_STATE values of BatteryStatus. Other firmware versions may use other values. */
 export type BatteryStatusBatteryWarning = (typeof BatteryStatusBatteryWarning)[keyof typeof BatteryStatusBatteryWarning] | (number & {});
 
-/** Values BATTERY_MODE of BatteryStatus. Other firmware versions may use other values. */
+/** BATTERY_MODE values of BatteryStatus. Other firmware versions may use other values. */
 export const BatteryStatusBatteryMode = {
   /** Normal operation, or a battery without special modes */
   UNKNOWN: 0,
@@ -519,7 +519,7 @@ export const BatteryStatusBatteryMode = {
   HOT_SWAP: 2,
 } as const;
 
-/** Values BATTERY_MODE of BatteryStatus. Other firmware versions may use other values. */
+/** BATTERY_MODE values of BatteryStatus. Other firmware versions may use other values. */
 export type BatteryStatusBatteryMode = (typeof BatteryStatusBatteryMode)[keyof typeof BatteryStatusBatteryMode] | (number & {});
 
 /** Constants of BatteryStatus. */

@@ -75,7 +75,7 @@ class Labels:
         return self.text(f"{package}/error-code/{int(code)}") or str(int(code))
 
     def text(self, key: str) -> Optional[str]:
-        """Returns the text with a key of the translation catalogues, such as `px4/Wind.speed/frame`, or None."""
+        """Returns the text for a catalogue key, such as `px4/Wind.speed/frame`, or None if there is none."""
         found = self._texts.get(key)
         return self._fallback.text(key) if found is None and self._fallback is not None else found
 
@@ -87,7 +87,7 @@ languages: Final[tuple[Language, ...]] = (
     Language("en", "English", False),
     Language("uk", "Українська", False),
 )
-"""All languages: English, the language of the definitions, followed by the others sorted by tag."""
+"""All languages: first English, the language of the definitions, then the others sorted by tag."""
 
 
 def language(*tags: str) -> Labels:
@@ -99,7 +99,7 @@ def language(*tags: str) -> Labels:
 
 
 def _nearest(tags: tuple[str, ...]) -> str:
-    """Finds the first of `tags` that is available. A tag also matches without its last parts."""
+    """Finds the first available language in `tags`. If `pt-BR` is not available, `pt` matches."""
     known = {language.tag.lower(): language.tag for language in languages}
     for tag in tags:
         parts = tag.partition(".")[0].partition("@")[0].lower().replace("_", "-").split("-")

@@ -38,7 +38,7 @@ ENUMERATIONS: Final[list[dict[int, str]]] = [
         2: "px4/BatteryStatus::BATTERY_MODE_HOT_SWAP",
     },
 ]
-"""The values of each enum, with the keys of their texts."""
+"""For each enum, the values with their text keys."""
 
 FIELDS: Final[dict[str, int]] = {
     "px4/ArmingCheckReply.health_component_index": 0,
@@ -48,4 +48,4 @@ FIELDS: Final[dict[str, int]] = {
     "px4/BatteryStatus.warning": 3,
     "px4/FailsafeFlags.battery_warning": 3,
 }
-"""By the key of a field, the index of its enum."""
+"""Indexes into `ENUMERATIONS`, by field key."""

@@ -152,7 +152,7 @@ impl ErrorCode {
         Severity::of(self.0)
     }
 
-    /// The class of the code, which is its range of numbers.
+    /// The class of the code. Each class is a range of numbers.
     pub const fn class(self) -> ErrorClass {
         ErrorClass::of(self.0)
     }

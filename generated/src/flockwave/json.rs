@@ -2,7 +2,7 @@
 
 //! JSON types and messages of package `flockwave`.
 //!
-//! Optional fields and nullable values are `Option`s. Other fields of an object are ignored unless the object is closed. Reading doesn't check ranges; types with a range have a method for this.
+//! Optional fields and nullable values are `Option`s. Undefined fields of an object are ignored unless the object is closed. Reading doesn't check ranges. Types with a range have a method that checks it.
 #![allow(clippy::large_enum_variant)]
 #![allow(clippy::option_option)]
 

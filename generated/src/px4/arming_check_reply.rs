@@ -178,7 +178,7 @@ flags! {
     mode_req_manual_control "mode_req_manual_control" "Mode requirements" "True if the mode requires manual control input";
 }
 
-/// Values of `health_component_index` of `ArmingCheckReply`.
+/// Values of `health_component_index` in `ArmingCheckReply`.
 ///
 /// Unnamed values are preserved.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -276,7 +276,7 @@ flags! {
     is_required "is_required" "Operation" "True if the vehicle cannot arm without this battery";
 }
 
-/// Values of `source` of `BatteryStatus`.
+/// Values of `source` in `BatteryStatus`.
 ///
 /// Unnamed values are preserved.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -299,7 +299,7 @@ open! {
     2 "ESCS";
 }
 
-/// Flags of `faults` of `BatteryStatus`.
+/// Flags of `faults` in `BatteryStatus`.
 ///
 /// Any combination is valid, and unnamed bits are preserved.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -343,7 +343,7 @@ open! {
     0x200 "HARDWARE_FAILURE";
 }
 
-/// Values of `warning` of `BatteryStatus`.
+/// Values of `warning` in `BatteryStatus`.
 ///
 /// Unnamed values are preserved.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -381,7 +381,7 @@ open! {
     10 "OVER_TEMPERATURE";
 }
 
-/// Values of `mode` of `BatteryStatus`.
+/// Values of `mode` in `BatteryStatus`.
 ///
 /// Unnamed values are preserved.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -23,7 +23,7 @@ export function lookup(language: Language, own: Readonly<Record<string, string>>
     flags: (message, field, value) => {
       const none = BigInt(0);
       const found: string[] = [];
-      // A fractional number has no bits.
+      // A number with a fractional part has no bits.
       let rest = typeof value === "number" && !Number.isInteger(value) ? none : BigInt(value);
       const all = rest;
       for (const [known, key] of members(message, field)) {

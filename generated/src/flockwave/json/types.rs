@@ -2148,7 +2148,7 @@ json_object! {
     params "params" optional;
 }
 
-/// The values of a field. Other values are not allowed.
+/// The only values allowed in a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum TimeAxisScheduleSegmentEndMsConstant {
     /// `auto`.
