@@ -146,9 +146,9 @@ fn failures_have_a_hint() {
     let folder = workspace();
     for (arguments, message, hint) in [
         (&["translate"][..], "no catalogue exists", "cargo xtask translate uk"),
-        (&["translate", "ukrainian"], "`ukrainian` is not the tag", "BCP 47"),
-        (&["translate", "../uk"], "`../uk` is not the tag", "BCP 47"),
-        (&["translate", "en"], "`en` is not the tag", "definitions are in English"),
+        (&["translate", "ukrainian"], "`ukrainian` is not a valid language tag", "BCP 47"),
+        (&["translate", "../uk"], "`../uk` is not a valid language tag", "BCP 47"),
+        (&["translate", "en"], "`en` is not a valid language tag", "definitions are in English"),
         (
             &["translate", "uk", "--select", "demo/Wnd"],
             "`demo/Wnd` does not match any message",

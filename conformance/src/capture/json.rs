@@ -76,7 +76,7 @@ impl fmt::Display for Problem {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::ByteOrderMark => {
-                formatter.write_str("JSON must not start with a byte order mark (RFC 8259, section 8.1)")
+                formatter.write_str("invalid JSON: byte order mark at the start (forbidden by RFC 8259, section 8.1)")
             }
             Self::TooLong { length } => {
                 write!(formatter, "skipped a value of {length} bytes: the limit is {MAX_LENGTH} bytes")
