@@ -75,9 +75,8 @@ impl Problem {
 impl fmt::Display for Problem {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::ByteOrderMark => {
-                formatter.write_str("invalid JSON: byte order mark at the start (forbidden by RFC 8259, section 8.1)")
-            }
+            Self::ByteOrderMark => formatter
+                .write_str("invalid JSON: byte order mark at the start (forbidden by RFC 8259, section 8.1)"),
             Self::TooLong { length } => {
                 write!(formatter, "skipped a value of {length} bytes: the limit is {MAX_LENGTH} bytes")
             }

@@ -313,7 +313,7 @@ impl<'d> FlockwaveChecker<'d> {
         let types = if is_known { &mut source.types } else { &mut source.unknown };
         if !types.contains_key(name) {
             if name.len() > MAX_NAME || types.len() >= MAX_TYPES {
-                return source.uncounted += 1;
+                return source.uncounted += u64::from(is_from_server);
             }
             types.insert(name.to_owned(), TypeCount::default());
         }

@@ -5,7 +5,7 @@ use crate::tests::support;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use crate::check::{CaptureResult, FlockwaveSummary, Summary, TypeCount, check_capture};
+use crate::check::{CaptureResult, Describe, FlockwaveSummary, Summary, TypeCount, check_capture};
 use crate::definitions::Definitions;
 use crate::report::{CheckedCapture, Settings, Subject, subject_text};
 use crate::rules::flockwave::sample::Session;
@@ -329,6 +329,21 @@ fn counts_unknown_types_as_unsupported() {
     assert_eq!(source.unknown["SOAR-LIST"], TypeCount { out: 1, incoming: 1 });
     assert_eq!(source.unknown.len(), 4);
     assert!(source.types.is_empty());
+}
+
+/// A long type name isn't listed. If a client sent it, it isn't counted either: probes send such names on purpose.
+#[test]
+fn counts_long_unknown_type_names_from_the_server_only() {
+    let long = "SOAR-".repeat(100);
+    let mut session = Session::opened();
+    session.exchange_with(json!({ "type": long }), json!({ "type": "SOAR-DONE" }));
+    assert_eq!(source(&checked(&session.to_bytes())).uncounted, 0);
+    session.notify(json!({ "type": long }));
+    let result = checked(&session.to_bytes());
+    assert_eq!(source(&result).uncounted, 1);
+    let lines = source(&result).lines();
+    let line = lines.last().expect("the unsupported types");
+    assert_eq!(line.text, "2 messages without a definition: SOAR-DONE, types not listed by name");
 }
 
 /// Messages without the recording's envelope have no connection.

@@ -32,7 +32,8 @@ pub struct FlockwaveSummary {
     #[serde(rename = "unsupported", serialize_with = "rows_of_server")]
     #[cfg_attr(test, schemars(with = "Vec<Row>"))]
     pub unknown: Types,
-    /// The number of messages of further types, which aren't counted by name.
+    /// The number of messages from the server whose unknown type isn't listed by name, because the name is too long or
+    /// there are too many types.
     pub uncounted: u64,
 }
 
@@ -116,11 +117,12 @@ impl Describe for FlockwaveSummary {
         let unsupported = from_server(&self.unknown);
         if !unsupported.is_empty() || self.uncounted > 0 {
             let messages = unsupported.iter().map(Row::total).sum::<u64>() + self.uncounted;
-            let text = format!(
-                "{} without a definition: {}",
-                plural(messages, "message"),
-                names(unsupported.iter().map(|row| row.name)),
-            );
+            let mut reported = names(unsupported.iter().map(|row| row.name));
+            if self.uncounted > 0 {
+                let separator = if reported.is_empty() { "" } else { ", " };
+                reported += &format!("{separator}types not listed by name");
+            }
+            let text = format!("{} without a definition: {reported}", plural(messages, "message"));
             let details = unsupported.iter().map(Row::text).collect();
             lines.push(Line { details, ..Line::new("unsupported", text) });
         }

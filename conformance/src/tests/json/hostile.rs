@@ -46,7 +46,10 @@ fn reports_unreadable_lines_and_continues() {
     }
     let result = check_bytes(format!("\u{feff}{good}\n").as_bytes());
     assert_eq!(corruption(&result).len(), 1);
-    assert!(corruption(&result)[0].starts_with("line 1: invalid JSON: byte order mark at the start"), "{result:?}");
+    assert!(
+        corruption(&result)[0].starts_with("line 1: invalid JSON: byte order mark at the start"),
+        "{result:?}"
+    );
     assert_eq!(result.checked, 1);
     let cut = format!("{good}\n{}", &good[..good.len() / 2]);
     let result = check_bytes(cut.as_bytes());
