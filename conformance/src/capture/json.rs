@@ -3,7 +3,7 @@
 //!
 //! The form is detected from the content. Input that starts with `[` is an array of values. If the first line ends
 //! within a value and the second line doesn't start another value, values may span lines. All other input is JSON
-//! Lines: an invalid line doesn't affect the other lines.
+//! Lines, in which an invalid line doesn't affect the other lines.
 
 use std::fmt;
 use std::io::{self, ErrorKind, Read};
@@ -75,9 +75,8 @@ impl Problem {
 impl fmt::Display for Problem {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::ByteOrderMark => {
-                formatter.write_str("invalid JSON: byte order mark at the start (forbidden by RFC 8259, section 8.1)")
-            }
+            Self::ByteOrderMark => formatter
+                .write_str("invalid JSON: byte order mark at the start (forbidden by RFC 8259, section 8.1)"),
             Self::TooLong { length } => {
                 write!(formatter, "skipped a value of {length} bytes: the limit is {MAX_LENGTH} bytes")
             }

@@ -46,7 +46,10 @@ fn reports_unreadable_lines_and_continues() {
     }
     let result = check_bytes(format!("\u{feff}{good}\n").as_bytes());
     assert_eq!(corruption(&result).len(), 1);
-    assert!(corruption(&result)[0].starts_with("line 1: invalid JSON: byte order mark at the start"), "{result:?}");
+    assert!(
+        corruption(&result)[0].starts_with("line 1: invalid JSON: byte order mark at the start"),
+        "{result:?}"
+    );
     assert_eq!(result.checked, 1);
     let cut = format!("{good}\n{}", &good[..good.len() / 2]);
     let result = check_bytes(cut.as_bytes());
@@ -95,7 +98,7 @@ impl Read for Slow<'_> {
     }
 }
 
-/// The events and the number of lines in bytes that arrive in pieces.
+/// The events and the line count for input that arrives in pieces.
 fn events(bytes: &[u8], piece: usize) -> (Vec<String>, u64) {
     let mut reader = Reader::new(Slow(bytes, piece));
     let mut events = Vec::new();
