@@ -1,5 +1,5 @@
-//! Benchmarks of reading and generating all 261 PX4 messages, and 4 and 16 times as many. They show how the time grows
-//! with the number of messages.
+//! Benchmarks for reading all 261 PX4 messages and generating code from them. Runs with 4 and 16 times as many messages
+//! show how the time grows.
 //!
 //! Run with `cargo bench -p uavspec-codegen` or `cargo xtask bench codegen`. Requires the corpus.
 
@@ -18,7 +18,7 @@ use uavspec_codegen::schema::{Form, Schema};
 use uavspec_codegen::translation::Translations;
 use uavspec_codegen::{PackageInput, SourceMap, generate, read, render};
 
-/// The numbers of copies of the corpus that are read.
+/// The number of corpus copies in each run of a benchmark.
 const TIMES: [usize; 3] = [1, 4, 16];
 
 fn main() {
@@ -69,7 +69,7 @@ fn read_definitions(bencher: Bencher<'_, '_>, times: usize) {
     bencher.counter(ItemsCount::new(input.messages)).bench_local(|| read(&input.sources, &input.packages));
 }
 
-/// Applies all rules and renders the findings as text. This is the work of `lint`, except for reading files.
+/// Applies all rules and renders the findings as text. The `lint` command does the same, after reading the files.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn lint_definitions(bencher: Bencher<'_, '_>, times: usize) {
     let input = input(times);

@@ -31,10 +31,10 @@ static TYPES: LazyLock<Types> = LazyLock::new(|| {
     Types::new(&read(&sources, &[package]).0)
 });
 
-/// The type, and the payload of a message without zeros.
+/// The type of a message, and a payload that contains no zero values.
 fn input<T: UorbMessage>() -> (MessageType<'static>, Vec<u8>) {
     let of = TYPES.find(T::PACKAGE, T::NAME).expect("the type");
-    // Floats between 1 and 2, and text in ASCII.
+    // Floats are between 1 and 2, and text is ASCII.
     let payload: Vec<u8> = (0..T::SIZE).map(|at| [0x41, 0x42, 0xa5, 0x3f][at % 4]).collect();
     let payload = T::from_uorb(&payload).expect("a message").to_uorb();
     (of, payload.as_ref().to_vec())

@@ -28,7 +28,7 @@ fn line_separator(character: char) -> Option<&'static str> {
 /// The maximum number of diagnostics per line. A line may contain millions of these characters.
 const MAX_PER_LINE: usize = 100;
 
-/// Reports invisible characters in a line of a page. Pages may contain line separators.
+/// Reports invisible characters in a line of a page. Line separators are allowed in pages.
 pub(crate) fn check_invisible(line: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
     if line.is_ascii() {
         return;

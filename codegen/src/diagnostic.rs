@@ -108,7 +108,7 @@ macro_rules! problems {
         $message:literal, $hint:literal;)*) => {
         /// A problem, with the values to insert into its message.
         #[derive(Clone, Debug, PartialEq)]
-        #[allow(missing_docs)] // the messages name the fields
+        #[allow(missing_docs)] // the message templates explain the fields
         pub enum Problem {
             $($(#[$doc])* $kind $({ $($field: $type),* })?,)*
         }
@@ -163,11 +163,13 @@ problems! {
     SourceTooLong { len: usize, max: usize } = Error "source-too-long"
         "the file is {len} bytes long; the limit is {max} bytes", "check that this file is a definition";
     LineSeparator { name: &'static str } = Error "line-separator"
-        "{name} within a line", "remove it, or end the line with LF; some tools read the text after it as a definition";
+        "{name} within a line", "remove the character, or end the line with LF; some tools parse the text \
+            after the character as a definition";
     ControlCharacter { code: u32 } = Error "control-character"
         "control character U+{code:04X}", "remove it";
     InvisibleCharacter { code: u32 } = Warning "invisible-character"
-        "invisible character U+{code:04X}", "remove it; it can make the text look different from its content";
+        "invisible character U+{code:04X}", "remove the character; the displayed text may differ from the \
+            file content";
 
     // Lines of a `.msg` file
     MissingName { type_name: String } = Error "missing-name"
@@ -212,7 +214,7 @@ problems! {
     UnterminatedString = Error "unterminated-string"
         "the string has no closing quote", "close it on the same line";
     UnknownEscape { escape: String } = Warning "unknown-escape"
-        "unknown escape sequence `{escape}`", "it stays unchanged; write `\\\\` for a backslash";
+        "unknown escape sequence `{escape}`", "the sequence stays unchanged; write `\\\\` for a backslash";
     ArrayDefault { found: usize, length: usize } = Error "array-default"
         "{found} default values for an array of length {length}", "give exactly {length}";
     MisplacedSeparator = Error "misplaced-separator"
@@ -225,9 +227,9 @@ problems! {
 
     // Annotations in comments
     UnknownAnnotation { name: String, known: String } = Warning "unknown-annotation"
-        "unknown annotation `@{name}`", "it stays part of the text; known annotations: {known}";
+        "unknown annotation `@{name}`", "uavspec treats it as text; known annotations: {known}";
     MalformedAnnotation { text: String, form: &'static str } = Warning "malformed-annotation"
-        "malformed annotation `{text}`", "write `{form}`; until then it stays part of the text";
+        "malformed annotation `{text}`", "write `{form}`; until then it is treated as text";
     AnnotationNearMiss { found: String, expected: String } = Warning "annotation-near-miss"
         "`{found}` is read as `{expected}`", "write `{expected}`";
     AnnotationAfterText { found: String, expected: String, head: Option<Span> } = Warning "annotation-after-text"
@@ -254,14 +256,15 @@ problems! {
     MessageNameStyle { stem: String } = Warning "message-name-style"
         "the message name `{stem}` is not in PascalCase", "rename the file";
     InvalidVersion { what: &'static str, least: u32 } = Error "invalid-version"
-        "`{what}` must be an integer of at most 32 bits, {least} or greater",
+        "`{what}` must be an integer of at most 32 bits and at least {least}",
         "correct the constant, or rename it; PX4 gives this name a special meaning";
     InvalidTopic { topic: String } = Error "invalid-topic"
         "`{topic}` is not a valid topic name", "write topics in lower_snake_case, separated by spaces";
     DuplicateTopic { topic: String } = Warning "duplicate-topic"
         "the topic `{topic}` is listed twice", "remove one of them";
     UnknownEnum { prefix: String, place: String } = Warning "unknown-enum"
-        "no constant of {place} starts with `{prefix}_`", "correct the prefix; until then the field is a plain number";
+        "no constant of {place} starts with `{prefix}_`", "correct the prefix; until then the field is \
+            treated as a plain number";
     TooManyMembers { max: usize } = Error "too-many-members"
         "the enums have more than {max} members in total", "refer to each group of constants from fewer fields";
     UnknownConstant { name: String } = Warning "unknown-constant"
@@ -321,11 +324,11 @@ problems! {
     TooManyAlternatives { code: u32, max: usize } = Error "too-many-alternatives"
         "code {code} lists more than {max} alternatives", "list only codes for the same event";
     OverlappingBlock { block: String } = Error "overlapping-block"
-        "two tables claim the codes {block}", "give each vendor a separate block";
+        "two tables cover the codes {block}", "give each vendor a separate block";
 
     // Types and messages in tables
     NearTypeTable { header: String, expected: String } = Warning "near-type-table"
-        "`{header}` is almost the header of a type table",
+        "`{header}` almost matches the header of a type table",
         "name the columns `{expected}`; until then the table is ignored";
     TypeName { heading: String } = Error "type-name"
         "`{heading}` is not a valid type name",
@@ -366,10 +369,10 @@ problems! {
         "add a table with the columns Field, Required, Type and Description, or a paragraph `No fields besides type.`";
     MisplacedAnswer { what: &'static str } = Error "misplaced-answer"
         "`Answer:` is not allowed in a {what}",
-        "move the line below `Request`, or below the heading of a message with a request";
+        "move the line under the `Request` heading, or under the heading of a message with a request";
     UnknownAnswer { name: String } = Error "unknown-answer"
-        "no message named `{name}` has a response", "name messages that have a `Response` heading, as in \
-            `Answer: ACK-ACK, ACK-NAK`";
+        "no message named `{name}` has a response", "refer only to messages that have a `Response` heading, \
+            as in `Answer: ACK-ACK, ACK-NAK`";
     MissingAnswer { name: String } = Warning "missing-answer"
         "the request of `{name}` has no answer",
         "define a response, or name the messages that answer it: `Answer: ACK-ACK`";
@@ -402,8 +405,10 @@ problems! {
         "run `cargo xtask translate`, translate the new text, and remove the `fuzzy` flag; until then the translation \
             is not used";
     TranslationFuzzy { key: String } = Warning "translation-fuzzy"
-        "the translation of `{key}` is marked as fuzzy", "review it, then remove the flag; until then it is not used";
+        "the translation of `{key}` is marked as fuzzy", "review the translation, then remove the flag; \
+            until then the translation is not used";
     TranslationMissing { tag: String, unit: String, missing: usize, all: usize, some: String } = Warning "translation-missing"
         "{missing} of {all} texts of `{unit}` are not translated into `{tag}`: {some}",
-        "run `cargo xtask translate` to add missing entries, and translate them; until then they are shown in English";
+        "run `cargo xtask translate` to add missing entries, and translate them; until then the texts are \
+            shown in English";
 }

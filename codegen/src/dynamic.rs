@@ -1,5 +1,5 @@
-//! Messages whose definitions are known only at run time, for example from logs and bags. The codecs and checks behave
-//! like those of generated types, but are driven by the schema.
+//! Messages whose definitions become known only at run time, such as the messages in logs and bags. The codecs and
+//! checks behave like those of generated types, but are driven by the schema.
 //!
 //! ```
 //! use uavspec_codegen::{PackageInput, SourceMap, dynamic::Types, msg::Dialect, read, schema::Form};
@@ -24,13 +24,13 @@
 //!
 //! A message is one buffer. The fields are laid out as in uORB, so a fixed-size message is already in memory form, and
 //! a uORB or `ULog` payload can be read in place ([`DynamicView`]). A string or sequence has an eight-byte slot among
-//! the fields. Its bytes or elements follow the fields; the slot contains their number and their offset. For CDR, a
-//! type is compiled to a list of steps. Most steps copy numbers that are contiguous in both forms.
+//! the fields. Its bytes or elements follow the fields. The slot contains their offset and count. For CDR, a type is
+//! compiled to a list of steps. Most steps copy numbers that are contiguous in both forms.
 //!
 //! No input causes a panic, and memory use is bounded. A message takes at most eight times as many bytes as its CDR
 //! payload or JSON text. The worst case is an array of messages that contain one `uint8` each. Rejected payloads stay
 //! within the same limit. The JSON reader allocates the fixed size of each message when the message starts. The
-//! capacity of the vectors may be up to twice the limit. Messages nest at most 32 levels deep.
+//! vectors' capacity may be up to twice this limit. Messages nest at most 32 levels deep.
 
 mod bytes;
 mod cdr;

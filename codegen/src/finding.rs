@@ -1,7 +1,7 @@
 //! Rule violations in definitions, for both `lint` and `breaking`.
 //!
-//! A [`Diagnostic`] is a problem in reading a definition; a finding may also concern style. [`render`](crate::render)
-//! formats findings for people, [`report`](crate::report) for programs.
+//! A [`Diagnostic`] reports a definition that can't be read as intended; a finding may also concern style.
+//! [`render`](crate::render) formats findings for people, [`report`](crate::report) for programs.
 //!
 //! ```
 //! use uavspec_codegen::{diagnostic::Level, finding::Finding, source::Span};
@@ -30,7 +30,7 @@ pub struct Finding {
     /// The location. In a comparison, this is the location in the new version. If the item was removed, it is the
     /// location of the enclosing item.
     pub span: Span,
-    /// The compared locations.
+    /// The locations in the old and the new version, if two versions were compared.
     pub sides: Option<Sides>,
     /// Other relevant locations, each with a label.
     pub related: Vec<(Span, String)>,

@@ -1,7 +1,7 @@
 //! The formatter for definitions and for pages with error-code tables. It maps text to text.
 //!
-//! Formatting never changes the meaning. Each result is parsed again. If the parsed model or a comment differs, or if
-//! formatting the result again would change it, the source is left unchanged.
+//! Formatting never changes the meaning. Each result is parsed again. The source is left unchanged if the parsed model
+//! or a comment differs, or if a second formatting would change the result.
 
 mod aligned;
 mod comment;

@@ -25,11 +25,11 @@
 //! - ROS 2 rejects names that violate its style, so these names are errors in ROS 2 definitions. PX4 accepts them, so
 //!   they are warnings in PX4 definitions. Literals that only PX4 or only ROS 2 accepts cause warnings too.
 //! - Types and messages on pages describe JSON only. They have a separate model ([`schema::json_type`]), emitters and
-//!   Rust module, because the model of `.msg` files is about memory layout and CDR.
+//!   Rust module, because the model of `.msg` files describes memory layout and CDR.
 //! - Generated JSON types accept any value with the right structure, and don't check ranges, lengths or patterns. A
 //!   program that receives an out-of-range value can therefore report it.
 //! - Generated types describe themselves to the runtime (`record!`), and all codecs, checks and strategies use this
-//!   description. This requires less code to generate, read and compile than derives.
+//!   description. Derives would require more code to generate, read and compile.
 //! - `tests/edge.rs` lists where uavspec deliberately deviates from incorrect behaviour of the reference tools, each
 //!   with a reason. The test fails when a deviation disappears.
 //! - [`mod@format`] parses its output again. If this reveals a changed meaning or layout, the text is left unchanged.
@@ -37,9 +37,9 @@
 //! - Parser warnings are [`lint`] rules as well, so users can configure their level. Rules about comments and white
 //!   space receive the syntax tree in addition to the model.
 //! - Translations ([`translation`]) are separate from the model, with permanent keys. Emitters look up translations by
-//!   key, and know which text is still in English.
-//! - TypeScript and Python output includes the translated labels, so users with other definitions get labels too. Each
-//!   language file contains only the text in that language; missing text falls back to English.
+//!   key, so they can detect text without a translation.
+//! - TypeScript and Python output includes the translated labels, so users who generate code from other definitions get
+//!   labels too. Each language file contains only the text in that language; missing text falls back to English.
 //! - A comparison of two sets of definitions uses one [`SourceMap`], so a finding can refer to locations in both.
 //! - TypeScript and Python are printed from one intermediate form (`emit::binding`), so their names can't differ.
 //! - The JSON and the verdict of a test vector come from the model, and its bytes come from [`dynamic`]. The vector's
@@ -49,15 +49,16 @@
 //!
 //! These are medians on two cores, with PX4's 261 messages: reading and resolving 6.3 ms, emitting Rust 42 ms, JSON
 //! Schemas 5.3 ms and documentation 18 ms. The whole command takes 128 ms (80 to 144) without existing output, mostly
-//! to create 1,050 files, and 80 ms if nothing has changed. With 4 and 16 times as many messages, reading takes 4.1 and
-//! 18 times as long, emitting Rust 4.0 and 16 times, and the whole command on unchanged output 3.9 and 16 times. Test
-//! vectors (26 MB) took at least 80 ms, or 290 ms including writing the files, while two other programs were using the
-//! machine. `cargo xtask bench codegen` prints these figures.
+//! to create 1,050 files, and 80 ms if nothing has changed. With 4 times as many messages, reading takes 4.1 times as
+//! long, emitting Rust 4.0 times, and the whole command on unchanged output 3.9 times. With 16 times as many messages,
+//! the factors are 18, 16 and 16. Emitting test vectors (26 MB) took at least 80 ms, or 290 ms including writing the
+//! files, while two other programs were using the machine. `cargo xtask bench codegen` prints these figures.
 //!
-//! All [`lint`] rules on these messages, with 2,700 findings as text, take 27 ms; the command with the preset `px4`
-//! takes 14 to 21 ms. With 4 and 16 times as many messages it takes 4.9 and 19 times as long. [`mod@breaking`] takes 22
-//! ms to compare PX4 1.15 with main, half of it to read both versions; the command takes 30 to 40 ms. Two other
-//! programs were using the machine during these measurements.
+//! Applying all [`lint`] rules to these messages, and rendering the 2,700 findings as text, takes 27 ms. The command
+//! with the preset `px4` takes 14 to 21 ms. With 4 times as many messages, it takes 4.9 times as long, and with 16
+//! times as many, 19 times. [`mod@breaking`] takes 22 ms to compare PX4 1.15 with main. Half of this time is for
+//! reading both versions. The command takes 30 to 40 ms. Two other programs were using the machine during these
+//! measurements.
 //!
 //! The following figures compare [`dynamic`] with generated types (in parentheses) on the same bytes. They are medians
 //! of three messages of 88 to 232 bytes, in one run: reading uORB 24 to 26 ns (9 to 17), reading uORB in place 8 ns

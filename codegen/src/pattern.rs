@@ -1,4 +1,5 @@
-//! Checks that all JSON Schema validators interpret a regular expression in the same way, and finds texts that match.
+//! Checks that all JSON Schema validators interpret a regular expression in the same way, and finds example strings
+//! that match it.
 
 use regex_syntax::ParserBuilder;
 use regex_syntax::hir::{Class, Hir, HirKind};

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-/// Escapes text of several lines, but keeps paragraphs and simple lists.
+/// Escapes multi-line text, but keeps paragraphs and simple lists.
 pub(crate) fn block(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len() + 16);
     for (index, line) in text.lines().enumerate() {

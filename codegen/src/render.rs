@@ -114,8 +114,8 @@ fn floor_char_boundary(text: &str, mut at: usize) -> usize {
     at
 }
 
-/// Quotes the lines that `span` touches, with a caret below. Only these lines are passed on, so the rendering time
-/// doesn't depend on the size of the file.
+/// Quotes the lines that `span` touches, with a caret below. Only these lines are passed to the renderer, so the
+/// rendering time doesn't depend on the size of the file.
 fn quote(
     span: Span,
     kind: AnnotationKind,
@@ -128,7 +128,7 @@ fn quote(
     // A span that covers several lines is marked only on its first line.
     let last = end_of_line(range.start);
     let end = range.end.min(last);
-    // The renderer counts columns from the start of the line, so only the end of an overlong line is omitted.
+    // The renderer counts columns from the start of the line, so an overlong line is truncated only at its end.
     let last = floor_char_boundary(text, last.min(end + MAX_REST_LEN));
     Snippet::source(&text[first..last])
         .path(sources.path(sources.source_of(span)))

@@ -102,7 +102,7 @@ fn python_names(module: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// The names that follow one of `starts` at the start of a line.
+/// The name directly after the prefix, on each line that starts with one of the prefixes `starts`.
 fn names_after(module: &str, starts: &[&str]) -> BTreeSet<String> {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let after = |line: &str| {

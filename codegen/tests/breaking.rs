@@ -113,7 +113,7 @@ fn each_further_case_has_the_expected_findings() {
     );
 }
 
-/// The names quoted in the findings of these rules, without the message name.
+/// The names quoted in findings of these rules, without the names of their messages.
 fn named(findings: &[Finding], rules: &[&str]) -> BTreeSet<String> {
     let of_rules = findings.iter().filter(|finding| rules.contains(&finding.rule));
     let words =

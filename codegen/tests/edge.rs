@@ -57,7 +57,8 @@ const COMPANIONS: [(&str, &str, &str); 5] = [
     ("builtin_interfaces", "Duration.msg", "int32 sec\nuint32 nanosec\n"),
 ];
 
-/// Reads a case. Returns the model of the message, and true if there are warnings. Fails with the rendered errors.
+/// Reads a case. Returns the model of the message, and a flag that is true if there are warnings. Errors are returned
+/// as rendered text.
 fn read_case(text: &str, dialect: Dialect) -> Result<(Json, bool), String> {
     let mut sources = SourceMap::default();
     let mut packages: BTreeMap<&str, PackageInput> = BTreeMap::new();

@@ -16,7 +16,7 @@ fn error_of(output: &str) -> String {
     generate(&config).expect_err(output).to_string()
 }
 
-/// The rows of an emitter and its options in the guide.
+/// The rows in the guide for an emitter and its options.
 fn documentation(emitter: &Emitter) -> Vec<String> {
     let mut rows = vec![format!("| `output.{}` | {} |", emitter.name, emitter.help)];
     for (key, meaning) in emitter.options {

@@ -1,7 +1,8 @@
 //! Fixtures for diagnostics. Each folder contains definitions, and all expected diagnostics in `expected.txt`.
 //!
-//! A case in `err/<code>` causes at least the error `<code>`. A case in `warn/<code>` causes at least this warning, and
-//! no error. A case in `ok/<name>` causes no diagnostics. A folder `<code>-<case>` is a further case for the same code.
+//! A case in `err/<code>` causes at least the error `<code>`. A case in `warn/<code>` causes at least the warning
+//! `<code>`, and no error. A case in `ok/<name>` causes no diagnostics. A folder `<code>-<case>` is a further case for
+//! the same code.
 //!
 //! Markdown, `AsciiDoc` and text files are pages, and `.po` files are translation catalogues. Other files are PX4
 //! definitions. If a `dialect` file contains `ros2`, they are ROS 2 definitions, and each subfolder is a package.

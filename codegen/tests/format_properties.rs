@@ -35,7 +35,7 @@ const DECLARATIONS: &[&str] = &[
     "uint16~LIMIT_WITH_A_LONG_NAME%~=~0xFF",
 ];
 
-/// Declarations of ROS 2 only.
+/// Declarations that only ROS 2 accepts.
 const ROS_DECLARATIONS: &[&str] = &[
     "string~text%",
     "string<=8~text%~\"a # b\"",

@@ -210,7 +210,7 @@ fn rejects_exponential_nesting() {
     }
 }
 
-/// A page of objects, with a name and rows of fields for each.
+/// A page of objects, each given by its name and its field rows.
 fn objects(types: impl Iterator<Item = (String, String)>) -> Vec<(String, Vec<u8>)> {
     let mut page = String::from("# Gliders\n");
     for (name, rows) in types {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use graph::Imports;
 
-/// The modules in layers, from top to bottom. Each module may only import modules of lower layers.
+/// The modules in layers, from top to bottom. Each module may import only modules in lower layers.
 const LAYERS: &[&[&str]] = &[
     &["cli"],
     &["generate"],

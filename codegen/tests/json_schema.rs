@@ -18,9 +18,9 @@ use uavspec_codegen::{Diagnostic, SourceMap, read, render};
 const PX4: Form = Form::Msg(Dialect::Px4);
 const ROS2: Form = Form::Msg(Dialect::Ros2);
 
-/// Keywords with the same meaning in draft 7 and in all drafts since 2019-09. (`$defs` replaces `definitions`, and
-/// references to it are valid.) A strict validator rejects all other keywords. The exception is `prefixItems`, which
-/// older drafts ignore.
+/// Keywords with the same meaning in draft 7 and in all drafts since 2019-09. There are two exceptions. Older drafts
+/// ignore `prefixItems`. Draft 7 has `definitions` instead of `$defs`, but allows references to `$defs`. A strict
+/// validator rejects all other keywords.
 const KEYWORDS: [&str; 27] = [
     "$schema",
     "$id",
@@ -284,7 +284,7 @@ fn uses_one_of_only_for_alternatives_that_are_disjoint_as_doubles() {
         &[json!(1.5), json!("0")],
     );
     assert_eq!(keyword("float32 a  # [@range 0, 1] [@invalid -1] [@uncontrolled -1]\n"), Some("anyOf"));
-    // As 64-bit floats, the special value equals the upper bound of the range.
+    // As 64-bit floats, the special value and the upper bound of the range are equal.
     let text = "uint64 a  # [@range 0, 18446744073709551614] [@invalid 18446744073709551615]\n";
     assert_eq!(keyword(text), Some("anyOf"));
     assert_eq!(keyword("uint64 a  # [@range 0, 7] [@invalid 18446744073709551615]\n"), Some("oneOf"));

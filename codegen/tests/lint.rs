@@ -234,7 +234,7 @@ fn texts_below(folder: &Path) -> Vec<File> {
         .collect()
 }
 
-/// The maximum number of passes. The worst known definitions need no more.
+/// The maximum number of passes. The worst known definitions need no more passes.
 const MAX_PASSES: usize = 12;
 
 fn check_mending(name: &str, definitions: &Definitions) {

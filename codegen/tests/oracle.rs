@@ -159,7 +159,7 @@ fn error_codes_match_the_specification_in_all_forms() {
     assert_eq!(error_codes("page.md", &markdown), given);
     assert_eq!(error_codes("page.md", &bare), given);
     assert_eq!(error_codes("page.adoc", &asciidoc), given);
-    // Our page has one additional code. Its references are the same, except where the specification has errors.
+    // Our page has one additional code. The references are the same, except where the specification has errors.
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions/flockwave/error-codes.md");
     let own = error_codes("page.md", &fs::read_to_string(own).expect("the definitions"));
     let of = |codes: &Codes| -> Codes {

@@ -106,7 +106,7 @@ const PAGE_PIECES: &[&str] = &[
     "\n\n## Wind\n\n",
     "\n\n## WIND-INF\n\n### Request\n\n",
     "\n\n### Response\n\n",
-    "No fields beside `type`.",
+    "No fields besides `type`.",
     "Answer: WIND-INF, ",
     "An open set.",
     "Closed object.",

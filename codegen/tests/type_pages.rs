@@ -57,7 +57,7 @@ fn plain() -> impl Strategy<Value = (String, &'static str)> {
     ]
 }
 
-/// An expression for the type with the number `own`. It may refer to earlier types.
+/// An expression for the type with the number `own`. The expression may refer to earlier types.
 fn member(own: usize) -> impl Strategy<Value = Member> {
     let named = (0..own.max(1), select(&["", "list of ", "map of ", "list of list of "][..]), any::<bool>());
     let named = named.prop_map(move |(index, around, is_nullable)| {

@@ -31,7 +31,7 @@ const CORNERS: [(&str, &str); 3] = [
     ("Outer.msg", "Middle[2] middles\nMiddle[] more\nstring[<=2] names\nuint16[<=20] numbers\nEmpty empty\n"),
 ];
 
-/// Combinations of PX4 annotations: text, ranges with special values, counts, masks of a signed type.
+/// Combinations of PX4 annotations: text, ranges with special values, counts, and masks with a signed type.
 const ANNOTATED: [(&str, &str); 1] = [(
     "Annotated.msg",
     "uint8 MODE_A = 3\nuint8 MODE_B = 5\nint8 BIT_LOW = 1\nint8 BIT_HIGH = 64\nuint64 timestamp\n\

@@ -1,20 +1,20 @@
-//! Measures the speed of checks with all rules, and compares it with other libraries:
-//! `cargo bench -p uavspec-conformance --bench checking`.
+//! Measures how fast uavspec checks data with all rules, and compares the speed with that of other libraries: `cargo
+//! bench -p uavspec-conformance --bench checking`.
 //!
 //! Words after `--` select comparisons by title. The environment variable `ROUNDS` sets the number of runs.
 //!
 //! The contestants take turns. The output shows median throughputs and ratios, so other load on the machine has little
-//! effect. Each contestant runs on one core.
+//! effect. Each contestant runs on one core. The comparisons are:
 //!
-//! - Each fast path against the general path (messages without templates, status reports without the cache). A fast
-//!   path is worthwhile only if it is at least 1.3 times as fast.
-//! - `FailsafeFlags` as JSON Lines, against two others. One skips the values with `serde_json` (`IgnoredAny`), which is
-//!   the practical limit for its users. The other builds a tree with `serde_json`, and validates it with the
-//!   `jsonschema` crate and the published schema.
-//! - Status reports of a fleet, with one or fifty UAVs per report, against the same two. `jsonschema` validates only
+//! - Each fast path against the general path, which uses neither templates for messages nor the cache for status
+//!   reports. A fast path is worthwhile only if it is at least 1.3 times as fast as the general path.
+//! - `FailsafeFlags` messages as JSON Lines, against two other readers. One reader only skips the values with
+//!   `serde_json` (`IgnoredAny`), the practical speed limit for `serde_json` users. The other builds a tree with
+//!   `serde_json` and validates the tree with the `jsonschema` crate and the published schema.
+//! - A fleet's status reports, with one or fifty UAVs each, against the same two readers. `jsonschema` validates only
 //!   the bodies.
-//! - PX4 logs, if the corpus is available, against pyulog, if it is installed. uavspec also checks copies of a log two
-//!   at a time, on two cores.
+//! - PX4 logs, if the corpus is available. If pyulog is installed, it reads the same logs. uavspec also checks copies
+//!   of a log two at a time, on two cores.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -86,7 +86,7 @@ impl<'c> Contestant<'c> {
     }
 }
 
-/// Runs the contestants in turn. Prints each throughput, and the first contestant's throughput as a multiple of it.
+/// Runs the contestants in turn. Prints each throughput, and how many times as fast the first contestant is.
 fn compare(title: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
     if !is_selected(title) {
         return;
@@ -96,7 +96,7 @@ fn compare(title: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
         for contestant in &mut contestants {
             let start = Instant::now();
             (contestant.work)();
-            // The first round warms up.
+            // The first round is a warm-up.
             if round > 0 {
                 contestant.times.push(start.elapsed());
             }
@@ -116,7 +116,7 @@ fn compare(title: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
     }
 }
 
-/// True if the command line contains a word of this title, or doesn't select comparisons.
+/// True if an argument is part of this title, or if there are no arguments.
 fn is_selected(title: &str) -> bool {
     let mut words = std::env::args().skip(1).filter(|word| !word.starts_with('-')).peekable();
     words.peek().is_none() || words.any(|word| title.contains(&word))
@@ -188,7 +188,7 @@ fn json() {
     compare("JSON Lines of FailsafeFlags", text.len(), contestants);
 }
 
-/// A capture of a fleet's status reports without findings. Each report contains `each` UAVs.
+/// A fleet's status reports, as a capture without findings. Each report contains `each` UAVs.
 fn reports(each: usize) -> String {
     let mut text = String::new();
     for (number, first) in (0..STATES).step_by(each).enumerate() {

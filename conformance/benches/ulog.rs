@@ -1,4 +1,5 @@
-//! Measures the speed of reading three logs from the corpus, with repeated messages, and of searching invalid bytes.
+//! Measures how fast three logs from the corpus are read, with their messages repeated, and how fast invalid bytes are
+//! searched.
 //!
 //! `cargo bench -p uavspec-conformance --bench ulog`
 
@@ -16,7 +17,7 @@ fn main() {
 
 const LOGS: [&str; 3] = ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"];
 
-/// The minimum size of a log, in bytes. It is so large that caches and the start of the log have little effect.
+/// The minimum size of a log, in bytes. The log is so large that caches and the start of the log have little effect.
 const SIZE: usize = 64 << 20;
 
 /// A log in which everything after the file header is repeated. `None` without the corpus.
@@ -32,7 +33,7 @@ fn log(name: &str) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// Copies the bytes through a buffer as large as the reader's. The result is the upper limit.
+/// Copies the bytes through a buffer as large as the reader's. The result is the maximum speed of any reader.
 #[divan::bench(args = LOGS)]
 fn copy(bencher: Bencher<'_, '_>, name: &str) {
     let Some(bytes) = log(name) else { return };
@@ -68,7 +69,7 @@ fn records(bencher: Bencher<'_, '_>, name: &str) {
     });
 }
 
-/// Searches bytes that contain no messages.
+/// Searches for messages in bytes that contain none.
 #[divan::bench(args = ["zeros", "noise", "letters"])]
 fn search(bencher: Bencher<'_, '_>, name: &str) {
     let mut bytes = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
@@ -78,7 +79,7 @@ fn search(bencher: Bencher<'_, '_>, name: &str) {
         match name {
             "zeros" => 0,
             "noise" => state.to_be_bytes()[0],
-            // Each byte could start the header of a log line, and so could the bytes that follow.
+            // At every offset, the bytes could be the header of a log line.
             _ => b"L0"[usize::from(state & 2 != 0)],
         }
     }));

@@ -4,12 +4,12 @@
 //! |---:|---|
 //! | 0 | conforms |
 //! | 1 | does not conform |
-//! | 2 | invalid usage, or unreadable definitions or lists |
+//! | 2 | invalid usage, unreadable definitions, or unreadable lists |
 //! | 3 | an input can't be read completely, a report can't be written, or a testee or server failed |
 //! | 4 | an entry in a list of known failures no longer applies |
 //! | 5 | nothing was checked |
 //!
-//! If several apply, the exit status is the first of 2, 3, 1, 4 and 5 that applies.
+//! If several statuses apply, the exit status is the first of 2, 3, 1, 4 and 5 that applies.
 //!
 //! ```no_run
 //! let status: std::process::ExitCode = uavspec_conformance::app::main();
@@ -48,12 +48,12 @@ const EXAMPLES: &str = "Examples:
 const STATUS: &str = "Exit status:
   0  conforms, or success
   1  does not conform
-  2  invalid usage, or unreadable definitions or lists
+  2  invalid usage, unreadable definitions, or unreadable lists
   3  an unreadable input, an unwritable report, or a failed testee or server
   4  an entry in a list of known failures no longer applies
   5  nothing was checked
 
-If several apply, the exit status is the first of 2, 3, 1, 4 and 5 that applies.";
+If several statuses apply, the exit status is the first of 2, 3, 1, 4 and 5 that applies.";
 
 /// Checks drone software against its interface specifications.
 #[derive(Debug, Parser)]
@@ -71,7 +71,7 @@ enum Command {
     /// Test a codec or validator in any language.
     ///
     /// The implementation under test is called a testee. It reads one JSON request per line and writes one JSON
-    /// response per line, in any order. uavspec starts it as a child process, or connects to it over TCP.
+    /// response per line, in any order. uavspec starts the testee as a child process, or connects to it over TCP.
     Test(test::TestArgs),
     /// Check how a testee implements the test protocol.
     #[command(subcommand, after_help = "Example:\n  uavspec testee lint -- ./my-codec --stdio")]
@@ -81,27 +81,27 @@ enum Command {
     /// The probe sends requests that change nothing, and listens for notifications. Then it tests how the server
     /// handles split messages, invalid JSON and about thirty malformed requests, each on a new connection.
     ///
-    /// These trials may crash a server that has bugs. Never probe a server that is controlling flying UAVs.
+    /// The probe may crash a server that has bugs. Never probe a server that is controlling flying UAVs.
     ///
     /// With --allow-commands, the given UAVs take off, fly at 10 m above home, return and land. They are also tested,
     /// calibrated, put to sleep and woken up. The probe also adjusts the server's clock by zero seconds.
     Probe(probe::ProbeArgs),
     /// Run a reference Flockwave server with a simulated fleet.
     ///
-    /// The server prints one line per transport with its address. Port 0 selects a free port. Each HTTP or
-    /// Socket.IO address serves both of these transports.
+    /// The server prints the address of each transport on a separate line. Port 0 selects a free port. Each HTTP or
+    /// Socket.IO address serves both HTTP and Socket.IO.
     ///
-    /// Clients can send commands to the UAVs. OBJ-CMD also accepts three simulation commands. The command error sets
-    /// the error codes in its arguments, or clears all codes if it has no arguments. The command battery sets the charge
-    /// in percent. After the command lose, the UAV stops reporting.
+    /// Clients can send commands to the UAVs. OBJ-CMD also accepts three simulation commands. `error` sets the given
+    /// error codes, or clears all codes if none are given. `battery` sets the charge in percent. After `lose`, the UAV
+    /// stops reporting.
     ///
     /// Anyone who can reach an address can use the server. Prefer loopback addresses.
     Serve(serve::ServeArgs),
     /// Show the fleet of a Flockwave server in the terminal.
     ///
     /// The display requests the UAVs and their states, and changes nothing on the server. If the server reports nothing
-    /// about a UAV for two seconds, the UAV's state is requested. If the connection is lost, the display reconnects and
-    /// keeps the last known states visible.
+    /// about a UAV for two seconds, the display requests the UAV's state. If the connection is lost, the display
+    /// reconnects and keeps the last known states visible.
     ///
     /// Press ? for a list of all keys. The environment variable `NO_COLOR` disables colours.
     Watch(watch::WatchArgs),
@@ -109,9 +109,9 @@ enum Command {
     Rules(rules::RulesArgs),
     /// Test uavspec itself.
     ///
-    /// The self-test generates captures that conform to the definitions, and captures that violate each rule. It then
-    /// probes the reference server, first without bugs and then with one bug for each rule. Each rule must find its
-    /// violations and nothing else.
+    /// The self-test generates captures that conform to the definitions, and captures that each violate one rule. It
+    /// then probes the reference server, first without bugs and then with one bug at a time. Each rule must find the
+    /// violations meant for it and nothing else.
     ///
     /// The probes use free ports of 127.0.0.1 and take about half a minute.
     SelfTest(self_test::SelfTestArgs),

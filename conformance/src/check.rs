@@ -1,4 +1,4 @@
-//! Checks a capture by passing its records to the check plans of their formats and to the rules.
+//! Checks a capture: passes its records to the rules and to the check plans for the records' formats.
 //!
 //! ```
 //! use uavspec_conformance::check::check_capture;
@@ -60,7 +60,7 @@ use crate::text::Grouped;
 /// The number of bytes used to detect the kind of a capture.
 const START: usize = MCAP_MAGIC.len();
 
-/// The number of magic bytes that identify a capture which ends within its magic.
+/// The minimum number of magic bytes that identify a capture truncated within its magic.
 const MIN_MAGIC: usize = 4;
 
 /// The maximum number of distinct corrupt parts to report.
@@ -354,7 +354,7 @@ impl<'d> CheckRun<'d> {
         self.listeners.corruption(location);
     }
 
-    /// The location of a topic's definition, if it has one.
+    /// The location of a topic's definition, if there is one.
     fn definition_of(&self, topic: &str) -> Option<Span> {
         let id = self.definitions.message_of_topic(topic)?;
         Some(self.definitions.schema.message(id).span)

@@ -8,8 +8,8 @@
 //!  bytes ──capture──▶ records ──check──▶ findings ──▶ verdicts ──report──▶ text, JSON, HTML, SARIF, …
 //! ```
 //!
-//! Captures are read record by record, so memory use doesn't depend on the size of the input. The plan that checks the
-//! message values of a format is compiled only once. Rules that span several messages keep a small amount of state per
+//! Captures are read record by record, so memory use doesn't depend on the size of the input. For each format, the plan
+//! that checks message values is compiled only once. Rules that span several messages keep a small amount of state per
 //! channel.
 
 #[cfg(test)]

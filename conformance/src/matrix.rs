@@ -18,7 +18,7 @@ pub(crate) struct Row {
     pub rule: &'static Rule,
     /// The mutant.
     pub mutant: Mutant,
-    /// The name of the mutant, followed by the encoding of the capture for PX4 rules.
+    /// The name of the mutant; for PX4 rules, followed by the capture's encoding.
     pub title: String,
     /// The ids of the violated rules. `None` if the change isn't possible with the definitions.
     pub violated: Option<BTreeSet<&'static str>>,

@@ -62,10 +62,10 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// The delay between attempts to connect.
 const PAUSE: Duration = Duration::from_millis(250);
 
-/// The timeout of a request. After it, the next request is sent. The answer may still arrive later.
+/// The timeout of a request. The next request is then sent, but the answer may still arrive later.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// The number of unanswered requests after which a reduced timeout applies, and this timeout.
+/// The number of unanswered requests after which a reduced timeout applies, and the reduced timeout.
 const REDUCED_TIMEOUT: (u32, Duration) = (3, Duration::from_millis(300));
 
 /// The time limit for late answers.
@@ -160,7 +160,7 @@ struct Probe<'p, 'd> {
     endpoint: &'p Endpoint,
     options: &'p Options,
     tape: Tape<'d>,
-    /// The connection of the survey.
+    /// The connection used for the survey.
     session: Option<Session>,
     connections: usize,
     reconnects: u32,
@@ -278,9 +278,7 @@ impl Probe<'_, '_> {
             session.settle(&mut self.tape, until);
         }
         if session.bare_answers() > 0 && !std::mem::replace(&mut self.is_bare, true) {
-            self.note(
-                "HTTP answers have no envelope; uavspec adds the envelope before checking them".to_owned(),
-            );
+            self.note("HTTP responses have no envelope; uavspec adds one before checking them".to_owned());
         }
         session.close(&mut self.tape);
     }
@@ -291,7 +289,7 @@ impl Probe<'_, '_> {
         self.query_for_trial(&env_07::RULE, body)
     }
 
-    /// Like [`query`](Self::query), but the request tests a rule.
+    /// Like [`query`](Self::query), for a request that tests a rule.
     #[allow(clippy::needless_pass_by_value)] // as above
     fn query_for_trial(&mut self, rule: &'static FlockwaveRule, body: Value) -> Option<Value> {
         self.request(&rule.rule, Request::new("", body))
@@ -358,7 +356,7 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Makes an attempt on a separate connection. Returns true if the probe can continue.
+    /// Runs an attempt on a separate connection. Returns true if the probe can continue.
     fn attempt(&mut self, rule: &'static Rule, attempt: &Attempt) -> bool {
         let Attempt { how, endpoint, steps } = attempt;
         if self.is_late() {
@@ -369,7 +367,7 @@ impl Probe<'_, '_> {
         self.step();
         let trial = Trial { rule, how };
         let session = match endpoint {
-            // Some trials test whether such a connection is accepted.
+            // Some trials test whether the server accepts a connection to a different endpoint.
             Some(other) => match self.open(Some(other)) {
                 Ok(session) => Some(session),
                 Err(error) => {
@@ -390,7 +388,7 @@ impl Probe<'_, '_> {
         if is_answered || self.is_alive() {
             return true;
         }
-        self.fail(format!("the server stopped answering after a trial of {}: {how}", rule.id));
+        self.fail(format!("the server stopped answering after a trial for {}: {how}", rule.id));
         false
     }
 

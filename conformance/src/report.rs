@@ -475,7 +475,7 @@ impl Report {
         }
     }
 
-    /// Reports outdated entries in lists of known failures. They don't replace a more severe outcome.
+    /// Reports outdated entries in lists of known failures. An outdated entry doesn't override a more severe outcome.
     #[must_use]
     pub(crate) fn with_stale(mut self, entries: Vec<Reason>) -> Self {
         if entries.is_empty() {

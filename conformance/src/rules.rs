@@ -136,7 +136,7 @@ impl RuleContext<'_> {
         fields.iter().find(|field| field.name == name).map(|field| field.span)
     }
 
-    /// Counts one checked item, whatever the result.
+    /// Counts one checked item, regardless of the result.
     pub(crate) fn covered(&mut self) {
         *self.coverage += 1;
     }

@@ -6,8 +6,8 @@
 //!     └──outbox◀─bug──┘ └────answer──────┘
 //! ```
 //!
-//! The server follows the specification, so client authors can test against it. It also serves to test uavspec: a check
-//! of the server has findings only if the server runs with a bug that violates a rule.
+//! The server follows the specification, so client authors can test against it. The server is also used to test
+//! uavspec: a check has findings only if the server runs with a bug that violates a rule.
 //!
 //! The hub uses neither sockets nor the system time, so the same calls always produce the same messages.
 //!
@@ -95,7 +95,7 @@ impl fmt::Display for Listening {
 /// Server options.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The number of UAVs in the fleet. They are named `glider-1`, `glider-2` and so on.
+    /// The number of UAVs in the fleet. The UAVs are named `glider-1`, `glider-2` and so on.
     pub uavs: usize,
     /// The seed for small variations in the simulation.
     pub seed: u64,
@@ -107,7 +107,7 @@ pub struct Options {
     pub charge: f64,
     /// Initial error codes of UAVs (see [`error`]).
     pub errors: Vec<(String, u16)>,
-    /// UAVs that get lost, each with the time from the start to its loss (see [`loss`]).
+    /// UAVs that get lost, each with the time after the start at which this happens (see [`loss`]).
     pub losses: Vec<(String, Duration)>,
     /// The maximum duration of a connection, after which the server sends SYS-CLOSE and disconnects.
     pub stay: Option<Duration>,
@@ -154,7 +154,7 @@ pub fn loss(text: &str) -> Result<(String, Duration), String> {
     Ok((id.to_owned(), time))
 }
 
-/// A running server. It ends when it is dropped, or when [`end`](Self::end) is called.
+/// A running server. The server ends when it is dropped, or when [`end`](Self::end) is called.
 pub struct Server {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,

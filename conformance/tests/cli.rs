@@ -325,7 +325,7 @@ fn writes_several_reports_in_one_run() {
     ] {
         assert!(read(name).starts_with(start), "{name}");
     }
-    // One report can replace the text on standard output.
+    // A report that is written to standard output replaces the text report.
     let (_, printed, _) =
         uavspec(folder.path(), &["check", "flight.ulg", "--report", "markdown=-,json=b.json"]);
     assert_eq!(printed.lines().nth(2), Some("# ✅ Conforms"), "{printed}");

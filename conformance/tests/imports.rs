@@ -7,7 +7,7 @@ use std::path::Path;
 
 use graph::Imports;
 
-/// The modules in layers, from the top down: each imports only modules of lower layers.
+/// The modules in layers, from the top down: each imports only modules in lower layers.
 const LAYERS: &[&[&str]] = &[
     &["app"],
     &["report"],

@@ -97,7 +97,7 @@ fn shows_a_known_finding_without_counting_it() {
     };
     assert_eq!((verdict("PX-JSON-02"), verdict("PX-RANGE-01")), (Some("known".into()), Some("warn".into())));
 
-    // Findings that aren't listed count, including those in other files.
+    // Unlisted findings are still violations, including findings in other files.
     let elsewhere = MARKS.replace("reason", "file = \"old/*\"\nreason");
     let (status, printed, output) = check(&folder, &elsewhere, &["logs"]);
     assert_eq!(status, Some(1), "{printed}");
@@ -118,7 +118,7 @@ error[known-passes]: all results that match this rule pass
 4 | rule = \"PX-JSON-02\" # MUST
   |        ^^^^^^^^^^^^ remove the entry
 error: a list of known failures is out of date
-  help: run again with --fix-known to update it
+  help: run again with --fix-known to update the list
 "
     );
     assert_eq!(list_of(&folder), MARKS, "the list changes only with --fix-known");
@@ -127,11 +127,11 @@ error: a list of known failures is out of date
     let (status, _, output) = check(&folder, &MARKS.replace("05-09", "05-08"), &["logs"]);
     assert_eq!(status, Some(4));
     assert!(output.contains("error[known-expired]: the entry expired on 2026-05-08"), "{output}");
-    // An unreadable file has priority: it might have the listed findings.
+    // An unreadable file takes precedence, because it might contain the listed findings.
     let (status, _, output) = check(&folder, MARKS, &["logs/good.jsonl", "logs/absent.jsonl"]);
     assert_eq!(status, Some(3));
     assert!(!output.contains("known"), "{output}");
-    // A different failure of the rule isn't known.
+    // A different violation of the same rule isn't a known failure.
     let (status, printed, output) = check(&folder, &(MARKS.to_owned() + "message = \"null\"\n"), &["logs"]);
     assert_eq!(status, Some(1));
     assert!(printed.contains("FAIL  PX-JSON-02"), "{printed}");
@@ -326,7 +326,7 @@ fn counts_known_cases_separately() {
     assert_eq!(test(&folder, &all, &[&zeros[..], &["--fix-known"]].concat()).0, Some(0));
     assert_eq!(list_of(&folder), list.replace("decode-cdr/*", "decode-cdr/px4/Glider/zero"));
 
-    // Known failures alone count as checked. Entries for cases that weren't run stay unchanged.
+    // If there are only known failures, something was still checked. Entries for cases that weren't run stay unchanged.
     let (status, printed, output) = test(&folder, list, &["--filter", "decode-cdr/px4/Glider/zero"]);
     assert_eq!((status, output.as_str()), (Some(0), ""), "{printed}");
     let (status, _, output) = test(&folder, list, &["--filter", "decode-uorb/*"]);

@@ -140,7 +140,7 @@ fn reports_garbage_and_ends_in_time() {
         &short_options(),
     );
     assert_eq!(probed.failure.as_deref(), Some("the server doesn't answer"));
-    // The probe reports garbage once: one of the lines may have been the answer.
+    // The probe reports garbage only once, because one of the lines may have been the answer.
     assert_eq!(rules(&probed), BTreeSet::from(["FW-ENV-01"]));
 }
 
@@ -223,7 +223,7 @@ fn probes_a_server_that_closes_connections_to_the_end() {
     assert_eq!(again, 3, "{:?}", probed.notes);
 }
 
-/// The findings of rules on trials: the rule, the trial, and the number of violations.
+/// The rule, the trial and the number of violations of each finding.
 fn trials(probed: &Probed) -> Vec<(&'static str, String, u64)> {
     let groups = probed.result.findings.groups();
     groups.map(|group| (group.rule.id, group.subject.clone(), group.count)).collect()
@@ -231,7 +231,7 @@ fn trials(probed: &Probed) -> Vec<(&'static str, String, u64)> {
 
 #[test]
 fn reports_each_weakness_of_a_tcp_server_once() {
-    // This server answers all lines of a segment together, the last first. If a line isn't JSON, it closes the
+    // This server answers all lines of a segment together, in reverse order. If a line isn't JSON, it closes the
     // connection without an answer.
     let probed = probed(
         &serve(|stream, _| {

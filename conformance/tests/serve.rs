@@ -40,7 +40,7 @@ fn serve(options: Options) -> Server {
     Server::start(options, &ALL.map(|transport| (transport, location))).expect("a server")
 }
 
-/// A server with the bug of a rule and frequent notifications.
+/// A server with one rule's bug and with frequent notifications.
 fn serve_with_bug(rule: &str) -> Server {
     serve(Options { bug: Some(flockwave::rule(rule).expect("a rule")), rate: 20.0, ..Options::default() })
 }

@@ -63,7 +63,7 @@ fn options(arguments: &[&str]) -> Options {
     }
 }
 
-/// Options for hanging testees. The timeout is short, but sufficient for the testees that run after them.
+/// Options for testees that hang. The timeout is short, but long enough for the testees that are started afterwards.
 fn short_timeout(arguments: &[&str]) -> Options {
     Options { timeout: Duration::from_secs(4), ..options(arguments) }
 }
@@ -90,7 +90,7 @@ fn failures(outcome: &Outcome<'_>) -> BTreeSet<String> {
     outcome.failures().map(|(case, _)| case.name()).collect()
 }
 
-/// Runs eight cases with a testee that misbehaves on the fifth, and returns the verdict of that case.
+/// Runs eight cases with a testee that misbehaves on the fifth, and returns the verdict of the fifth case.
 #[track_caller]
 fn culprit(mode: &str, options: impl Fn(&[&str]) -> Options) -> (Verdict, Outcome<'static>) {
     let selected = some_cases();
@@ -117,7 +117,7 @@ fn the_reference_testee_passes_all_cases() {
 
 #[test]
 fn skips_types_that_are_not_listed() {
-    // These cases contain no type that the testee supports.
+    // The testee doesn't support the type of this case.
     let suite = suite();
     let mut foreign = suite.cases[some_cases()[0]].clone();
     foreign.type_name = "px4/Unheard".to_owned();
@@ -152,7 +152,7 @@ fn fails_on_swapped_bytes_that_are_observable() {
 
 #[test]
 fn fails_if_nan_is_lost() {
-    // Only NaN is null in a decoded message, and no nested message here has a float.
+    // In a decoded message, only NaN is null. No nested message in these cases has a float.
     let has_nan = |case: &&Case| match &case.expected.ok {
         ExpectedResponse::Message(Value::Object(members)) => members.values().any(|value| {
             value.is_null() || value.as_array().is_some_and(|items| items.iter().any(Value::is_null))
@@ -175,7 +175,7 @@ fn reports_the_case_that_crashes_and_its_standard_error() {
     assert!((2..=3).contains(&outcome.restarts), "{}", outcome.restarts);
 }
 
-/// Processes that the testee started end with it, and don't delay the run.
+/// Processes started by the testee end when the testee ends, and don't delay the run.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_crash_leaves_no_processes_behind() {
@@ -247,7 +247,7 @@ fn continues_if_every_case_crashes() {
     assert_eq!(outcome.gave_up, None);
     let has_crashed = |(_, verdict): &(&Case, Verdict)| matches!(verdict, Verdict::Crashed { .. });
     assert!(outcome.verdicts.len() == 70 && outcome.verdicts.iter().all(has_crashed));
-    // Finding the first case takes some restarts; each further case takes one.
+    // Finding the first case takes some restarts; each further case takes one restart.
     assert!((69..=72).contains(&outcome.restarts), "{}", outcome.restarts);
 }
 
@@ -333,7 +333,7 @@ fn the_exit_status_reflects_the_outcome() {
     assert_eq!(report["subjects"][0]["cases"][0]["verdict"], "fail");
     let (status, printed, _) = uavspec(here, &[filter, "--", testee, "late"]);
     assert!(status == Some(1) && printed.contains("violates the test protocol"), "{printed}");
-    // Commands to reproduce a failure keep the limits.
+    // The command that reproduces a failure includes the limits.
     let limits = ["--timeout=60.5", "--window=3"];
     let arguments = [&limits[..], &[filter, "--format", "json", "--", testee, "drop-nan"]].concat();
     let report: Value = serde_json::from_str(&uavspec(here, &arguments).1).expect("JSON");
@@ -367,7 +367,7 @@ fn reads_responses_from_a_file() {
     let (status, printed, _) = uavspec(folder.path(), &["--replay", "answers", filter]);
     assert!(status == Some(0) && printed.ends_with("conforms\n"), "{printed}");
 
-    // Without a hello, missing responses mean unsupported. An empty file checks nothing.
+    // Without a hello, cases that have no response count as unsupported. An empty file therefore checks nothing.
     std::fs::write(folder.path().join("empty"), "").expect("a file");
     assert_eq!(uavspec(folder.path(), &["--replay", "empty"]).0, Some(5));
     std::fs::write(folder.path().join("odd"), "{\"id\":99999999,\"ok\":1}\nx\n").expect("a file");

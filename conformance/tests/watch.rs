@@ -1,4 +1,4 @@
-//! Tests of the command `watch` as scripts use it.
+//! Tests of the command `watch` when it is run by scripts.
 
 use std::io::{BufRead as _, BufReader};
 use std::process::Command;

@@ -24,7 +24,7 @@ use uavspec_runtime::strategy::{invalid, undocumented};
 
 const CASES: u32 = 2000;
 
-/// The validators of the published and the derived schema of a type.
+/// Validators for a type's published and derived schemas.
 struct Pair {
     published: Validator,
     derived: Validator,
@@ -129,7 +129,7 @@ fn mutate(instance: &mut Json, dice: &mut Dice, numbers: &[Json]) {
     }
 }
 
-/// The number itself or one of its two neighbours: the next integer or the next float.
+/// The number itself, or the next higher or lower integer or float.
 fn neighbour(number: &serde_json::Number, dice: &mut Dice) -> serde_json::Number {
     let step = i128::try_from(dice.below(3)).expect("small") - 1;
     if let Some(value) = number.as_i128() {

@@ -10,8 +10,8 @@ use uavspec_runtime::descriptor::{Element, Shape};
 use uavspec_runtime::record::Record as _;
 use uavspec_runtime::{ErrorClass, Severity, UorbMessage};
 
-/// The expected size, size without padding and hash come from PX4's own generator: `FailsafeFlags` and `BatteryStatus`
-/// from release 1.15, the other messages from releases with the same fields.
+/// The expected size, size without padding and hash come from PX4's own generator. The values for `FailsafeFlags` and
+/// `BatteryStatus` are from release 1.15. The other values are from releases in which the message has the same fields.
 #[test]
 fn layouts_and_hashes_match_px4() {
     fn facts<T: UorbMessage>() -> (usize, usize, u32) {

@@ -119,7 +119,7 @@ fn the_published_schema_rejects_violations_that_it_can_express() {
         let registry = published();
         let schema = published_validator(&registry, &format!("px4/{}", T::NAME));
         check(CASES, &invalid::<T>().expect("the message has constraints"), |invalid| {
-            // Invalid UTF-8 has no JSON form. Schemas don't restrict documented values and NaN.
+            // Invalid UTF-8 has no JSON form. Schemas restrict neither documented values nor NaN.
             let Ok(json) = serde_json::to_value(&invalid.value) else {
                 prop_assert_eq!(invalid.rule, Rule::Text);
                 return Ok(());

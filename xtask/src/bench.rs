@@ -31,7 +31,7 @@ pub(crate) fn run(benchmark: Benchmark) -> Result<bool, String> {
     .map(|()| true)
 }
 
-/// Runs the benchmarks in sequence. Each is given by its package and name.
+/// Runs the benchmarks in sequence. Each benchmark is given by its package and name.
 fn benches(benches: &[(&str, &str)]) -> Result<(), String> {
     let run = |(package, bench): &(&str, &str)| {
         cargo(Path::new("."), &["bench", "--package", package, "--bench", bench])

@@ -58,8 +58,8 @@ enum Command {
   cargo xtask interop --only ajv,boon
   cargo xtask interop --list
 
-Tools are installed in target/interop, without root. Tools are skipped if they require system packages that are \
-missing.")]
+Tools are installed in target/interop, without root. Tools that require missing system packages are \
+skipped.")]
     Interop(interop::Arguments),
     /// Run benchmarks; requires the corpus
     #[command(after_help = "Examples:

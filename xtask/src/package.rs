@@ -25,7 +25,7 @@ use crate::paths::{repository, shown};
   npm install ./target/package/uavspec-", env!("CARGO_PKG_VERSION"), ".tgz
   pip install target/package/uavspec-", env!("CARGO_PKG_VERSION"), "-py3-none-any.whl
 
-The packages have the version of the workspace, and are built from definitions/."
+The packages have the workspace version and are built from definitions/."
 ))]
 pub(crate) struct Arguments {
     /// Folder for the packages [default: target/package]

@@ -278,8 +278,8 @@ fn careless() -> TempDir {
     folder
 }
 
-/// The rule, level, file and line of each finding in [`careless`]. `note` is the format's name for the level `note`.
-/// Other rules may have further findings.
+/// The rule, level, file and line of each finding in [`careless`]. The argument `note` contains the format's name for
+/// the level `note`. Other rules may have further findings.
 const fn expected(note: &'static str) -> [(&'static str, &'static str, &'static str, u64); 4] {
     [
         ("trailing-white-space", note, "msg/Gust.msg", 1),

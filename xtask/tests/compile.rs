@@ -114,7 +114,7 @@ fn messages_of_fixed_size_require_no_allocator() {
 
 const PX4: &str = "\n[[package]]\nname = \"px4\"\ndialect = \"px4\"\n";
 
-/// A crate generated from definitions whose names are keywords or items of generated code.
+/// A crate generated from definitions whose names are keywords, or names of items in generated code.
 fn conflicting_names(name: &str) -> Crate {
     let package = Crate::new(name);
     package.write(
@@ -145,7 +145,7 @@ fn conflicting_names(name: &str) -> Crate {
     ] {
         package.write(&format!("a/{name}.msg"), "uint64 timestamp\n");
     }
-    // Enums with the names of imports and of types in the runtime's macros.
+    // Enums that have the same names as imports, or as types in the runtime's macros.
     package.write(
         "a/Enums.msg",
         "uint8 a # [@enum OPTION]\nuint8 OPTION_A = 0\nuint8 b # [@enum SOME]\nuint8 SOME_A = 0\n\

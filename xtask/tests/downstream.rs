@@ -51,7 +51,7 @@ fn the_workspace_in_the_guide_compiles() {
         let own = |part: &str| format!("\"{}\"", repository.join(part).display());
         let text = text.replace("\"../../uavspec/codegen\"", &own("codegen"));
         let text = text.replace("\"../../uavspec/generated/runtime\"", &own("generated/runtime"));
-        // The program must not replace this workspace's `xtask`, which other tests run, in the shared target folder.
+        // In the shared target folder, the program must not replace this workspace's `xtask`, which other tests run.
         let text = text.replace("name = \"xtask\"", "name = \"downstream-xtask\"");
         let text = text.replace("--package xtask", "--package downstream-xtask");
         fs::write(path, text).expect("a file");

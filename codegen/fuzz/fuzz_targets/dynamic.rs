@@ -1,5 +1,5 @@
-//! Reads arbitrary bytes as messages whose types are known only at run time: as uORB, CDR, JSON or the formats of a
-//! log. The first byte selects the encoding, and the second byte selects the type.
+//! Reads arbitrary bytes as messages whose types are known only at run time: as uORB, as CDR, as JSON, or with the
+//! formats from a log. The first byte selects the encoding, and the second byte selects the type.
 #![no_main]
 
 use std::sync::LazyLock;
@@ -83,7 +83,7 @@ fn json(of: MessageType<'_>, data: &[u8]) {
     use_all(&message);
 }
 
-/// Reads one format per line, then a payload after the byte 0xff, which never occurs in text.
+/// Reads formats, one per line, and then a payload. The byte 0xff, which never occurs in text, precedes the payload.
 fn log(data: &[u8]) {
     let mut parts = data.splitn(2, |byte| *byte == 0xff);
     let (text, payload) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());

@@ -40,7 +40,7 @@ pub fn check(form: Form, extension: &str, data: &[u8]) {
         emit::docs::emit(&schema, &Translations::default(), &sources, &emit::docs::Options::default());
         emit::json_schema::emit(&schema, &emit::json_schema::Options::default());
     }
-    // Rendering a diagnostic takes longer than finding hundreds.
+    // Rendering one diagnostic takes longer than finding hundreds of them.
     diagnostics.truncate(SHOWN);
     render::render(&diagnostics, &sources, false);
 }

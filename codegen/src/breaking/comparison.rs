@@ -84,8 +84,8 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Pairs of packages with the same name. The remaining packages are also paired if each version has exactly one left,
-/// and both have the same form.
+/// Pairs of packages with the same name. If each version then has exactly one package left, and both have the same
+/// form, these packages are also paired.
 fn packages<'a>(old: &'a Schema, new: &'a Schema) -> Vec<(Option<&'a Package>, Option<&'a Package>)> {
     let find = |among: &'a Schema, name: &str| among.packages.iter().find(|package| package.name == name);
     let mut pairs: Vec<(Option<&Package>, Option<&Package>)> = Vec::new();
@@ -247,7 +247,7 @@ fn is_other(old: &ErrorCode, new: &ErrorCode) -> bool {
         && common_words(&old.description, &new.description) < 0.5
 }
 
-/// The share of common words in two texts, from 0 to 1.
+/// The fraction of words that two texts have in common, from 0 to 1.
 pub(super) fn common_words(left: &str, right: &str) -> f64 {
     let words = |text: &str| -> BTreeSet<String> {
         let words = text.split(|c: char| !c.is_alphanumeric()).filter(|word| word.len() > 2);
@@ -258,7 +258,7 @@ pub(super) fn common_words(left: &str, right: &str) -> f64 {
     if all == 0 {
         return 1.0;
     }
-    #[allow(clippy::cast_precision_loss)] // small counts of words
+    #[allow(clippy::cast_precision_loss)] // word counts are small
     let share = 2.0 * left.intersection(&right).count() as f64 / all as f64;
     share
 }

@@ -34,5 +34,5 @@ fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     let ConstantChange::Added(new) = change else { return };
     let message = format!("`{}.{}` (= {}) was added", pair.name(), new.name, new.value);
     sink.change(new.span, Sides { old: None, new: Some(new.span) }, message)
-        .breaks(Category::Semantic, "existing programs don't know its value");
+        .breaks(Category::Semantic, "existing programs don't know the new value");
 }

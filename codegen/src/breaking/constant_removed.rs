@@ -9,7 +9,8 @@ use crate::finding::Sides;
 pub(super) const RULE: Rule = Rule {
     id: "constant-removed",
     statement: "A constant was removed.",
-    why: "Programs that use it no longer compile. If a peer still sends the value, receivers have no name for it.",
+    why: "Programs that use the constant no longer compile. If a peer still sends the value, receivers have \
+        no name for it.",
     fix: "Keep the constant, and mark it as deprecated in its comment.",
     breaks: &[(Category::Source, Level::Error)],
     old: &[Example {
@@ -35,6 +36,6 @@ fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     let message = format!("`{}.{}` (= {}) was removed", pair.name(), old.name, old.value);
     sink.change(pair.head(), Sides { old: Some(old.span), new: None }, message).breaks(
         Category::Source,
-        "programs that use it no longer compile, and existing peers may still send its value",
+        "programs that use the constant no longer compile, and existing peers may still send its value",
     );
 }

@@ -10,7 +10,8 @@ pub(super) const RULE: Rule = Rule {
     id: "constant-renamed",
     statement: "A constant was renamed; its value is the same.",
     why: "Messages do not change, but programs that use the old name no longer compile.",
-    fix: "Keep the old name if programs outside the repository use it. Otherwise update them.",
+    fix: "Keep the old name if programs outside the repository use it. Otherwise, update all uses of the \
+        name.",
     breaks: &[(Category::Source, Level::Error)],
     old: &[Example {
         path: "Glider.msg",

@@ -44,15 +44,15 @@ fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
         Some(successor) => change.breaks(
             Category::Semantic,
             format!(
-                "existing programs confuse it with `{}`, which now has the value {before}",
+                "existing programs confuse the constant with `{}`, which now has the value {before}",
                 successor.name
             ),
         ),
-        None => change.breaks(Category::Semantic, "existing programs misunderstand its value"),
+        None => change.breaks(Category::Semantic, "existing programs misinterpret the value"),
     };
 }
 
-/// The maximum number of constants to search. No known enum has more.
+/// The maximum number of constants to search. No known enum has more constants.
 const MAX_CONSTANTS: usize = 1_000;
 
 /// True if a constant has the old value of another constant, and both names start with the same word.

@@ -37,7 +37,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::ErrorCode(check),
 };
 
-/// The minimum share of common words in two descriptions with the same meaning.
+/// The minimum fraction of words that two descriptions with the same meaning have in common.
 const SAME: f64 = 0.5;
 
 fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
@@ -50,7 +50,7 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
         let message = format!("the alternatives of error code {} changed", name(new));
         sink.change(new.span, both(old.span, new.span), message).breaks(
             Category::Semantic,
-            "a list of codes that was valid may now contain two codes for the same condition",
+            "a previously valid list of codes may now contain two codes for the same condition",
         );
     }
 }

@@ -10,7 +10,8 @@ use crate::schema::ErrorCode;
 pub(super) const RULE: Rule = Rule {
     id: "error-code-removed",
     statement: "An error code was removed.",
-    why: "Programs that use its name no longer compile. If a peer still sends the code, receivers don't recognize it.",
+    why: "Programs that use the code's name no longer compile. If a peer still sends the code, receivers \
+        don't recognize it.",
     fix: "Keep the code, and mark it as obsolete in its description.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Error)],
     old: &[Example {
@@ -41,7 +42,7 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
     let CodeChange::Removed(old) = change else { return };
     let message = format!("error code {} was removed", name(old));
     sink.change(old.span, Sides { old: Some(old.span), new: None }, message)
-        .breaks(Category::Source, "programs that use its name no longer compile")
+        .breaks(Category::Source, "programs that use the code's name no longer compile")
         .breaks(Category::Semantic, "receivers don't recognize the code if a peer still sends it");
 }
 

@@ -43,7 +43,7 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
     let help = if old.severity() == new.severity() {
         "existing programs don't know the new number and still check for the old number".to_owned()
     } else {
-        format!("its severity changes from {} to {}", old.severity(), new.severity())
+        format!("the severity changes from {} to {}", old.severity(), new.severity())
     };
     sink.change(new.span, both(old.span, new.span), message).breaks(Category::Semantic, help);
 }

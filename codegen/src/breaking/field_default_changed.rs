@@ -10,7 +10,7 @@ use crate::value::Value;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-default-changed",
-    statement: "The default value of a field changed (ROS 2).",
+    statement: "The default value of a ROS 2 field changed.",
     why: "Programs that don't set the field now send a different value.",
     fix: "Keep the default, or check all programs that don't set the field.",
     breaks: &[(Category::Semantic, Level::Warning)],

@@ -46,5 +46,5 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     let (before, now) = (before.unwrap_or_else(plain), now.unwrap_or_else(plain));
     let message = format!("`{}.{}` is {now} instead of {before}", pair.name(), new.name);
     sink.change(new.span, both(old.span, new.span), message)
-        .breaks(Category::Source, "its Rust type changes; values and bytes stay the same");
+        .breaks(Category::Source, "the field's Rust type changes; values and bytes stay the same");
 }

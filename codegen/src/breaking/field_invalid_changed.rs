@@ -10,8 +10,8 @@ use crate::value::Value;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-invalid-changed",
-    statement: "The value that represents missing data changed. Adding such a value to a field that had none is not \
-        reported.",
+    statement: "The value that represents missing data changed. Adding a missing-data value to a field that \
+        had none is not reported.",
     why: "Existing programs treat the new value as data and still check for the old value.",
     fix: "Keep the value, or update all readers before the writers.",
     breaks: &[(Category::Semantic, Level::Error)],

@@ -55,17 +55,17 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
             let name = &pair.new.fields[partner.new].name;
             change.breaks(Category::Cdr, cdr).breaks(
                 Category::Uorb,
-                format!("it swaps places with `{name}`, which has the same size: the layout changes"),
+                format!("the layout changes: this field swaps places with `{name}`, which has the same size"),
             );
         } else {
             let help =
-                format!("{cdr}; its position in uORB stays the same, because fields are sorted by size");
+                format!("{cdr}; the field's uORB position stays the same, because uORB sorts fields by size");
             change.breaks(Category::Cdr, help);
         }
     }
 }
 
-/// The key by which uORB sorts a field: the size of its elements. Nested messages come last.
+/// The sort key that uORB uses for a field: the size of the field's elements. Nested messages come last.
 fn size(pair: &Pair<'_>, kept: &Kept) -> (usize, bool) {
     match pair.new.fields[kept.new].ty.element {
         Element::Scalar(scalar) => (scalar.size(), false),

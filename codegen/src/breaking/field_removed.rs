@@ -10,8 +10,8 @@ use crate::finding::Sides;
 pub(super) const RULE: Rule = Rule {
     id: "field-removed",
     statement: "A field was removed.",
-    why: "Programs that use it no longer compile. The encoding of the message changes, so all peers must be updated \
-        together.",
+    why: "Programs that use the field no longer compile. The encoding of the message changes, so all peers \
+        must be updated together.",
     fix: "Keep the field, and mark it as deprecated in its comment. Otherwise update all peers together.",
     breaks: &[
         (Category::Source, Level::Error),
@@ -50,10 +50,10 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         };
         let mut change = sink.change(pair.head(), Sides { old: Some(field.span), new: None }, message);
         change
-            .breaks(Category::Source, "programs that use it no longer compile")
+            .breaks(Category::Source, "programs that use the field no longer compile")
             .breaks(
                 Category::Json,
-                "existing readers don't find it, and existing writers send an unknown member",
+                "existing readers don't find the member, and existing writers send an unknown member",
             )
             .breaks(Category::Cdr, cdr);
         if pair.is_uorb() {

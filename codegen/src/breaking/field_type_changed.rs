@@ -47,16 +47,19 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         let mut change = sink.change(new.span, both(old.span, new.span), message);
         change.breaks(Category::Source, "programs that expect the old type no longer compile");
         if !is_same_json(old.ty.element, new.ty.element) {
-            change.breaks(Category::Json, "values of one type may be invalid for the other");
+            change.breaks(Category::Json, "a valid value of one type may be invalid for the other type");
         }
-        change.breaks(Category::Cdr, "its bytes are read as a different type, and later fields may move");
+        change.breaks(
+            Category::Cdr,
+            "readers decode the field's bytes as a different type, and later fields may move",
+        );
         if pair.is_uorb() {
             change.breaks(Category::Uorb, uorb(pair));
         }
     }
 }
 
-/// True if both are strings of the same kind. `array-length-changed` reports a different length.
+/// True if both are strings of the same kind. A different length is reported by `array-length-changed`.
 fn is_same_string(old: Element, new: Element) -> bool {
     let wide = |element| match element {
         Element::String { wide, .. } => Some(wide),

@@ -9,7 +9,7 @@ use crate::finding::Sides;
 use crate::schema::{Constant, Dialect, Element, Field, Form, Kind, Message, MessageId, Schema, Type};
 use crate::source::Span;
 
-/// The type of the compared versions, which determines how `MESSAGE_VERSION` may change.
+/// The kind of versions compared. It determines how `MESSAGE_VERSION` may change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Between {
     /// Between commits, the version of a changed message must increase by exactly one.
@@ -19,7 +19,7 @@ pub enum Between {
     Releases,
 }
 
-/// Constants with a special meaning in PX4, which have separate rules.
+/// Constants with a special meaning in PX4. Separate rules check them.
 pub(super) const VERSION: &str = "MESSAGE_VERSION";
 pub(super) const QUEUE_LENGTH: &str = "ORB_QUEUE_LENGTH";
 
@@ -41,7 +41,7 @@ pub(crate) struct Pair<'a> {
     pub fields: Vec<FieldChange>,
     /// The constants, except those with a special meaning in PX4.
     pub constants: Vec<ConstantChange<'a>>,
-    /// The type of the compared versions.
+    /// The kind of versions compared.
     pub between: Between,
 }
 
@@ -65,7 +65,7 @@ pub(crate) struct Kept {
     pub new: usize,
     /// The change of the field's element type.
     pub held: Held,
-    /// True if it moved relative to the other fields that exist in both versions.
+    /// True if the field moved relative to the other fields that exist in both versions.
     pub is_moved: bool,
 }
 
@@ -81,7 +81,7 @@ pub(crate) enum Held {
         /// True if its memory layout changed.
         uorb: bool,
     },
-    /// A different scalar, string or message.
+    /// A change to a different scalar, string or message type.
     Other,
 }
 
@@ -114,7 +114,8 @@ impl<'a> Pair<'a> {
         self.kept().map(|kept| (&self.old.fields[kept.old], &self.new.fields[kept.new]))
     }
 
-    /// True if the names, types, lengths or order of fields changed, which requires a new version in PX4.
+    /// True if the names, types, lengths or order of fields changed. PX4 requires a new message version for such a
+    /// change.
     pub(crate) fn has_changed_fields(&self) -> bool {
         let is_changed = |change: &FieldChange| match change {
             FieldChange::Removed(_) | FieldChange::Added(_) => true,
@@ -166,7 +167,7 @@ pub(super) fn both(old: Span, new: Span) -> Sides {
 pub(super) struct PairOf<'a, 'm> {
     pub(super) old: &'a Schema,
     pub(super) new: &'a Schema,
-    /// The new message that matches each old message.
+    /// For each old message, the new message that matches it.
     pub(super) twins: &'m HashMap<MessageId, MessageId>,
     pub(super) old_signatures: SchemaSignatures,
     pub(super) new_signatures: SchemaSignatures,

@@ -10,8 +10,9 @@ use crate::schema::Kind;
 pub(super) const RULE: Rule = Rule {
     id: "message-removed",
     statement: "A message, service or action was removed.",
-    why: "Programs that use it no longer compile, and peers that send or expect it have no counterpart.",
-    fix: "Keep it until no program uses it.",
+    why: "Programs that use the message no longer compile, and peers that send or expect the message have no \
+        counterpart.",
+    fix: "Keep the message until no program uses it.",
     breaks: &[
         (Category::Source, Level::Error),
         (Category::Json, Level::Error),
@@ -41,10 +42,10 @@ fn check(change: &MessageChange<'_>, sink: &mut Sink<'_>) {
     let mut change = sink.change(place, Sides { old: Some(place), new: None }, message);
     change
         .breaks(Category::Source, "programs that use its type no longer compile")
-        .breaks(Category::Json, "JSON messages of this type are no longer known")
-        .breaks(Category::Cdr, "peers that send or expect it have no counterpart");
+        .breaks(Category::Json, "programs no longer recognize JSON messages of this type")
+        .breaks(Category::Cdr, "peers that send or expect messages of this type have no counterpart");
     if old.kind == Kind::Message {
-        change.breaks(Category::Uorb, "its topics no longer exist, and new logs don't contain them");
+        change.breaks(Category::Uorb, "the message's topics no longer exist, and are missing from new logs");
     }
 }
 

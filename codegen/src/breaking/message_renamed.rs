@@ -9,7 +9,8 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "message-renamed",
     statement: "A message was renamed; most of its fields are the same.",
-    why: "Programs, topics and logs refer to it by name. Even if its bytes are the same, peers don't find each other.",
+    why: "Programs, topics and logs refer to a message by name. Even if the encoding is the same, peers \
+        don't find each other.",
     fix: "Keep the name, or update all peers together.",
     breaks: &[
         (Category::Source, Level::Error),
@@ -40,7 +41,7 @@ fn check(change: &MessageChange<'_>, sink: &mut Sink<'_>) {
     let message = format!("`{}` was renamed to `{}`", old.name, new.name);
     sink.change(new.span.part(0..0), places, message)
         .breaks(Category::Source, "programs that use its type no longer compile")
-        .breaks(Category::Json, "type names in messages and references to the schema change")
+        .breaks(Category::Json, "the type names in messages change, and so do references to the schema")
         .breaks(Category::Cdr, "DDS and ROS 2 match types by name and hash: existing peers no longer match")
         .breaks(Category::Uorb, "the format name in logs changes, and so do topics named after the message");
 }

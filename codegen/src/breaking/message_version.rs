@@ -10,10 +10,10 @@ use crate::schema::Message;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-version",
-    statement: "A versioned PX4 message changed, but MESSAGE_VERSION did not increase by exactly one. Between \
-        releases, it may increase by more than one.",
-    why: "Two different messages have the same version, so peers and the translation between versions \
-        can't distinguish them.",
+    statement: "A versioned PX4 message changed, but MESSAGE_VERSION did not increase by exactly one. \
+        Between releases, the version may increase by more than one.",
+    why: "Two different messages have the same version, so peers and PX4's translation node can't \
+        distinguish them.",
     fix: "Raise `MESSAGE_VERSION` by one, and never lower it.",
     breaks: &[(Category::Version, Level::Error)],
     old: &[Example {

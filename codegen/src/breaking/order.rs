@@ -24,7 +24,8 @@ pub(super) fn moved(positions: &[usize]) -> Vec<bool> {
     moved
 }
 
-/// The maximum number of name comparisons for all gaps in a message. After that, fields are matched by their order.
+/// The maximum number of name comparisons for all gaps in a message. Beyond this limit, fields are matched by their
+/// order.
 pub(super) const MAX_COMPARISONS: usize = 20_000;
 
 /// Matches two sequences without crossing pairs. Maximizes the number of pairs that satisfy `can_match`, and then their
@@ -82,7 +83,8 @@ pub(super) fn align(
 /// The maximum length of names that are compared letter by letter.
 const MAX_NAME_LEN: usize = 100;
 
-/// The similarity of two names, from 0 to 1, by edit distance. The similarity is 1 if one name ends with the other.
+/// The similarity of two names, from 0 to 1, by edit distance. The similarity is 1 if one name consists of the last
+/// words of the other, as `speed` and `wind_speed`.
 pub(super) fn likeness(left: &str, right: &str) -> f64 {
     if left.len() > MAX_NAME_LEN || right.len() > MAX_NAME_LEN {
         return 0.0;

@@ -46,7 +46,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     let sides = Sides { old: place(pair.old), new: place(pair.new) };
     let message = format!("`{}.{QUEUE_LENGTH}` is {now} instead of {before}", pair.name());
     let help = if now < before {
-        "subscribers may lose messages in a burst that fitted into the old queue"
+        "subscribers may lose messages in bursts that fit into the old queue"
     } else {
         "the queue uses more memory, and subscribers may receive more messages in a row"
     };

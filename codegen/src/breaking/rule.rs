@@ -54,7 +54,7 @@ pub struct Rule {
     pub why: &'static str,
     /// The way to avoid the consequences.
     pub fix: &'static str,
-    /// The categories that the change can break, with their levels.
+    /// The categories that the change can affect, with their levels.
     pub breaks: &'static [(Category, Level)],
     /// Example definitions before the change.
     pub old: &'static [Example],

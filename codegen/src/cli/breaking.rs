@@ -44,7 +44,7 @@ pub struct BreakingArgs {
     /// Compare with this Git revision or folder
     #[arg(long, value_name = "REV | DIR")]
     against: String,
-    /// Type of the compared versions
+    /// Type of the versions to compare
     #[arg(long, default_value = "commits")]
     between: BetweenName,
     #[command(flatten)]
@@ -73,7 +73,7 @@ impl From<BetweenName> for Between {
 pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
     let started = Instant::now();
     let new_plan = args.definitions.plan()?;
-    // The files of the old revision must exist until both versions are read.
+    // Keep the files of the old revision until both versions are read.
     let (old_plan, _checkout) = old_plan(args, &new_plan)?;
     let mut old = load(&old_plan)?;
     let sources = std::mem::take(&mut old.sources);
@@ -140,7 +140,7 @@ fn old_plan(args: &BreakingArgs, new: &Plan) -> Result<(Plan, Option<Checkout>),
     Ok((Plan { root, revision, ..config.plan()? }, Some(checkout)))
 }
 
-/// The plan for a folder that contains a configuration file, or the definitions of one package.
+/// The plan for a folder. The folder contains either a configuration file or the definitions of one package.
 fn plan_of_folder(args: &BreakingArgs, new: &Plan, folder: &Path) -> Result<Plan, Failure> {
     if let Some(package) = &args.definitions.package {
         let of_folder = PackageArgs { input: vec![folder.to_path_buf()], ..package.clone() };
@@ -155,7 +155,8 @@ fn plan_of_folder(args: &BreakingArgs, new: &Plan, folder: &Path) -> Result<Plan
             format!("{} contains no uavspec.toml, but several packages are configured", folder.display());
         let names: Vec<&str> = new.packages.iter().map(|package| package.name.as_str()).collect();
         return Err(Failure::new(message).with_hint(format!(
-            "compare each package with --package, --dialect and --input ({}), or add a uavspec.toml",
+            "compare each package separately with --package, --dialect and --input ({}), or add a \
+                uavspec.toml",
             names.join(", ")
         )));
     }

@@ -22,8 +22,8 @@ const EXAMPLES: &str = "Examples:
   cargo xtask codegen --check    write nothing; fail if output is stale
   cargo xtask codegen --package px4 --dialect px4 --input msg --out generated
 
-Without --package, the command reads the nearest uavspec.toml or definitions/uavspec.toml, in this folder or above. \
-With --package, each emitter writes to a subfolder of --out with the emitter's name.
+Without --package, the command reads the nearest uavspec.toml or definitions/uavspec.toml, in the current folder or a \
+parent folder. With --package, each emitter writes to a subfolder of --out with the emitter's name.
 
 Output options in uavspec.toml, as keys of the table [output.NAME]:";
 

@@ -25,8 +25,8 @@ use crate::source::{SourceId, SourceMap};
   cargo xtask fmt --check    print the changes as a patch; fail if there are any
   cargo xtask fmt --package px4 --dialect px4 --input msg srv/Arm.srv
 
-Formatting changes white space, the order and spelling of annotations, and the columns of tables. It never changes \
-the meaning of a definition. A file with errors stays unchanged.")]
+Formatting changes white space, the order and spelling of annotations, and the columns of tables. Formatting never \
+changes the meaning of a definition. A file with errors stays unchanged.")]
 pub struct FmtArgs {
     /// Print the changes as a patch instead of writing; fail if there are any
     #[arg(long)]

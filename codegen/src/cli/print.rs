@@ -6,8 +6,8 @@ use crate::diagnostic::{Diagnostic, Level};
 use crate::load::Loaded;
 use crate::render;
 
-/// Prints a text to standard error, with colours if enabled. Removing colours from the stream would require a separate
-/// write for each piece, which takes twice as long.
+/// Prints a text to standard error, with colours if enabled. Removing the colours while writing would require a
+/// separate write for each piece, and would take twice as long.
 pub(super) fn print_rendered(render: impl FnOnce(bool) -> String) {
     let is_plain = anstream::AutoStream::choice(&std::io::stderr()) == anstream::ColorChoice::Never;
     let _ = if is_plain {

@@ -14,7 +14,7 @@ use crate::source::SourceMap;
 /// The report format and the level that makes a command fail.
 #[derive(Args, Clone, Copy, Debug)]
 pub(super) struct ReportArgs {
-    /// Fail if a finding has this level or a more severe one
+    /// Fail if a finding is at this level or above
     #[arg(long, value_name = "LEVEL", default_value = "error")]
     deny: Denied,
     /// Report format; text goes to standard error, other formats to standard output

@@ -29,7 +29,7 @@ use crate::translation::{self, SOURCE_LANGUAGE, Text, is_tag, new_catalogue, upd
   cargo xtask translate uk           create a Ukrainian catalogue
   cargo xtask translate uk --select px4/FailsafeFlags,flockwave/error-codes
 
-A catalogue is a gettext PO file, named after its language. The key `translations.include` of uavspec.toml lists the \
+A catalogue is a gettext PO file, named after its language. The key `translations.include` in uavspec.toml lists the \
 catalogues. Untranslated texts get an empty entry. If a text has changed, its entry is marked as fuzzy and keeps the \
 previous text. Entries of removed texts become obsolete.")]
 pub struct TranslateArgs {
@@ -88,7 +88,7 @@ struct Outcome {
 }
 
 impl Outcome {
-    /// True if the entries differ. A difference in line breaks is not a change.
+    /// True if the entries differ. A difference in line breaks alone doesn't count.
     fn is_changed(&self) -> bool {
         self.old.as_ref().is_none_or(|(_, old)| *old != self.new)
     }

@@ -4,13 +4,13 @@ use uavspec_runtime::record::Primitive;
 
 use super::step::Width;
 
-/// Copies numbers and converts them to little-endian byte order.
+/// Copies numbers. If `BIG`, reverses the bytes of each number.
 #[inline]
 pub(super) fn copy<const BIG: bool>(from: &[u8], to: &mut [u8], width: Width) {
     if BIG { copy_swapped(from, to, width) } else { copy_short(from, to) }
 }
 
-/// Copies bytes. Short runs, which are the most common, need no call to `memcpy`.
+/// Copies bytes. Short runs, which are the most common, are copied without a call to `memcpy`.
 #[inline]
 pub(super) fn copy_short(from: &[u8], to: &mut [u8]) {
     match from.len() {
@@ -22,7 +22,7 @@ pub(super) fn copy_short(from: &[u8], to: &mut [u8]) {
     }
 }
 
-/// Copies the first and the last `N` bytes. This covers the slice if it has at most `2 * N` bytes.
+/// Copies the first `N` and the last `N` bytes. These are all bytes of a slice with `N` to `2 * N` bytes.
 #[inline]
 fn copy_ends<const N: usize>(from: &[u8], to: &mut [u8]) {
     if let (Some(from), Some(to)) = (from.first_chunk::<N>(), to.first_chunk_mut()) {
@@ -62,7 +62,7 @@ pub(super) fn slot(bytes: &[u8], at: usize) -> (usize, usize) {
     (number(at), number(at + 4))
 }
 
-/// Returns `length` bytes from `start`, or an empty slice if they exceed the buffer.
+/// Returns `length` bytes from `start`, or an empty slice if this range exceeds the buffer.
 #[inline]
 pub(super) fn part(bytes: &[u8], start: usize, length: usize) -> &[u8] {
     bytes.get(start..start + length).unwrap_or_default()

@@ -1,7 +1,7 @@
 //! CDR codec that executes the steps of a plan.
 //!
-//! Reading and writing don't track their position. If they fail, [`explain`] and [`refuse`](write::refuse) find the
-//! cause and its location in a second pass.
+//! The codec doesn't track the path of the current value. If reading or writing fails, [`explain`] and
+//! [`refuse`](write::refuse) find the cause and its location in a second pass.
 
 mod explain;
 mod read;

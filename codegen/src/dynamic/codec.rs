@@ -1,4 +1,4 @@
-//! Conversion of messages from and to uORB, CDR and JSON.
+//! Conversion of messages to and from uORB, CDR and JSON.
 
 use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error as _};

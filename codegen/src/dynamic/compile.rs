@@ -21,7 +21,7 @@ pub(super) const MAX_DEPTH: usize = 32;
 const MAX_COPIED_STEPS: usize = 16;
 
 /// Maximum number of copy operations for a packed type. In an array of messages, each element counts separately. Types
-/// that need more are converted step by step.
+/// that need more operations are converted step by step.
 const MAX_MOVES: usize = 512;
 
 /// Maximum CDR size of a packed type in bytes. All uORB messages are smaller.
@@ -32,7 +32,7 @@ const MAX_SIZE: usize = 1 << 16;
 pub(super) struct Draft {
     pub(super) package: Box<str>,
     pub(super) name: Box<str>,
-    /// Fields in declared order, without offsets and strides.
+    /// Fields in declaration order, without offsets and strides.
     pub(super) fields: Vec<Field>,
     pub(super) placement: Placement,
     /// Maximum size in bytes.
@@ -45,7 +45,7 @@ pub(super) struct Draft {
 pub(super) enum Placement {
     /// The uORB layout, with alignment and reordering.
     Uorb,
-    /// Contiguous in declared order. Padding fields are removed afterwards.
+    /// Contiguous in declaration order. Padding fields are removed afterwards.
     AsGiven,
 }
 
@@ -289,7 +289,7 @@ fn least(field: &Field, plans: &[Plan]) -> usize {
     }
 }
 
-/// True if any value of the field can violate a rule.
+/// True if the field can contain a value that violates a rule.
 fn is_restricted(field: &Field, plans: &[Plan]) -> bool {
     field.bound().is_some()
         || match field.element {
@@ -352,7 +352,7 @@ fn packed(steps: &[Step], padded: usize, plans: &[Plan]) -> Option<Packed> {
     Some(Packed::new(moves, size, padded))
 }
 
-/// Appends the moves of a message whose memory starts at `base` and whose CDR continues at `at`.
+/// Appends the moves for a message. Its memory form starts at `base`, and its CDR form starts at `at`.
 fn flatten(steps: &[Step], plans: &[Plan], base: usize, at: &mut usize, moves: &mut Vec<Move>) -> Option<()> {
     for step in steps {
         match *step {
@@ -377,7 +377,7 @@ fn flatten(steps: &[Step], plans: &[Plan], base: usize, at: &mut usize, moves: &
     Some(())
 }
 
-/// Appends a step, or extends the last one if both copy adjacent bytes.
+/// Appends a step, or merges it into the previous step if they copy adjacent bytes.
 fn add(steps: &mut Vec<Step>, step: Step) {
     if let (Some(Step::Copy(last)), Step::Copy(next)) = (steps.last_mut(), step)
         && (last.width, last.is_bool) == (next.width, next.is_bool)

@@ -1,4 +1,4 @@
-//! JSON codec, for the JSON described by the published schemas.
+//! Codec for the JSON form that the published schemas describe.
 
 mod number;
 mod read;

@@ -29,7 +29,7 @@ pub trait Named {
     fn name(&self) -> &str;
 }
 
-/// The set of fields that have been read. Fields that are read in declared order need only a counter.
+/// The set of fields that have been read. Fields that are read in declaration order need only a counter.
 #[derive(Debug, Default)]
 pub struct Seen {
     in_order: usize,
@@ -37,7 +37,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Adds the field `index` of `count` fields. Returns false if the field was already in the set.
+    /// Adds the field with this `index`, out of `count` fields. Returns false if the set already contains it.
     pub fn insert(&mut self, index: usize, count: usize) -> bool {
         if self.contains(index) {
             return false;
@@ -62,7 +62,7 @@ impl Seen {
 pub struct KeySeed<'f, F> {
     /// All fields.
     pub fields: &'f [F],
-    /// Index of the field that is compared first.
+    /// Index of the field whose name is compared first.
     pub guess: usize,
 }
 

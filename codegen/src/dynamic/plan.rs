@@ -16,13 +16,13 @@ use crate::value::Value;
 pub(super) struct Plan {
     pub(super) package: Box<str>,
     pub(super) name: Box<str>,
-    /// Fields in declared order.
+    /// Fields in declaration order.
     pub(super) fields: Box<[Field]>,
     /// Size of the fixed part, which is the whole message if `is_fixed`.
     pub(super) size: Size,
     /// True if the message contains no strings and no sequences.
     pub(super) is_fixed: bool,
-    /// Minimum CDR size in bytes, without alignment.
+    /// Minimum CDR size in bytes, without alignment padding.
     pub(super) least: usize,
     /// Conversion steps between memory and CDR, in CDR order.
     pub(super) steps: Box<[Step]>,
@@ -32,7 +32,7 @@ pub(super) struct Plan {
     pub(super) has_defaults: bool,
     /// True if any field, including fields of nested messages, is a `bool`.
     pub(super) has_bools: bool,
-    /// True if a value of the message can violate a rule.
+    /// True if the message can contain a value that violates a rule.
     pub(super) is_restricted: bool,
     /// The reason why the type is unusable.
     pub(super) defect: Option<Defect>,
@@ -85,7 +85,7 @@ impl Field {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Element {
     Scalar(Scalar),
-    /// PX4's `char[N]` as one text of `N` bytes.
+    /// PX4's `char[N]`, treated as one text of `N` bytes.
     Text(u32),
     String(Bounds),
     /// A message; the value is the index of its plan.
@@ -98,9 +98,9 @@ impl Element {
     }
 }
 
-/// Size of the slot for a string or sequence inside its message. The slot contains the offset of the bytes or elements
-/// from the start of the buffer, and their number, each as `u32`.
+/// Size of the slot for a string or sequence in its message. The slot contains two `u32` values: the offset of the
+/// bytes or elements from the start of the buffer, and their count.
 pub(super) const SLOT: usize = 8;
 
-/// Maximum ratio of size in memory to size in CDR. A message with one `uint8` is padded to eight bytes.
+/// Maximum ratio of memory size to CDR size. A message with one `uint8` is padded to eight bytes.
 pub(super) const GROWTH: usize = 8;

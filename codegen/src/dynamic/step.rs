@@ -37,7 +37,7 @@ pub(super) enum Step {
     Empty,
 }
 
-/// Numbers of one size.
+/// Numbers of the same size.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     pub(super) offset: usize,

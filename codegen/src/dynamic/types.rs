@@ -7,7 +7,7 @@ use super::error::{Defect, Error, Reason};
 use super::plan::{Element, Plan};
 use crate::schema::{MessageId, Shape};
 
-/// The types of all messages of a schema or of a log.
+/// All message types in a schema or a log.
 #[derive(Debug)]
 pub struct Types {
     pub(super) plans: Vec<Plan>,
@@ -62,12 +62,12 @@ impl<'t> MessageType<'t> {
         &self.plan.name
     }
 
-    /// Field names in declared order.
+    /// Field names in declaration order.
     pub fn field_names(self) -> impl ExactSizeIterator<Item = &'t str> {
         self.plan.fields.iter().map(|field| &*field.name)
     }
 
-    /// The uORB layout of the fields, in declared order.
+    /// The uORB layout of the fields, in declaration order.
     pub fn layout(self) -> impl ExactSizeIterator<Item = Placed<'t>> {
         self.plan.fields.iter().map(move |field| Placed {
             name: &field.name,
@@ -127,7 +127,7 @@ pub struct Placed<'t> {
 pub enum PlacedElement<'t> {
     /// A number or a `bool`.
     Scalar(Scalar),
-    /// PX4's `char[N]` as one text of `N` bytes.
+    /// PX4's `char[N]`, treated as one text of `N` bytes.
     Text(u32),
     /// A string. The layout contains only its slot.
     String,

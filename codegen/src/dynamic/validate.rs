@@ -18,7 +18,8 @@ pub struct Violation<'t> {
     pub rule: Rule,
     /// Path to the value, such as `events[2].id`.
     pub path: String,
-    /// The value. For a sequence or string, the length. For text, the offset of the first invalid UTF-8 byte.
+    /// The value of a number, the length of a sequence or string, or the offset of the first invalid UTF-8 byte in
+    /// text.
     pub found: Number,
     /// Constraint on the numbers of the field, in addition to the limits of its type.
     pub constraint: Option<Constraint<'t>>,

@@ -79,12 +79,12 @@ impl<'v> DynamicView<'v> {
         Some(value)
     }
 
-    /// Names and values of all fields, in declared order.
+    /// Names and values of all fields, in declaration order.
     pub fn fields(self) -> impl ExactSizeIterator<Item = (&'v str, Value<'v>)> {
         self.plan.fields.iter().map(move |field| (&*field.name, self.value(field)))
     }
 
-    /// The value of the field with this index, in declared order.
+    /// The value of the field with this index, in declaration order.
     pub fn field(self, index: usize) -> Option<Value<'v>> {
         self.plan.fields.get(index).map(|field| self.value(field))
     }
@@ -154,7 +154,7 @@ impl<'v> Elements<'v> {
     #[inline]
     pub(super) fn string(self, index: usize) -> &'v str {
         let (start, length) = slot(self.view.bytes, self.at(index));
-        // Strings were checked to be UTF-8 when the buffer was built.
+        // Strings were checked for valid UTF-8 when the buffer was built.
         std::str::from_utf8(part(self.view.bytes, start, length)).unwrap_or_default()
     }
 

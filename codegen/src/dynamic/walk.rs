@@ -30,7 +30,7 @@ pub(super) trait Walk<'v> {
     fn stop(&mut self, trail: &Trail<'v>, field: &'v Field, stop: Stop<'v>) -> ControlFlow<()>;
 }
 
-/// Traverses all fields in declared order.
+/// Traverses all fields in declaration order.
 pub(super) fn walk<'v>(
     view: DynamicView<'v>,
     trail: &mut Trail<'v>,

@@ -56,7 +56,7 @@ pub(crate) struct Table {
     pub(crate) options: toml::Table,
 }
 
-/// All outputs of a configuration, from the viewpoint of one output.
+/// All outputs of a configuration, as seen by one emitter.
 pub(crate) struct Others<'a> {
     /// Folder of the configuration file.
     pub(crate) folder: &'a Path,

@@ -20,7 +20,7 @@ impl Scope {
         self.numbered(name, "")
     }
 
-    /// Returns the first unused type name in `names`, or the last name with a number appended if all are used.
+    /// Returns the first unused type name in `names`. If all of them are used, appends a number to the last one.
     #[cfg(feature = "rust")]
     pub(crate) fn first_free_type(&mut self, names: &[String]) -> String {
         let free = names.iter().find(|name| !self.0.contains(*name));

@@ -127,7 +127,7 @@ pub(super) fn name(schema: &Schema, target: Target) -> String {
     Address::of(schema, target).stem()
 }
 
-/// Everything in a package that has a schema.
+/// All items of a package that have a schema.
 pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<Target> {
     let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
     let mut targets: Vec<Target> =

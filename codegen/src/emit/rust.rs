@@ -53,7 +53,7 @@ use crate::source::SourceMap;
 pub struct Options {
     /// Name of the root file of the module tree: `mod.rs`, or `lib.rs` for a complete crate.
     pub root: String,
-    /// Path of a Markdown page, relative to the root file, to include in the root documentation. Code on the page is
+    /// Path of a Markdown page that the root documentation includes, relative to the root file. Code on the page is
     /// tested.
     pub readme: Option<String>,
 }
@@ -198,7 +198,7 @@ fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
         "Types of drone interface definitions. Each package is a module.\n\n\
          Every message implements [`Message`](::uavspec_runtime::Message), and messages of fixed size also \
          implement [`UorbMessage`](::uavspec_runtime::UorbMessage). The runtime feature `serde` adds the \
-         JSON form that the published JSON Schemas describe.",
+         JSON form described by the published JSON Schemas.",
     );
     let readme = options.readme.as_ref().map(|path| quote!(#![doc = include_str!(#path)]));
     let tokens = quote! {
@@ -333,7 +333,7 @@ fn re_export<'n>(
     quote!(#doc pub mod #module; pub use self::#module::{#(#names),*};)
 }
 
-/// Re-exports the views of messages, given with their modules, if the feature `views` of the runtime is enabled.
+/// Re-exports the views of messages if the runtime's `views` feature is enabled. Each message is given with its module.
 fn re_export_views<'p>(messages: impl Iterator<Item = (&'p str, &'p Place)>) -> Option<TokenStream> {
     let lines: Vec<TokenStream> = messages
         .filter(|(_, place)| !place.view_name.is_empty())

@@ -1,5 +1,5 @@
-//! Test vectors: valid and invalid values of each message, as JSON and as bytes, with the violated rule. There are also
-//! vectors for error codes, and for types and messages defined on pages.
+//! Test vectors: valid and invalid values of each message, as JSON and as bytes. Each invalid case names the violated
+//! rule. There are also vectors for error codes, and for types and messages defined on pages.
 //!
 //! Each type has two files. `<package>/<Name>.vectors.json` tests codecs and validators:
 //!
@@ -116,7 +116,7 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
     files
 }
 
-/// A valid JSON message of each type, indexed by message id. Values are typical, and adjacent fields have different
+/// A valid JSON message for each type, indexed by message id. Values are typical, and adjacent fields have different
 /// values. `None` if the type has no valid value.
 pub fn typical(schema: &Schema) -> Vec<Option<String>> {
     let parts = sample::parts(schema);

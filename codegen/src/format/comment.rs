@@ -37,7 +37,7 @@ pub(super) fn trailing(text: &str, is_constant: bool) -> String {
     if is_same { laid_out } else { with_directive(with_mark(text, content.trim())) }
 }
 
-/// Splits a comment into a description of its content, for comparison, and the directive at its end.
+/// Returns a description of the comment's content, for comparison, and the directive at the comment's end.
 fn read(text: &str, is_constant: bool) -> (String, &str) {
     let (content, directive) = split_directive(text);
     let note = if is_constant {
@@ -77,13 +77,13 @@ fn body(text: &str, is_constant: bool) -> String {
     body
 }
 
-/// The offsets of the pipes that separate the parameters of a command, if their number is valid.
+/// The offsets of the pipes that separate the parameters of a command, if the number of pipes is valid.
 fn bars(text: &str) -> Option<Vec<usize>> {
     let bars: Vec<usize> = text.match_indices('|').map(|(at, _)| at).collect();
     annotation::PARAMETER_BARS.contains(&bars.len()).then_some(bars)
 }
 
-/// `text |p1|p2|…|p7|`.
+/// Appends a comment of the form `text |p1|p2|…|p7|` to `body`.
 fn push_parameters(text: &str, bars: &[usize], body: &mut String) {
     push_note(&text[..bars[0]], body);
     if !body.is_empty() {

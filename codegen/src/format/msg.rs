@@ -74,7 +74,7 @@ fn separator(line: &str) -> Row {
 struct Reader<'m> {
     sources: &'m SourceMap,
     dialect: Dialect,
-    /// True if an indented comment continues the comment of a declaration.
+    /// True if an indented comment on the next line would continue the comment of a declaration.
     is_after_declaration: bool,
 }
 

@@ -189,14 +189,15 @@ fn reject_links(folder: &Path, relative: &Path) -> Result<(), Failure> {
     for part in relative.parent().into_iter().flat_map(Path::components) {
         at.push(part);
         if at.is_symlink() {
-            let message = format!("{} is a symbolic link out of the output folder", at.display());
+            let message =
+                format!("{} is a symbolic link that points outside the output folder", at.display());
             return Err(Failure::new(message).with_hint("replace it with a folder"));
         }
     }
     Ok(())
 }
 
-/// Writes all files to a temporary folder inside the output folder, so that only renames remain.
+/// Writes all files to a temporary folder inside the output folder. After that, they only have to be renamed.
 fn stage(change: &Changes<'_>) -> io::Result<tempfile::TempDir> {
     fs::create_dir_all(change.folder)?;
     let stage = tempfile::Builder::new().prefix(".uavspec-").tempdir_in(change.folder)?;

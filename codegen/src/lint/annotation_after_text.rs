@@ -10,8 +10,8 @@ use crate::source::{SourceMap, Span};
 pub(super) const RULE: Rule = Rule {
     id: "annotation-after-text",
     statement: "An annotation after the text of a comment.",
-    why: "PX4's documentation generator reads annotations at the start of a comment only. It prints \
-        later annotations as text, and other tools ignore them.",
+    why: "PX4's documentation generator reads annotations at the start of a comment only. The generator \
+        prints later annotations as text, and other tools ignore them.",
     fix: "Move the annotation to the start of the comment.",
     levels: Levels::both(Level::Warning),
     bad: Example {

@@ -10,8 +10,7 @@ use crate::schema::enumeration;
 pub(super) const RULE: Rule = Rule {
     id: "command-parameters",
     statement: "A VehicleCommand command whose comment does not list seven parameters separated by `|`.",
-    why: "Readers can't tell which parameter is which, and the documentation of the command has no \
-        parameters.",
+    why: "Readers can't tell which parameter is which, and the command's documentation lists no parameters.",
     fix: "List all seven parameters, and write `Unused` for parameters without a meaning.",
     levels: Levels::both(Level::Warning),
     bad: Example {

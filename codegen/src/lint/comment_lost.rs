@@ -1,4 +1,4 @@
-//! `comment-lost`: a comment that appears in no documentation.
+//! `comment-lost`: a comment that isn't part of any documentation.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -11,8 +11,8 @@ use crate::source::Span;
 pub(super) const RULE: Rule = Rule {
     id: "comment-lost",
     statement: "A comment that belongs neither to the message nor to a declaration.",
-    why: "It appears in no documentation. Often an empty line separates it from the text or the \
-        declaration that it belongs to.",
+    why: "The comment doesn't appear in the documentation. Often, an empty line separates it from the text \
+        or declaration that it belongs to.",
     fix: "Remove the empty line, or replace it with a `#` line. Delete the comment if it is obsolete.",
     levels: Levels::both(Level::Note),
     bad: Example {

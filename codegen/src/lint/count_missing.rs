@@ -34,7 +34,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Message(check),
 };
 
-/// Prefixes, suffixes and whole names of fields that count the entries of an array.
+/// Prefixes, suffixes and complete names of fields that count the entries of an array.
 const STARTS: [&str; 2] = ["num_", "n_"];
 const ENDS: [&str; 3] = ["_count", "_len", "_length"];
 const WHOLE: [&str; 4] = ["count", "num", "len", "length"];
@@ -75,7 +75,7 @@ fn looks_like_count(field: &Field, array: &Field) -> bool {
     let is_integer = matches!(field.ty.element, Element::Scalar(scalar) if scalar.integer_bounds().is_some());
     let mut named = STARTS.iter().filter_map(|start| name.strip_prefix(start));
     let mut named_before = ENDS.iter().filter_map(|end| name.strip_suffix(end));
-    // The name of the count may contain the singular.
+    // The name of the count may contain the array's name in the singular.
     let is_array =
         |rest: &str| array.name.strip_prefix(rest).is_some_and(|rest| matches!(rest, "" | "s" | "es"));
     is_integer

@@ -10,7 +10,7 @@ use crate::schema::{Enum, EnumRef, Field, Message, Schema};
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-of-bits",
-    statement: "A field with `@enum` whose constants are bits.",
+    statement: "A field that has `@enum` although its constants are bits.",
     why: "With `@enum`, every combination of bits counts as an unknown value. PX4's own tools do not \
         support `@flags` yet.",
     fix: "Write `[@flags PREFIX]`.",
@@ -51,14 +51,14 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// Caches which enums consist of bits, because many fields may use the same enum.
+/// A cache that records which enums consist of bits, because many fields may use the same enum.
 #[derive(Default)]
 pub(super) struct Bits {
     known: BTreeMap<EnumRef, bool>,
 }
 
 impl Bits {
-    /// True if the constants of a field are bits, regardless of its annotation.
+    /// True if the constants of a field are bits, regardless of the field's annotation.
     pub(super) fn are_bits(&mut self, field: &Field, reference: EnumRef, schema: &Schema) -> bool {
         let check = || {
             let found = schema.enumeration(reference);

@@ -1,4 +1,4 @@
-//! `header-end`: the end of the short description.
+//! `header-end`: a short description with a missing or superfluous full stop.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
@@ -8,9 +8,10 @@ use crate::msg::ast::{Comment, Line};
 
 pub(super) const RULE: Rule = Rule {
     id: "header-end",
-    statement: "A short description that doesn't follow PX4's standard: one line without a full stop.",
-    why: "Without a full stop or an empty comment line, a description of several lines runs into the \
-        text below it.",
+    statement: "A short description that doesn't follow PX4's standard, which requires one line without a \
+        full stop.",
+    why: "Without a full stop or an empty comment line, a multi-line short description runs into the text \
+        below it.",
     fix: "Remove the full stop from a one-line description. End a longer description with a full stop, or separate it \
         with a `#` line.",
     levels: Levels::both(Level::Note),

@@ -1,4 +1,4 @@
-//! Ignore comments, and `ignore` entries in the configuration. Invalid and unused ones are reported.
+//! Comments and configuration entries that ignore findings. Invalid and unused ones are reported.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,7 +15,7 @@ use crate::resolve::PackageSource;
 use crate::schema::Form;
 use crate::source::{SourceId, SourceMap, Span};
 
-/// Invalid ignore comments.
+/// `invalid-ignore`: an ignore comment without a known rule or without a reason.
 pub(super) const INVALID: Rule = Rule {
     id: "invalid-ignore",
     statement: "An ignore comment without a known rule or without a reason.",
@@ -37,11 +37,11 @@ pub(super) const INVALID: Rule = Rule {
     check: Check::Ignores,
 };
 
-/// Unused ignore comments.
+/// `unused-ignore`: an ignore comment without a finding to ignore.
 pub(super) const UNUSED: Rule = Rule {
     id: "unused-ignore",
     statement: "An ignore comment without a finding to ignore.",
-    why: "It would hide a future finding of the rule. Comments for rules that are switched off are \
+    why: "The comment would hide a future finding of the rule. Comments for rules that are switched off are \
         not reported.",
     fix: "Remove the comment.",
     levels: Levels::both(Level::Warning),
@@ -199,7 +199,7 @@ impl<'s> Request<'s> {
             return report(format!("`{}` is {what}", self.rule), help);
         }
         if self.reason.is_empty() {
-            let help = "give a reason, so that others can tell when it becomes obsolete".to_owned();
+            let help = "give a reason, so that others can tell when the comment becomes obsolete".to_owned();
             return report(format!("no reason for ignoring `{}`", self.rule), help);
         }
         None

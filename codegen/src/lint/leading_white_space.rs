@@ -8,7 +8,8 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "leading-white-space",
     statement: "White space before a declaration.",
-    why: "An indented declaration looks like part of the one above, but messages have no such structure.",
+    why: "An indented declaration looks like part of the previous declaration, but messages have no such \
+        structure.",
     fix: "Start the declaration in the first column.",
     levels: Levels::both(Level::Note),
     bad: Example {

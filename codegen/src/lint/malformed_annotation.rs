@@ -7,7 +7,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "malformed-annotation",
     statement: "An annotation with invalid arguments.",
-    why: "It is treated as text, so the value is not checked.",
+    why: "The annotation is treated as text, so the value is not checked.",
     fix: "Write the arguments that the annotation expects.",
     levels: Levels::both(Level::Warning),
     bad: Example {

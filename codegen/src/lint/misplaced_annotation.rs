@@ -7,8 +7,8 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "misplaced-annotation",
     statement: "An annotation that doesn't apply to the type of the value.",
-    why: "It has no effect, so the value is not checked. Units and ranges apply only to numbers. Patterns and formats \
-        apply only to strings. Lengths apply only to strings and lists.",
+    why: "The annotation has no effect, so the value is not checked. Units and ranges apply only to numbers. \
+        Patterns and formats apply only to strings. Lengths apply only to strings and lists.",
     fix: "Use an annotation that applies to this type.",
     levels: Levels::both(Level::Warning),
     bad: Example {

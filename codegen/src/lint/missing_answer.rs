@@ -13,12 +13,12 @@ pub(super) const RULE: Rule = Rule {
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "winch.md",
-        text: "# Winch\n\n## ROPE-CUT\n\n### Request\n\nNo fields beside `type`.\n",
+        text: "# Winch\n\n## ROPE-CUT\n\n### Request\n\nNo fields besides `type`.\n",
     },
     good: Example {
         path: "winch.md",
-        text: "# Winch\n\n## ROPE-CUT\n\n### Request\n\nNo fields beside `type`.\n\nAnswer: ROPE-INF\n\n\
-               ## ROPE-INF\n\n### Response\n\nNo fields beside `type`.\n",
+        text: "# Winch\n\n## ROPE-CUT\n\n### Request\n\nNo fields besides `type`.\n\nAnswer: ROPE-INF\n\n\
+               ## ROPE-INF\n\n### Response\n\nNo fields besides `type`.\n",
     },
     measured: None,
     check: Check::Reader(no_fix),

@@ -10,7 +10,7 @@ pub(super) const RULE: Rule = Rule {
     id: "not-portable",
     statement: "Syntax that PX4's generator doesn't support.",
     why: "PX4's generator accepts only decimal integers, `True` and `False`, and needs a space between \
-        type and name. It misreads other forms without reporting an error.",
+        type and name. The generator misreads other forms without reporting an error.",
     fix: "Write the portable form.",
     levels: Levels::both(Level::Warning),
     bad: Example {

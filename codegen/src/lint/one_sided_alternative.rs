@@ -7,8 +7,8 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "one-sided-alternative",
     statement: "An error code whose alternative doesn't name it in return.",
-    why: "Only one of the two codes may be reported for an event. A developer who reads only the description that \
-        names no alternative may report both.",
+    why: "Only one of the two codes may be reported for an event. A developer who reads only the description \
+        without the alternative may report both codes.",
     fix: "Name the alternative in both descriptions.",
     levels: Levels::both(Level::Warning),
     bad: Example {

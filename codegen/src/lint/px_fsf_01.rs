@@ -10,9 +10,9 @@ use crate::schema::{Element, Field};
 
 pub(super) const RULE: Rule = Rule {
     id: "PX-FSF-01",
-    statement: "A flag of FailsafeFlags whose name doesn't describe a failure.",
+    statement: "A FailsafeFlags flag whose name doesn't describe a failure.",
     why: "The failsafe state machine and its simulation treat every flag that is true as a failure.",
-    fix: "Choose a name that makes false mean no failure, such as `…_invalid`, `…_lost` or `…_unhealthy`.",
+    fix: "Choose a name for which false means no failure, such as `…_invalid`, `…_lost` or `…_unhealthy`.",
     levels: Levels::both(Level::Error),
     bad: Example {
         path: "FailsafeFlags.msg",
@@ -59,7 +59,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         sink.report(
             field.span,
             format!("`{}` doesn't describe a failure", field.name),
-            "choose a name that makes false mean no failure, such as `…_invalid`, `…_lost` or `…_unhealthy`",
+            "choose a name for which false means no failure, such as `…_invalid`, `…_lost` or `…_unhealthy`",
         );
     }
 }

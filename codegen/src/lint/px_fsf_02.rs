@@ -11,8 +11,8 @@ use crate::schema::Element;
 
 pub(super) const RULE: Rule = Rule {
     id: "PX-FSF-02",
-    statement: "A flag of FailsafeFlags without a comment.",
-    why: "The failsafe simulation shows the comment as the label of the flag. Without a comment, the \
+    statement: "A FailsafeFlags flag without a comment.",
+    why: "The failsafe simulation shows the comment as the flag's label. Without a comment, the \
         check box has no label.",
     fix: "Describe the failure in a comment.",
     levels: Levels::both(Level::Error),

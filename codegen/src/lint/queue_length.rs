@@ -32,7 +32,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     let constants = &subject.message.constants;
     if let Some(constant) = constants.iter().find(|constant| constant.name == "ORB_QUEUE_LENGTH") {
         let help = match length.checked_next_power_of_two() {
-            Some(next) => format!("PX4 rounds it up to {next}: write {next}"),
+            Some(next) => format!("PX4 rounds the length up to {next}: write {next}"),
             None => "the length is too large".to_owned(),
         };
         sink.report(constant.span, format!("queue length {length} is not a power of two"), help);

@@ -8,7 +8,8 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "repeated-white-space",
     statement: "More than one space within a declaration.",
-    why: "PX4's documentation checker requires a single space. Aligned columns must be adjusted for every longer name.",
+    why: "PX4's documentation checker requires a single space. Aligned columns must be realigned whenever a \
+        longer name is added.",
     fix: "Write one space between type, name, `=` and value.",
     levels: Levels::both(Level::Note),
     bad: Example {

@@ -24,7 +24,7 @@ pub struct Rule {
     pub bad: Example,
     /// The corrected definition.
     pub good: Example,
-    /// The findings in PX4's definitions, if they were counted.
+    /// The number of findings in PX4's definitions, if they were counted.
     pub measured: Option<Measured>,
     /// The check.
     pub(crate) check: Check,
@@ -74,7 +74,7 @@ pub struct Measured {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Check {
     /// The parser reports the violation as a warning with the same id. The function returns the edits that fix the
-    /// violation, if possible.
+    /// violation, if there is a fix.
     Reader(fn(&Diagnostic, &SourceMap) -> Vec<Edit>),
     /// Checks the text of each source.
     Text(fn(&SourceText<'_>, &mut Sink<'_>)),
@@ -99,7 +99,7 @@ pub(crate) struct Sink<'f> {
 }
 
 impl Sink<'_> {
-    /// Reports a finding. The caller sets the level of all findings of a rule later.
+    /// Reports a finding. The caller later sets the level of all findings of the rule.
     pub(super) fn report(
         &mut self,
         span: Span,

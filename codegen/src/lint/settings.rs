@@ -24,7 +24,7 @@ impl Settings {
     }
 }
 
-/// An entry of the configuration that ignores findings of a rule.
+/// A configuration entry that ignores findings of a rule.
 #[derive(Clone, Debug)]
 pub struct Ignore {
     /// The rule.

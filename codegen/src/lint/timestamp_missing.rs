@@ -9,8 +9,8 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "timestamp-missing",
     statement: "A PX4 message without a `timestamp` field.",
-    why: "The middleware and the logs use the timestamp to order samples, and the PX4 build fails if a topic \
-        has no timestamp. Messages that are only nested in others don't need one.",
+    why: "The middleware and log tools use the timestamp to order samples, and the PX4 build fails if a \
+        topic has no timestamp. Messages used only as nested types don't need a timestamp.",
     fix: "Add `uint64 timestamp  # [us] Time since system start`.",
     levels: Levels::both(Level::Warning),
     bad: Example { path: "Glider.msg", text: "# State of a glider\n\nfloat32 sink  # [m/s] Sink rate\n" },

@@ -11,7 +11,7 @@ use crate::schema::{Element, Shape, Type};
 pub(super) const RULE: Rule = Rule {
     id: "timestamp-type",
     statement: "A PX4 message whose `timestamp` field is not a `uint64`.",
-    why: "The middleware, the logs and the ROS 2 bridge read eight bytes, regardless of the definition.",
+    why: "The middleware, the logger and the ROS 2 bridge read eight bytes, regardless of the defined type.",
     fix: "Change the type to `uint64`, in microseconds since system start.",
     levels: Levels::both(Level::Error),
     bad: Example {

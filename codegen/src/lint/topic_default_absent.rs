@@ -9,9 +9,9 @@ use crate::resolve::default_topic;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-default-absent",
-    statement: "A list of topics that does not include the topic named after the message.",
-    why: "A message with a list has only the listed topics. Usually that is intended, but a similar name in \
-        the list can be a typing error.",
+    statement: "A topic list without the topic named after the message.",
+    why: "A message with a topic list has only the listed topics. This is usually intended, but a listed \
+        name that resembles the default may be a typo.",
     fix: "Add the default topic if a subscriber needs it, or correct the name.",
     levels: Levels::both(Level::Note),
     bad: Example {
@@ -28,7 +28,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Message(check),
 };
 
-/// The maximum number of changed letters in a typing error.
+/// The maximum edit distance between a mistyped topic and the default topic.
 const MAX_DISTANCE: usize = 2;
 
 /// The maximum length of compared topics. A comparison takes time proportional to the product of the lengths.

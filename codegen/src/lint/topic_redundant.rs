@@ -9,7 +9,7 @@ use crate::resolve::default_topic;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-redundant",
-    statement: "A list of topics that contains only the default topic.",
+    statement: "A topic list that contains only the default topic.",
     why: "The list has no effect, and it becomes wrong if the message is renamed.",
     fix: "Remove the line.",
     levels: Levels::both(Level::Note),

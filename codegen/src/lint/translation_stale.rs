@@ -7,7 +7,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "translation-stale",
     statement: "A translation whose English text has changed.",
-    why: "The translation is not used, and the page shows English.",
+    why: "The translation is not used, and the page shows the English text.",
     fix: "Run `cargo xtask translate`, which updates the text and keeps the old text for comparison. \
         Then update the translation.",
     levels: Levels::both(Level::Warning),

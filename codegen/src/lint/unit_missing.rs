@@ -27,7 +27,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Message(check),
 };
 
-/// Phrases that say that the unit is undefined. `[-]` would be wrong in that case.
+/// Phrases stating that the unit is undefined, in which case `[-]` would be wrong.
 const UNDEFINED: [&str; 4] =
     ["no unit is defined", "unit is not defined", "unit isn't defined", "unit is unknown"];
 

@@ -45,7 +45,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
             sink.report(
                 annotation.span,
                 format!("PX4's documentation checker doesn't list the unit `{symbol}`"),
-                "choose a unit from its list, or ask PX4 to add the unit",
+                "choose a unit from the checker's list, or ask PX4 to add the unit",
             );
         }
     }

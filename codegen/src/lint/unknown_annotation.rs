@@ -7,7 +7,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "unknown-annotation",
     statement: "An annotation that doesn't exist.",
-    why: "It is treated as text and has no effect. PX4's own tool stops with an error.",
+    why: "The annotation is treated as text and has no effect. PX4's own tool stops with an error.",
     fix: "Use an existing annotation, or write plain text.",
     levels: Levels::both(Level::Warning),
     bad: Example {

@@ -9,7 +9,7 @@ use crate::source::SourceMap;
 pub(super) const RULE: Rule = Rule {
     id: "unknown-escape",
     statement: "A string with a backslash that does not start an escape sequence.",
-    why: "Different tools read different values from such a string.",
+    why: "Different tools interpret the backslash differently.",
     fix: "Write two backslashes.",
     levels: Levels::both(Level::Warning),
     bad: Example {

@@ -129,8 +129,10 @@ impl Config {
         let candidates = current.ancestors().flat_map(|folder| FILE_NAMES.map(|name| folder.join(name)));
         let found = candidates.into_iter().find(|candidate| candidate.is_file());
         let Some(found) = found else {
-            return Err(Failure::new("no uavspec.toml in this folder or any folder above")
-                .with_hint("create one, or use --config or --package, --dialect, --input and --out"));
+            return Err(Failure::new("no uavspec.toml in the current folder or any parent folder")
+                .with_hint(
+                    "create one, pass --config, or pass all of --package, --dialect, --input and --out",
+                ));
         };
         Self::read(found.strip_prefix(&current).unwrap_or(&found))
     }
@@ -209,7 +211,7 @@ fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
 /// Like [`unreadable`], for an error at `range`.
 fn unreadable_at(path: &str, text: &str, range: Range<usize>, message: &str) -> Failure {
     failure_at(path, text, range, message)
-        .with_hint("see the chapter \"Use it in your build\" of the guide for all keys")
+        .with_hint("the guide lists all keys in the chapter \"Use it in your build\"")
 }
 
 /// The outputs of the `output.NAME` tables, in the order of [`EMITTERS`]. Errors contain a location and a message.

@@ -273,7 +273,7 @@ fn files_of(package: &PlannedPackage) -> Result<Vec<PathBuf>, Failure> {
     Ok(files)
 }
 
-/// The file `path`, or all definitions in the folder `path`.
+/// The file at `path`, or all definitions below it if `path` is a folder.
 fn files_at(path: &Path, form: Form) -> Result<Vec<PathBuf>, Failure> {
     let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
     if metadata.is_dir() {
@@ -378,7 +378,7 @@ pub(crate) fn literal_base(pattern: &str) -> (String, String) {
 fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
     let failure = Failure::new(format!("{}: {error}", path.display()));
     match error.kind() {
-        ErrorKind::NotFound => failure.with_hint("check the path; it is relative to the current folder"),
+        ErrorKind::NotFound => failure.with_hint("check the path, which is relative to the current folder"),
         _ => failure,
     }
 }

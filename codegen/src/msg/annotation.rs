@@ -70,7 +70,7 @@ fn read_by<'s>(
     reader.note
 }
 
-/// Reads a comment whose text may end in the parameters of a command, between pipes.
+/// Reads a comment whose text may end with command parameters between pipes.
 pub(crate) fn read_with_parameters<'s>(
     text: &'s str,
     span: Span,
@@ -148,7 +148,7 @@ impl<'s> Reader<'s, '_> {
         }
     }
 
-    /// Reads the text, and annotations with `@` that appear in it by mistake.
+    /// Reads the text, including misplaced annotations, which start with `@`.
     fn rest(&mut self) {
         let mut text = String::new();
         // After a pipe, the annotation may belong to a parameter.
@@ -221,7 +221,7 @@ impl<'s> Reader<'s, '_> {
     }
 }
 
-/// The contents of the bracket or parenthesis at `start`, and the position after its end.
+/// The contents of the bracket or parenthesis that opens at `start`, and the position after its closing counterpart.
 fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
     let rest = &text[start..];
     let close = match rest.as_bytes().first()? {
@@ -245,8 +245,8 @@ fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
     None
 }
 
-/// The end of the bracket at the start of `text`. Brackets in a regular expression must be balanced, except after a
-/// backslash.
+/// The position of the bracket that closes the one at the start of `text`. Brackets in a regular expression must be
+/// balanced, except after a backslash.
 fn bracketed_pattern(text: &str) -> Option<usize> {
     let mut depth = 0_usize;
     let mut is_escaped = false;
@@ -263,7 +263,7 @@ fn bracketed_pattern(text: &str) -> Option<usize> {
     None
 }
 
-/// True if a single pair of brackets encloses all of `text`. A bracket in the contents may close the pair early.
+/// True if a single pair of brackets encloses all of `text`. A closing bracket in the contents may end the pair early.
 pub(crate) fn is_bracketed(text: &str) -> bool {
     bracketed(text, 0).is_some_and(|(_, end)| end == text.len())
 }

@@ -22,8 +22,7 @@ pub struct Part<'s> {
     pub lines: Vec<Line<'s>>,
 }
 
-/// A line: a field, a constant, a comment, a declaration with a comment, or an empty line. The content is boxed to keep
-/// empty lines small.
+/// A line: a declaration, a comment, both, or neither. The content is boxed to keep empty lines small.
 #[derive(Debug)]
 pub struct Line<'s> {
     /// The line without its line break.
@@ -48,7 +47,7 @@ impl Line<'_> {
 pub struct Comment<'s> {
     /// The location, starting at the `#`.
     pub span: Span,
-    /// The column of the `#`, from 0, in bytes.
+    /// The zero-based column of the `#`, in bytes.
     pub column: usize,
     /// The text after the `#`, without the directive and trailing white space.
     pub text: &'s str,

@@ -38,7 +38,7 @@ pub(crate) fn parse_scalar(text: &str, scalar: Scalar) -> Result<Value, LiteralE
 pub(crate) fn form(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::Bool => "write `True` or `False`",
-        Scalar::Char | Scalar::Byte => "write the number of the character or byte, such as 97",
+        Scalar::Char | Scalar::Byte => "write the numeric value of the character or byte, such as 97",
         Scalar::Float32 | Scalar::Float64 => "write a number such as `1.5`, `1e-3`, `inf` or `nan`",
         _ => "write an integer, not an expression or the name of another constant",
     }

@@ -120,7 +120,7 @@ impl<'s> LineParser<'s, '_> {
         if self.dialect == Dialect::Px4 && !spaces.contains(' ') {
             let instead = Some(format!("{type_text} {}", name.text));
             let problem = Problem::NotPortable { text: format!("{type_text}<tab>{}", name.text), instead };
-            self.report_with(problem, type_span.to(name.span), "put a space between them");
+            self.report_with(problem, type_span.to(name.span), "put a space between type and name");
         }
         self.skip_spaces();
         if self.rest().starts_with('=') {

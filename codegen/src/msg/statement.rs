@@ -18,7 +18,7 @@ pub enum Statement<'s> {
     Constraint(&'static ConstraintKind, Argument<'s>, &'s str),
     /// `[@frame name]` and similar: an attribute and its text.
     Attribute(&'static Attribute, &'s str),
-    /// `[@count field]`: the value is the number of used elements in that array.
+    /// `[@count field]`: the value is the number of used elements in the array `field`.
     Count(&'s str),
     /// `[@length least, most]`, on pages: the length of a string in characters, or of a list in elements.
     Length {
@@ -73,7 +73,7 @@ pub struct Prefix<'s> {
     pub prefix: &'s str,
 }
 
-/// The problem for an unknown annotation.
+/// The problem to report for an unknown annotation.
 pub(super) fn unknown(name: &str) -> Problem {
     let constraints = CONSTRAINTS.iter().map(|kind| kind.name);
     let attributes = ATTRIBUTES.iter().map(|attribute| attribute.name);
@@ -130,8 +130,8 @@ fn constraint<'s>(kind: &'static ConstraintKind, argument: &'s str) -> Option<St
     (kind.read)(argument).map(|(argument, text)| Statement::Constraint(kind, argument, text))
 }
 
-/// True if all JSON Schema validators interpret the regular expression in the same way, which excludes back references
-/// and look-around.
+/// True if all JSON Schema validators interpret the regular expression in the same way. Back references and look-around
+/// are therefore not allowed.
 fn is_pattern(text: &str) -> bool {
     !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::pattern::is_known(text)
 }

@@ -1,4 +1,4 @@
-//! GitHub workflow commands, which add annotations to the lines of a change.
+//! GitHub workflow commands, which add annotations to changed lines.
 //!
 //! Format: <https://docs.github.com/actions/reference/workflow-commands-for-github-actions>.
 

@@ -60,7 +60,7 @@ pub struct Entry {
     pub help: String,
     /// The location.
     pub place: Place,
-    /// The affected part of the item, as a JSON pointer or field path. May be empty.
+    /// The affected part of the item, as a JSON pointer or field path; may be empty.
     pub part: String,
     /// Further facts, each with a name.
     pub facts: Vec<(&'static str, String)>,

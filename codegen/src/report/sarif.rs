@@ -44,7 +44,7 @@ pub(super) fn write(report: &Report) -> String {
                 "informationUri": PROJECT_URL,
                 "rules": rules.iter().map(rule).collect::<Vec<_>>(),
             } },
-            // Results of one command must not replace results of another.
+            // The results of one command must not replace those of another command.
             "automationDetails": { "id": format!("uavspec/{}/", report.command) },
             "columnKind": "unicodeCodePoints",
             "results": results(report, &rules),
@@ -160,7 +160,7 @@ fn uri(path: &str) -> String {
     }
 }
 
-/// Prevents links: `[text](address)` is a link even in plain messages.
+/// Inserts a space into `](`, because `[text](address)` is a link even in plain messages.
 fn message(text: &str) -> String {
     text.replace("](", "] (")
 }

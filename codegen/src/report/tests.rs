@@ -11,7 +11,7 @@ use crate::source::Position;
 const HOSTILE: &str =
     "50% ]]> <b a=\"'\"> &amp; [x](javascript:y) a:b,c\r\n::error::x\u{7}\u{1b}[31m\u{ffff} é 🛩";
 
-/// A path with spaces and characters that URLs and workflow commands escape.
+/// A path with spaces and other characters that must be escaped in URLs and workflow commands.
 const PATH: &str = "msg/Flügel a%20b#1,2:3.msg";
 
 fn place(path: &str, line: usize, column: usize, end_column: usize) -> Place {

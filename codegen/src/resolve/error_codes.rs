@@ -83,7 +83,7 @@ fn is_none(text: &str) -> bool {
 #[derive(Default)]
 struct Resolver {
     diagnostics: Vec<Diagnostic>,
-    /// The location of the first definition of each code, or `None` if its row can't be read.
+    /// For each code, the location of its first definition, or `None` if the row can't be read.
     known: BTreeMap<u32, Option<Span>>,
 }
 
@@ -103,7 +103,7 @@ impl Resolver {
         tables
     }
 
-    /// All rows, each with the index of its table. Omits rows that repeat a code.
+    /// All rows except those that repeat a code. Each row has the index of its table.
     fn unique_rows<'t, 'p>(
         &mut self,
         tables: &'t [ErrorCodeTable<'p>],
@@ -245,7 +245,7 @@ mod tests {
         (tables, diagnostics.iter().map(shown).collect())
     }
 
-    /// A page with rows under a heading for warnings.
+    /// A page that contains these rows under a heading for warnings.
     fn warnings(rows: &[&str]) -> String {
         format!("# Warnings (codes 64-127)\n|Code|Abbr|Description|\n|-|-|-|\n{}\n", rows.join("\n"))
     }

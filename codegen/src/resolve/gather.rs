@@ -1,4 +1,4 @@
-//! Collects enums from prefixes of constants.
+//! Collects constants with the same prefix into enums.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +14,7 @@ pub(super) struct Candidate {
     pub(super) out_of_range: Vec<(usize, i128)>,
 }
 
-/// The constants of a message by prefix. Each constant belongs to the longest claimed prefix of its name.
+/// The constants of a message, grouped by prefix. Each constant belongs to the longest claimed prefix of its name.
 pub(super) struct ByPrefix {
     /// The members of each claimed prefix, in declaration order.
     members: BTreeMap<String, Vec<Member>>,

@@ -89,8 +89,8 @@ pub(super) fn resolve(pages: &[Page], package: (usize, &str), first: u32, has_er
     resolved
 }
 
-/// Sorts the definitions by name and removes duplicates. Names that differ only in case are duplicates, because they
-/// are the same file name on some file systems.
+/// Sorts the definitions by name and removes duplicates. Names that differ only in case are duplicates, because some
+/// file systems treat them as the same file name.
 fn unique<'p, T>(
     mut written: Vec<T>,
     has_error_codes: bool,

@@ -22,7 +22,7 @@ pub(super) struct PendingEnum {
     pub(super) span: Span,
 }
 
-/// The owner, the prefixes, the type, and true for a mask.
+/// The owner, the prefixes, the type, and true if values are masks.
 type EnumKey = (MessageId, Vec<String>, Scalar, bool);
 
 #[derive(Default)]

@@ -180,8 +180,8 @@ impl<'s> Reader<'s> {
     }
 }
 
-/// Moves the heading of a single declaration to the declaration's description, because ROS puts descriptions above
-/// declarations.
+/// If a group contains a single declaration, moves the group's heading to the description of the declaration. ROS puts
+/// descriptions above declarations.
 fn document_single_declarations(commentary: &mut Commentary<'_>) {
     let mut sizes = vec![0_usize; commentary.groups.len()];
     for group in commentary.items.iter().filter_map(|item| item.group) {

@@ -6,8 +6,8 @@ use uavspec_runtime::Scalar;
 
 use super::id::MessageId;
 
-/// Constants with these names after the prefix count or limit the members of an enum, so they are not members. For the
-/// prefix `GPS`, `GPS_COUNT` is not a member, but `GPS_MIN_SAT_COUNT` is.
+/// A constant with the prefix of an enum and one of these words as the rest of its name is not a member. Its value is
+/// the count or limit of the members. With the prefix `GPS`, `GPS_COUNT` is not a member, but `GPS_MIN_SAT_COUNT` is.
 const SENTINELS: [&str; 5] = ["COUNT", "MAX", "LAST", "NUM", "ENUM_END"];
 
 /// Constants with these endings are not members either. They mark the end of each block of commands in `MAVLink`.
@@ -58,7 +58,8 @@ pub struct EnumRef {
     pub index: usize,
 }
 
-/// True if a constant counts or limits other constants in `names` with the same prefix, even if no field uses them.
+/// True if the value of a constant is the count or limit of other constants in `names` that have the same prefix.
+/// Fields needn't use these constants.
 pub(crate) fn is_sentinel_among(name: &str, names: &BTreeSet<&str>) -> bool {
     let prefix = SENTINELS.iter().find_map(|word| name.strip_suffix(word)?.strip_suffix('_'));
     prefix.is_some_and(|prefix| {
@@ -80,7 +81,8 @@ pub(crate) fn longest_prefix<'n, 'c>(
     })
 }
 
-/// True if a constant counts or limits the members of an enum. `rest` is its name without the prefix.
+/// True if the value of a constant is the count or limit of the members of an enum. `rest` is its name without the
+/// prefix.
 pub(crate) fn is_sentinel(rest: &str) -> bool {
     SENTINELS.contains(&rest) || SENTINEL_ENDINGS.iter().any(|ending| rest.ends_with(ending))
 }

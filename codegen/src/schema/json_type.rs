@@ -230,7 +230,7 @@ pub struct JsonMessage {
 pub struct JsonPart {
     /// The direction.
     pub direction: Direction,
-    /// The message name and the direction, also used in file names: `UAV-INF.request`.
+    /// The message name and the direction, as in `UAV-INF.request`. Also used in file names.
     pub name: String,
     /// The paragraphs under the subheading.
     pub docs: Docs,

@@ -105,9 +105,9 @@ struct Body<'s> {
     span: Span,
     columns: usize,
     cells: Vec<Cell>,
-    /// The ranges of the lines of the current cell.
+    /// The line ranges of the current cell.
     open: Vec<Range<usize>>,
-    /// The number of open lines before the first empty line.
+    /// The number of lines in the current cell before its first empty line.
     paragraph: Option<usize>,
 }
 
@@ -130,7 +130,7 @@ impl<'s> Body<'s> {
 
     fn line(&mut self, at: usize, line: &str) {
         let mut parts = pipe::split(line);
-        // Rows on one line may start with a pipe. A single pipe is a cell.
+        // A row on one line may start with a pipe. A line with only one pipe is a cell.
         if parts.len() > 2 && self.open.is_empty() && line.trim_start().starts_with('|') {
             parts.remove(0);
         }

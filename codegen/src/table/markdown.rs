@@ -58,7 +58,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Adds `text` from `range` of the page, where it may be written with quotes, escapes or entities.
+    /// Adds `text`. Its source is at `range` of the page, and may contain backticks, escapes or entities.
     fn push(&mut self, text: &str, range: Range<usize>) {
         let Some(open) = &mut self.open else { return };
         let into = self.text[range.clone()].find(text).unwrap_or(0);

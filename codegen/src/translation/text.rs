@@ -226,7 +226,7 @@ fn push_message<'s>(schema: &'s Schema, id: MessageId, unit: &str, texts: &mut V
     let mut known = BTreeSet::new();
     for (text, span) in head.into_iter().chain(found) {
         let (key, source) = (keys.key(text), text.of(message));
-        // A group heading is found once for each declaration in the group.
+        // A group heading occurs once for each declaration in the group, but is added only once.
         if !source.is_empty() && known.insert(key.clone()) {
             texts.push(Text { unit: unit.to_owned(), key, text: source, note: String::new(), span });
         }

@@ -91,7 +91,7 @@ fn bring_up_to_date(mut entry: Entry, text: &Text<'_>, sources: &SourceMap) -> E
         entry.flags.retain(|flag| flag != FUZZY);
         (entry.previous_context, entry.previous_id) = (None, None);
     } else if is_changed {
-        // Keep the text that was translated, even if the definition has changed twice since.
+        // Keep the text that was translated, even if the definition has changed twice since then.
         if !entry.is_fuzzy() || entry.previous_id.is_none() {
             entry.previous_id = Some(before);
         }
@@ -148,7 +148,7 @@ mod tests {
         entry
     }
 
-    /// A catalogue with all texts of a definition translated.
+    /// A catalogue that translates all texts of a definition.
     fn translated(text: &str) -> Catalogue {
         let mut catalogue = updated(&new_catalogue("uk"), text);
         for entry in catalogue.entries.iter_mut().filter(|entry| !entry.is_header()) {

@@ -1,4 +1,4 @@
-//! Malicious bytes, text and definitions. They result in an error or a value, with bounded memory.
+//! Malicious bytes, text and definitions must result in an error or a value, with bounded memory.
 
 use std::fmt::Write as _;
 
@@ -267,7 +267,7 @@ fn reports_the_path_of_invalid_json() {
     }
 }
 
-/// The error for a value that a form can't represent contains the path.
+/// If a form can't represent a value, the error contains the path of the value.
 #[test]
 fn reports_the_path_of_values_that_a_form_cannot_represent() {
     let files = [("Outer.msg", "Inner[] all\nstring<=2[] names\n"), ("Inner.msg", "float32[2] a\n")];

@@ -110,7 +110,7 @@ pub(crate) fn same(left: &Json, right: &Json) -> bool {
         }
         (Json::Number(l), Json::Number(r)) if l.is_f64() || r.is_f64() => {
             let (l, r) = (l.as_f64().unwrap_or(f64::NAN), r.as_f64().unwrap_or(f64::NAN));
-            #[allow(clippy::cast_possible_truncation)] // that is what may have happened
+            #[allow(clippy::cast_possible_truncation)] // the value may have been rounded to float32
             let as_f32 = (l as f32).to_bits() == (r as f32).to_bits();
             l.to_bits() == r.to_bits() || as_f32
         }

@@ -1,4 +1,4 @@
-//! Round trips of arbitrary values of arbitrary definitions.
+//! Round trips of arbitrary values with arbitrary definitions.
 
 use std::fmt::Write as _;
 
@@ -133,8 +133,8 @@ fn check_bytes(ty: MessageType<'_>, message: &Message, json: &Json) -> Result<()
     Ok(())
 }
 
-/// Long messages are encoded without a precomputed list of copies. The result must have the same normalized `bool`s and
-/// padding as for short messages.
+/// A long message is encoded without a precomputed list of copies. Its `bool`s and padding must be normalized as in a
+/// short message.
 #[test]
 fn encodes_long_messages_like_short_ones() {
     let files = [

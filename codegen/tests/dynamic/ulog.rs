@@ -21,8 +21,8 @@ fn reads_the_same_values_from_real_logs_as_another_tool() {
     assert_eq!(checked, 15 + 70 + 96);
 }
 
-/// Healthy logs satisfy the definitions of all releases, for fields that exist in both the log and the release. The
-/// only violations are known anomalies.
+/// In a healthy log, each field satisfies the definitions of all releases that contain the field. The only violations
+/// are known anomalies.
 #[test]
 fn finds_only_known_violations_in_real_logs() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };

@@ -24,7 +24,7 @@ impl Draw {
         (0..count).map(|_| self.next().to_le_bytes()[0]).collect()
     }
 
-    /// A message as JSON in canonical form: fields in declared order, floats with the digits of 64-bit floats.
+    /// A message as JSON in canonical form: fields in declaration order, and floats with the digits of 64-bit floats.
     pub(crate) fn message(&mut self, schema: &Schema, message: &Message) -> Json {
         let is_px4 = schema.package_of(message).form == Form::Msg(Dialect::Px4);
         let dialect = if is_px4 { Dialect::Px4 } else { Dialect::Ros2 };

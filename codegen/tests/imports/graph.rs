@@ -43,8 +43,8 @@ impl Imports {
         Self(files.iter().map(|(module, file)| (module.clone(), file.imports(module, &modules))).collect())
     }
 
-    /// The imports that violate `layers`, the layers of modules from top to bottom. A module may import modules of
-    /// lower layers only, and no module may import the root of the crate.
+    /// The imports that violate `layers`, the layers of modules from top to bottom. A module may import only modules in
+    /// lower layers, and no module may import the root of the crate.
     pub(crate) fn upward(&self, layers: &[&[&str]]) -> Vec<String> {
         let layer = |module: &ModulePath| {
             let name = module.first()?;

@@ -37,7 +37,7 @@ pub(crate) fn extent<T>(full: T, quick: T) -> T {
 }
 
 /// The configuration of a property test with this number of cases, or a quarter of this number in a quick run. Failures
-/// are not stored in files, because each becomes a test or a fixture.
+/// are not stored in files, because each failure becomes a test or a fixture.
 pub(crate) fn config(cases: u32) -> Config {
     Config { failure_persistence: None, cases: extent(cases, cases / 4), ..Config::default() }
 }

@@ -1,5 +1,5 @@
-//! Faults of a testee that processes requests. In `testee MODE [ID]`, the fault affects the request with this id, or
-//! all requests.
+//! Faults in the processing of requests. In `testee MODE [ID]`, the fault affects the request with this id, or all
+//! requests.
 
 use std::io::{self, Write};
 use std::process;
@@ -42,7 +42,7 @@ impl RequestFault {
         }
     }
 
-    /// Does something other than responding, in the modes that require it. `count` includes the hello.
+    /// In some modes, does something other than respond. `count` includes the hello.
     pub(crate) fn instead(&self, count: usize, request: &Value, output: &mut impl Write) -> io::Result<bool> {
         if self.is("crash-third") && count == 3 {
             process::exit(4);
@@ -84,7 +84,7 @@ impl RequestFault {
         Ok(true)
     }
 
-    /// Corrupts the response, in the modes that imitate buggy codecs.
+    /// In modes that imitate buggy codecs, corrupts the response.
     pub(crate) fn corrupt(&self, types: &Types, request: &Value, answer: &mut Value) {
         let name = request["type"].as_str().and_then(|name| name.split_once('/'));
         let Some(message) = name.and_then(|(package, name)| types.find(package, name)) else { return };

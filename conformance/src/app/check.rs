@@ -35,16 +35,16 @@ JSON input is one object per line, or an array of objects. Without --type, each 
   {\"type\": \"px4/FailsafeFlags\", \"message\": {…}}
   {\"op\": \"publish\", \"topic\": \"/fmu/out/failsafe_flags\", \"msg\": {…}}
 
-A recorded Flockwave session has one object per line, from the client's point of view. Lines may also be bare \
-messages. If a message is not JSON, its text is in \"raw\". For example:
+A recorded Flockwave session has one object per line. \"in\" and \"out\" are from the client's point of view. Lines \
+may also be bare messages. If a message is not JSON, its text is in \"raw\". For example:
   {\"t\": 1790000000.20, \"conn\": \"tcp#1\", \"dir\": \"event\", \"event\": \"connect\"}
   {\"t\": 1790000000.25, \"conn\": \"tcp#1\", \"dir\": \"in\", \"msg\": {…}}
   {\"t\": 1790000000.30, \"conn\": \"tcp#1\", \"dir\": \"out\", \"msg\": {…}}
   {\"t\": 1790000009.00, \"conn\": \"tcp#1\", \"dir\": \"event\", \"event\": \"closed\"}
 
 The Flockwave type of a --schema file comes from properties.type.const or properties.type.enum in the JSON Schema. \
-Without these, it comes from the file name, such as SOAR-INF.json. If the file name also contains request, response or \
-notification, as in response_SOAR-INF.json, the schema applies only to such messages.
+Without these, the type comes from the file name, such as SOAR-INF.json. If the file name also contains request, \
+response or notification, as in response_SOAR-INF.json, the schema applies only to messages of this kind.
 
 A list of known failures is a TOML file. Only rule and reason are required:
   [[known]]                       # use [[flaky]] if it sometimes passes
@@ -59,7 +59,7 @@ A list of known failures is a TOML file. Only rule and reason are required:
 Exit status:
   0  conforms
   1  does not conform
-  2  invalid usage, or unreadable definitions or lists
+  2  invalid usage, unreadable definitions, or unreadable lists
   3  an input can't be read completely, or a report can't be written
   4  an entry in a list of known failures no longer applies
   5  nothing was checked";
@@ -68,7 +68,7 @@ Exit status:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
 pub(super) struct CheckArgs {
-    /// Files, folders or glob patterns; - means standard input.
+    /// Files, folders or glob patterns; `-` means standard input.
     ///
     /// Inputs are PX4 logs (.ulg), MCAP files, JSON messages and recorded Flockwave sessions, optionally compressed
     /// with gzip or zstd. The file type is detected from the content. Folders are searched for .ulg, .mcap, .json,
@@ -91,7 +91,7 @@ pub(super) struct CheckArgs {
     message_type: Option<String>,
     /// Fail if a format differs from its definition.
     ///
-    /// The differences are then violations of PX-FMT-01.
+    /// Each difference is then a violation of PX-FMT-01.
     #[arg(long)]
     strict_formats: bool,
     #[command(flatten)]

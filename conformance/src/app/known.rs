@@ -21,8 +21,8 @@ pub(super) struct KnownArgs {
     known: Vec<PathBuf>,
     /// Remove or update outdated list entries.
     ///
-    /// Other entries and comments stay unchanged. An entry must be split by hand if its messages have no common prefix.
-    /// Until then, the run fails.
+    /// Other entries and comments stay unchanged. If the messages of an entry have no common prefix, split the entry by
+    /// hand. Until then, the run fails.
     #[arg(long, requires = "known")]
     fix_known: bool,
 }
@@ -59,7 +59,7 @@ impl Known {
             return Status::Conforms;
         }
         if !self.is_fixing {
-            self.report_stale(&stale, "run again with --fix-known to update it");
+            self.report_stale(&stale, "run again with --fix-known to update the list");
             return Status::Stale;
         }
         if let Err(error) = self.fix(&stale) {

@@ -29,7 +29,7 @@ const EXAMPLES: &str = "Examples:
 const STATUS: &str = "Exit status:
   0  conforms
   1  does not conform
-  2  invalid usage, or unreadable definitions or lists
+  2  invalid usage, unreadable definitions, or unreadable lists
   3  the server doesn't respond, or a file can't be written
   4  an entry in a list of known failures no longer applies
   5  nothing was checked";

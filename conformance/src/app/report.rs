@@ -24,8 +24,8 @@ pub(super) struct ReportArgs {
     format: Option<Kind>,
     /// Write a report to a file (repeatable).
     ///
-    /// For example, html=report.html. KIND is one of the formats above. Separate multiple reports with commas. For
-    /// standard output, use - as the path.
+    /// For example, html=report.html. KIND is one of the formats above. Separate multiple reports with commas. The
+    /// path `-` means standard output.
     #[arg(long, value_name = "KIND=PATH", value_delimiter = ',')]
     report: Vec<Target>,
     /// The first printing error. It is reported together with the errors from writing report files.

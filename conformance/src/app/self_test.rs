@@ -30,7 +30,7 @@ const EXAMPLES: &str = "Examples:
 
 const STATUS: &str = "Exit status:
   0  all checks passed
-  1  a rule or a server bug had an unexpected result, or a case failed
+  1  at least one check or case failed
   2  invalid usage, or unreadable definitions
   3  the testee can't be started or keeps failing";
 
@@ -40,7 +40,8 @@ const STATUS: &str = "Exit status:
 pub(super) struct SelfTestArgs {
     /// Definitions to use (default: built-in).
     ///
-    /// A uavspec.toml file, a folder that contains one, or a folder of .msg files. The captures are generated from them.
+    /// A uavspec.toml file, a folder that contains one, or a folder of .msg files. The captures are generated from the
+    /// definitions.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
     /// Check captures only; start no servers.
@@ -119,7 +120,7 @@ fn servers(definitions: &Definitions) -> bool {
     });
     drop(progress);
     anstream::println!(
-        "\nProbes of the reference server without bugs and with each bug, live and from the recording:"
+        "\nProbes of the reference server, without bugs and with each bug, checked live and from the recording:"
     );
     let mut are_right = true;
     for (case, row) in cases.iter().zip(rows) {

@@ -81,7 +81,7 @@ pub(super) struct ServeArgs {
     errors: Vec<(String, u16)>,
     /// Lose contact with a UAV (repeatable).
     ///
-    /// SECONDS is the time since the start.
+    /// SECONDS is the time since startup.
     #[arg(long = "lose", value_name = "UAV@SECONDS", value_parser = loss)]
     losses: Vec<(String, Duration)>,
     /// Disconnect clients after this time.
@@ -94,7 +94,7 @@ pub(super) struct ServeArgs {
     login: Option<(String, String)>,
     /// Violate this rule on purpose.
     ///
-    /// --list-bugs shows the other rules that each bug violates.
+    /// --list-bugs shows which other rules each bug violates.
     #[arg(long, value_name = "RULE", value_parser = known_bug)]
     bug: Option<&'static FlockwaveRule>,
     /// List the rules for --bug, with a description of each bug.

@@ -59,7 +59,7 @@ A list of known failures is a TOML file. Only case and reason are required:
 Exit status:
   0  conforms
   1  does not conform
-  2  invalid usage, or unreadable definitions or lists
+  2  invalid usage, unreadable definitions, or unreadable lists
   3  the testee failed, or a report can't be written
   4  an entry in a list of known failures no longer applies
   5  nothing was checked";
@@ -80,7 +80,8 @@ pub(super) struct TestArgs {
     attach: Option<Address>,
     /// Definitions to use (default: built-in).
     ///
-    /// A uavspec.toml file, a folder that contains one, or a folder of .msg files. The cases are generated from them.
+    /// A uavspec.toml file, a folder that contains one, or a folder of .msg files. The cases are generated from the
+    /// definitions.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
     /// Run only the cases that match this glob.
@@ -96,7 +97,7 @@ pub(super) struct TestArgs {
     /// This includes the wait for the hello response. With --attach, it also includes the time to connect.
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds)]
     start_timeout: Duration,
-    /// Pending requests per process.
+    /// Number of pending requests per process.
     #[arg(long, value_name = "N", default_value = "32", value_parser = clap::value_parser!(u16).range(1..))]
     window: u16,
     /// Maximum number of unexplained restarts.
@@ -112,12 +113,12 @@ pub(super) struct TestArgs {
     report: ReportArgs,
     /// Write all requests to a file, and exit.
     ///
-    /// Each request includes its expected responses. The path - means standard output.
+    /// Each request includes its expected responses. The path `-` means standard output.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["command", "replay"])]
     dump_cases: Option<PathBuf>,
     /// Check the responses in a file.
     ///
-    /// The path - means standard input.
+    /// The path `-` means standard input.
     #[arg(long, value_name = "FILE", conflicts_with = "command")]
     replay: Option<PathBuf>,
     #[command(flatten)]

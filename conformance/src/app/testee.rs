@@ -51,7 +51,8 @@ pub(super) struct LintArgs {
     attach: Option<Address>,
     /// Definitions to use (default: built-in).
     ///
-    /// A uavspec.toml file, a folder that contains one, or a folder of .msg files. The requests are generated from them.
+    /// A uavspec.toml file, a folder that contains one, or a folder of .msg files. The requests are generated from the
+    /// definitions.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
     /// Run only this check (repeatable).

@@ -21,7 +21,7 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 /// The number of bytes that are needed to detect a compression format.
 const START: usize = 4;
 
-/// The file extensions of captures in folders. The extension of a compression format may follow.
+/// The file extensions that identify captures in a folder. A compression extension may follow.
 const EXTENSIONS: [&str; 5] = ["ulg", "mcap", "json", "jsonl", "ndjson"];
 
 /// The extensions of compressed files. rosbag2 uses `zstd`.
@@ -33,8 +33,8 @@ const WILDCARDS: [char; 3] = ['*', '?', '['];
 /// The files that `paths` denote, in order. A folder denotes the captures in it and its subfolders. A pattern such as
 /// `logs/**/*.ulg` denotes the files that match it. The files of a folder or pattern are sorted.
 ///
-/// If a folder is unreadable, or a folder or pattern yields no files, the error names it. An invalid pattern is an
-/// [`InvalidInput`](io::ErrorKind::InvalidInput) error.
+/// An unreadable folder is an error, and so is a folder or pattern that yields no files. The error names the folder or
+/// pattern. An invalid pattern is an [`InvalidInput`](io::ErrorKind::InvalidInput) error.
 pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Error)> {
     let mut files = Vec::new();
     for path in paths {
@@ -95,7 +95,7 @@ fn folder_of(pattern: &Path) -> PathBuf {
     if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder }
 }
 
-/// True if the file name has the extension of a capture.
+/// True if the file name has a capture extension.
 fn is_capture(path: &Path) -> bool {
     let is = |path: &Path, extensions: &[&str]| {
         let extension = path.extension().and_then(|extension| extension.to_str());

@@ -3,7 +3,7 @@
 //!
 //! The form is detected from the content. Input that starts with `[` is an array of values. If the first line ends
 //! within a value and the second line doesn't start another value, values may span lines. All other input is JSON
-//! Lines: an invalid line doesn't affect the other lines.
+//! Lines, in which an invalid line doesn't affect the other lines.
 
 use std::fmt;
 use std::io::{self, ErrorKind, Read};

@@ -5,12 +5,12 @@
 //!
 //! # Use of the `mcap` crate
 //!
-//! The crate parses single records ([`mcap::parse_record`]). Its file readers are not used:
+//! The crate parses single records ([`mcap::parse_record`]). The crate's file readers are not used:
 //!
 //! - They stop at the first invalid record, and report neither its offset nor the next valid record.
 //! - They decompress chunks with C libraries, or not at all.
 //! - In version 0.26.0, a record longer than its chunk causes an integer underflow, and an attachment that is too short
-//!   causes a panic. Attachments and records with contradictory lengths are therefore never passed to the crate.
+//!   causes a panic. Attachments, and records with contradictory lengths, are therefore never passed to the crate.
 //!
 //! This module parses the framing of records, and `ruzstd` and `lz4_flex` decompress chunks.
 //!
@@ -24,8 +24,8 @@
 //! # Recovery from corruption
 //!
 //! The lengths in a record must match its kind, and plausible data must follow the record. Otherwise, the reader
-//! searches for the next valid record. That record can be a chunk with matching lengths, or a schema, channel or index
-//! whose parts match its length. A message of a declared channel is also accepted if another record follows. The
+//! searches for the next valid record. The search finds chunks with matching lengths, and schemas, channels and indexes
+//! whose parts match their length. A message of a declared channel is also accepted if another record follows. The
 //! skipped bytes are reported with their offset and length.
 //!
 //! The rest of a corrupt chunk is skipped. The records before the corruption are still returned. The CRC of a chunk can

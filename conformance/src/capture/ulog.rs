@@ -36,27 +36,27 @@
 //! # Existing crates
 //!
 //! `px4-ulog` 0.6.1, `yule_log` 0.4.0 and `ulog-rs` 0.0.4 were evaluated. All stop at the first corrupt header. None
-//! searches for sync messages or reports skipped bytes. Findings need the offset of a message, but none provides it.
-//! `px4-ulog` reads only files or memory maps, or uses callbacks. `yule_log` allocates for each message, and `ulog-rs`
-//! stores the whole log.
+//! searches for sync messages or reports skipped bytes. Findings need message offsets, but none of the crates provides
+//! them. `px4-ulog` reads only files or memory maps, or uses callbacks. `yule_log` allocates for each message, and
+//! `ulog-rs` stores the whole log.
 //!
 //! # Recovery from corruption
 //!
-//! The reader accepts a message if its content looks valid (see below) and a usual header follows it. Otherwise it
-//! looks ahead by at most [`Reader::LOOKAHEAD`] bytes:
+//! The reader accepts a message if its content looks valid (see below) and the next header has a usual size. Otherwise
+//! it looks ahead by at most [`Reader::LOOKAHEAD`] bytes:
 //!
 //! - If a valid run of messages starts within the message, the message has a wrong size. The reader skips to that run,
 //!   so a wrong size doesn't hide the messages that follow.
 //! - Otherwise, the message is accepted if its kind is known and its size is large enough. The bytes after it are
 //!   checked next.
-//! - Otherwise, if a valid message or the end follows, only this message is reported. That message is too short or of
-//!   an unknown kind.
+//! - Otherwise, if a valid message or the end of the log follows, only the rejected message is reported. It is too
+//!   short or of an unknown kind.
 //! - Otherwise, the reader searches for the next valid run.
 //!
 //! A run is valid if it starts with four valid messages or with a sync message, whose header and magic are 11 fixed
 //! bytes. A message is valid if its kind is known and its first bytes are plausible: keys and names must be ASCII, log
-//! levels must exist, and data must have a subscribed id and the usual size. A run may contain other messages between
-//! valid ones: data that isn't valid in this sense, and unknown kinds that are letters. Sixteen consecutive messages,
+//! levels must exist, and data must have a subscribed id and the usual size. Between valid messages, a run may contain
+//! data that isn't valid in this sense, and messages whose kind is an unknown letter. Sixteen consecutive messages,
 //! valid or not, also form a run. At the end of the log or of a section, two valid messages suffice. Each byte is tried
 //! as a start at most once, and each check takes at most a few thousand steps. The total time is therefore linear in
 //! the size of the log.

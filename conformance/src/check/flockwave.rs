@@ -2,7 +2,7 @@
 //!
 //! A line of a recorded session is `{"t": seconds since the epoch, "conn": name, "dir": "in" or "out", "msg": {…}}`.
 //! The direction is from the client's point of view. Data that is not JSON is stored as a string in `"raw"` instead of
-//! `"msg"`. Events have `"dir": "event"`, and `"event"` is `"connect"`, `"closed"` or `"refused"`.
+//! `"msg"`. For events, `"dir"` is `"event"`, and `"event"` is `"connect"`, `"closed"` or `"refused"`.
 //!
 //! Sessions recorded by `probe` have further members. `"trial"` is the id of the rule under test, and `"how"` describes
 //! the trial. `"url"` appears at the start of a connection, and `"why"` at the end of a connection. The value of
@@ -40,10 +40,10 @@ const MAX_NAME: usize = 128;
 /// The maximum length of `how`, in bytes. Longer values are ignored.
 const MAX_HOW: usize = 512;
 
-/// The latest plausible time, in seconds. It is in the year 5138.
+/// The latest plausible time, in seconds. This time is in the year 5138.
 const MAX_TIME: f64 = 1e11;
 
-/// True if a value is a line of a recorded session or a bare Flockwave message.
+/// True for a line of a recorded session, and for a bare Flockwave message.
 pub(super) fn is_flockwave(tree: &Tree<'_>) -> bool {
     is_line(tree) || is_message(tree)
 }
@@ -344,7 +344,7 @@ fn is_ordered(name: &str) -> bool {
     !begins("udp") && !begins("http")
 }
 
-/// True if a bare message is a request. If its type has both requests and notifications, the fields decide.
+/// True if a bare message is a request. If a type has both requests and notifications, the fields decide.
 fn is_request(message: &Tree<'_>, definitions: &Definitions) -> bool {
     let Some(body) = message.get("body") else { return false };
     let Some(name) = body.get("type").and_then(Tree::as_str) else { return false };

@@ -88,7 +88,7 @@ struct EntrySpans {
     selector: Span,
     message: Option<Span>,
     expires: Option<Span>,
-    /// From the header to the end of the last value.
+    /// The range from the header to the end of the last value.
     whole: Span,
 }
 
@@ -206,7 +206,7 @@ impl Lists {
         self.ids.iter().map(|source| self.sources.text(*source))
     }
 
-    /// Writes the lists that differ from `old` to their files, either all of them or none.
+    /// Writes each list that differs from `old` to its file. Either all such lists are written, or none.
     pub(crate) fn write(&self, old: &Self) -> Result<(), Failure> {
         let changes =
             self.paths.iter().filter(|(source, _)| self.sources.text(**source) != old.sources.text(**source));

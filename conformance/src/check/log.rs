@@ -387,7 +387,7 @@ fn check_timestamp(format: MessageType<'_>, location: Location, run: &mut CheckR
 }
 
 /// Compares the formats of all subscribed topics with the definitions. Formats are also checked for a timestamp, unless
-/// they were already checked at their first message.
+/// this was done when their first message was read.
 fn formats(log: &Log, timed: &BTreeSet<String>, run: &mut CheckRun<'_>) -> Vec<(String, Comparison)> {
     let definitions = run.definitions;
     let mut opened: BTreeMap<&str, u64> = BTreeMap::new();

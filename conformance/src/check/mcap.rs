@@ -1,7 +1,7 @@
 //! Checks MCAP files: their CDR and JSON messages, and the schemas that they contain.
 //!
 //! A channel's definition is determined by its schema name, or otherwise by its topic. The schema in the file is
-//! compared with the definition. If they differ, CDR messages are decoded with the schema in the file, and rules on
+//! compared with the definition. If the two differ, CDR messages are decoded with the schema in the file, and rules on
 //! values apply only to the fields that match.
 
 mod cdr;
@@ -36,7 +36,7 @@ use crate::rules::px4;
 /// The maximum length of a topic or schema name, in bytes. ROS 2 has the same limit.
 const MAX_NAME: usize = 256;
 
-/// The maximum total number of steps in the plans of all channels. A thousand PX4 topics need a quarter of this number.
+/// The maximum total number of steps in the plans of all channels. A thousand PX4 topics need a quarter of these steps.
 const MAX_STEPS: usize = 1 << 18;
 
 /// The metadata key for the type hash of a channel, as written by `rosbag2`.

@@ -1,6 +1,6 @@
 //! The schemas of Flockwave message bodies, and the code that checks values against them.
 //!
-//! Schemas are data. A message body has a separate schema for each direction. These schemas are compiled from the
+//! Schemas are data. A message body has a separate schema for each direction. The body schemas are compiled from the
 //! definitions ([`DefinedSchemas`]). For undefined types, users can supply JSON Schemas ([`Schemas`]). Rules that check
 //! a single field use separate schemas (`ExpectedValue`), which may be less strict than the definitions.
 //!
@@ -29,7 +29,7 @@ pub(crate) use self::plain::Members;
 pub use self::schemas::{SchemaError, Schemas};
 use crate::json::{Tree, pointer};
 
-/// The body schemas of all types: those from the definitions, and user-supplied schemas for other types.
+/// The body schemas of all types: schemas from the definitions, and user-supplied schemas for other types.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BodySchemas<'s> {
     /// The schemas from the definitions.
@@ -208,8 +208,8 @@ impl Mismatch {
     }
 }
 
-/// The value as an integer, if it is one in any notation, such as `5.0`. Beyond 2^53, integers written with a fraction
-/// or an exponent are rounded.
+/// The value as an integer, if it is an integer in any notation, such as `5.0`. Beyond 2^53, integers written with a
+/// fraction or an exponent are rounded.
 pub(crate) fn integer(value: &Tree<'_>) -> Option<i128> {
     match value {
         Tree::Int(value) => Some(*value),

@@ -32,7 +32,7 @@ pub(crate) enum Direction {
 pub(crate) struct Trial<'e> {
     /// The rule.
     pub rule: &'static Rule,
-    /// The description of the test: how the record was made, or what preceded it. May be empty.
+    /// The description of the test: how the record was created, or what preceded it. May be empty.
     pub how: &'e str,
 }
 

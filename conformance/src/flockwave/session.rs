@@ -1,7 +1,7 @@
 //! Tracks the state of Flockwave sessions: pending requests, used ids and running operations. Rules receive each record
 //! with its context in the session ([`Exchange`]).
 //!
-//! Captures are rarely complete. The session therefore draws a conclusion only if no missing record can contradict it:
+//! Captures are rarely complete. The session therefore draws only conclusions that no missing record can contradict:
 //!
 //! - If the start of a connection is missing, earlier requests may be unknown.
 //! - After corruption, the session forgets all pending requests and operations, since their answers may have been lost.
@@ -52,23 +52,23 @@ const MAX_TRANSIT_TIME: f64 = 1.0;
 /// A request.
 #[derive(Clone, Debug)]
 pub(crate) struct SentRequest {
-    /// The type, if it has one.
+    /// The type of the request, if present.
     pub type_name: Option<String>,
-    /// The requested objects, if they are a list of strings within the limits.
+    /// The requested objects, if the request lists them as strings within the limits.
     pub objects: Option<BTreeSet<String>>,
     /// An object that is listed twice.
     pub repeated: Option<String>,
-    /// The object types in the request's filter, if it has one; empty if the filter isn't a list of strings.
+    /// The object types in the request's filter, if there is one; empty if the filter isn't a list of strings.
     pub filter: Option<BTreeSet<String>>,
-    /// True if it changes a setting (the RTK source or the time) rather than querying it.
+    /// True if the request changes a setting (the RTK source or the time) instead of querying one.
     pub is_setting: bool,
-    /// The time when it was sent.
+    /// The time when the request was sent.
     pub time: Option<f64>,
     /// The location.
     pub location: Location,
-    /// For an unanswered request: the time from the request to the latest message of the server, in seconds.
+    /// For an unanswered request: the time from the request to the latest server message, in seconds.
     pub waited: Option<f64>,
-    /// True if it has a version and a type, as every Flockwave request must.
+    /// True if the request has a version and a type, as every Flockwave request must.
     pub is_sound: bool,
     /// The tested rule and the description of the test.
     pub trial: Option<(&'static Rule, String)>,
@@ -104,8 +104,8 @@ struct State {
     clock: Option<(f64, f64)>,
     /// The time when the bounds were determined.
     clock_time: f64,
-    /// The location of a request to adjust the server's clock by 0. It is cleared when an answer to a later request
-    /// states the time.
+    /// The location of a request to adjust the server's clock by 0. This location is cleared when an answer to a later
+    /// request states the time.
     adjusted_by_nothing: Option<Location>,
 }
 
@@ -429,7 +429,7 @@ impl Sessions {
         let (Some(now), Some(time)) = (exchange.clock_reading(), exchange.time) else { return };
         let state = &mut self.states[exchange.record.connection.index];
         exchange.clock_move = exchange.clock.map(|before| ClockMove {
-            // The change is 0 if both answers allow for the same offset.
+            // The change is 0 if the same offset is possible for both answers.
             by: (now.0 - before.1).max(before.0 - now.1).max(0.0),
             since: time - state.clock_time,
             is_after_nothing: state.adjusted_by_nothing.is_some(),

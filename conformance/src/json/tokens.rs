@@ -435,8 +435,8 @@ fn simple_escape(letter: u8) -> Option<char> {
     })
 }
 
-/// The character of a `\u` escape, or of two escapes that form a surrogate pair, and the length of the escapes in
-/// bytes.
+/// Decodes a `\u` escape, or two escapes that form a surrogate pair. Returns the character and the length of the
+/// escapes in bytes.
 fn code_point(escape: &str) -> Option<(char, usize)> {
     let unit = |at: usize| {
         let digits =

@@ -1,4 +1,4 @@
-//! A JSON tree that preserves the text. This includes repeated keys, the digits of numbers, and the non-JSON tokens
+//! A JSON tree that preserves the text. The tree keeps repeated keys, the digits of numbers, and the non-JSON tokens
 //! that some programs write.
 
 use std::borrow::Cow;
@@ -13,7 +13,7 @@ const MAX_VALUES: usize = 1 << 20;
 /// The maximum length of a displayed value, in characters.
 const MAX_SHOWN: usize = 40;
 
-/// The maximum length of an excerpt, in bytes. This is about one line.
+/// The maximum length of an excerpt, in bytes: about one line.
 const MAX_EXCERPT: usize = 120;
 
 /// A JSON value.

@@ -24,7 +24,7 @@ const OBSERVE: Duration = Duration::from_millis(1_500);
 /// The time after which a UAV is lost.
 const LOSS: Duration = Duration::from_millis(700);
 
-/// The time after which a server that sends a farewell closes a connection. It is longer than any trial on a separate
+/// The maximum duration of a connection, for servers that send a farewell. It is longer than any trial on a separate
 /// connection.
 const FAREWELL_DELAY: Duration = Duration::from_secs(2);
 
@@ -40,7 +40,7 @@ const UAVS: [&str; 2] = ["glider-1", "glider-2"];
 /// User name and password.
 const LOGIN: (&str, &str) = ("pilot", "soar");
 
-/// The transports of servers without a bug, with the query of each URL.
+/// The transports for servers without a bug, each with the query of its URL.
 const TRANSPORTS: [(Transport, &str); 7] = [
     (Transport::Tcp, ""),
     (Transport::Udp, ""),
@@ -116,7 +116,8 @@ impl Row {
     }
 }
 
-/// All cases: a server without a bug for each transport, and each bug with the transport that reveals it.
+/// All cases: for each transport, a server without a bug; and for each bug, a server with the transport that reveals
+/// it.
 pub(crate) fn cases() -> Vec<Case> {
     let plain =
         |(transport, query)| Case { bug: None, transport, query, has_login: false, sends_farewell: false };

@@ -7,7 +7,7 @@ use super::Date;
 /// The reason why a known failure doesn't count.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Excuse {
-    /// The kind: it always fails, or it sometimes fails.
+    /// The kind of failure: constant or occasional.
     pub kind: ExcuseKind,
     /// The reason, from the list of known failures.
     pub reason: String,

@@ -41,7 +41,7 @@ impl Group {
         first.chain(self.farthest.clone()).collect()
     }
 
-    /// Shortens the common prefix if the message of another finding doesn't start with it.
+    /// Shortens the common prefix if another finding's message doesn't start with that prefix.
     fn compare(&mut self, message: String) {
         let first = self.examples.first().map_or_else(|| message.clone(), |(_, detail)| detail.to_string());
         let pairs = first.chars().zip(message.chars());
@@ -65,7 +65,7 @@ pub enum Verdict {
     Fail,
     /// All violations are known failures.
     Known,
-    /// Findings of an INFO rule, which are only shown.
+    /// Findings of an INFO rule, which affect no outcome.
     Shown,
     /// The rule doesn't apply to any data in the capture.
     NotCovered,

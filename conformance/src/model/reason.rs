@@ -10,7 +10,7 @@ use serde::Serialize;
 pub struct Reason {
     /// A description of the failure.
     pub message: String,
-    /// The path of the list of known failures that causes the failure; empty if there is none.
+    /// The path of the list of known failures that made the run fail; empty if no list did.
     pub path: String,
     /// The line in the list.
     pub line: Option<u64>,

@@ -36,7 +36,7 @@ pub enum Extent {
     /// The whole capture.
     #[default]
     Whole,
-    /// The whole file, but the file is truncated within a record.
+    /// All bytes of a file that is truncated within a record.
     #[serde(rename = "ends early")]
     EndsEarly,
     /// Some corrupt parts were skipped.

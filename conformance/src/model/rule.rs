@@ -51,7 +51,7 @@ impl fmt::Display for Status {
 /// A rule, without its check.
 #[derive(Debug)]
 pub struct Rule {
-    /// The id. Its meaning never changes, and it is never reused.
+    /// The id. The meaning of an id never changes, and ids are never reused.
     pub id: &'static str,
     /// The level.
     pub level: Level,

@@ -53,7 +53,7 @@ impl Connection {
         self.0.try_clone()
     }
 
-    /// Closes both directions.
+    /// Closes both directions of the connection.
     pub(crate) fn shut_down(&self) {
         // The peer may already have closed the connection.
         let _ = self.0.shutdown(Shutdown::Both);

@@ -13,7 +13,7 @@ use crate::rules::flockwave::{FlockwaveRule, asy_10, asy_19, env_07};
 /// The approximate number of steps.
 pub(super) const STEPS: usize = 25;
 
-/// The additional time limit for commands.
+/// The additional time allowed for commands.
 pub(super) const EXTRA_TIME: Duration = Duration::from_secs(45);
 
 /// The time limit for an operation to progress or end.
@@ -41,7 +41,7 @@ impl Probe<'_, '_> {
         let (known, missing): (Vec<String>, Vec<String>) =
             named.into_iter().partition(|id| uavs.contains(id));
         if !missing.is_empty() {
-            self.note(format!("no commands were sent to unknown UAVs: {}", missing.join(", ")));
+            self.note(format!("commands were not sent to these unknown UAVs: {}", missing.join(", ")));
         }
         let Some(first) = known.first().cloned() else { return };
         self.query(json!({ "type": "SYS-TIME" }));

@@ -12,7 +12,7 @@ use crate::flockwave::record::{Direction, Trial};
 use crate::flockwave::transport::client::{Client, Received, connect};
 use crate::flockwave::transport::endpoint::Endpoint;
 
-/// The maximum number of stored ids of unanswered requests.
+/// The maximum number of unanswered requests whose ids are stored.
 const MAX_WAITING: usize = 1_000;
 
 /// The reason recorded if the server closes a connection.
@@ -24,7 +24,7 @@ const DRAIN_TIMEOUT: Duration = Duration::from_millis(200);
 /// A connection.
 pub(super) struct Session {
     name: String,
-    /// True if each message is a separate HTTP request, which can fail by itself.
+    /// True if each message is a separate HTTP request. Each request can fail individually.
     is_one_shot: bool,
     is_stream: bool,
     client: Box<dyn Client>,
@@ -188,8 +188,8 @@ impl Session {
     }
 
     /// Adds an envelope to an HTTP answer that has none. The specification doesn't define this transport, and some
-    /// servers answer with only the body, since the request is known. If the request has no id, such an answer is an
-    /// error.
+    /// servers answer with only the body, since each HTTP response belongs to a known request. If the request has no
+    /// id, an answer without an envelope is an error.
     fn enveloped(&mut self, bytes: Vec<u8>) -> Result<Vec<u8>, Vec<u8>> {
         let Some(body) = bare(&bytes).filter(|_| self.is_one_shot) else { return Ok(bytes) };
         let Some(last_request) = &self.last_request else { return Err(bytes) };

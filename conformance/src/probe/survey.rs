@@ -97,7 +97,7 @@ impl Probe<'_, '_> {
         uavs
     }
 
-    /// Requests the objects of the other families.
+    /// Requests the objects of the other message families.
     fn lists(&mut self, uavs: &[String]) {
         let connections = ids(self.query_for_trial(&env_24::RULE, json!({ "type": "CONN-LIST" })).as_ref());
         self.query(json!({ "type": "CONN-INF", "ids": with_unknown_id(&connections) }));
@@ -176,7 +176,7 @@ fn strings(list: Option<&Value>) -> Vec<String> {
     found.into_iter().map(str::to_owned).collect()
 }
 
-/// The first of these ids, and a nonexistent id.
+/// The first id, followed by a nonexistent id.
 pub(super) fn with_unknown_id(ids: &[String]) -> Vec<&str> {
     ids.iter().take(MAX_OBJECTS).map(String::as_str).chain([UNKNOWN_ID]).collect()
 }

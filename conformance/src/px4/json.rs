@@ -4,9 +4,9 @@
 //! (`template.rs`). Other text takes a fast path: one pass without a tree, which can only confirm that a message has no
 //! findings ([`Plans::read`]).
 //!
-//! Everything else is parsed into a [`Tree`], which preserves repeated keys, the text of numbers, and tokens that
-//! aren't JSON, such as `NaN`. All findings come from the tree ([`Plans::explain`]). Both paths use the same checks of
-//! single values (`value.rs`), and a test with random changes compares their results.
+//! Everything else is parsed into a [`Tree`]. A tree preserves repeated keys, the text of numbers, and non-JSON tokens
+//! such as `NaN`. All findings come from the tree ([`Plans::explain`]). Both paths use the same checks of single values
+//! (`value.rs`), and a test with random changes compares their results.
 
 mod clean;
 mod dialect;

@@ -33,7 +33,7 @@ pub(crate) struct Plan {
     coverage: Coverage,
 }
 
-/// The values of a field. They all have the same constraints.
+/// The values of a field, which all have the same constraints.
 #[derive(Debug)]
 struct Step {
     /// The path of the field, e.g. `events[2].id`. If the field itself is an array, the path contains no index into it.
@@ -107,7 +107,7 @@ struct Compiler<'c> {
 
 impl Plan {
     /// Compiles a plan for payloads with the layout of `message_type`. The payloads are messages of the `message`
-    /// definition. Without a definition, only the constraints that types impose apply. Findings name the topic.
+    /// definition. Without a definition, only the constraints imposed by types apply. Findings name the topic.
     pub(crate) fn new(
         message_type: MessageType<'_>,
         message: Option<MessageId>,
@@ -132,12 +132,12 @@ impl Plan {
         self.size
     }
 
-    /// Checks a payload. It must contain all fields of its format.
+    /// Checks a payload. The payload must contain all fields of its format.
     pub(crate) fn check(&self, payload: &[u8], location: Location, findings: &mut Findings) {
         Run { payload, location, rules: self.rules, findings }.steps(&self.steps, 0, None);
     }
 
-    /// Adds the coverage of `messages` messages.
+    /// Adds the coverage of this many messages.
     pub(crate) fn count(&self, messages: u64, findings: &mut Findings) {
         self.coverage.count(messages, findings);
     }
@@ -217,15 +217,15 @@ impl Compiler<'_> {
             let base = offset + index * placed.stride;
             let within = Within { base, path: &path, subject: &subject, entries: &entries };
             self.add(nested, nested_id(field), within, steps);
-            // If one element needs no steps, no element does, and there can be millions of elements.
+            // If one element needs no steps, none of the elements do. There can be millions of them.
             if steps.len() == before {
                 break;
             }
         }
     }
 
-    /// Adds a sequence. Its elements have separate steps. The number of elements is unknown, so they aren't part of the
-    /// coverage.
+    /// Adds a sequence. The elements have separate steps. The number of elements is unknown, so elements aren't part of
+    /// the coverage.
     fn sequence(
         &mut self,
         placed: Placed<'_>,
@@ -393,7 +393,7 @@ struct Run<'r> {
 }
 
 impl Run<'_> {
-    /// Checks the values of the message or sequence element at offset `base`.
+    /// Checks the values of the message, or of the sequence element, at offset `base`.
     fn steps(&mut self, steps: &[Step], base: usize, trail: Option<&Trail<'_>>) {
         for step in steps {
             match &step.content {

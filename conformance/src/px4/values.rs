@@ -135,7 +135,7 @@ impl Coverage {
         }
     }
 
-    /// Adds the coverage of `messages` messages.
+    /// Adds the coverage of this many messages.
     pub(super) fn count(&self, messages: u64, findings: &mut Findings) {
         for (rule, values) in &self.0 {
             findings.cover(rule, values.saturating_mul(messages));
@@ -208,8 +208,8 @@ impl Violation<'_> {
         }
     }
 
-    /// True if the violation concerns the value itself rather than its notation. Such violations count only for entries
-    /// in use.
+    /// True if the violation concerns the value itself rather than its notation. Violations of this kind count only for
+    /// array entries in use.
     pub(super) fn is_of_value(&self) -> bool {
         matches!(self, Self::Bool(_) | Self::Number(..) | Self::Nul(_) | Self::NotUtf8(_))
     }
@@ -258,7 +258,7 @@ impl Plans {
         &self.messages[id.0 as usize]
     }
 
-    /// Adds the coverage of `messages` JSON messages.
+    /// Adds the coverage of this many JSON messages.
     pub(crate) fn count(&self, id: MessageId, messages: u64, findings: &mut Findings) {
         self.get(id).coverage.count(messages, findings);
     }

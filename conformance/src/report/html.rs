@@ -227,7 +227,7 @@ fn class(outcome: OutcomeKind) -> &'static str {
     }
 }
 
-/// Renders one of uavspec's own texts. Text between backticks becomes code.
+/// Renders a text that is part of uavspec. Text between backticks becomes code.
 fn with_code(text: &str) -> Markup {
     html! {
         @for (index, part) in text.split('`').enumerate() {
@@ -236,7 +236,7 @@ fn with_code(text: &str) -> Markup {
     }
 }
 
-/// A row of a list of facts; nothing if the value is empty.
+/// A row in a list of facts; empty if the value is empty.
 fn fact(label: &str, value: &str) -> Markup {
     html! {
         @if !value.is_empty() {

@@ -35,7 +35,7 @@ pub(super) fn write(report: &Report) -> String {
     junit::write(name, &suites)
 }
 
-/// The suite for reasons that belong to no subject.
+/// The suite for reasons for failure that belong to no subject.
 fn run_suite(name: &str, reasons: &[crate::model::Reason]) -> Option<Suite> {
     let messages: Vec<String> = reasons.iter().map(|reason| shown(&reason.to_string())).collect();
     let (kind, message) = ("run".to_owned(), messages.first()?.clone());
@@ -63,7 +63,8 @@ fn suite(subject: &Subject, rules: &[RuleReport]) -> Suite {
 
 /// The case for corrupt and unreadable parts.
 ///
-/// Skipped parts and an unreadable rest are errors. Truncation is not an error, because a power failure truncates logs.
+/// Skipped parts, and an unreadable remainder of the input, are errors. Truncation is not an error, because a power
+/// failure truncates logs.
 fn readable(subject: &Subject) -> junit::Case {
     let mut case = junit::Case::passed(shown(&subject.path), READABLE);
     let mut corruption = String::new();

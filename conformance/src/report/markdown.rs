@@ -62,7 +62,7 @@ fn list(page: &mut Page, items: &[String]) {
     }
 }
 
-/// Writes a table of rules with findings, and lists of the rules that passed or are not covered.
+/// Writes a table of the rules that have findings, and lists the rules that passed or are not covered.
 fn rules(page: &mut Page, report: &Report) {
     if report.rules.is_empty() {
         return;

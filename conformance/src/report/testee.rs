@@ -138,7 +138,8 @@ fn case_report(
     found
 }
 
-/// The verdict of each rule that the input of a case violates. A rule passes if the testee rejects all such inputs.
+/// The verdict of each rule that is violated by the input of at least one case. A rule passes if the testee rejects all
+/// inputs that violate it.
 fn rules(cases: &[Case]) -> Vec<RuleVerdict> {
     let mut rules: BTreeMap<&str, RuleVerdict> = BTreeMap::new();
     for case in cases {

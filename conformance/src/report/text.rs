@@ -60,7 +60,7 @@ fn capture(subject: &Subject, summary: &dyn Describe, text: &mut String) -> fmt:
     let width =
         subject.findings.iter().map(|found| found.rule.len()).max().unwrap_or_default().max(MIN_WIDTH);
     for level in [Level::Must, Level::Should, Level::Info] {
-        // Formats that differ are listed in the summary instead.
+        // Format differences are listed in the summary instead.
         let is_of_level = |found: &&Finding| found.level == level && found.rule != px4::FMT_01.rule.id;
         for found in subject.findings.iter().filter(is_of_level) {
             finding(found, width, text)?;

@@ -324,7 +324,7 @@ pub struct FlockwaveRule {
 pub(crate) enum Check {
     /// Checks a single message from the server.
     Message(fn(&Message<'_>, &mut RuleContext<'_>)),
-    /// Checks any record except a status report, together with its request and operations.
+    /// Checks any record except a status report, together with the record's request and operations.
     Exchange(fn(&Exchange<'_>, &mut RuleContext<'_>)),
     /// Checks a status report in the context of its session.
     StatusReport(fn(&StatusReport<'_>, &mut RuleContext<'_>)),

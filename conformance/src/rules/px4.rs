@@ -37,7 +37,7 @@ use super::sample::{Bag, Encoding, Flight, Lines, Log};
 use crate::model::{Channel, Detail, Level, Location, Message, Rule, Status};
 use crate::px4::ValueRules;
 
-/// The rules that capture readers check.
+/// The rules checked by capture readers.
 pub(crate) use self::{
     cdr_01::RULE as CDR_01, cdr_02::RULE as CDR_02, data_01::RULE as DATA_01, data_02::RULE as DATA_02,
     fmt_01::RULE as FMT_01, fmt_02::RULE as FMT_02, fmt_03::RULE as FMT_03, hash_01::RULE as HASH_01,
@@ -134,7 +134,7 @@ pub(crate) enum Change {
     Ulog(fn(&Flight<'_>, Log) -> Option<Log>),
     /// Changes the MCAP file of a flight.
     Mcap(fn(&Flight<'_>, Bag) -> Option<Bag>),
-    /// Changes the text of both kinds of JSON Lines files.
+    /// Changes the text of JSON Lines files in both encodings.
     Json(fn(Lines) -> Option<Lines>),
 }
 

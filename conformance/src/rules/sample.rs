@@ -1,5 +1,5 @@
-//! Conforming captures, generated from any definitions. Rules report no findings in them, and mutants are derived from
-//! them.
+//! Conforming captures, generated from any definitions. Rules report no findings in these captures. Mutants are derived
+//! from them.
 //!
 //! The bytes depend only on the definitions. All values are the typical values from the test vectors, so adjacent
 //! values differ and no value is zero by chance. Times and the messages of external components are realistic.
@@ -36,7 +36,7 @@ pub(crate) const START: u64 = 1_000_000;
 /// The external components, each with its arming check id and its last round.
 const COMPONENTS: [(u64, u64); 2] = [(3, ROUNDS - 1), (5, 31)];
 
-/// The number of rounds from one refusal to arm to the next.
+/// The number of rounds between consecutive refusals to arm.
 const REFUSED: u64 = 4;
 
 /// A short flight with all PX4 messages in the definitions.

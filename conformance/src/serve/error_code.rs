@@ -1,4 +1,4 @@
-//! UAV error codes: the codes that clients can set, and the codes that exclude each other.
+//! UAV error codes: the codes that clients can set, and mutually exclusive codes.
 
 use uavspec::flockwave::ErrorCode;
 use uavspec_runtime::ErrorClass;

@@ -1,4 +1,4 @@
-//! The core of the server: processes the requests of all connections, and advances the simulation. It uses neither
+//! The core of the server: processes the requests of all connections, and advances the simulation. The hub uses neither
 //! sockets nor the system time. The caller passes the elapsed time, so the same calls always produce the same messages.
 
 use std::collections::BTreeMap;
@@ -53,7 +53,7 @@ pub(super) enum ConnectionKind {
     Persistent,
     /// Datagrams: the server can't detect that the client has disconnected.
     Datagrams,
-    /// A single request. It receives only the notifications that it caused.
+    /// A connection for a single request. It receives only the notifications that the request caused.
     OneShot,
 }
 

@@ -35,7 +35,7 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(5);
 /// The write timeout, after which a client that doesn't read is disconnected.
 const SEND_LIMIT: Duration = Duration::from_secs(10);
 
-/// The time in which polling clients can fetch the last messages. The next poll usually follows immediately.
+/// The time during which polling clients can still fetch the last messages. The next poll usually follows immediately.
 const LAST_POLL: Duration = Duration::from_millis(500);
 
 /// The time limit for connections to end.
@@ -71,7 +71,7 @@ impl Shared {
         }
     }
 
-    /// Makes all threads end, and sends SYS-CLOSE to the clients.
+    /// Stops all threads, and sends SYS-CLOSE to the clients.
     pub(super) fn end(&self) {
         self.ending.get_or_init(Instant::now);
         self.hub().end();

@@ -15,7 +15,7 @@ const SUSPEND_AT: u8 = 50;
 #[derive(Debug)]
 pub(super) struct Operation {
     pub(super) receipt: String,
-    /// The end of the operation: a result or silence.
+    /// The end of the operation: with a result, or without a message.
     ending: Ending,
     /// The duration in simulated seconds.
     length: f64,
@@ -57,7 +57,7 @@ impl Report {
 }
 
 impl Operation {
-    /// An operation that takes some seconds and returns a result.
+    /// An operation that takes this many seconds and returns a result.
     pub(super) fn lasting(receipt: String, seconds: f64, result: Value) -> Self {
         Self {
             receipt,

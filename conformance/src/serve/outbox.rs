@@ -26,7 +26,7 @@ struct State {
 pub(super) enum Taken {
     /// At least one message.
     Texts(Vec<String>),
-    /// Nothing before the time limit.
+    /// No message arrived before the time limit.
     Nothing,
     /// Nothing: the queue is closed and empty.
     End,

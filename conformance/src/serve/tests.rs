@@ -15,8 +15,8 @@ use crate::rules::flockwave::{
     udp_02, udp_03,
 };
 
-/// Rules with a bug that a single client with consecutive requests can't observe. `tests/live_matrix.rs` covers the
-/// bugs of transports and concurrent requests. Another test in this file covers the login bug.
+/// Rules with a bug that can't be observed by a single client sending one request at a time. `tests/live_matrix.rs`
+/// covers the bugs of transports and concurrent requests. Another test in this file covers the login bug.
 static NOT_OBSERVABLE: [&Rule; 12] = [
     &ack_06::RULE.rule,
     &env_25::RULE.rule,
@@ -86,7 +86,7 @@ impl TestSession {
     }
 }
 
-/// The messages of a session whose requests exercise all rules.
+/// The messages of a session whose requests cover all rules.
 fn transcript(bug: Option<&'static FlockwaveRule>) -> Vec<String> {
     let mut session = TestSession::new(bug, None);
     let both = ["glider-1", "missing-1"];

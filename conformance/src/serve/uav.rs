@@ -11,16 +11,16 @@ use super::random::Random;
 /// The position of the fleet: a gliding airfield on a hill, in degrees.
 const ORIGIN: [f64; 2] = [50.498, 9.952];
 
-/// The altitude of the origin above mean sea level, in meters.
+/// The altitude of the origin above mean sea level, in metres.
 const ORIGIN_ALTITUDE: f64 = 905.0;
 
-/// Meters per degree of latitude.
+/// Metres per degree of latitude.
 const DEGREE: f64 = 111_320.0;
 
-/// The altitude above the home position after takeoff, in meters.
+/// The altitude above the home position after takeoff, in metres.
 const TAKEOFF_ALTITUDE: f64 = 10.0;
 
-/// Speeds in meters per second: cruising, climbing, descending, and falling with stopped motors.
+/// Speeds in metres per second: cruising, climbing, descending, and falling with stopped motors.
 const CRUISE: f64 = 8.0;
 const CLIMB: f64 = 2.5;
 const DESCENT: f64 = 1.5;
@@ -32,10 +32,10 @@ const FLYING_DRAIN: f64 = 100.0 / 1200.0;
 const IDLE_DRAIN: f64 = FLYING_DRAIN / 3.0;
 const STANDBY_DRAIN: f64 = FLYING_DRAIN / 60.0;
 
-/// The distance from the target at which a UAV counts as arrived, in meters.
+/// The distance from the target at which a UAV counts as arrived, in metres.
 const CLOSE: f64 = 0.05;
 
-/// A position relative to the origin in meters: north, east, up.
+/// A position relative to the origin in metres: north, east, up.
 type Position = [f64; 3];
 
 /// The activity of a UAV.
@@ -52,7 +52,7 @@ enum Activity {
     Falling,
 }
 
-/// A target position: latitude and longitude in 1e-7 degrees, and an altitude in millimeters.
+/// A target position: latitude and longitude in 1e-7 degrees, and an altitude in millimetres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Target {
     pub(super) latitude: i64,
@@ -200,7 +200,7 @@ impl Uav {
         self.charge = percent.clamp(0.0, 100.0);
     }
 
-    /// Advances the simulation by some seconds. `now` is in milliseconds since 1970.
+    /// Advances the simulation by this many seconds. `now` is in milliseconds since 1970.
     pub(super) fn advance(&mut self, seconds: f64, now: u64) {
         if self.is_sleeping() {
             self.velocity = [0.0; 3];

@@ -126,7 +126,7 @@ impl Link {
                 Err(RecvTimeoutError::Timeout) if left <= POLL_INTERVAL => return Received::Nothing,
                 Err(RecvTimeoutError::Timeout) => {}
             }
-            // Descendants of the process may keep its output open. They are killed when it ends.
+            // Descendants of the process may keep its output open. They are killed when the process ends.
             if let Peer::Process(process) = &mut self.peer {
                 process.ended(Instant::now());
             }
@@ -164,7 +164,7 @@ impl Link {
             (Peer::Connection(_), Received::Closed) => Ok(()),
             (Peer::Connection(_), Received::Lost(how)) => Err(how),
             (Peer::Connection(_), _) => {
-                Err("the testee doesn't close the connection after uavspec closes its half".to_owned())
+                Err("the testee doesn't close the connection after uavspec closes its side".to_owned())
             }
         }
     }
@@ -199,7 +199,7 @@ pub(super) fn remaining_stderr(stderr: &str) -> String {
     if stderr.is_empty() {
         String::new()
     } else {
-        format!("\nThe last lines of its standard error:\n{stderr}")
+        format!("\nThe last lines of the testee's standard error:\n{stderr}")
     }
 }
 
@@ -214,8 +214,8 @@ impl Input for ChildStdin {
 
 impl Input for TcpStream {
     fn close(self) {
-        // Dropping this handle isn't enough, since others keep the socket open. An error only means that the socket is
-        // already disconnected.
+        // Dropping this handle isn't enough, since other handles keep the socket open. An error only means that the
+        // socket is already disconnected.
         let _ = self.shutdown(Shutdown::Write);
     }
 }

@@ -35,7 +35,7 @@ pub struct Check {
 pub enum CheckOutcome {
     /// The testee meets the requirement.
     Pass,
-    /// The testee doesn't meet the requirement. Contains a description of its behavior.
+    /// The testee doesn't meet the requirement. Contains a description of the testee's behaviour.
     Fail(String),
     /// The check doesn't apply, for this reason.
     NotApplicable(String),
@@ -114,7 +114,7 @@ pub fn check(id: &str) -> Option<&'static Check> {
 
 /// Checks a testee. Returns an error if it can't be started or accepts no connection. `only` selects checks. If `only`
 /// is empty, all checks run. The first check always runs because the others require it. `progress` receives the number
-/// of finished checks and their total.
+/// of finished checks and the total number.
 pub fn lint(
     cases: &[Case],
     types: &Types,
@@ -173,7 +173,7 @@ impl Bench<'_> {
         self.cases.iter().filter(move |case| hello.is_some_and(|hello| case.is_for(hello)))
     }
 
-    /// The first supported case with valid input for which the predicate is true.
+    /// The first supported case that has valid input and satisfies the predicate.
     fn known_case(&self, is_wanted: impl Fn(&Case) -> bool) -> Option<&Case> {
         self.known_cases().find(|case| case.rule.is_none() && is_wanted(case))
     }

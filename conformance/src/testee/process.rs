@@ -25,7 +25,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(5);
 /// The exit status of an interrupted program, as in shells.
 const INTERRUPTED: i32 = 130;
 
-/// The running process groups. They don't receive the signals that a terminal sends to the foreground group.
+/// The running process groups. These groups don't receive the signals that a terminal sends to the foreground group.
 static GROUPS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
 
 /// A running testee. Dropping it kills the process.
@@ -36,7 +36,7 @@ pub(super) struct Process {
 }
 
 impl Process {
-    /// Starts a testee, and returns its standard input and output as well.
+    /// Starts a testee. Returns the process with its standard input and output.
     pub(super) fn start(command: &[OsString]) -> io::Result<(Self, ChildStdin, ChildStdout)> {
         let Some((program, arguments)) = command.split_first() else {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, "no command"));

@@ -3,11 +3,11 @@
 //! If the testee listens on a port, connections take the place of processes.
 //!
 //! Several requests are pending at a time. If the process ends or stops responding, one of the pending requests is the
-//! probable cause. Each of these is repeated alone, the oldest first, until a request ends a process that received
-//! nothing else. A case therefore counts as crashed only if it crashes the testee by itself. Other crashes become
+//! probable cause. Each pending request is repeated alone, the oldest first, until a process ends after receiving only
+//! one request. A case therefore counts as crashed only if it crashes the testee by itself. Other crashes become
 //! remarks.
 //!
-//! Neighboring cases often fail together. After a crash, requests are therefore sent one at a time, and the number of
+//! Neighbouring cases often fail together. After a crash, requests are therefore sent one at a time, and the limit on
 //! pending requests doubles with each response. If every case crashes the testee, each case requires only one start.
 
 use std::collections::{BTreeSet, VecDeque};
@@ -25,7 +25,7 @@ use super::outcome::{Outcome, ProtocolRemarks, Verdict};
 use super::protocol::{Hello, Response};
 
 /// Runs the selected cases, given as indices, which are also their ids on the wire. Returns an error if the testee
-/// can't be started or sends no valid hello. `progress` receives the number of finished cases and their total.
+/// can't be started or sends no valid hello. `progress` receives the number of finished cases and the total number.
 pub fn run<'c>(
     cases: &'c [Case],
     selected: &[usize],
@@ -205,7 +205,7 @@ impl<'s, 'r> Worker<'s, 'r> {
         }
     }
 
-    /// Sends the requests that may be sent now; suspects are sent one at a time.
+    /// Sends the requests that may be sent now. Requests suspected of causing a crash are sent one at a time.
     fn send_requests(&mut self) {
         if self.suspicion.is_some() {
             if self.pending.is_empty()

@@ -1,4 +1,4 @@
-//! Tests of HTML reports in a browser: they fit desktop and phone screens, follow the color scheme, and neither load
+//! Tests of HTML reports in a browser: they fit desktop and phone screens, follow the colour scheme, and neither load
 //! resources nor run scripts.
 //!
 //! `UAVSPEC_PICTURES` names a folder in which to keep the screenshots.

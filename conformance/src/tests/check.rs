@@ -296,7 +296,7 @@ fn accepts_a_new_subscription_after_the_old_one_ended() {
         let result = run_check(&log);
         violated(&result).iter().map(|(rule, _)| *rule).collect::<Vec<_>>()
     };
-    // The new subscription has the same id, or another id after the old id was unsubscribed or reused.
+    // The new subscription has the same id. Or it has another id, and the old id was unsubscribed or reused.
     let again = |log: &mut Writer, id| _ = log.subscribe(id, 0, "glider");
     assert_eq!(checked(&|log| again(log, 5)), NONE);
     let moved = |log: &mut Writer| {

@@ -23,7 +23,7 @@ const REPLY: &str = "ArmingCheckReply";
 /// The time between requests, in ms.
 const PERIOD: u64 = 300;
 
-/// A recording, written message by message with times in ms.
+/// A recording that is written message by message, with times in ms.
 #[derive(Clone)]
 struct Script<'d> {
     typical: &'d Flight<'d>,
@@ -90,7 +90,7 @@ impl<'d> Script<'d> {
         }
     }
 
-    /// The findings of the rules on external components. They must be identical for `ULog`, JSON and MCAP.
+    /// The findings of the rules on external components. The findings must be identical for `ULog`, JSON and MCAP.
     fn found(&self) -> Vec<String> {
         let log = self.run_check(&self.flight.log().to_bytes());
         for other in [self.flight.rosbridge().to_bytes(), self.flight.bag().to_bytes()] {

@@ -456,7 +456,7 @@ fn reads_hostile_recordings() {
     assert!(reported.map(|(_, detail)| detail.to_string().len()).max() < Some(2_000), "messages are short");
 }
 
-/// Requests that were dropped to save memory have no findings.
+/// Requests that were dropped to save memory cause no findings.
 #[test]
 fn stores_a_bounded_number_of_requests() {
     let mut text = String::from("{\"conn\":\"hill\",\"dir\":\"event\",\"event\":\"connect\"}\n");
@@ -513,7 +513,8 @@ fn reports_describe_the_recording() {
 /// - It omits the holder of a license.
 /// - The components of a magnetic field have fractions.
 /// - It uses another name for preflight checks.
-/// - It writes connection purposes as numbers, 0 in lists of error codes, and seconds instead of milliseconds.
+/// - It writes connection purposes as numbers, includes 0 in lists of error codes, and writes seconds instead of
+///   milliseconds.
 /// - It doesn't report the end of a cancelled operation.
 /// - It sends the error codes that the client set for the server's gliders.
 #[test]

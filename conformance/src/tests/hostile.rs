@@ -1,4 +1,4 @@
-//! Test runs with hostile input, which tries to break reports.
+//! Runs with hostile input that tries to break reports, for tests.
 
 use crate::check::check_capture;
 use crate::definitions::Definitions;
@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 /// A string with characters that have a special meaning in a report format, or that are misleading when displayed.
 pub(crate) const HOSTILE: &str = "</style><script>alert(1)</script>|`*[x](javascript:y)]]>&amp;\"'\r\n::error::\u{1b}[31m\u{7}\u{202e}\u{ffff}é🛩";
 
-/// Captures that violate each rule, by name, and JSON with hostile names.
+/// Captures with their names: violations of each rule, and JSON with hostile names.
 pub(crate) fn captures(definitions: &Definitions) -> Vec<(String, Vec<u8>)> {
     let flight = Flight::new(definitions);
     let mut sources = Vec::new();

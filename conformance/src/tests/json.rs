@@ -61,7 +61,7 @@ fn published(topic: &str, message: &Value) -> String {
     json!({"op": "publish", "topic": topic, "msg": message}).to_string()
 }
 
-/// The type name. Its package depends on the temporary folder.
+/// The type name. The package of the type depends on the temporary folder.
 fn type_name() -> String {
     let (_folder, definitions) = definitions();
     format!("{}/Glider", definitions.schema.packages[0].name)

@@ -378,7 +378,7 @@ fn conforming_json_has_no_findings() {
     assert_eq!(source(&result).channels[0].status, CheckStatus::Checked(Basis::NoSchema));
 }
 
-/// rosbag2 can compress each message separately, without a note in the file.
+/// rosbag2 can compress each message separately without indicating this in the file.
 #[test]
 fn unpacks_separately_compressed_messages() {
     let pack = |payload: &[u8]| compress_to_vec(payload, CompressionLevel::Fastest);

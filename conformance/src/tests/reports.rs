@@ -144,7 +144,7 @@ fn state() -> impl Strategy<Value = (String, Value)> {
     })
 }
 
-/// The body of a message, whether the server sends it, and the id of the request that it answers.
+/// The body of a message, true if the server sends the message, and the id of the answered request, if any.
 type Content = (Value, bool, Option<&'static str>);
 
 /// The content of a message, usually a status report.
@@ -183,7 +183,7 @@ fn content() -> impl Strategy<Value = Content> {
     ]
 }
 
-/// The style of a line: order of members, white space, connection, and time.
+/// The form of a line: member order, white space, connection, and time.
 #[derive(Clone, Debug)]
 struct Style {
     is_type_first: bool,

@@ -1,4 +1,4 @@
-//! Tests of rules on trials and connections: valid server behavior has no findings.
+//! Tests of rules on trials and connections: valid server behaviour has no findings.
 
 use crate::check::{CaptureResult, check_capture};
 use crate::definitions::Definitions;
@@ -128,7 +128,7 @@ fn a_ping_may_be_rejected_before_the_login() {
     assert_eq!((violated_by(&session), covered(&session, "FW-SYS-PING-01")), (vec![], 1));
 }
 
-/// Before the login, a server may reject all requests in the same way.
+/// Before login, a server may reject all requests in the same way.
 #[test]
 fn detects_supported_families_by_their_rejections() {
     let session_with = |login: Option<bool>, reasons: [&str; 3]| {
@@ -174,7 +174,7 @@ fn accepts_changing_objects() {
         });
         assert_eq!(violated_by(&session), []);
     }
-    // An object may appear and disappear with notifications.
+    // Notifications may report that an object disappears and reappears.
     let session = over("tcp#2", |session| {
         objects(session, &[], &["kite"]);
         objects(session, &["beacon"], &["mast"]);

@@ -170,12 +170,12 @@ impl Fleet {
         self.uavs.iter().map(|(id, member)| (id, &member.value))
     }
 
-    /// The UAV with an id.
+    /// The UAV with this id.
     pub(crate) fn get(&self, id: &str) -> Option<&Uav> {
         self.uavs.get(id).map(|member| &member.value)
     }
 
-    /// True if the server has sent a list of its UAVs, and a state or refusal for each.
+    /// True if the server has sent a list of its UAVs, and a state or refusal for each UAV.
     pub(crate) fn is_complete(&self) -> bool {
         let is_known = |uav: &Uav| uav.state.is_some() || uav.refusal.is_some();
         self.has_list && self.uavs().all(|(_, uav)| is_known(uav))

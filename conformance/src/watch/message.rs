@@ -8,7 +8,7 @@ use crate::json::Tree;
 /// A message.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Message {
-    /// The id of the request that it responds to.
+    /// The id of the request that this message answers.
     pub refs: Option<String>,
     /// The content.
     pub content: Content,

@@ -124,7 +124,7 @@ impl Poller {
         }
     }
 
-    /// The UAVs to request next. UAVs that were never requested are first.
+    /// The UAVs whose states to request next. UAVs without an earlier request come first.
     fn overdue(&mut self, now: Instant) -> Vec<String> {
         let is_due = |last: Option<Instant>| last.is_none_or(|last| now.duration_since(last) >= SILENCE);
         let mut due: Vec<(Option<Instant>, &str)> = self
@@ -163,7 +163,7 @@ impl Poller {
 mod tests {
     use super::*;
 
-    /// The types of all requests that are due, and the number of UAVs in each.
+    /// The types of all due requests, and the number of UAVs in each request.
     fn requested(poller: &mut Poller, now: Instant) -> Vec<(String, usize)> {
         let requests = std::iter::from_fn(|| poller.next(now));
         let body = |text: String| serde_json::from_str::<Value>(&text).expect("JSON")["body"].take();
@@ -210,7 +210,7 @@ mod tests {
         assert_eq!(requested(&mut poller, now + SEARCH_INTERVAL), []);
         receive(&mut poller, &states(Some("watch-4"), 0..50), now);
         assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 50)]));
-        // The response is lost, or has no envelope and can't be identified.
+        // The response was lost, or can't be identified because it has no envelope.
         receive(&mut poller, &states(None, 0..1), now);
         assert_eq!(requested(&mut poller, now + SEARCH_INTERVAL), []);
         let now = now + ANSWER_LIMIT;

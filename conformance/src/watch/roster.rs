@@ -60,7 +60,7 @@ impl<T: Default> Roster<T> {
         self.members.get_mut(id)
     }
 
-    /// Returns the UAV with an id, and adds it if necessary; `None` if a limit is exceeded.
+    /// Returns the UAV with this id, which is added if necessary. `None` if a limit is exceeded.
     pub(super) fn admit(&mut self, id: &str) -> Option<&mut Member<T>> {
         if !self.members.contains_key(id) {
             if id.len() > ID_LIMIT || self.members.len() >= UAV_LIMIT {

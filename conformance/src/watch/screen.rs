@@ -109,7 +109,7 @@ impl Screen {
             KeyCode::Char('/') => self.page = Page::Filter,
             KeyCode::Char('s') => {
                 self.order = self.order.next();
-                // The first UAV in the new order is selected.
+                // Select the first UAV in the new order.
                 self.first_row = 0;
                 self.row = 0;
                 self.selected = None;
@@ -165,7 +165,7 @@ impl Screen {
             KeyCode::PageUp => self.first_line.saturating_sub(page),
             KeyCode::PageDown => self.first_line + page,
             KeyCode::Home | KeyCode::Char('g') => 0,
-            // When the page is drawn, this is reduced to the last line.
+            // Drawing the page reduces this value to the last line.
             KeyCode::End | KeyCode::Char('G') => usize::MAX / 2,
             _ => return false,
         };

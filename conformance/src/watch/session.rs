@@ -13,7 +13,7 @@ use crate::flockwave::transport::endpoint::Endpoint;
 /// The maximum time to connect.
 const CONNECT_LIMIT: Duration = Duration::from_secs(10);
 
-/// The time without a message after which the connection counts as lost. This is sufficient, since requests are sent
+/// The connection counts as lost after this time without a message. The time is long enough, because requests are sent
 /// every few seconds.
 const SILENCE_LIMIT: Duration = Duration::from_secs(15);
 
@@ -53,7 +53,7 @@ impl Session {
         let is_over = move |pause| ended.recv_timeout(pause) == Err(RecvTimeoutError::Disconnected);
         thread::spawn(move || {
             let mut watch = Watch { endpoint, on_event: Box::new(on_event), is_over: Box::new(is_over) };
-            // The only error is the end of the session.
+            // The only possible error is that the session has ended.
             let _ = watch.run();
         });
         Self { _end: end }

@@ -96,7 +96,7 @@ pub(crate) struct Errors {
 /// The reported state of a UAV.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct State {
-    /// The id of the UAV, as stated in its state.
+    /// The id of the UAV, according to this state.
     pub id: Field<String>,
     /// The time of the state according to the server's clock, in milliseconds since 1970.
     pub timestamp: Field<i64>,

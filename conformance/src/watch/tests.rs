@@ -33,7 +33,7 @@ struct Watched {
     fleet: Fleet,
     events: Receiver<Event>,
     _session: Session,
-    /// The number of notifications with states, and the number of responses with states.
+    /// The numbers of notifications and of responses that contained states.
     reported: [usize; 2],
 }
 

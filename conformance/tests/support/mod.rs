@@ -77,7 +77,7 @@ impl Writer {
         self.message(b'F', &[text.as_bytes()])
     }
 
-    /// Writes a message `I` or `P`. For `M` and `Q`, `first` is the byte before the key.
+    /// Writes a message of type `I`, `M`, `P` or `Q`. For `M` and `Q`, `first` is the byte before the key.
     pub(crate) fn entry(&mut self, kind: u8, first: &[u8], key: &str, value: &[u8]) -> u64 {
         let length = u8::try_from(key.len()).expect("a short key");
         self.message(kind, &[first, &[length], key.as_bytes(), value])
@@ -163,7 +163,7 @@ impl Random {
     }
 }
 
-/// A reader that returns the bytes in pieces of these sizes, repeatedly; 0 is an interruption.
+/// A reader that returns the bytes in pieces. The list of piece sizes repeats; a size of 0 causes an interruption.
 pub(crate) struct Pieces<'b> {
     pub(crate) rest: &'b [u8],
     pub(crate) sizes: Vec<usize>,

@@ -74,7 +74,7 @@ impl Service {
         thread::spawn(move || {
             let mut requests = BufReader::new(requests);
             let mut hello = Vec::new();
-            // The other side observes errors as well.
+            // The peer observes errors as well.
             let _ = requests.read_until(b'\n', &mut hello).and_then(|_| input.write_all(&hello));
             let _ = requests.fill_buf();
             if let Some(gate) = gate {

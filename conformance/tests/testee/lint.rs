@@ -42,7 +42,8 @@ const DETERMINISTIC: &[(&[&str], &[&str])] = &[
     (&["chatty"], &["only-answers"]),
 ];
 
-/// Modes that fail unpredictably, with the checks that always fail. The fifth request of a session has the id 1005.
+/// Modes whose failures differ between runs, with the checks that always fail. The fifth request of a session has the
+/// id 1005.
 const UNPREDICTABLE: &[(&[&str], &[&str])] = &[
     (&["crash", "1005"], &["answers-have-ids", "one-answer-each"]),
     (&["hang", "1005"], &["one-answer-each"]),
@@ -175,7 +176,7 @@ fn checks_of_unsupported_features_are_not_applicable() {
         status == Some(0) && printed.contains("\n\n16 passed, 0 failed, 5 not applicable"),
         "{printed}{output}"
     );
-    // Now it supports the message, which has no floats.
+    // With these definitions, the testee supports the message, which has no floats.
     let (status, printed, output) =
         uavspec(&["--definitions", folder, "--", testee, "--definitions", folder]);
     assert!(

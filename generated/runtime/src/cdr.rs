@@ -60,8 +60,8 @@ impl ByteOrder {
     }
 }
 
-/// True if the `left` bytes after a message that ends at `end` can be padding. Transports pad payloads to a multiple of
-/// four bytes.
+/// True if the remaining `left` bytes, after a message that ends at `end`, can be padding. Transports pad payloads to a
+/// multiple of four bytes.
 pub const fn is_padding(end: usize, left: usize) -> bool {
     end + left <= end.next_multiple_of(4)
 }
@@ -144,8 +144,8 @@ fn truncated(message: &'static MessageDescriptor, size: usize) -> DecodeError {
     DecodeError { fault, offset: offset + HEADER, path }
 }
 
-/// Finds the first value that doesn't end within the first `end` bytes, and its offset. Advances `at` past the values
-/// before it.
+/// Finds the first value that doesn't end within the first `end` bytes, and its offset. Advances `at` past all earlier
+/// values.
 fn find_end(
     message: &'static MessageDescriptor,
     at: &mut usize,

@@ -18,7 +18,7 @@ use crate::{Constraint, Scalar};
 pub struct MessageDescriptor {
     /// The name of the message.
     pub name: &'static str,
-    /// The fields, in declared order.
+    /// The fields, in declaration order.
     pub fields: &'static [FieldDescriptor],
     /// Size in memory, if it is fixed.
     pub size: Option<Size>,

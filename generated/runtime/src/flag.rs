@@ -29,7 +29,7 @@ impl Flag {
 macro_rules! flags {
     ($type:ident; $($field:ident $(. $inner:tt)? $(!= $unset:literal)? $name:literal $group:literal $label:literal;)*) => {
         impl $type {
-            /// The flags that are set, in declared order.
+            /// The flags that are set, in declaration order.
             pub fn set_flags(&self) -> impl ::core::iter::Iterator<Item = $crate::Flag> {
                 $crate::Flag::set(
                     [$(self.$field $(.$inner)? $(!= $unset)?),*],

@@ -1,14 +1,14 @@
 //! The JSON form of messages, through serde. The published schemas describe this form.
 //!
-//! A message is an object with all fields in declared order. NaN is `null`. Infinity has no JSON form: writing it is an
-//! error that names the field. PX4's `char[N]` is a string.
+//! A message is an object with all fields in declaration order. NaN is `null`. Infinity has no JSON form: writing it is
+//! an error that names the field. PX4's `char[N]` is a string.
 //!
 //! Reading accepts the fields in any order, and rejects missing, repeated and unknown fields. Integers have no
 //! fraction: reading rejects `1.0`, although JSON Schema accepts it as the integer 1. Reading accepts sequences and
 //! strings that exceed their bounds; [`validate`](crate::Message::validate) reports them.
 //!
 //! This code compiles faster than serde's derive, because it generates less code for each message. Keys usually arrive
-//! in declared order, so reading normally compares one name per field.
+//! in declaration order, so reading normally compares one name per field.
 //!
 //! ```
 //! # use uavspec_runtime::{Definition, Message, record};
@@ -47,7 +47,7 @@ use crate::record::{FieldSink, Record, Value};
 /// A message whose fields can be read one by one, by index.
 #[doc(hidden)]
 pub trait Fields: Record + Default {
-    /// The names of the fields, in declared order.
+    /// The names of the fields, in declaration order.
     const NAMES: &'static [&'static str];
     /// A bit set that records which fields have been read, with one bit per field.
     type Seen: AsMut<[u64]>;
@@ -161,7 +161,7 @@ impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
         let mut record = T::default();
         let mut source = Members(map);
-        // Fast path: while the fields arrive in declared order, no field can be repeated.
+        // Fast path: while the fields arrive in declaration order, no field can be repeated.
         let mut read = 0;
         let next = loop {
             let next = source.0.next_key_seed(KeySeed::<T>(read, PhantomData))?;

@@ -626,8 +626,9 @@ macro_rules! json_either {
 /// Implements reading and writing of an enum with one variant for each message type of a direction: `json_messages! {
 /// Request; GliderInf glider_inf "GLIDER-INF"; }`.
 ///
-/// The `type` field of a message selects the variant. Each variant contains a message body: in the given module, the
-/// type with the same name as the enum. The `Other` variant contains a message of any other type, as JSON.
+/// The `type` field of a message selects the variant. Each variant contains a message body. The type of the body has
+/// the same name as the enum and is in the given module. The `Other` variant contains a message of any other type, as
+/// JSON.
 #[macro_export]
 macro_rules! json_messages {
     ($type:ident; $($variant:ident $module:ident $name:literal;)*) => {

@@ -1,7 +1,7 @@
 //! The memory layout of uORB messages. The payload of `ULog` data messages has the same layout.
 //!
 //! PX4's generator sorts the members of a message by the size of their element type, largest first. Members with the
-//! same element size keep their declared order. Nested messages come last, each aligned to 8 bytes. The message is
+//! same element size keep their declaration order. Nested messages come last, each aligned to 8 bytes. The message is
 //! padded to a multiple of 8 bytes. uavspec-codegen computes layouts with [`place`], and generated code checks them at
 //! compile time.
 //!
@@ -91,7 +91,7 @@ const fn align(offset: usize) -> usize {
 /// True if a message's field offsets and size follow the layout rules.
 ///
 /// The algorithm differs from [`place`] on purpose, so each verifies the other. This function first adds up the space
-/// for each element size, then checks the offset of each field in declared order.
+/// for each element size, then checks the offset of each field in declaration order.
 pub const fn is_consistent(message: &MessageDescriptor) -> bool {
     let Some(size) = message.size else { return false };
     // The offset of the next field for each element size (8, 4, 2 and 1 bytes), then of the next nested message.

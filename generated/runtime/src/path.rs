@@ -25,7 +25,7 @@ struct Step {
     element: u32,
 }
 
-/// Marks a step without an element.
+/// Marks a step without an element index.
 const NONE: u32 = u32::MAX;
 
 /// A path without steps, for a message that is not known yet.

@@ -21,10 +21,10 @@ pub trait Record: Default + crate::JsonField + crate::SchemaRecord {
     /// The descriptor of the message.
     const DESCRIPTOR: &'static MessageDescriptor;
 
-    /// Writes each field to `sink`, in declared order.
+    /// Writes each field to `sink`, in declaration order.
     fn write_fields<S: FieldSink>(&self, sink: &mut S);
 
-    /// Reads each field from `source`, in declared order.
+    /// Reads each field from `source`, in declaration order.
     fn read_fields<S: FieldSource>(source: &mut S) -> Self;
 }
 

@@ -32,7 +32,7 @@ pub enum Scalar {
 }
 
 impl Scalar {
-    /// All scalar types, in declared order.
+    /// All scalar types, in declaration order.
     pub const ALL: [Self; 13] = [
         Self::Bool,
         Self::Byte,

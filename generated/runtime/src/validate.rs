@@ -13,7 +13,8 @@ pub struct Violation {
     pub rule: Rule,
     /// The field or element.
     pub path: Path,
-    /// The value. For a sequence or string, the length. For text, the offset of the first invalid UTF-8 byte.
+    /// The value of a number, the length of a sequence or string, or the offset of the first invalid UTF-8 byte in
+    /// text.
     pub found: Number,
     /// The constraint on the numbers of the field.
     pub constraint: Option<&'static Constraint<'static>>,

@@ -17,7 +17,7 @@ const ADDITIONS: [(&str, &str); 2] =
 pub(crate) struct Gathered {
     /// The number of pages.
     pub(crate) count: usize,
-    /// Pages in languages other than English, which are excluded from the search.
+    /// Pages in languages other than English, which are excluded from the search index.
     pub(crate) translated: Vec<String>,
 }
 

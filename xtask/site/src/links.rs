@@ -19,7 +19,7 @@ impl<'r> Links<'r> {
         Self { repository, pages: by_hand().map(|chapter| (chapter.source, chapter.page)).collect() }
     }
 
-    /// Returns a document with the links of the site. Links to files that the site doesn't have become plain text.
+    /// Returns a document with the links of the site. A link to a file that isn't on the site becomes plain text.
     ///
     /// Links to missing files and reference-style links are added to `errors`.
     pub(crate) fn moved(&self, text: &str, chapter: &Chapter, errors: &mut Vec<String>) -> String {
@@ -67,7 +67,7 @@ impl<'r> Links<'r> {
         let has_index = self.repository.join(path).join("README.md").is_file();
         let page = match (is_folder, has_index) {
             (true, true) => format!("{}/README.md", below.trim_end_matches('/')),
-            // A browser lists the files of a local folder.
+            // Browsers show a list of files for a local folder.
             _ => below.to_owned(),
         };
         GENERATED.contains(&folder).then_some(page)

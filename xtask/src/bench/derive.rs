@@ -33,7 +33,7 @@ const DERIVES: &str = r#"#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 "#;
 
-/// Writes a crate with the structs of `messages`, a folder of generated modules, to `folder`.
+/// Writes a crate to `folder`. The crate contains the structs from the generated modules in the folder `messages`.
 pub(super) fn write(messages: &Path, folder: &Path) -> Result<(), String> {
     let at = |error: std::io::Error| format!("{}: {error}", folder.display());
     let mut text = String::from("#![allow(ambiguous_glob_reexports)]\npub mod px4 {\n");

@@ -45,7 +45,7 @@ pub(super) struct Case {
     pub(super) id: String,
     /// The instance exactly as in the vectors, because tools parse numbers differently.
     pub(super) text: String,
-    /// True if the schema accepts it.
+    /// True if the schema accepts the instance.
     pub(super) is_valid: bool,
     /// The violated rule, if a schema can't express it.
     pub(super) beyond: Option<String>,
@@ -161,7 +161,7 @@ impl Jobs {
 }
 
 /// The cases that have a JSON form. The expected results come from the files in the format of the JSON Schema Test
-/// Suite. These files omit cases that tools disagree on. For such cases, the result comes from the vectors.
+/// Suite. These files omit cases on which tools disagree. The results of the omitted cases come from the vectors.
 fn cases(folder: &Path, path: &Path, vectors: Vec<Vector>) -> Result<Vec<Case>, String> {
     let root = folder.join("vectors");
     let relative = path.strip_prefix(&root).map_err(|error| error.to_string())?;

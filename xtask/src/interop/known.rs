@@ -92,8 +92,8 @@ impl Known {
         errors
     }
 
-    /// Classifies the disagreements of the tools that ran. The first matching entry explains a disagreement. An entry
-    /// must explain at least one disagreement of each of its tools that ran. Each pattern of the entry must match at
+    /// Classifies the disagreements of the tools that ran. The first matching entry explains a disagreement. For each
+    /// of its tools that ran, an entry must explain at least one disagreement. Each pattern of an entry must match at
     /// least one disagreement.
     pub(super) fn classify(&self, tallies: &BTreeMap<String, Tally>) -> Classification {
         let mut classification = Classification::default();

@@ -30,8 +30,8 @@ pub(super) struct Count {
     pub(super) disagreed: usize,
     /// The number of cases without a verdict, usually because the tool could not use their schema.
     pub(super) not_run: usize,
-    /// The number of invalid cases that generated code rejects. It may accept invalid cases, because types can't
-    /// express all constraints.
+    /// The number of invalid cases that generated code rejects. The code may also accept invalid cases, because types
+    /// can't express all constraints.
     pub(super) refused: usize,
     /// The number of invalid cases that generated code accepts.
     pub(super) taken: usize,

@@ -136,7 +136,7 @@ fn stops_an_adapter_that_prints_invalid_lines() {
         ("echo '{\"job\": 0}'; echo '{\"job\": 0}'", "line 2: duplicate job 0"),
         ("echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 3, \"valid\": true}'", "line 2: unknown case 3"),
         ("echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 0}'", "line 2: case 0 of job 0 has no verdict"),
-        // A line without an end.
+        // An unterminated line.
         ("cat /dev/zero", "line 1: "),
     ];
     for (script, expected) in garbage {

@@ -22,10 +22,10 @@ pub(super) struct Tool {
     pub(super) adapter: String,
     /// The only supported form of schemas, or `None` for both.
     pub(super) form: Option<Form>,
-    /// True if it is part of the quick run.
+    /// True if the tool is part of the quick run.
     #[serde(default)]
     pub(super) is_quick: bool,
-    /// The settings of the tool, and the function of its adapter.
+    /// A description of the tool's settings and of its adapter.
     pub(super) note: String,
 }
 

@@ -8,14 +8,14 @@ use zip::{CompressionMethod, DateTime, System, ZipWriter};
 
 use super::content::File;
 
-/// Readable by all, writable by the owner.
+/// The mode of all files: readable by all, writable by the owner.
 const MODE: u32 = 0o644;
 
 /// The compression level. Packages are built rarely and downloaded often.
 const LEVEL: u32 = 9;
 
-/// The time of all files in tar archives, 26 October 1985, 08:15, as in npm's archives. The time is after 1980, so the
-/// archives can be converted to formats that don't support earlier times.
+/// The modification time of all files in tar archives: 26 October 1985, 08:15, as in npm's archives. Archives with
+/// times after 1980 can be converted to formats that don't support earlier times.
 const TIME: u64 = 499_162_500;
 
 /// The operating system "unknown" in the gzip header.

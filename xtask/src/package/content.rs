@@ -1,4 +1,4 @@
-//! The common content of the packages: generated texts, licences and a manifest.
+//! The common content of the packages: generated files, licences and a manifest.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use uavspec_codegen::load::read_definitions_translated;
 use super::metadata::VERSION;
 use crate::message_of;
 
-/// File name endings that the manifest omits.
+/// File name endings. The manifest lists names without these endings.
 const BUNDLE: &str = ".bundle.schema.json";
 const SCHEMA: &str = ".schema.json";
 const VECTORS: &str = ".vectors.json";

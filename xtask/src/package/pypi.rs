@@ -9,13 +9,13 @@ use super::archive::{tar_gz, zip};
 use super::content::{Content, File};
 use super::metadata::{DESCRIPTION, KEYWORDS, LICENSE, NAME, REPOSITORY, VERSION};
 
-/// The minimum version of Python, which supports `list[int]` in expressions.
+/// The minimum version of Python. Earlier versions don't support `list[int]` in expressions.
 const REQUIRES_PYTHON: &str = ">=3.9";
 
-/// A dependency for Python before 3.11, whose `typing` has no `NotRequired`.
+/// A dependency for Python versions before 3.11, in which `typing` lacks `NotRequired`.
 const DEPENDENCY: &str = "typing_extensions>=4.6; python_version < \"3.11\"";
 
-/// The first version of flit that supports licence expressions, and the next incompatible version.
+/// The build backend. flit supports licence expressions from version 3.12; version 4 may be incompatible.
 const BACKEND: &str = "flit_core>=3.12,<4";
 
 const CLASSIFIERS: [&str; 6] = [
@@ -76,7 +76,7 @@ fn source_distribution(content: &Content, modules: &[File], version: &str) -> Re
     Ok(Package { file_name: format!("{NAME}-{version}.tar.gz"), count: files.len(), bytes: tar_gz(&files)? })
 }
 
-/// The checksums of all files except the list itself.
+/// The content of the wheel's `RECORD` file: the checksums of all other files.
 fn record(files: &[File], own_path: &str) -> String {
     let line = |file: &File| {
         let checksum = BASE64URL_NOPAD.encode(&Sha256::digest(file.text.as_bytes()));

@@ -20,7 +20,7 @@ struct Module {
     items: Vec<Item>,
     /// True if the module and all its parents are `pub`.
     public: bool,
-    /// The conditions of the module and all its parents.
+    /// The `cfg` conditions of the module and all its parents.
     conditions: Vec<String>,
 }
 
@@ -105,7 +105,8 @@ struct Listing<'c> {
 }
 
 impl Listing<'_> {
-    /// Adds a line for an item with the path `shown`, unless its attributes hide it. Returns all its conditions.
+    /// Adds a line for an item with the path `shown`, unless its attributes hide it. Returns all `cfg` conditions of
+    /// the item.
     fn line(&mut self, kind: &str, shown: &str, outer: &[String], own: &[Attribute]) -> Option<Vec<String>> {
         let all = conditions(outer, own)?;
         let suffix: String = all.iter().map(|condition| format!(" ({condition})")).collect();
@@ -241,7 +242,7 @@ fn items(folder: &Path) -> Vec<Item> {
     syn::parse_file(&text.unwrap_or_else(|| panic!("no file for {}", folder.display()))).expect("Rust").items
 }
 
-/// The conditions of an item, appended to those of its parents, or `None` if it is hidden or test-only.
+/// The conditions of an item, appended to those of its parents, or `None` if the item is hidden or test-only.
 fn conditions(outer: &[String], attributes: &[Attribute]) -> Option<Vec<String>> {
     let mut own = Vec::new();
     for attribute in attributes {

@@ -30,7 +30,8 @@ const TRANSLATIONS: [(&str, &[[&str; 3]]); 3] = [
     ("fa", &[["winch/error-code/66", "Rope slack", "طناب شل می\u{200c}شود"]]),
 ];
 
-/// Writes definitions with translations to `folder`, and generates `output`, a table of the configuration.
+/// Writes definitions with translations to `folder`, and generates the outputs in `output`, which is part of the
+/// configuration file.
 pub(crate) fn emit(folder: &Path, output: &str) {
     write(&folder.join("msg/Glider.msg"), GLIDER);
     write(&folder.join("msg/Tow.msg"), TOW);

@@ -66,7 +66,7 @@ fn the_readme_of_the_npm_package_is_correct() {
     }
 }
 
-/// The path of the package with this ending, as a program argument.
+/// The path of the package whose file name has this ending, as a program argument.
 fn path_of(ending: &str) -> String {
     package(ending).display().to_string()
 }

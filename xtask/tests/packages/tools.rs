@@ -37,7 +37,7 @@ pub(crate) fn write(path: &Path, text: &str) {
     fs::write(path, text).expect("a file");
 }
 
-/// The path of the package with this ending. All packages are built once for all tests.
+/// The path of the package whose file name has this ending. All packages are built once for all tests.
 pub(crate) fn package(ending: &str) -> PathBuf {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     let folder = FOLDER.get_or_init(|| {

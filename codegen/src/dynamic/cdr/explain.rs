@@ -123,7 +123,7 @@ impl<'b> Reader<'b> {
         self.length(field.bound(), least)
     }
 
-    /// Reads a length and checks that the remaining bytes suffice for elements of at least `least` bytes.
+    /// Reads a length, and checks that enough bytes remain for that many elements of at least `least` bytes each.
     fn length(&mut self, bound: Option<u32>, least: usize) -> Result<usize, FaultAt> {
         let bytes = self.take(4, 4)?;
         let length = match self.order {
@@ -155,7 +155,7 @@ impl<'b> Reader<'b> {
     }
 }
 
-/// The number of characters in the bytes of a `string`.
+/// Counts the characters that the bytes of a `string` encode.
 fn narrow_length(bytes: &[u8]) -> Result<usize, Fault> {
     let text = match bytes.split_last() {
         None => return Ok(0),
@@ -165,7 +165,7 @@ fn narrow_length(bytes: &[u8]) -> Result<usize, Fault> {
     std::str::from_utf8(text).map(|text| text.chars().count()).map_err(|_| Fault::NotUnicode)
 }
 
-/// The number of characters in the bytes of a `wstring`.
+/// Counts the characters that the bytes of a `wstring` encode.
 fn wide_length(bytes: &[u8], order: ByteOrder) -> Result<usize, Fault> {
     wide_characters(bytes, order).try_fold(0, |count, character| character.map(|_| count + 1))
 }

@@ -35,7 +35,7 @@ pub(in crate::dynamic) fn decode<'t>(
 
 fn read<const BIG: bool>(ty: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Vec<u8>> {
     let body = payload.get(HEADER..)?;
-    // This check bounds the allocation below.
+    // This check bounds the allocation that follows.
     if body.len() < ty.plan.least {
         return None;
     }
@@ -56,7 +56,7 @@ struct Reader<'b, const BIG: bool> {
 }
 
 impl<'b, const BIG: bool> Reader<'b, BIG> {
-    /// Takes the next `size` bytes after aligning to `width`.
+    /// Aligns to `width`, then takes `size` bytes.
     #[inline]
     fn take(&mut self, size: usize, width: Width) -> Option<&'b [u8]> {
         let mask = width as usize - 1;
@@ -125,7 +125,7 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
         }
         let start = self.buffer.len();
         let end = start + count * stride;
-        // Without this limit, each level of nesting could claim the rest of the payload and allocate for it.
+        // Without this limit, each nesting level could allocate memory for the whole rest of the payload.
         if end > self.body.len() * GROWTH {
             return None;
         }
@@ -155,7 +155,7 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
         self.point(slot, start, length)
     }
 
-    /// Reads text of `length` bytes including its NUL. Some writers send an empty string without the NUL.
+    /// Reads a string of `length` bytes, including its NUL. Some writers omit the NUL of an empty string.
     fn narrow_text(&mut self, length: usize) -> Option<()> {
         let bytes = self.take(length, Width::One)?;
         let Some((nul, text)) = bytes.split_last() else { return Some(()) };
@@ -193,7 +193,8 @@ mod tests {
     use crate::schema::Form;
     use crate::{PackageInput, SourceMap};
 
-    /// Each level claims as many elements as the rest of the payload could contain. Then the payload ends.
+    /// The length of each nested sequence claims about as much space as the rest of the payload has. Then the payload
+    /// ends.
     #[test]
     fn bounds_the_allocation_for_nested_sequences_with_false_lengths() {
         let mut sources = SourceMap::default();

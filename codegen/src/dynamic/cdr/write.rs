@@ -136,7 +136,7 @@ impl<const BIG: bool> Writer<'_, BIG> {
     }
 }
 
-/// The fault of a string that CDR can't represent.
+/// The fault that prevents CDR from representing a string, if any.
 fn fault(text: &str, bounds: Bounds) -> Option<Fault> {
     let exceeded = bounds.bound.filter(|_| bounds.exceeded_by(text.as_bytes()));
     match exceeded {
@@ -149,7 +149,7 @@ fn fault(text: &str, bounds: Bounds) -> Option<Fault> {
 #[cold]
 fn refuse(view: DynamicView<'_>) -> Error {
     let mut search = Search { message: &view.plan.name, found: None };
-    // The walk finds nothing if the cause is a length of more than 32 bits.
+    // The walk finds nothing if the cause is a length that exceeds 32 bits.
     let _ = walk(view, &mut Trail::default(), &mut search);
     search.found.unwrap_or_else(|| Error {
         reason: Reason::TooLarge,

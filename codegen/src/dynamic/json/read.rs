@@ -49,7 +49,7 @@ impl<'t> Builder<'t> {
         self.point(at, start, text.len())
     }
 
-    /// Number of open bytes.
+    /// Size of the message and the open elements, in bytes.
     pub(in crate::dynamic) fn opened(&self) -> usize {
         self.open.len()
     }

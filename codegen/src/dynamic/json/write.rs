@@ -22,7 +22,7 @@ impl Serialize for DynamicMessage<'_> {
     }
 }
 
-/// Serializes all fields in declared order. In text formats NaN is `null`, and infinity is an error.
+/// Serializes all fields in declaration order. In text formats NaN is `null`, and infinity is an error.
 impl Serialize for DynamicView<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut out = serializer.serialize_map(Some(self.plan.fields.len()))?;

@@ -131,7 +131,7 @@ pub(in crate::emit) fn quoted(text: &str) -> String {
     escaped
 }
 
-/// Formats a float literal that is valid in both languages. Returns `None` if the value is not finite.
+/// Formats a float literal that is valid in TypeScript and Python. Returns `None` if the value is not finite.
 pub(in crate::emit) fn float(value: f64) -> Option<String> {
     value.is_finite().then(|| format!("{value:?}"))
 }

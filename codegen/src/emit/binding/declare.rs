@@ -51,7 +51,7 @@ fn module(schema: &Schema, names: &mut Names, index: usize, package: &Package) -
     }
 }
 
-/// For each direction, declares a map from message types to bodies, and the union of these bodies.
+/// For each direction, declares two types: a map from message types to bodies, and the union of these bodies.
 fn directions(schema: &Schema, names: &mut Names, index: usize, package: &Package) -> Vec<Declaration> {
     let mut declarations = Vec::new();
     for direction in Direction::ALL {

@@ -10,7 +10,7 @@ use crate::translation::{
 
 /// The texts of all languages, and the enums of fields.
 pub(in crate::emit) struct Labels<'s> {
-    /// First the language of the definitions, which is always complete, then the other languages sorted by tag.
+    /// The language of the definitions, which is always complete, followed by the other languages, sorted by tag.
     pub(in crate::emit) languages: Vec<LabelLanguage<'s>>,
     /// For each enum used by a field, the values with their text keys. If several names share a value, only the first
     /// is included.

@@ -95,19 +95,19 @@ const MODULES: [&str; 4] = ["data", "index", "labels", "manifest"];
 
 /// The names of all declarations.
 pub(super) struct Names {
-    /// By package.
+    /// Module names, by package.
     pub(super) modules: Vec<String>,
-    /// By message. Empty if the message isn't declared.
+    /// Type names, by message. Empty for messages that aren't declared.
     pub(super) messages: Vec<String>,
-    /// By message, the name of its constants.
+    /// Names of the declarations that contain constants, by message.
     pub(super) constants: Vec<String>,
-    /// By message, the names of its enums.
+    /// Enum names, by message.
     pub(super) enums: Vec<Vec<String>>,
     /// By type.
     pub(super) json_types: Vec<String>,
     /// By message and direction.
     pub(super) parts: BTreeMap<(JsonMessageId, Direction), String>,
-    /// By package, the scope for names that no definition provides, such as the names of message unions.
+    /// Scopes by package, for names that no definition provides, such as the names of message unions.
     scopes: Vec<Scope>,
 }
 

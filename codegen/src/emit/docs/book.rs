@@ -84,7 +84,7 @@ pub(super) fn style() -> OutputFile {
     }
 }
 
-/// Creates `SUMMARY.md`: all pages by package, the rules, and additional contents.
+/// Creates `SUMMARY.md`, which lists all pages by package, the rules, and additional entries.
 pub(super) fn summary(site: &Site<'_>, rules: Option<&Rules>, more: &str) -> OutputFile {
     let mut text = format!("<!-- {} -->\n\n# Summary\n\n[Overview](README.md)\n\n", notice());
     let mut item = |depth: usize, name: &str, path: &str| {

@@ -47,8 +47,8 @@ fn number(value: &Value) -> String {
     name.map_or_else(|| inline(&value.to_string()), |(_, name)| format!("{sign}{name}"))
 }
 
-/// The values that a constraint allows, or a value with a special meaning. `text` describes the constraint. Returns
-/// `None` if all values are valid.
+/// Formats the values that a constraint allows, or its special value followed by the description `text`. Returns `None`
+/// if all values are valid.
 pub(super) fn constraint(scope: Scope<'_, '_>, constraint: &Constraint, text: MessageText) -> Option<String> {
     let words = scope.site.words;
     let word = Word::of_constraint(constraint.kind);
@@ -90,7 +90,7 @@ pub(super) fn constant_type(scope: Scope<'_, '_>, message: &Message, element: El
     code(&scope.site.schema.type_text(message, Type { element, shape: Shape::Single }))
 }
 
-/// A link to a field of this or another message.
+/// A link to a field of the same or another message.
 pub(super) fn field_link(scope: Scope<'_, '_>, own: MessageId, (id, index): FieldRef) -> String {
     let schema = scope.site.schema;
     let message = schema.message(id);

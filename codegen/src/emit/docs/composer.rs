@@ -1,5 +1,5 @@
-//! Data for the script that lets readers compose a message: fields, offsets in memory, and labels. If the script
-//! doesn't run, the page shows only one sentence.
+//! Data for the script that lets readers compose a message: fields, offsets in memory, and labels. Without the script,
+//! the composer section shows only one sentence.
 
 use serde_json::{Map, Value as Json, json};
 
@@ -93,7 +93,7 @@ fn controls(site: &Site<'_>, message: &Message) -> usize {
     message.fields.iter().map(count).fold(0, usize::saturating_add)
 }
 
-/// The fields of a message in declared order, as in JSON.
+/// The fields of a message in declaration order, as in JSON.
 fn fields(site: &Site<'_>, id: MessageId, layout: &UorbLayout) -> Vec<Json> {
     let fields = 0..site.schema.message(id).fields.len();
     let offset = |index| layout.slots.iter().find(|slot| slot.field == Some(index)).map(|slot| slot.offset);
@@ -147,7 +147,7 @@ fn short(text: Localized<'_>) -> Json {
     gist(text.text, MAX_LABEL).into()
 }
 
-/// The members of an enum as value, name and description. Aliases of a value are skipped.
+/// The value, name and description of each enum member. Aliases are skipped.
 fn values(site: &Site<'_>, reference: EnumRef) -> Json {
     let found = site.schema.enumeration(reference);
     let members = found.members.iter().filter(|member| found.alias_of(member).is_none());

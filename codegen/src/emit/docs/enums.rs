@@ -43,7 +43,7 @@ fn introduction(message: &Message, found: &Enum) -> Vec<MessageText> {
     texts.unwrap_or_default()
 }
 
-/// The fields that use the enum, followed by a sentence about other values.
+/// The fields that use the enum, followed by a sentence about undocumented values.
 fn users(scope: Scope<'_, '_>, reference: EnumRef, found: &Enum) -> String {
     let fields: Vec<String> = scope
         .site

@@ -19,8 +19,8 @@ use crate::translation::{error_code_key, error_codes_unit, error_table_key};
 /// Heading of sections about error codes.
 pub(super) const TITLE: &str = words::ERROR_CODES.english();
 
-/// The symbol of a severity. A fuller circle means a more severe error. Style sheets colour the symbol, and the
-/// adjacent text has the same meaning.
+/// The symbol of a severity. A fuller circle means a more severe error. Style sheets colour the symbol. The adjacent
+/// text states the severity as well.
 fn sign(severity: Severity) -> String {
     let sign = match severity {
         Severity::Informational => '○',

@@ -15,10 +15,10 @@ use super::words::ENGLISH;
 use crate::emit::file::OutputFile;
 use crate::schema::{Enum, Message, MessageId, Package};
 
-/// Maximum length of a cell in an index, in characters.
+/// Maximum length of an index cell, in characters.
 const MAX_GIST: usize = 160;
 
-/// Maximum number of topics in a cell of an index.
+/// Maximum number of topics in an index cell.
 const MAX_TOPICS: usize = 4;
 
 /// The index page of all packages.
@@ -75,7 +75,7 @@ fn section(page: &mut Page, level: usize, heading: &str, table: &Table) {
     }
 }
 
-/// Writes the tables of a package's contents.
+/// Writes the tables that list a package's contents.
 fn contents(page: &mut Page, site: &Site<'_>, from: &str, package: &Package, level: usize) {
     section(page, level, "Messages", &message_table(site, from, package));
     section(page, level, "Services and actions", &interface_table(site, from, package));
@@ -150,7 +150,7 @@ fn interface_table(site: &Site<'_>, from: &str, package: &Package) -> Table {
     table
 }
 
-/// Topics with their messages. Logs contain topic names only.
+/// The table of topics and their messages. Readers of logs need it, because logs contain only topic names.
 fn topic_table(site: &Site<'_>, from: &str, package: &Package) -> Table {
     let mut topics: Vec<(&str, MessageId)> = Vec::new();
     for id in &package.messages {

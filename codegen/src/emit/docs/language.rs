@@ -56,7 +56,7 @@ pub(super) fn heading(page: &mut Page, words: Words, level: usize, word: Word) {
     }
 }
 
-/// Marks inline Markdown whose language differs from the page language, for screen readers.
+/// Marks the language of inline Markdown for screen readers. `tag` is `None` for the page language.
 pub(super) fn marked(markdown: &str, tag: Option<&str>) -> String {
     match tag {
         Some(tag) if !markdown.is_empty() => format!("<span {}>{markdown}</span>", attributes(tag)),

@@ -27,7 +27,7 @@ pub struct Page {
     text: String,
     /// Text appended at the end.
     end: &'static str,
-    /// For each English anchor, the number of translated headings.
+    /// For each English anchor, the number of translated headings that use it so far.
     headings: BTreeMap<String, usize>,
 }
 
@@ -49,7 +49,7 @@ impl Page {
         Self::empty(&notice(), path)
     }
 
-    /// Encloses the rest of the page in an element with these attributes. They set the language.
+    /// Encloses the rest of the page in an element with these attributes, which set the language.
     pub(super) fn begin_language(&mut self, attributes: &str) {
         // The blank line ends the HTML block, so Markdown can follow.
         self.put(format_args!("\n<div {attributes}>\n"));
@@ -116,7 +116,7 @@ impl Page {
         self.text.push('\n');
     }
 
-    /// Adds a table, but omits empty columns. A table without rows is skipped.
+    /// Adds a table without its empty columns. Skips a table that has no rows.
     pub fn table(&mut self, table: &Table) {
         if table.is_empty() {
             return;

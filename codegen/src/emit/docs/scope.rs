@@ -16,7 +16,7 @@ pub(super) struct Scope<'p, 's> {
     pub(super) from: &'p str,
     /// Index of the package whose names are resolved.
     pub(super) package: usize,
-    /// The message in which names of parts are looked up.
+    /// The message whose parts are looked up by name.
     pub(super) message: MessageId,
     /// The part of the message that the description is about. The description doesn't link to this part.
     at: Option<Part>,

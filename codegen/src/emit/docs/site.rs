@@ -51,7 +51,7 @@ pub(super) struct Site<'s> {
     siblings: &'s Siblings,
     /// Page locations, by message. `None` for messages that aren't listed.
     places: Vec<Option<Place>>,
-    /// For each message, the fields of this type.
+    /// For each message, the fields that have this message as their type.
     users: Vec<Vec<FieldRef>>,
     /// For each enum, the fields that use it.
     enum_users: BTreeMap<EnumRef, Vec<FieldRef>>,
@@ -308,7 +308,7 @@ pub(super) fn part_names(kind: Kind) -> impl Iterator<Item = &'static str> {
     kind.part_suffixes().iter().map(|suffix| suffix.trim_start_matches('_'))
 }
 
-/// True if the page shows the constant as a fact about the message, and therefore in no table.
+/// True if the page shows the constant as a fact about the message, and therefore not in a table.
 pub(super) fn is_fact(message: &Message, constant: usize) -> bool {
     let [version, queue_length] = KNOWN_CONSTANTS.map(|known| message.constants[constant].name == known);
     version && message.version.is_some() || queue_length && message.queue_length.is_some()

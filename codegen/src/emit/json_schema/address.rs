@@ -87,8 +87,8 @@ impl<'s> Address<'s> {
         reference
     }
 
-    /// The `$defs` name in the bundle of `package`. Messages of other packages use their full ROS name, separated by
-    /// dots. These names are unique, and code generators derive readable type names from them.
+    /// The `$defs` name in the bundle of `package`. Messages of other packages use their full ROS name, with dots as
+    /// separators. Full names are unique, and code generators derive readable type names from them.
     pub(super) fn definition(self, package: &Package) -> String {
         match self.folder {
             _ if self.package != package.name => {

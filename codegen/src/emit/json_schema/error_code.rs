@@ -8,8 +8,8 @@ use crate::schema::{ErrorCode, ErrorTable, Package};
 
 /// The schema members for an error code.
 ///
-/// The schema is open: it accepts unlisted codes, because vendors and later versions of a specification define more
-/// codes. The severity is part of the number.
+/// The schema accepts unlisted codes, because vendors and later versions of a specification define more codes. The
+/// severity is part of the number.
 pub(super) fn code_members(package: &Package) -> Vec<Member<'_>> {
     let known =
         package.error_tables.iter().flat_map(|table| table.codes.iter().map(move |code| node(table, code)));

@@ -94,9 +94,9 @@ impl<'s> FieldSchema<'s> {
         members
     }
 
-    /// True if the special values and the normal range are disjoint for all readers. Only then is `oneOf` correct,
-    /// which code generators need to create union types. For readers that store all numbers as 64-bit floats, adjacent
-    /// large integers are equal, so one value could match two alternatives.
+    /// True if the special values and the normal range are disjoint for all readers. Code generators need `oneOf` to
+    /// create union types, but `oneOf` is correct only for disjoint alternatives. For readers that store all numbers as
+    /// 64-bit floats, adjacent large integers are equal, so one value could match two alternatives.
     fn are_disjoint(self, used: &Numbers, scalar: Scalar) -> bool {
         let specials = self.field.constraints.iter().filter(|found| found.is_special());
         let values = specials.filter_map(|special| bounds::stored(special.stated.value()?, scalar).number());

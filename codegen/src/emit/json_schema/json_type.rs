@@ -61,7 +61,7 @@ pub(super) fn part_members<'s>(
     let text =
         texts.iter().filter(|text| !text.is_empty()).map(String::as_str).collect::<Vec<_>>().join("\n\n");
     let default =
-        || format!("Body of a {} of type {} of package {}.", part.direction, message.name, package.name);
+        || format!("Body of a {} of type {} in package {}.", part.direction, message.name, package.name);
     let mut members = vec![
         member("title", part.name.as_str()),
         member("description", if text.is_empty() { default() } else { text }),
@@ -77,7 +77,7 @@ pub(super) fn part_members<'s>(
     members
 }
 
-/// Writes the assertions for values of a package.
+/// Writes the assertions for values of the types in a package.
 #[derive(Clone, Copy)]
 struct Writer<'s> {
     schema: &'s Schema,

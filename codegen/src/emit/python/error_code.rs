@@ -65,7 +65,7 @@ fn properties() -> String {
 
     @property
     def severity(self) -> {SEVERITY}:
-        """Severity. It is part of the number, so it is also defined for unlisted codes."""
+        """Severity, as encoded in the number. Unlisted codes have a severity too."""
         return _SEVERITIES[(int(self) & 0xFF) >> 6]
 
     @property

@@ -12,7 +12,7 @@ use super::identifier::ident;
 /// The crates whose paths are shortened.
 const CRATES: [&str; 2] = ["core", "uavspec_runtime"];
 
-/// The module of the runtime that a feature enables. Its imports would be unused without the feature.
+/// The runtime module that is enabled by a feature. Without the feature, its imports would be unused.
 const VIEWS: [&str; 2] = ["uavspec_runtime", "view"];
 
 /// Names of `core` that are in the prelude.

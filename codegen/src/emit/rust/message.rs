@@ -271,7 +271,7 @@ impl Parts<'_> {
         (!entries.is_empty()).then(|| quote!(::uavspec_runtime::flags! { #name; #(#entries)* } #failures))
     }
 
-    /// True if each set flag reports a failure. PX4 documents this for `FailsafeFlags`.
+    /// True if every flag of the message reports a failure. PX4 documents this for `FailsafeFlags`.
     fn reports_failures(&self) -> bool {
         types::dialect(self.context, self.id) == Dialect::Px4 && self.message.name == "FailsafeFlags"
     }
@@ -356,7 +356,7 @@ impl Parts<'_> {
 /// A string literal of words, wrapped with escaped line breaks.
 fn wrapped(words: &[String]) -> proc_macro2::Literal {
     let mut literal = String::from("\"");
-    // The type name comes before the literal, and the literal starts with the message name.
+    // In the output, the type name precedes the literal, and the literal starts with the message name.
     let mut width = words.first().map_or(0, |name| 2 * name.len());
     for (index, word) in words.iter().enumerate() {
         if index > 0 {
@@ -374,8 +374,8 @@ fn wrapped(words: &[String]) -> proc_macro2::Literal {
     literal.parse().unwrap_or_else(|_| plain())
 }
 
-/// The defmt placeholder of a field. If defmt supports the type, the placeholder names it, so the type isn't
-/// transmitted.
+/// The defmt placeholder of a field. If defmt supports the field's type, the placeholder names this type, so the device
+/// doesn't send it.
 fn placeholder(field: &Field, dialect: Dialect) -> String {
     let primitive = match field.ty.element {
         Element::Scalar(scalar) if field.enumeration.is_none() => types::primitive(scalar).to_string(),

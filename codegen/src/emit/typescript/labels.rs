@@ -46,7 +46,7 @@ const LANGUAGES_TEXT: &str =
     "/** All languages: first English, the language of the definitions, then the others sorted by tag. */\n";
 
 const LANGUAGE_TEXT: &str = "/**
- * Loads the labels of the first of these languages that is available, or the English labels.
+ * Loads the labels in the first available language of `tags`, or in English if none is available.
  *
  * A tag such as `uk-UA` or `uk_UA.UTF-8` falls back to `uk`.
  */

@@ -43,7 +43,7 @@ impl Verdict {
         Self { rule: Some(rule), passes_schema: false, is_encodable: false, suits_doubles: true }
     }
 
-    /// Like [`Self::malformed`], but the schema accepts the value because it can't express the rule.
+    /// Like [`Self::malformed`], but for a rule that the schema can't express, so the schema accepts the value.
     pub(super) const fn accepted_by_schema(rule: &'static str) -> Self {
         Self { passes_schema: true, ..Self::malformed(rule) }
     }
@@ -130,7 +130,7 @@ impl Sample {
         Self { patch: Some(Patch { reference: reference.into(), change }), ..self }
     }
 
-    /// Embeds the sample in a larger value with the function `json`.
+    /// Embeds the sample in a larger value, which the function `json` creates.
     pub(super) fn within(&self, json: impl Fn(&str) -> String) -> Self {
         let patch = self.patch.as_ref();
         Self {

@@ -28,7 +28,8 @@ pub(super) fn codes(package: &Package) -> Vec<Case> {
     let mut known: BTreeMap<u32, String> = BTreeMap::new();
     for class in ErrorClass::ALL {
         for code in [class.codes().start(), class.codes().end()] {
-            known.insert(*code, format!("an unlisted code at a bound of class \"{}\"", class.name()));
+            known
+                .insert(*code, format!("an unlisted code at the start or end of class \"{}\"", class.name()));
         }
     }
     for code in package.error_tables.iter().flat_map(|table| &table.codes) {
@@ -71,7 +72,7 @@ pub(super) fn lists(package: &Package) -> Vec<Case> {
     }
     cases.extend(malformed(&one).map(|case| Case {
         id: format!("item-{}", case.id),
-        description: format!("its only item is {}", case.description),
+        description: format!("a list whose only item is {}", case.description),
         json: case.json.map(|json| format!("[{json}]")),
         ..case
     }));

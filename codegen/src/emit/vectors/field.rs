@@ -153,7 +153,7 @@ impl<'s> FieldSamples<'s> {
         samples
     }
 
-    /// Values that replace an array but aren't arrays.
+    /// Samples that contain another type of value in place of an array.
     fn no_list(self, element: String) -> impl Iterator<Item = Sample> {
         let is_bytes = matches!(self.field.ty.element, Element::Scalar(scalar) if scalar.size() == 1);
         let base64 = Sample::mistyped("base64", "bytes in base64", "\"AAAA\"");
@@ -177,7 +177,7 @@ impl<'s> FieldSamples<'s> {
     }
 }
 
-/// A typical valid `message` value as JSON. Adjacent bytes differ where possible.
+/// A typical valid message of the type `message`, as JSON. Adjacent bytes differ where possible.
 pub(super) fn message_typical(
     schema: &Schema,
     message: &Message,
@@ -251,7 +251,7 @@ fn is_fillable(bound: u32, element: &str) -> bool {
     element.len().saturating_mul(bound as usize) <= LONGEST_FILLED
 }
 
-/// A value at its maximum length, and longer values in JSON and in CDR.
+/// A sample with the maximum length, and samples that are too long in JSON and in CDR.
 fn bounded(
     bound: u32,
     empty: &str,

@@ -19,7 +19,8 @@ pub(super) fn file(options: &Options) -> OutputFile {
     let case = json!({
         "type": "object",
         "properties": {
-            "id": text("Unique id of the case within its file. It describes the input, and stays the same when fields are added."),
+            "id": text("Unique id of the case within its file. The id describes the input, and stays the \
+                same when fields are added."),
             "description": text("Description of the input."),
             "valid": {"description": "True if no rule is violated.", "type": "boolean"},
             "rule": text("Id of the violated rule."),
@@ -28,7 +29,8 @@ pub(super) fn file(options: &Options) -> OutputFile {
             "json": {"description": "The value as JSON. If the case has bytes, the value encodes to them, and the bytes decode to the value."},
             "decoded": {"description": "The decoded value as JSON, if encoding it produces different bytes."},
             "uorb": hex("The uORB payload in hexadecimal."),
-            "cdr": hex("The CDR payload with its header in hexadecimal. It is little-endian unless the header says otherwise."),
+            "cdr": hex("The CDR payload with its header in hexadecimal. The payload is little-endian unless \
+                the header declares otherwise."),
         },
         "required": ["id", "description", "valid"],
         "additionalProperties": false,

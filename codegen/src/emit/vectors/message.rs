@@ -124,7 +124,7 @@ impl Cases<'_> {
 
     // The ids of byte-only cases have a dot before any hyphen, so they differ from the ids of field cases.
 
-    /// uORB payloads: one of the other valid size, one with nonzero padding, and some of invalid sizes.
+    /// uORB payloads: one without trailing padding, one with nonzero padding, and several with invalid sizes.
     fn uorb(&mut self, message: &Message, typical: &str) {
         let (Some(layout), Some(bytes)) = (&message.uorb, self.codec.encode(typical).uorb) else { return };
         let (size, no_padding) = (layout.size, layout.size_no_padding);

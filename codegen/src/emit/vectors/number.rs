@@ -38,7 +38,8 @@ impl<'s> NumberSamples<'s> {
             .map(|number| self.json(number))
     }
 
-    /// The value that `bytes` encode if it is valid; otherwise, a valid value as distinctive as the constraints allow.
+    /// The value encoded by `bytes`, if it is valid. Otherwise, a valid value that is as distinctive as the constraints
+    /// allow.
     pub(super) fn typical(&self, bytes: [u8; 8]) -> Option<String> {
         let turn = i128::from(bytes[0]);
         let known = self.restriction.known.as_deref().unwrap_or_default();
@@ -88,7 +89,7 @@ impl<'s> NumberSamples<'s> {
             self.push("min", format!("the minimum {name}"), Number::Int(least));
         }
         self.push("max", format!("the maximum {name}"), Number::Int(greatest));
-        // As 64-bit floats, adjacent integers are equal near the bounds of 64-bit types, except near zero.
+        // Near a nonzero bound of a 64-bit type, adjacent integers are equal as 64-bit floats.
         let is_coarse = |value: i128| self.scalar.size() == 8 && value != -1;
         let outside = [
             ("below-min", "far-below-min", "below the minimum", least - 1, least - FAR),
@@ -128,7 +129,7 @@ impl<'s> NumberSamples<'s> {
         }
     }
 
-    /// The bounds set by constraints, the maximum count, and the next value beyond each.
+    /// Adds the bounds set by constraints, the maximum count, and the next value beyond each of them.
     fn ends(&mut self) {
         for constraint in &self.field.constraints {
             let Effect::Narrows { samples, .. } = constraint.kind.effect else { continue };
@@ -144,7 +145,7 @@ impl<'s> NumberSamples<'s> {
         }
     }
 
-    /// Each documented value, and an undocumented one.
+    /// Adds each documented value, and one undocumented value.
     fn documented(&mut self) {
         let Some(found) = self.field.enumeration.map(|reference| self.schema.enumeration(reference)) else {
             return;

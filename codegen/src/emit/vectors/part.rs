@@ -3,7 +3,7 @@
 use super::case::Sample;
 use crate::schema::MessageId;
 
-/// By message id, the messages for which vectors can be created.
+/// The messages for which vectors can be created, indexed by message id.
 pub(super) struct Parts(pub(super) Vec<Option<Part>>);
 
 /// A message nested in other messages.

@@ -19,7 +19,7 @@ impl Typical {
         self.last
     }
 
-    /// The next bytes for a scalar, padded with zeros to eight.
+    /// The next bytes for a scalar, padded with zeros to eight bytes.
     pub(super) fn bytes(&mut self, scalar: Scalar) -> [u8; 8] {
         let mut bytes = [0; 8];
         for byte in bytes.iter_mut().take(scalar.size()) {

@@ -10,8 +10,8 @@ use crate::format::aligned::ALIGNED_WITHIN;
 use crate::table::markdown::OPTIONS;
 use crate::table::{Page, error_code, pipe};
 
-/// Formats a page. `written` contains the lines of `text`. `page` was parsed from the same text, apart from line
-/// endings.
+/// Formats a page. `written` contains the lines of `text`. `page` was parsed from the same text, possibly with
+/// different line endings.
 pub(super) fn lay_out(text: &str, written: &[&str], page: &Page) -> String {
     let structure = Structure::of(text);
     let starts = line_starts(text);
@@ -71,7 +71,7 @@ impl Structure {
                 Event::Start(Tag::CodeBlock(_) | Tag::HtmlBlock | Tag::MetadataBlock(_)) => {
                     structure.verbatim.push(range);
                 }
-                // White space after the end of the code or HTML, on its last line, is insignificant.
+                // On the last line of code or HTML, white space after its end is insignificant.
                 Event::Code(_) | Event::InlineHtml(_) => {
                     let end = text[range.clone()].rfind('\n').unwrap_or(0);
                     structure.verbatim.push(range.start..range.start + end);
@@ -121,8 +121,8 @@ impl Codes<'_> {
     }
 }
 
-/// Column widths by header. Tables of a page with the same header have the same widths. A column is as wide as its
-/// widest cell; the last column is as wide as its header.
+/// Column widths by table header. All tables on a page that have the same header also have the same column widths. Each
+/// column is as wide as its widest cell, except the last, which is as wide as its header.
 fn widths<'s>(tables: &[Codes<'s>]) -> BTreeMap<Vec<&'s str>, Vec<usize>> {
     let mut widths = BTreeMap::new();
     for table in tables {

@@ -50,7 +50,7 @@ pub(crate) enum Effect {
     },
     /// Only some values are valid.
     Narrows {
-        /// The requirements on values of a type.
+        /// The requirements on values of a given type.
         demands: fn(&Stated, Scalar) -> Vec<Demand>,
         /// Numbers for test cases.
         samples: fn(&Stated, Scalar) -> Vec<Probe>,
@@ -162,7 +162,7 @@ pub struct Constraint {
 }
 
 impl Constraint {
-    /// The requirements on values of a type.
+    /// The requirements on values of a given type.
     pub(crate) fn demands(&self, scalar: Scalar) -> Vec<Demand> {
         match self.kind.effect {
             Effect::Narrows { demands, .. } => demands(&self.stated, scalar),

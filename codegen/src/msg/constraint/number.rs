@@ -48,10 +48,10 @@ pub(crate) fn stored(value: &Value, scalar: Scalar) -> Option<Number> {
     }
 }
 
-/// The smallest and greatest JSON form of `number` that a field of type `scalar` can produce.
+/// The smallest and greatest JSON numbers that can represent `number` in a field of type `scalar`.
 ///
-/// A `float32` can't represent pi exactly. Writers widen it to 64 bits (3.1415927410125732) or use its shortest form
-/// (3.1415927); both are greater than pi.
+/// A `float32` can't represent pi exactly. Writers widen the `float32` to 64 bits (3.1415927410125732) or use its
+/// shortest form (3.1415927). Both numbers are greater than pi.
 pub(crate) fn spread(number: Number, scalar: Scalar) -> (Number, Number) {
     /// The greatest `float32`, in its shortest form.
     const MAX_FLOAT32: f64 = 3.402_823_5e38;

@@ -19,7 +19,7 @@ pub static INVALID: ConstraintKind = ConstraintKind {
     },
 };
 
-/// The value of a set point that is not controlled.
+/// The value for a setpoint that is not controlled.
 pub static UNCONTROLLED: ConstraintKind = ConstraintKind {
     name: "uncontrolled",
     form: "[@uncontrolled value]",
@@ -29,7 +29,7 @@ pub static UNCONTROLLED: ConstraintKind = ConstraintKind {
     lay_out,
     effect: Effect::Allows {
         title: "Not controlled",
-        sample: ("not-controlled", "the value of a set point that is not controlled"),
+        sample: ("not-controlled", "the value for a setpoint that is not controlled"),
     },
 };
 

@@ -97,7 +97,7 @@ impl<'s> LineParser<'s, '_> {
         }
     }
 
-    /// Reads the rest of a field: empty, or a default value in ROS 2.
+    /// Reads the rest of a field: nothing, or a default value in ROS 2.
     pub(super) fn field(&mut self, ty: Type<'s>, name: Name<'s>) -> Result<Field<'s>, Invalid> {
         if self.is_at_end() {
             return Ok(Field { ty, name, default: None });

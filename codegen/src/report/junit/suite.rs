@@ -93,7 +93,7 @@ impl Case {
             case.set_system_err(visible(&self.errors));
         }
         if let Some(place) = &self.place {
-            // GitLab and others link to the file with this attribute.
+            // GitLab and others use this attribute to link to the file.
             case.extra.insert("file".into(), visible(&place.path).into());
             if let Some(line) = place.region.line() {
                 case.extra.insert("line".into(), line.to_string().into());

@@ -9,12 +9,12 @@ use crate::source::Span;
 /// three codes. Without a limit, a malicious page could make the sets grow quadratically.
 const MAX_NAMED: usize = 16;
 
-/// The alternatives in descriptions, before they are made mutual.
+/// The alternatives that descriptions list, before missing reverse references are added.
 #[derive(Default)]
 pub(super) struct Alternatives {
-    /// The alternatives in the description of each code, with their locations.
+    /// For each code, the alternatives that its description lists, with their locations.
     named: BTreeMap<u32, BTreeMap<u32, Span>>,
-    /// The location of the first alternative above the limit.
+    /// For each code, the location of the first alternative above the limit.
     too_many: BTreeMap<u32, Span>,
 }
 

@@ -11,7 +11,7 @@ pub(super) struct Reference {
     pub(super) is_alternative: bool,
 }
 
-/// Words before "code" that refer to other kinds of codes.
+/// Words that, before "code", indicate a code of another kind.
 const FOREIGN: &[&str] = &["exit", "http", "key", "response", "result", "return", "status"];
 
 /// Words between "use" and the condition: "use this error code only if".
@@ -26,8 +26,8 @@ const VERSION_WORDS: &[&str] = &["flockwave", "protocol", "release", "spec", "sp
 
 /// Finds the codes that `description` refers to: "code 131", "codes 66, 134 or 199".
 ///
-/// References in "use … only if …; otherwise use code N" are alternatives. Alternatives follow "use" in a clause that
-/// starts with "otherwise" or that follows a condition and a semicolon.
+/// References in "use … only if …; otherwise use code N" are alternatives. An alternative follows "use" in a clause
+/// that starts with "otherwise", or in a clause after a condition and a semicolon.
 pub(super) fn references(description: &str) -> Vec<Reference> {
     let lower = description.to_ascii_lowercase();
     let tokens = tokens(&lower);
@@ -62,7 +62,7 @@ pub(super) fn since(description: &str) -> Option<&str> {
     })
 }
 
-/// True for numbers separated by dots. A single number may count something else.
+/// True for numbers separated by dots. A single number may be a count instead of a version.
 fn is_version(text: &str) -> bool {
     let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
     text.contains('.') && text.split('.').all(is_number)

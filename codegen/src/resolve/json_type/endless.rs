@@ -97,7 +97,7 @@ fn alternatives_of(expression: &Expression) -> Vec<u32> {
     }
 }
 
-/// Reports each cycle in the graph of `steps`, which returns the types that a definition refers to.
+/// Reports each cycle of references. `steps` returns the types that a definition refers to.
 fn cycles(types: &[JsonType], first: u32, steps: impl Fn(&Definition) -> Vec<u32>) -> Vec<Diagnostic> {
     let steps: Vec<Vec<usize>> = types
         .iter()

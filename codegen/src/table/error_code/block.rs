@@ -6,7 +6,7 @@ use uavspec_runtime::{ErrorClass, Severity};
 
 use crate::diagnostic::Problem;
 
-/// The codes that a heading reserves for the table below.
+/// The codes that a heading reserves for the table that follows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Block {
     /// The heading without the range.

@@ -8,9 +8,9 @@ use crate::source::Span;
 use crate::table::text::Text;
 
 /// The hint for an annotation that pages don't support.
-const KNOWN: &str = "it stays part of the text; known annotations: range, length, unique, pattern, format";
+const KNOWN: &str = "uavspec treats it as text; known annotations: range, length, unique, pattern, format";
 
-/// Reads the annotations of `text` from the position `from` on.
+/// Reads the annotations of `text`, starting at the position `from`.
 pub(super) fn read_note<'p>(text: &'p Text, from: usize, diagnostics: &mut Vec<Diagnostic>) -> Note<'p> {
     // Convert positions in the plain text to source locations.
     let place = |span: Span| {

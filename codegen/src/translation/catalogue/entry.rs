@@ -18,7 +18,7 @@ pub struct Catalogue {
 /// An entry: a text and its translation.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Entry {
-    /// Comments of translators, and other unrecognized lines that start with `#`, verbatim.
+    /// Translators' comments, and all unrecognized lines that start with `#`, verbatim.
     pub comments: Vec<String>,
     /// Notes for translators (`#.`), by line.
     pub notes: Vec<String>,

@@ -215,7 +215,7 @@ fn span_len(span: Span) -> usize {
     (span.end - span.start) as usize
 }
 
-/// The problem of a string, and a hint.
+/// A problem in a string, and a hint.
 type Refusal = (&'static str, &'static str);
 
 /// Unquotes and unescapes a string.

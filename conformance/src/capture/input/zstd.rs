@@ -57,7 +57,7 @@ impl<R: BufRead> Frames<R> {
         Ok(())
     }
 
-    /// Verifies the checksum of a completed frame, if it has one.
+    /// Verifies the checksum of a completed frame, if there is one.
     fn verify(&self) -> io::Result<()> {
         let (stated, found) = (self.decoder.get_checksum_from_data(), self.decoder.get_calculated_checksum());
         if stated.is_some() && stated != found {

@@ -64,7 +64,7 @@ pub(super) fn next_record<R: Read>(window: &mut Window<R>, left: u64) -> io::Res
             (true, false) => Next::Passed,
         });
     }
-    // This fits, since the length is within the limit.
+    // The length is within the limit, so it fits into a `usize`.
     let length = usize::try_from(length).unwrap_or(usize::MAX - HEAD);
     window.require(HEAD + length)?;
     let Some(body) = window.ahead().get(HEAD..HEAD + length) else { return Ok(Next::Corrupt) };

@@ -15,7 +15,7 @@ use super::unpack::{Packing, Unpacker};
 use super::window::Window;
 use super::{Event, Item, MAGIC, Problem};
 
-/// The number of bytes that the search for the next valid record examines at a time. The search doesn't find longer
+/// The size of the window, in bytes, that is searched for the next valid record. The search doesn't find longer
 /// messages.
 const LOOKAHEAD: usize = 64 * 1024;
 
@@ -88,7 +88,8 @@ impl<R: Read> Reader<R> {
         self.file.offset()
     }
 
-    /// The next problem or relevant record: header, schema, channel or message. `None` at the end.
+    /// The next problem or relevant record. Relevant records are headers, schemas, channels and messages. `None` at the
+    /// end.
     ///
     /// Fails if the input can't be read. The caller may try again.
     #[allow(clippy::should_implement_trait)] // an iterator's items can't borrow from it
@@ -305,7 +306,7 @@ impl<R: Read> Reader<R> {
         loop {
             self.file.require(LOOKAHEAD)?;
             let ahead = self.file.ahead();
-            // After each possible start, enough bytes to check a record must remain, unless the file ends.
+            // Unless the file ends, each possible start must be followed by enough bytes to check a record.
             let until = if self.file.is_at_end() { ahead.len() } else { ahead.len() - LOOKAHEAD / 2 };
             let next = (from..until).find(|at| is_sound(&ahead[*at..], |id| self.declared.has(id)));
             let (is_over, passed) = (self.file.is_at_end(), next.unwrap_or(until));
@@ -345,7 +346,7 @@ impl<R: Read> Reader<R> {
         let records = match packing {
             None => Records::Plain(self.file.offset()),
             Some(packing) => {
-                // This fits, since the size is within the limit.
+                // The size is within the limit, so it fits into a `usize`.
                 let packed = usize::try_from(packed).unwrap_or(usize::MAX);
                 let mut room = mem::take(&mut self.room);
                 let taken = self.file.take(packed, &mut room)?;
@@ -432,7 +433,7 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// Leaves a chunk after its last record, and verifies its checksum.
+    /// Leaves a chunk after its last record, and verifies the chunk's checksum.
     fn close(&mut self) -> io::Result<()> {
         let Some(chunk) = &mut self.chunk else { return Ok(()) };
         let (offset, stated) = (chunk.offset, chunk.checksum);

@@ -1,4 +1,4 @@
-//! Uses lengths to check whether bytes can be a record.
+//! Checks the lengths in bytes that may be a record.
 
 use mcap::records::op;
 
@@ -19,7 +19,7 @@ const MAX_PACKING: usize = 64;
 /// The maximum number of bytes after the records of a chunk. Later versions of the format may add such bytes.
 const MAX_ADDED: u64 = 4_096;
 
-/// The size of the part of a message before its payload, in bytes.
+/// The size of the fixed part before the payload of a message, in bytes.
 const MESSAGE_FIXED: u64 = 22;
 
 /// The size of the footer, in bytes.
@@ -88,7 +88,7 @@ impl ChunkHead {
     }
 }
 
-/// True if the header of an attachment matches the record length, which includes the data and a checksum.
+/// True if an attachment's header, data and checksum add up to the record length.
 pub(super) fn is_attachment(start: &[u8], length: u64) -> bool {
     let mut parts = Parts(start);
     let data =
@@ -97,8 +97,8 @@ pub(super) fn is_attachment(start: &[u8], length: u64) -> bool {
     data.and_then(|data| data.checked_add(head)?.checked_add(4)) == Some(length)
 }
 
-/// True if the parts of a record match its length. Unless `is_exact` is true, the record may end with parts from later
-/// versions.
+/// True if the parts of a record match its length. Unless `is_exact` is true, the record may end with parts that later
+/// versions of the format added.
 pub(super) fn has_parts(opcode: u8, body: &[u8], is_exact: bool) -> bool {
     let mut parts = Parts(body);
     let parts_found = match opcode {

@@ -14,7 +14,7 @@ pub(super) enum Packing {
 }
 
 impl Packing {
-    /// Finds the compression with this non-empty name from a chunk header.
+    /// Finds a compression by its name, which must not be empty.
     pub(super) fn from_name(name: &[u8]) -> Option<Self> {
         match name {
             b"zstd" => Some(Self::Zstd),

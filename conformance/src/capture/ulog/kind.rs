@@ -15,7 +15,7 @@ pub(super) const SYNC: [u8; 8] = [0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12
 /// and the key `t k`. Other messages have a fixed part, and a text that may be empty. Shorter messages are invalid.
 ///
 /// Usual: sizes that PX4 writes, with a margin. Larger messages are accepted after closer inspection. Flag bits are
-/// usual only at the start of a log, where sizes aren't compared with the usual size.
+/// expected only at the start of a log, where sizes aren't compared with the usual size.
 const KINDS: [(u8, u16, u16); 13] = [
     (b'B', 40, 0),
     (b'F', 2, 8_192),

@@ -11,8 +11,8 @@ use super::message::Event;
 use super::reader::Item;
 
 /// The maximum total size of compiled formats, in bytes. A format counts each time it is compiled. The limit is
-/// sufficient for a log that writes each of PX4's 261 formats just before the first data of its topic. It limits the
-/// work that a malicious log can cause to two seconds.
+/// sufficient for a log that writes each of PX4's 261 formats just before the first data of its topic. A malicious log
+/// can therefore cause at most two seconds of work.
 const MAX_COMPILED: usize = 16 << 20;
 
 /// The formats and subscriptions of a log, up to the current item.
@@ -71,7 +71,7 @@ pub struct Subscription {
 /// The type of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Binding {
-    /// There was no type when the log had these numbers of formats and types.
+    /// No type was found when the log had these numbers of formats and types.
     None {
         formats: usize,
         known: usize,

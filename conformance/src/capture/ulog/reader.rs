@@ -59,7 +59,7 @@ enum State {
     Ended,
 }
 
-/// The next action. It borrows nothing, so it can be chosen before an item borrows from the reader.
+/// The next action. An action borrows nothing, so it can be chosen before an item borrows from the reader.
 enum Step {
     Start { version: u8, timestamp: u64 },
     Message(Header),
@@ -77,7 +77,7 @@ struct Sections {
 }
 
 impl<R: Read> Reader<R> {
-    /// The size of the buffer in bytes, independent of the size of the log.
+    /// The buffer size in bytes, independent of the log size.
     pub const CAPACITY: usize = CAPACITY;
 
     /// The maximum number of bytes that the reader looks ahead after a suspicious message.
@@ -249,7 +249,7 @@ impl<R: Read> Reader<R> {
             self.window.require(LOOKAHEAD)?;
             let look = self.look();
             let (size, is_closed) = (look.bytes.len(), look.is_closed);
-            // Later start positions are checked after all bytes that they may need have been read.
+            // Later start positions are checked once all the bytes they may need have been read.
             let starts = if is_closed { size } else { size - LOOKAHEAD + 1 };
             let found = look.search(0..starts);
             self.window.advance(found.map_or(starts, |(at, _)| at));

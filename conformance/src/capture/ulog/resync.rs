@@ -20,15 +20,16 @@ const RUN_AFTER_MESSAGE: usize = 1;
 const LONG_RUN: usize = 16;
 
 /// The maximum size, in bytes, of a run's first message if it is only [possible](Plausibility::Possible). In noise, one
-/// start position in 256 looks like data of up to 64 KiB. Some of these messages end where a real message starts. They
-/// would form a run that hides the messages in between. PX4 data messages are smaller than this limit.
+/// start position in 256 looks like data of up to 64 KiB. Some of these apparent messages end where a real message
+/// starts. Without this limit, they would form a run and hide the messages in between. PX4 data messages are smaller
+/// than this limit.
 const LARGEST_POSSIBLE_START: usize = 1_024;
 
-/// The maximum number of characters to check in a string. Names are shorter, and the time must not depend on sizes that
-/// may be wrong.
+/// The maximum number of characters to check in a string. Names are shorter, and the running time must not depend on
+/// sizes that may be wrong.
 const TEXT: usize = 64;
 
-/// The number of bytes to examine: a message and a run after it, with all messages of maximum size.
+/// The number of bytes to examine, sufficient for a message and the run after it if all messages have the maximum size.
 pub(super) const LOOKAHEAD: usize = (SOUND_RUN + 1) * LARGEST;
 
 /// The classification of the bytes at the cursor.
@@ -42,12 +43,12 @@ pub(super) enum Beginning {
     Truncated,
     /// A number of invalid bytes, followed by a message.
     Skip(usize, Resync),
-    /// Invalid bytes. The next message starts at least this number of bytes away.
+    /// Invalid bytes. The next message starts at least this many bytes later.
     Lost(usize),
 }
 
 /// The subscribed ids, each with the size of its messages. All messages of a topic have the same size, so a different
-/// size is suspicious: the message may end at the start of another message by chance.
+/// size is suspicious: a message with a wrong size may end at the start of another message by chance.
 #[derive(Debug)]
 pub(super) struct Ids {
     sizes: Box<[u16]>,
@@ -184,7 +185,7 @@ impl Look<'_> {
         starts.find_map(|at| Some((at, self.run(at)?)))
     }
 
-    /// Returns the kind of run that starts here, if there is one.
+    /// Returns the kind of run that starts here, if any.
     #[inline]
     fn run(&self, at: usize) -> Option<Resync> {
         let rest = self.bytes.get(at..)?;

@@ -69,7 +69,7 @@ impl<'d> Listeners<'d> {
         views.show(&mut self.all[..self.on_reports], self.definitions, findings);
     }
 
-    /// Notifies the checks that a part of the capture is unreadable, so records may be missing.
+    /// Notifies the checks of an unreadable part of the capture, in which records may be missing.
     pub(in crate::check) fn corruption(&mut self, location: Location) {
         for listener in &mut self.all {
             if let Running::Session(state) = &mut listener.running {
@@ -91,7 +91,7 @@ impl<'d> Listeners<'d> {
 }
 
 impl Views<'_> {
-    /// Calls each listener with the view that its kind of check takes.
+    /// Calls each listener with the view that its kind of check requires.
     fn show(&self, listeners: &mut [Listener], definitions: &Definitions, findings: &mut Findings) {
         for Listener { rule, running, coverage } in listeners {
             let mut context = RuleContext { rule, definitions, findings: &mut *findings, coverage };

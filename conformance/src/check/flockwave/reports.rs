@@ -1,8 +1,8 @@
 //! A fast path for status reports without new findings. Nearly all status reports have none.
 //!
-//! It reads a line in one pass, without building a tree, and compares each value with its schema. Apart from that, only
-//! a few properties determine the findings in a report. They are the report's version and, for each state, the present
-//! fields, the null fields, and the text of the error codes ([`Kind`]).
+//! The fast path reads a line in one pass, without building a tree, and compares each value with its schema. Besides
+//! these comparisons, only a few properties determine the findings in a report. These properties are the report's
+//! version and, for each state, the present fields, the null fields, and the text of the error codes ([`Kind`]).
 //!
 //! The first state of each kind is passed to all message checks ([`Check::Message`](crate::rules::flockwave::Check)),
 //! in a report that contains no other state. The signature of these checks guarantees that nothing else affects them,
@@ -31,7 +31,7 @@ const TYPE: &str = "UAV-INF";
 /// values in a tree.
 const MAX_LINE: usize = 1 << 20;
 
-/// The maximum length of a message id, in bytes. A longer id may still have few enough characters, but this is rare.
+/// The maximum length of a message id, in bytes. A longer id may still be within the character limit, but this is rare.
 const MAX_ID: usize = 36;
 
 /// The maximum number of findings in a report on this path. The general path limits the number of findings in each
@@ -50,7 +50,7 @@ pub(super) struct Report<'l> {
     pub(super) time: f64,
     /// The whole line.
     pub(super) text: &'l str,
-    /// The message. Its states contain only their timestamps.
+    /// The message. The states in it contain only their timestamps.
     pub(super) message: Tree<'l>,
     /// The index of the report's version.
     version: usize,

@@ -30,14 +30,14 @@ impl NameKind {
     }
 }
 
-/// A topic or type of the capture.
+/// A topic or type in the capture.
 #[derive(Debug)]
 pub(super) struct Open {
     /// The name in findings.
     pub(super) name: String,
     /// The definition and the channel index.
     pub(super) defined: Option<(MessageId, usize)>,
-    /// The key of the message in its envelope, if messages have an envelope.
+    /// The key of the message in the envelope, if messages have an envelope.
     pub(super) key: Option<&'static str>,
     pub(super) messages: u64,
     /// The size of the messages in memory, in bytes; 0 if no rule needs their values.
@@ -46,7 +46,7 @@ pub(super) struct Open {
     pub(super) line: u64,
 }
 
-/// All topics and types of the capture.
+/// All topics and types in the capture.
 #[derive(Debug)]
 pub(super) struct Channels {
     /// The channel for all values, if the caller set a type.

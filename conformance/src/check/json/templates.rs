@@ -27,7 +27,7 @@ pub(super) struct Templates {
 struct Known {
     channel: usize,
     template: Template,
-    /// The index of the template that most recently matched after this one.
+    /// The index of the template that most recently matched directly after this template.
     next: usize,
 }
 
@@ -37,7 +37,7 @@ impl Templates {
         Self { misses: usize::MAX, ..Self::default() }
     }
 
-    /// Matches a message against the templates. Returns the message's channel and its contribution to the result.
+    /// Matches a message against the templates. Returns the channel and the message's contribution to the result.
     /// Stores the field values in `values` if the channel needs them.
     pub(super) fn read(&mut self, text: &str, plans: &Plans, values: &mut Vec<u8>) -> Option<(usize, Clean)> {
         // Messages of topics with fixed rates repeat in the same order.

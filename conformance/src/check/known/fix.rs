@@ -78,7 +78,7 @@ struct Line {
     owner: Option<usize>,
 }
 
-/// The parts of a text to remove. The entries are in order. The flag is true if the entry must be removed.
+/// The parts to remove from a text. The entries are in order. The flag is true if the entry must be removed.
 fn removals(text: &str, entries: &[(Range<usize>, bool)]) -> Vec<(Range<usize>, String)> {
     let lines = lines(text, entries);
     let is_removed = |line: &Line| line.owner.is_some_and(|owner| entries[owner].1);

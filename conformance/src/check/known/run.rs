@@ -1,4 +1,4 @@
-//! Converts the findings in a capture to results that lists can match, and marks excused findings.
+//! Converts a capture's findings to results that list entries can match, and marks excused findings.
 
 use super::{Checked, Lists, Name, Outcome};
 

@@ -9,8 +9,8 @@ use super::{Entry, Lists, Selector};
 use crate::model::Rule;
 use crate::model::{Date, Excuse, ExcuseKind};
 
-/// The maximum length, in bytes, of a pattern that messages underline in full. Automatic fixes may write patterns of
-/// any length.
+/// The maximum length, in bytes, of a pattern that is underlined in full in messages. Automatic fixes may write
+/// patterns of any length.
 const MAX_MARKED: u32 = 200;
 
 /// The result of a case, or of a rule for a subject in a file.
@@ -41,7 +41,8 @@ pub(crate) enum Name<'r> {
 /// The result of a case or rule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// Passed. A rule passes if it was covered. The rule's violations in the same file are separate results.
+    /// Passed. A rule passes in a file if anything was checked. The rule's violations in that file are separate
+    /// results.
     Passed,
     /// Failed, with these messages.
     Failed(Vec<String>),
@@ -123,7 +124,7 @@ struct Sum<'c> {
 }
 
 impl Lists {
-    /// The reason why a failure is excused, if an entry matches its name and all its messages.
+    /// The reason why a failure is excused, if an entry matches the failure's name and all its messages.
     pub(crate) fn excuse(&self, name: Name<'_>, messages: &[String]) -> Option<&Excuse> {
         let excuses = |entry: &&Entry| {
             entry.names.is_match(name, true) && messages.iter().all(|message| entry.expects(message))
@@ -181,7 +182,7 @@ impl Lists {
                 let expected = entry.message.as_deref()?;
                 let message =
                     format!("the message differs: expected {expected:?} at the start, found {found:?}");
-                let help = "investigate the failure; if this failure is known too, update the message";
+                let help = "investigate the failure; if the new failure is known too, update the message";
                 ("known-fails-otherwise", spans.message?, message, help)
             }
             StaleReason::MatchesNothing => {

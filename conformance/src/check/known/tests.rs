@@ -118,7 +118,7 @@ error[known-fails-otherwise]: the message differs: expected \"/flaps/0: expected
  --> known.toml:4:11
   |
 4 | message = \"/flaps/0: expected NaN\"
-  |           ^^^^^^^^^^^^^^^^^^^^^^^^ investigate the failure; if this failure is known too, update the message
+  |           ^^^^^^^^^^^^^^^^^^^^^^^^ investigate the failure; if the new failure is known too, update the message
 "
     );
     let fixed = list.fixed(&stale).expect("a list");

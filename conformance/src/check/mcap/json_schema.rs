@@ -107,7 +107,7 @@ impl<'s> Comparing<'s> {
         found
     }
 
-    /// The types that a property's schema states, if it allows none of the expected types.
+    /// The types that a property's schema states, if none of these types is expected.
     fn contradicted(&self, property: &'s Value, types: &[&str]) -> Option<String> {
         let found = self.followed(property);
         let is_among = |name: &str| types.contains(&name) || name == "number" && types.contains(&"integer");

@@ -18,13 +18,13 @@ pub struct McapChannel {
     pub topic: String,
     /// The encoding of its messages, e.g. `cdr`.
     pub encoding: String,
-    /// The name and encoding of the channel's schema, if it has one.
+    /// The name and encoding of the channel's schema, if there is one.
     pub schema: Option<(String, String)>,
     /// The number of messages.
     pub messages: u64,
     /// The number of messages in unsupported CDR encodings: parameter lists and CDR version 2.
     pub other_cdr: u64,
-    /// True if both the channel's hash and its schema differ from the definition.
+    /// True if both the hash and the schema of the channel differ from the definition.
     pub has_other_hash: bool,
     /// The extent to which the channel was checked.
     pub status: CheckStatus,
@@ -162,7 +162,7 @@ impl Open {
         }
     }
 
-    /// The differences between its schema and the definition.
+    /// The differences between the channel's schema and the definition.
     pub(super) fn differences(&self) -> Option<&Differences> {
         self.status.differences()
     }

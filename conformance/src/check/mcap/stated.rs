@@ -1,7 +1,7 @@
 //! Reads the types that a file declares in the `ros2msg` format.
 //!
-//! The text of the type itself comes first. Before the text of each nested type, there is a line of `=` and a line with
-//! the type's name, `MSG: package/Name`.
+//! The text of the type itself comes first. Before the text of each nested type, there is a line of `=` characters and
+//! a line with the type's name, `MSG: package/Name`.
 //!
 //! Comments are removed first: they aren't part of a type, and may contain annotations that refer to missing
 //! messages.
@@ -15,7 +15,7 @@ use uavspec_codegen::schema::{Form, Message, MessageId};
 use uavspec_codegen::{PackageInput, SourceMap, read};
 use uavspec_runtime::Number;
 
-/// The package for type names that contain no package.
+/// The package of a type whose name contains no package.
 const NO_PACKAGE: &str = "unnamed";
 
 /// The minimum length of a separator line; all writers use 80 characters.
@@ -71,7 +71,7 @@ impl Stated {
         let is_root = |id: &&MessageId| schema.message(**id).name == root.1;
         let messages = schema.packages.iter().filter(|package| package.name == root.0);
         let found = messages.flat_map(|package| &package.messages).find(is_root).copied();
-        let root = found.ok_or("it doesn't define the type after which it is named")?;
+        let root = found.ok_or("it doesn't define the type that it is named after")?;
         let stated = Self { root, version: version(schema.message(root)), types: Types::new(&schema) };
         match stated.root().defect() {
             Some(defect) => Err(format!("it {defect}")),

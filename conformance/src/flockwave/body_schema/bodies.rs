@@ -15,9 +15,9 @@ pub struct DefinedSchemas {
     /// The schemas of all types and bodies, by their names in test vectors, such as `flockwave/Weather` or
     /// `flockwave/WTH-AT.response`.
     pub(super) named: BTreeMap<String, ValueSchema>,
-    /// The objects in bodies.
+    /// The schemas of the objects in bodies.
     pub(super) objects: Vec<Object>,
-    /// The tuples in bodies.
+    /// The schemas of the tuples in bodies.
     pub(super) tuples: Vec<Tuple>,
     /// True if the spans in these schemas don't refer to the current definitions.
     pub(super) is_foreign: bool,

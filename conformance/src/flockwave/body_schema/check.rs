@@ -98,7 +98,7 @@ fn first<'c>(
 
 struct Check<'c> {
     defined_schemas: &'c DefinedSchemas,
-    /// The body schema. Its location is reported for values that belong to no defined field.
+    /// The body schema. For values that belong to no defined field, the schema's location is reported.
     body: Option<&'c Body>,
     /// The path from the body to the current value.
     path: Vec<At<'c>>,

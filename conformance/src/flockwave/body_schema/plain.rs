@@ -9,7 +9,7 @@ use super::defined::{Length, Object, ValueSchema};
 use crate::json::{Token, Tokens, Unclear};
 use uavspec_codegen::schema::json_type::Direction;
 
-/// The fields of the objects in a map that is part of a body.
+/// The fields of the objects in a map within a body.
 #[derive(Debug)]
 pub(crate) struct Members<'s> {
     object: &'s Object,

@@ -24,7 +24,7 @@ const MAX_DEVIATIONS: usize = 100;
 /// The maximum length of a quoted part of a schema, in characters.
 const MAX_DEMAND: usize = 80;
 
-/// The base address of files without `$id`. Such files refer to each other by names relative to this address.
+/// The base address of files without `$id`. Files without `$id` refer to each other by names relative to this address.
 const BASE: &str = "uavspec://schemas/";
 
 /// JSON Schemas for bodies, by message type.
@@ -48,7 +48,7 @@ struct Schema {
 pub struct SchemaError {
     /// The file or folder.
     path: PathBuf,
-    /// The location in the file: a line and column, or a JSON pointer; may be empty.
+    /// The location in the file, as a line and column or as a JSON pointer; may be empty.
     location: String,
     /// The problem, and how to fix it.
     problem: String,
@@ -213,7 +213,7 @@ impl Files {
         Ok(files)
     }
 
-    /// Files without `$schema` use the draft that the first `$schema` names. Often only one file has a `$schema`.
+    /// Files without `$schema` use the draft named by the first `$schema` found. Often only one file has a `$schema`.
     fn set_default_draft(&mut self) {
         let named = self.by_address.values().find_map(|(_, value)| value["$schema"].as_str());
         let Some(named) = named.map(str::to_owned) else { return };
@@ -256,7 +256,7 @@ fn address(path: &Path) -> String {
     path.to_string_lossy().replace('\\', "/").bytes().map(written).collect()
 }
 
-/// The message types that a schema specifies. If it specifies none, the type in the file name.
+/// The message types that a schema specifies, or the type in the file name if the schema specifies none.
 fn types_of(path: &Path, value: &Value) -> Vec<String> {
     let of_type = &value["properties"]["type"];
     let values = of_type["enum"].as_array().into_iter().flatten().chain([&of_type["const"]]);

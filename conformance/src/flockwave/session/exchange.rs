@@ -91,7 +91,7 @@ pub(crate) struct Exchange<'t> {
     pub type_name: Option<&'t str>,
     /// The message to which the record's `refs` refers.
     pub reference: Reference,
-    /// The request that the record answers, if that is certain, or the unanswered request.
+    /// The unanswered request, or the request that the record certainly answers.
     pub request: Option<SentRequest>,
     /// True if the record's id must be unique but isn't.
     pub is_id_in_use: bool,
@@ -102,7 +102,7 @@ pub(crate) struct Exchange<'t> {
     /// The bounds of the server's clock offset that were known before this record, in seconds. A positive offset means
     /// that the server's clock is ahead.
     pub clock: Option<(f64, f64)>,
-    /// The change of the clock, if both this record and an earlier one state the server's time.
+    /// The change of the server's clock, if this record and an earlier record both state the server's time.
     pub clock_move: Option<ClockMove>,
     /// The body schema violations in the message. `None` if there is no schema.
     pub deviations: Option<Vec<Deviation>>,
@@ -151,7 +151,7 @@ impl<'t> Exchange<'t> {
         Self { role: Role::Unanswered, serial, request: Some(request), ..exchange }
     }
 
-    /// True if it is a message from the server, readable or not.
+    /// True if the record is a message from the server, readable or not.
     pub(crate) fn is_from_server(&self) -> bool {
         self.record.direction == record::Direction::In && self.role != Role::Unanswered
     }
@@ -182,7 +182,7 @@ impl<'t> Exchange<'t> {
         self.body_of(type_name).filter(|_| self.role == Role::Notification)
     }
 
-    /// True if it has a version and a type, as every Flockwave message must.
+    /// True if the message has a version and a type, as every Flockwave message must.
     pub(crate) fn is_sound(&self) -> bool {
         let version = self.record.value.and_then(|message| message.get("$fw.version"));
         version.and_then(Tree::as_str).is_some() && self.type_name.is_some()
@@ -221,7 +221,7 @@ impl<'t> Exchange<'t> {
         self.body.and_then(|body| body.get(name))
     }
 
-    /// The request that the record answers, if both have the same type.
+    /// The request that the record answers, if the record and the request have the same type.
     pub(crate) fn same_type_request(&self) -> Option<&SentRequest> {
         self.request
             .as_ref()

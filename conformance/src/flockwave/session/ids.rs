@@ -1,7 +1,8 @@
-//! A bounded map of remembered ids. It forgets the oldest entries first.
+//! A bounded map of remembered ids. The map forgets the oldest entries first.
 //!
-//! This is a version of [`Remembered`](super::remembered::Remembered) for the ids of a connection. It uses a hash
-//! table, which is several times faster. Speed matters here because every server message and every UAV state has an id.
+//! This is a version of [`Remembered`](super::remembered::Remembered) for the ids of a connection. This version uses a
+//! hash table, which is several times faster. Speed matters here because every server message and every UAV state has
+//! an id.
 
 use std::collections::VecDeque;
 use std::hash::BuildHasher;

@@ -34,7 +34,7 @@ pub(crate) struct Named {
     pub receipt: String,
     /// The previous state of the operation, if it was known.
     pub before: Option<Operation>,
-    /// True if any earlier operation with this receipt would be known.
+    /// True if the session would know any earlier operation with this receipt.
     pub is_known: bool,
 }
 

@@ -1,4 +1,4 @@
-//! A bounded map. It forgets the oldest entries first.
+//! A bounded map. The map forgets the oldest entries first.
 
 use std::collections::{BTreeMap, VecDeque};
 

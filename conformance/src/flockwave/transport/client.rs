@@ -68,7 +68,7 @@ fn text_of(bytes: &[u8]) -> io::Result<&str> {
     std::str::from_utf8(bytes).map_err(|_| invalid("Socket.IO carries text only"))
 }
 
-/// An error for unexpected server behavior.
+/// An error for unexpected server behaviour.
 fn invalid(message: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, message.into())
 }

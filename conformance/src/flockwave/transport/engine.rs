@@ -1,5 +1,5 @@
-//! Packets of Engine.IO, the protocol below Socket.IO. Two revisions are in use. They differ in which side sends pings,
-//! and in how packets are combined for long polling.
+//! Packets of Engine.IO, the protocol below Socket.IO. Two revisions are in use. The revisions differ in which side
+//! sends pings, and in how packets are combined for long polling.
 
 use std::fmt::Write as _;
 

@@ -15,10 +15,10 @@ const HEADER_LIMIT: usize = 100;
 /// The maximum time between requests.
 const IDLE_LIMIT: Duration = Duration::from_secs(60);
 
-/// The maximum time from the first byte of a request to its last.
+/// The maximum time from the first to the last byte of a request.
 const REQUEST_LIMIT: Duration = Duration::from_secs(30);
 
-/// The interval at which a waiting connection checks whether it is still wanted.
+/// The interval at which a waiting connection checks whether it is still needed.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// A request.
@@ -42,7 +42,7 @@ impl Request {
         self.headers.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
-    /// A query field. It isn't unescaped, since the fields in use don't require that.
+    /// A query field, with escapes unchanged. The fields in use need no escapes.
     pub(crate) fn field(&self, name: &str) -> Option<&str> {
         self.query
             .split('&')
@@ -94,7 +94,7 @@ pub(crate) enum Incoming {
     /// An error response to an invalid request. The connection must be closed, since the start of the next request is
     /// unknown.
     Refused(Response),
-    /// No request: the connection was closed, is no longer wanted, or was idle for too long.
+    /// No request: the connection was closed, is no longer needed, or was idle for too long.
     Nothing,
 }
 

@@ -19,7 +19,7 @@ pub(crate) struct Lines {
     buffer: Vec<u8>,
     /// The start of the first line that hasn't been returned yet.
     start: usize,
-    /// The index before which there is no line end.
+    /// The index up to which the buffer contains no line end.
     searched: usize,
     /// True while skipping the rest of a line that is too long.
     is_skipping: bool,

@@ -1,4 +1,5 @@
-//! A fast check that confirms that a message has no findings. It reads the text in one pass, without building a tree.
+//! A fast check that confirms that a message has no findings. The check reads the text in one pass, without building a
+//! tree.
 //!
 //! All other messages are checked with a tree, which provides the findings.
 
@@ -147,7 +148,7 @@ impl<'p> Reading<'p, '_> {
     }
 }
 
-/// Reads the key of a field. It is most likely the next declared field.
+/// Reads the key of a field. The key most likely names the next declared field.
 fn next_field(fields: &[FieldPlan], guess: usize, tokens: &mut Tokens<'_>) -> Result<usize, Unclear> {
     if fields.get(guess).is_some_and(|field| tokens.takes_key(&field.name)) {
         return Ok(guess);

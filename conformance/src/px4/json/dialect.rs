@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 /// An accepted deviation of JSON messages from the published schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Dialect {
-    /// rosbridge writes arrays of `uint8` as base64, and therefore also `char[N]`.
+    /// rosbridge writes `uint8` arrays, and therefore also `char[N]`, as base64.
     Base64,
     /// In ROS 2, `char` is `uint8`, so `char[N]` is an array of numbers.
     NumbersForText,

@@ -25,14 +25,14 @@ pub(crate) struct MessageOrigin<'m> {
     pub name: &'m str,
     /// The location.
     pub location: Location,
-    /// The key of the message in its record, if the record has other members.
+    /// The key of the message in the record, if the record has other members.
     pub key: Option<&'m str>,
     /// True if the rosbridge dialects are allowed.
     pub is_rosbridge: bool,
 }
 
 impl Plans {
-    /// Reports all findings in a message. Returns the dialects that it uses.
+    /// Reports all findings in a message. Returns the dialects that the message uses.
     pub(crate) fn explain(
         &self,
         origin: MessageOrigin<'_>,
@@ -162,7 +162,7 @@ impl<'p> Explaining<'p, '_> {
             };
             times[index] = times[index].saturating_add(1);
             let field = &plan.fields[index];
-            // If an array is repeated, which is a separate finding, the count applies only to its first value.
+            // If an array is repeated, the count applies only to the first value. The repetition is a separate finding.
             let count = field.counted_by.filter(|_| times[index] == 1);
             let used = count.and_then(|count| in_use(object, &plan.fields[count]));
             self.within(key, &field.name, |within| within.field(value, field, used));

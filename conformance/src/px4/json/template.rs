@@ -1,9 +1,9 @@
 //! Confirms that messages have no findings by comparing them with an earlier message on the same channel.
 //!
 //! A producer always writes a message in the same form, and most values don't change. A template stores the text of a
-//! message without findings, with the positions of its values. The next message is compared with it byte by byte.
-//! Everything between the values, including keys, must be equal, and only values that differ are read. This takes a
-//! fraction of the time that parsing JSON takes. All other text takes the usual path.
+//! message without findings, with the positions of its values. The next message is compared with the template byte by
+//! byte. Everything between the values, including keys, must be equal, and only values that differ are read. The
+//! comparison takes a fraction of the time needed to parse JSON. All other text takes the usual path.
 
 use uavspec_codegen::schema::{MessageId, Shape};
 
@@ -78,7 +78,7 @@ impl Template {
     }
 
     /// Compares a text with the template. If only values differ and all values are valid, returns the results for the
-    /// text, and makes it the text of the template.
+    /// text, which becomes the template's text.
     pub(crate) fn read(&mut self, plans: &Plans, text: &str) -> Option<Clean> {
         self.compare(plans, text)?;
         self.advance(plans, text);
@@ -124,7 +124,7 @@ impl Template {
         }
     }
 
-    /// Updates the template to a text with the recorded changes.
+    /// Updates the template to match a text that has the recorded changes.
     fn advance(&mut self, plans: &Plans, text: &str) {
         let Some(first) = self.changes.first() else { return };
         // If lengths differ, later values move.

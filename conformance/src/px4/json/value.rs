@@ -40,7 +40,7 @@ impl Leaf<'_> {
 }
 
 impl FieldPlan {
-    /// Checks a value of the field or of one of its elements.
+    /// Checks a value: the field itself, or one of its elements.
     pub(super) fn check(&self, leaf: Leaf<'_>) -> Result<(), Violation<'_>> {
         match (self.element, leaf) {
             (Element::Scalar(Scalar::Bool), Leaf::Bool(_)) => Ok(()),
@@ -96,7 +96,7 @@ impl FieldPlan {
     }
 }
 
-/// The value of a float. It is rounded first, since ranges and special values apply to the rounded value.
+/// The value of a float. The value is rounded first, since ranges and special values apply to the rounded value.
 fn float<'p>(scalar: Scalar, leaf: Leaf<'_>) -> Result<Number, Violation<'p>> {
     let value = match leaf {
         Leaf::Null => f64::NAN,

@@ -1,4 +1,4 @@
-//! A fast check of values in memory. Most values pass it, and only the others are examined further.
+//! A fast check of values in memory. Most values pass. Only values that don't pass are examined further.
 
 use uavspec_codegen::schema::Restriction;
 use uavspec_runtime::{Number, Scalar};

@@ -67,7 +67,7 @@ pub(super) fn definition(definition: Option<&Definition>) -> Markup {
     }
 }
 
-/// The entry of a list of known failures. Only HTTP and HTTPS links can be clicked.
+/// An entry in a list of known failures. Only HTTP and HTTPS links can be clicked.
 pub(super) fn known(known: Option<&Known>) -> Markup {
     html! {
         @if let Some(known) = known {

@@ -10,7 +10,7 @@ use crate::report::{About, Finding, OutcomeKind, Report, RuleVerdict, Subject, V
 use crate::rules::px4;
 use crate::text::Grouped;
 
-/// The number of items of a list that are initially visible. The user can expand the rest.
+/// The number of list items that are initially visible. The user can expand the rest.
 const MAX_OPEN: usize = 4;
 
 /// The maximum number of items in the expanded part. The JSON report has more.
@@ -103,7 +103,7 @@ fn facts(subject: &Subject) -> Markup {
     }
 }
 
-/// A line of a summary with its complete lists.
+/// A line of a summary, followed by its complete lists.
 fn summary_line(line: &Line) -> Markup {
     let details: Vec<&String> = line.details.iter().collect();
     html! {
@@ -168,7 +168,7 @@ fn findings(subject: &Subject, anchor: &str) -> Markup {
     }
 }
 
-/// True if the findings of a rule are listed. Formats that differ appear in the summary instead, unless they are
+/// True if the findings of a rule are listed. Format differences appear in the summary instead, unless they are
 /// failures.
 fn has_own_section(rule: &RuleVerdict) -> bool {
     rule.findings > 0 && (rule.id != px4::FMT_01.rule.id || rule.verdict == Verdict::Fail)

@@ -126,9 +126,8 @@ fn overview(rows: &[Row]) -> OutputFile {
     page.table(&table);
     page.heading(2, "Mutants");
     page.block(
-        "A mutant is a conforming capture with one change that violates a rule. Tests check that the rule finds each \
-         of its mutants, that only the listed rules find it, and that no rule finds anything in the unchanged \
-         capture.",
+        "A mutant is a conforming capture with one change that violates a rule. Tests check that each rule finds its \
+         mutants, that no unlisted rule finds them, and that no rule finds anything in the unchanged capture.",
     );
     page.table(&matrix(rows));
     page.finish()

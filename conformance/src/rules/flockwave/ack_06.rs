@@ -18,8 +18,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Before login, a request that requires a login is refused with ACK-NAK.",
         source: source::MESSAGES,
         applies_to: "probe requests that test this rule",
-        why: "If the server serves such a request before login, anyone who can connect can read data and send commands \
-              that are reserved for authenticated users.",
+        why: "If the server serves protected requests before login, anyone who can connect can read data and send \
+              commands reserved for authenticated users.",
         example: r#"→ {"type":"AUTH-INF"}
 ← {"type":"AUTH-INF","methods":["basic"],"required":true}
 → {"type":"UAV-LIST"}

@@ -15,8 +15,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A receipt is a string of 1 to 64 characters.",
         source: source::SCHEMA,
         applies_to: "responses with `receipt`",
-        why: "Clients send receipts back in ASYNC-CANCEL and ASYNC-RESUME, which accept only such strings. With any \
-              other value, the operation cannot be cancelled.",
+        why: "Clients send receipts back in ASYNC-CANCEL and ASYNC-RESUME, which accept only strings of 1 to 64 \
+              characters. With any other value, the operation cannot be cancelled.",
         example: r#"{"type":"UAV-RTH","receipt":{"uav-1":7}}"#,
         fix: "Create a short unique string for each operation, such as a UUID.",
     },

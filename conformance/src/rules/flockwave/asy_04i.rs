@@ -15,8 +15,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "No two pending operations on a connection have the same receipt.",
         source: source::DERIVED,
         applies_to: "responses with `receipt` over time",
-        why: "When a notification with this receipt arrives, the client does not know which operation the notification \
-              belongs to.",
+        why: "When a notification with a shared receipt arrives, the client does not know which operation the \
+              notification belongs to.",
         example: r#"→ {"type":"UAV-RTH","ids":["uav-1","uav-2"]}
 ← {"type":"UAV-RTH","receipt":{"uav-1":"r8","uav-2":"r8"}}"#,
         fix: "Create a new receipt for each object and each request. Do not reuse a receipt before its operation \

@@ -1,7 +1,7 @@
 //! `FW-ASY-10`.
 //!
 //! The specification sets no time limit, and a recording may end before the operation does. A missing end is therefore
-//! reported only for a short operation that a probe starts to test this rule ([`MAX_SECONDS`]).
+//! reported only for short operations that a probe starts in order to test this rule ([`MAX_SECONDS`]).
 
 use std::collections::BTreeMap;
 
@@ -74,14 +74,14 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The longest time, in seconds, that a short operation may go without news while the server sends other messages.
+/// The longest time, in seconds, between messages about a short operation while the server sends other messages.
 const MAX_SECONDS: f64 = 18.0;
 
 /// The maximum number of tracked operations per connection.
 const MAX_OPEN: usize = 1_000;
 
-/// The operations that test the rule. Maps each receipt to the location of its response and the time of its latest
-/// news.
+/// The operations that test the rule. Maps each receipt to the location of the response and the time of the operation's
+/// latest message.
 type Open = BTreeMap<String, (Location, f64)>;
 
 /// The operations that test the rule, by connection.
@@ -145,7 +145,7 @@ fn check_single_end(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     }
 }
 
-/// Reports and removes the operations that had no news for too long.
+/// Reports and removes the operations without a message for too long.
 fn report_overdue(open: &mut Open, now: f64, context: &mut RuleContext<'_>) {
     open.retain(|receipt, (location, last_news)| {
         let waited = now - *last_news;

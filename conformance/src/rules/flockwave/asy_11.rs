@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "No ASYNC-ST is sent for a receipt that has ended.",
         source: source::DERIVED,
         applies_to: "ASYNC-ST over time",
-        why: "The client has already closed the operation. It drops the notification, or shows the finished \
+        why: "The client has already closed the operation. The client drops the notification, or shows the finished \
               operation as running again.",
         example: r#"→ {"type":"UAV-RTH","ids":["uav-1"]}
 ← {"type":"UAV-RTH","receipt":{"uav-1":"r1"}}

@@ -1,8 +1,9 @@
 //! `FW-ASY-17`.
 //!
-//! An operation that ends before the ASYNC-CANCEL response may have ended regularly. Progress after that response does
-//! not prove that the operation continues. The rule therefore checks only operations that are pending at the response.
-//! They must end with the correct message, and within [`MAX_SECONDS`] if the server sends other messages.
+//! An operation that ends before the ASYNC-CANCEL response may have ended normally. Progress after that response does
+//! not prove that the operation continues. The rule therefore checks only operations that are still pending when the
+//! response arrives. Each of these operations must end with the correct message, and within [`MAX_SECONDS`] if the
+//! server sends other messages.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -21,8 +22,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A cancelled operation ends with an ASYNC-RESP that contains an error.",
         source: source::ASYNC,
         applies_to: "ASYNC-CANCEL over time",
-        why: "The client learns from this message that the operation has stopped. Without this message, the UAV may \
-              still be executing a command that the operator cancelled.",
+        why: "The ASYNC-RESP confirms that the operation has stopped. Without confirmation, the UAV may still be \
+              executing a command that the operator cancelled.",
         example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
 ← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
 → {"type":"ASYNC-CANCEL","ids":["r1"]}
@@ -178,7 +179,8 @@ impl Waiting {
                 let receipt = body::quoted(&receipt);
                 let waited = now - time;
                 Detail::new(format!(
-                    "{receipt} was cancelled but did not end within {waited:.0} s, although the server sent messages"
+                    "{receipt} was cancelled but did not end within {waited:.0} s, although the server sent other \
+                     messages"
                 ))
                 .expected("ASYNC-RESP with an error")
                 .actual("none")

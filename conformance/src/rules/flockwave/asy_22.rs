@@ -13,10 +13,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-22",
         level: Level::Should,
         status: Status::Disputed(
-            "For the result of ASYNC-RESP, the specification text requires an object, its example has a number, and \
-             the JSON Schema allows any value. This rule requires the type that an immediate response would have.",
+            "For the result of ASYNC-RESP, the specification text requires an object, the example there has a number, \
+             and the JSON Schema allows any value. This rule requires the type that an immediate response would have.",
         ),
-        statement: "Each result has the type that the definition of its command specifies. For most UAV commands, this \
+        statement: "Each result has the type specified in the definition of its command. For most UAV commands, this \
                     is a boolean.",
         source: source::SCHEMA,
         applies_to: "ASYNC-RESP, and responses with `result`",

@@ -1,7 +1,7 @@
 //! `FW-ENV-01`.
 //!
-//! Other rules report a TCP message that spans several lines, and several messages in one line or datagram. This rule
-//! reports a line that could start a message only after the line turns out not to start one.
+//! Other rules report a TCP message that spans several lines, and several messages in one line or datagram. If a line
+//! could start a message, this rule reports the line only after later lines show that it doesn't.
 
 use serde_json::json;
 
@@ -18,7 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Each message is one JSON object.",
         source: source::GENERAL,
         applies_to: "messages from the server",
-        why: "The client cannot decode anything else. It drops the data or closes the connection.",
+        why: "The client cannot decode any other form of data, so it drops the data or closes the connection.",
         example: r#"[{"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}]"#,
         fix: "Serialize each message as one JSON object, with no wrapper and no other output on the connection.",
     },

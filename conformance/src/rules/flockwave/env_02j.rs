@@ -15,8 +15,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The `$fw.version` of a message is one to three numbers separated by dots.",
         source: source::SCHEMA,
         applies_to: "messages from the server",
-        why: "Clients compare the numbers of a version one by one. They may reject a message whose version they cannot \
-              parse.",
+        why: "Clients compare the numbers of a version one by one. Clients may reject a message whose version they \
+              cannot parse.",
         example: r#"{"$fw.version":"v1","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
         fix: "Send a version such as `1.0`, without a prefix or suffix.",
     },

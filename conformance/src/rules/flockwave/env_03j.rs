@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The `id` of a message is 1 to 36 characters long.",
         source: source::SCHEMA,
         applies_to: "messages from the server",
-        why: "The JSON Schema allows no other length, so clients that validate messages reject such a message.",
+        why: "The JSON Schema allows no other length, so clients that validate messages reject the message.",
         example: r#"{"$fw.version":"1.0","id":"","body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
         fix: "Use a UUID (36 characters) or a counter as the id.",
     },

@@ -1,7 +1,7 @@
 //! `FW-ENV-06`.
 //!
-//! Requests that were sent before the recording are unknown. The rule therefore checks only connections whose start was
-//! recorded.
+//! Requests that were sent before the recording started are unknown. The rule therefore checks only connections whose
+//! start was recorded.
 
 use serde_json::json;
 
@@ -18,11 +18,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The `refs` of a response is the id of a request that was sent on the same connection.",
         source: source::GENERAL,
         applies_to: "responses over time",
-        why: "The client cannot match the response to a request. It drops the response, and the request times out.",
+        why: "The client cannot match the response to a request. The client drops the response, and the request times \
+              out.",
         example: r#"→ {"$fw.version":"1.0","id":"C1","body":{"type":"SYS-PING"}}
 ← {"$fw.version":"1.0","id":"s1","refs":"c1","body":{"type":"ACK-ACK"}}"#,
-        fix: "Copy the `id` of the request to `refs` byte for byte, and send the response on the connection of the \
-              request.",
+        fix: "Copy the `id` of the request to `refs` byte for byte, and send the response on the same connection.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

@@ -3,7 +3,7 @@
 //! The specification sets no time limit, and a recording may end before the response arrives. A request is therefore
 //! reported only if no response arrives before the connection or the recording ends. In addition, the server must still
 //! send messages long after the request ([`MAX_SECONDS`]). A probe waits for the response and marks the request as a
-//! test of this rule. Requests that test other rules are checked by those rules.
+//! test of this rule. If a request tests another rule, that rule checks the request.
 
 use serde_json::json;
 
@@ -20,8 +20,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Every request gets a response, even if the server does not know the type of the request.",
         source: source::GENERAL,
         applies_to: "requests over time",
-        why: "A client waiting for the response blocks or times out. It cannot distinguish an unknown request from a \
-              dead connection.",
+        why: "A client waiting for the response blocks or times out. The client cannot distinguish an unknown request \
+              from a dead connection.",
         example: r#"→ {"type":"UAV-SOAR","ids":["uav-1"]}
 (40 s later, still no response)
 ← {"type":"OBJ-DEL","ids":["uav-2"]}"#,
@@ -54,7 +54,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The longest time until a response, in seconds. A server answers slower requests with a receipt.
+/// The longest time until a response, in seconds. If a request takes longer, a server responds with a receipt.
 const MAX_SECONDS: f64 = 30.0;
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The `type` of a body is a string.",
         source: source::GENERAL,
         applies_to: "messages from the server",
-        why: "Clients choose the handler for a message by its type. Without a valid type, they drop the message.",
+        why: "Clients choose the handler for a message by its type. Without a valid type, clients drop the message.",
         example: r#"{"$fw.version":"1.0","id":"s1","body":{"type":7}}"#,
         fix: "Add the message type as a string to every body, such as `\"type\":\"UAV-INF\"`.",
     },

@@ -16,8 +16,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                     digits. Seven types in the specification are exceptions.",
         source: source::GENERAL,
         applies_to: "messages from the server",
-        why: "Clients and proxies select messages by family, the part before the hyphen. They cannot route a type that \
-              has a different form.",
+        why: "Clients and proxies select messages by family, the part before the hyphen. Clients and proxies cannot \
+              route a type in a different form.",
         example: r#"{"type":"uav-wind","speed":6200}"#,
         fix: "Name custom types like the standard ones: an uppercase family and name joined by one hyphen, such as \
               `UAV-WIND`.",

@@ -1,6 +1,6 @@
 //! `FW-ENV-18`.
 //!
-//! Violations that another rule covers are reported by that rule only.
+//! A violation covered by another rule is reported only by that rule.
 
 use serde_json::json;
 
@@ -14,8 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-18",
         level: Level::Should,
         status: Status::Disputed(
-            "For optional fields, the published JSON Schemas do not allow null, but the guidelines for authors of the \
-             specification do. This rule reports null unless the definition allows it.",
+            "For optional fields, the published JSON Schemas do not allow null, but the guidelines for specification \
+             authors do. This rule reports null unless the definition allows it.",
         ),
         statement: "A body matches the definition of its type and direction. Additional fields are allowed unless the \
                     definition forbids them.",

@@ -1,7 +1,7 @@
 //! `FW-ENV-19`.
 //!
-//! This is the only rule that checks clients: a reused id makes it impossible to match responses to requests. Only a
-//! probe shows whether the server accepts the id of an answered request.
+//! No other rule checks clients. This rule does, because responses can't be matched to requests if an id is reused.
+//! Only a probe shows whether the server accepts the id of an answered request.
 
 use serde_json::json;
 

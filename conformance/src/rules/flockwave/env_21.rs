@@ -50,7 +50,7 @@ fn attempts() -> Vec<Attempt> {
         ("an id of 36 characters", "c0ffee00-1234-4abc-9def-0123456789ab"),
         ("an id with spaces", " two words "),
         ("a non-ASCII id", "Höhe 高度 \u{1fa82}"),
-        ("an id with characters that JSON escapes", "\"\\/\u{7}\t<&>"),
+        ("an id with characters that must be escaped in JSON", "\"\\/\u{7}\t<&>"),
     ];
     ids.map(|(how, id)| Attempt::new(how, [Step::request(id)])).into()
 }

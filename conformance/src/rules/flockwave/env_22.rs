@@ -17,7 +17,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A malformed request with an id is answered, and the connection stays usable.",
         source: source::DERIVED,
         applies_to: "probe requests that test this rule",
-        why: "A single faulty request ends the session of its client, or hangs the server for all clients.",
+        why: "A server that mishandles a malformed request may end the client's session or hang for all clients.",
         example: r#"→ {"$fw.version":"1.0","id":"c1","body":"SYS-PING"}
 (the server closes the connection without a response)"#,
         fix: "Catch decoding errors for each message. Answer with ACK-NAK and the reason, then continue with the \

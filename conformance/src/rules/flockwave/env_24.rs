@@ -1,8 +1,8 @@
 //! `FW-ENV-24`.
 //!
-//! The probe sends requests of each family, and a request of an unknown type on the same connection. A family has no
-//! handler if the server refuses all its requests in the same way as the unknown type. ACK has no requests, so it is
-//! not tested.
+//! The probe sends requests of each family, and a request of an unknown type on the same connection. A family counts as
+//! unhandled if the server refuses all of the family's requests in the same way as the request of an unknown type. ACK
+//! has no requests, so it is not tested.
 //!
 //! Before login, a server may refuse every request in the same way. If the server reports that it requires a login,
 //! connections without a login are not checked.
@@ -40,7 +40,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "DEV is refused like an unknown type",
+            name: "DEV requests are refused like an unknown type",
             make: || {
                 mutant::over("tcp#9", |session| {
                     session.logs_in();
@@ -55,7 +55,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "CONN is refused like an unknown type, without a reason",
+            name: "CONN requests are refused like an unknown type, without a reason",
             make: || {
                 mutant::over("tcp#9", |session| {
                     session.logs_in();

@@ -1,7 +1,7 @@
 //! `FW-ENV-25`.
 //!
-//! The specification allows responses in any order. However, most clients only ever see responses in request order, so
-//! a different order is worth reporting. `FW-ENV-07` reports unanswered requests.
+//! The specification allows responses in any order. However, most clients only ever receive responses in request order,
+//! so a different order is worth reporting. `FW-ENV-07` reports unanswered requests.
 
 use super::{
     Attempt, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,

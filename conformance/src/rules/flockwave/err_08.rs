@@ -15,8 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                     the ground, code 71 is used instead.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
-        why: "Code 201 is fatal and means that the UAV attempts to land. On the ground, this code raises a false \
-              alarm.",
+        why: "Code 201 is fatal and means that the UAV attempts to land. On the ground, code 201 raises a false alarm.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[1,201]}}}"#,
         fix: "Send code 71 instead of 201 while the UAV is on the ground.",
     },

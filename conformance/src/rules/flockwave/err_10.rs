@@ -14,8 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Codes 188 and 253 are simulated errors for tests. uavspec reports each use.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
-        why: "A simulated error triggers a return to home or an emergency landing. It should not appear in normal \
-              operation.",
+        why: "A simulated error triggers a return to home or an emergency landing. Simulated errors should not appear \
+              in normal operation.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[188]}}}"#,
         fix: "Turn off the error simulation outside tests. In a test, ignore this finding.",
     },

@@ -27,8 +27,8 @@ pub(super) struct Line {
     pub(super) excerpt: String,
 }
 
-/// Lines from servers that are not complete messages. A line is either part of a message that spans several lines, or
-/// an unrelated line. Sometimes only the next message shows which.
+/// Server lines that are not complete messages. A line is either part of a message that spans several lines, or an
+/// unrelated line. Sometimes only the next message shows which.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
     /// Undecided lines, by connection index.

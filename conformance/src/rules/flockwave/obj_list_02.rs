@@ -18,7 +18,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                     types.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
-        why: "Clients use the filter to find UAVs. If the server ignores the filter, they treat beacons or docks as \
+        why: "Clients use the filter to find UAVs. If the server ignores the filter, clients treat beacons or docks as \
               UAVs and send flight commands to them.",
         example: r#"→ {"type":"OBJ-LIST","filter":["uav"]}
 ← {"type":"OBJ-LIST","ids":["uav-1","mast-1"]}

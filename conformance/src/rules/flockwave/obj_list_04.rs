@@ -1,7 +1,7 @@
 //! `FW-OBJ-LIST-04`.
 //!
-//! Objects come and go. An object therefore counts as missing only if the unfiltered lists before and after a filtered
-//! list are equal, and no notification in between reports it as deleted.
+//! Objects come and go. An object therefore counts as missing from a filtered list only if the unfiltered lists before
+//! and after it are equal. In addition, no notification in between may report the object as deleted.
 
 use std::collections::BTreeSet;
 
@@ -20,8 +20,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "OBJ-LIST without a filter lists all objects.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
-        why: "Clients load the initial state of the fleet with this request. They never show an object that is missing \
-              from the response.",
+        why: "Clients load the initial state of the fleet with this request. Clients never show an object that is \
+              missing from the response.",
         example: r#"→ {"type":"OBJ-LIST"}
 ← {"type":"OBJ-LIST","ids":["uav-1"]}
 → {"type":"OBJ-LIST","filter":["beacon"]}

@@ -19,7 +19,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         why: "The client reports that all parameters were set. The operator flies with parameters that still have \
               their old values.",
         example: r#"{"type":"PRM-SET-MANY","result":{"uav-1":{"success":true,"failed":["CRUISE_SPEED"]}}}"#,
-        fix: "Set `success` to true only if all parameters were set. Otherwise send false and list the remaining \
+        fix: "Set `success` to true only if all parameters were set. Otherwise, send false and list the remaining \
               parameters in `failed`.",
     },
     checks: &[Check::Exchange(check)],

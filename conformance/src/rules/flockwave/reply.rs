@@ -85,7 +85,7 @@ pub(super) fn replied<'u>(
     Some((request, parts(name)?.reply_fields))
 }
 
-/// The objects in a part of a response: the keys of a map, or the strings of a list.
+/// The objects named in one part of a response: the keys of a map, or the strings of a list.
 pub(super) fn named<'t>(exchange: &Exchange<'t>, part: &str) -> impl Iterator<Item = &'t str> {
     let (members, values) = match exchange.field(part) {
         Some(Tree::Object(members)) => (&members[..], &[][..]),

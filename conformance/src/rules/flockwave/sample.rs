@@ -116,7 +116,7 @@ impl Session {
         self.marks_trial(rule, how);
     }
 
-    /// Adds text from the server that is not a message.
+    /// Adds server text that is not a message.
     pub(crate) fn send_raw(&mut self, text: &str) {
         let mut line = self.next("in");
         line["raw"] = text.into();

@@ -46,7 +46,7 @@ pub(super) fn tried(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> b
     false
 }
 
-/// True if the session is complete enough to contain any response.
+/// True if the session is complete enough that any response would appear in it.
 fn is_over(exchange: &Exchange<'_>) -> bool {
     exchange.record.note.is_some() && exchange.record.connection.is_ordered
 }

@@ -15,7 +15,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                     messages are sent as `fw` events.",
         source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,
-        why: "Socket.IO clients listen for `fw` events only. If the server deviates, they get no response or cannot \
+        why: "Socket.IO clients listen for `fw` events only. If the server deviates, clients get no response or cannot \
               connect at all.",
         example: r#"→ 42["fw",{"$fw.version":"1.0","id":"c1","body":{"type":"SYS-PING"}}]
 ← 42["flockwave",{"$fw.version":"1.0","id":"s1","refs":"c1","body":{"type":"ACK-ACK"}}]"#,

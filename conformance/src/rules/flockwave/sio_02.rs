@@ -14,7 +14,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Over Socket.IO, messages can also be exchanged by long polling.",
         source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,
-        why: "Socket.IO clients start with long polling by default, and keep using it if a proxy blocks WebSockets. If \
+        why: "Socket.IO clients start with long polling by default, and keep polling if a proxy blocks WebSockets. If \
               long polling is unavailable, these clients cannot connect.",
         example: "→ GET /socket.io/?EIO=4&transport=polling\n← HTTP/1.1 400 Bad Request",
         fix: "Enable the `polling` transport of the Socket.IO server, and allow it in every proxy in front of the \

@@ -15,7 +15,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                     `fw` event without a message.",
         source: source::DERIVED,
         applies_to: served::APPLIES_TO,
-        why: "A single unexpected event, for example from a newer client, ends the session of that client.",
+        why: "A single unexpected event, for example from a newer client, must not end that client's session.",
         example: r#"→ 42["wind","turns"]
 → 42["fw",{"$fw.version":"1.0","id":"c1","body":{"type":"SYS-PING"}}]
 (no response)"#,

@@ -18,11 +18,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "SYS-PING is answered with ACK-ACK.",
         source: source::MESSAGES,
         applies_to: "SYS-PING",
-        why: "Clients ping to check that the server is alive. With another response, they report the connection as \
-              lost and reconnect.",
+        why: "Clients ping to check that the server is alive. After any other response, clients report the connection \
+              as lost and reconnect.",
         example: r#"→ {"type":"SYS-PING"}
 ← {"type":"SYS-PONG"}"#,
-        fix: "Answer every SYS-PING with ACK-ACK, whatever state the server is in.",
+        fix: "Answer every SYS-PING with ACK-ACK, regardless of the server's state.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

@@ -18,7 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`ports` maps service names to port numbers from 1 to 65535.",
         source: source::MESSAGES,
         applies_to: "SYS-PORTS",
-        why: "Clients connect to these ports. With a string or an invalid number, they cannot reach the service.",
+        why: "Clients connect to these ports. With a string or an invalid number, clients cannot reach the service.",
         example: r#"{"type":"SYS-PORTS","ports":{"tcp":"5001"}}"#,
         fix: "Send port numbers as integers, and omit services that are not available.",
     },

@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`software` is a string.",
         source: source::MESSAGES,
         applies_to: "SYS-VER",
-        why: "Clients show the name and use it to enable workarounds. Without the name, they cannot identify the \
+        why: "Clients show the name and use it to enable workarounds. Without the name, clients cannot identify the \
               server.",
         example: r#"{"type":"SYS-VER","software":7,"version":"1.0"}"#,
         fix: "Send the name of the server software as a string.",

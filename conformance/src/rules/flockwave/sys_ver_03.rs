@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`name` and `revision`, if present, are strings.",
         source: source::MESSAGES,
         applies_to: "SYS-VER",
-        why: "Clients show the name to tell several servers apart. If the name is not a string, the message may fail \
+        why: "Clients show the name to distinguish servers. If the name is not a string, the message may fail \
               to decode.",
         example: r#"{"type":"SYS-VER","software":"Example","version":"1.0","revision":7}"#,
         fix: "Convert `name` and `revision` to strings, or omit them.",

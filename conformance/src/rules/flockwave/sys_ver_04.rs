@@ -16,8 +16,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "On a connection, SYS-VER always returns the same values.",
         source: source::DERIVED,
         applies_to: "SYS-VER over time",
-        why: "Clients query the version once and store it. If the version changes, they use the wrong features for the \
-              rest of the connection.",
+        why: "Clients query the version once and store it. If the version changes, clients use the wrong features for \
+              the rest of the connection.",
         example: r#"→ {"type":"SYS-VER"}
 ← {"type":"SYS-VER","software":"Example","version":"1.0","revision":"b7"}
 → {"type":"SYS-VER"}

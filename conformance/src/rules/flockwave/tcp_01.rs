@@ -1,7 +1,7 @@
 //! `FW-TCP-01`.
 //!
-//! If several lines form a message only when joined, they are a message with line breaks, and this rule reports it.
-//! `FW-ENV-01` reports all other lines that are not messages.
+//! Lines that form a message only when joined are one message with line breaks, which this rule reports. `FW-ENV-01`
+//! reports all other lines that are not messages.
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Location, Mutant, Rule, RuleContext,

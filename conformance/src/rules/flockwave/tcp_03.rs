@@ -14,11 +14,12 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Over TCP, a line that is not JSON is ignored, and the next line is processed.",
         source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,
-        why: "A single corrupt line ends the client's session, or the server stops processing the client's requests.",
+        why: "If the server mishandles invalid lines, a single corrupt line ends the client's session or blocks the \
+              client's later requests.",
         example: r#"→ this is not JSON
 → {"type":"SYS-PING"}
 (the server closes the connection)"#,
-        fix: "Catch the parser error, log the line, and continue with the next one.",
+        fix: "Catch the parser error, log the line, and continue with the next line.",
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],

@@ -126,7 +126,7 @@ impl Sent {
         Self::text(text, Some(id))
     }
 
-    /// Creates a message from text, with the id to which responses refer. The id is `None` if the message can't be
+    /// Creates a message from text. `id` is the id to which responses refer, or `None` if the message can't be
     /// answered.
     pub(super) fn text(text: impl Into<Vec<u8>>, id: Option<&str>) -> Self {
         Self { text: text.into(), id: id.map(str::to_owned) }
@@ -143,7 +143,7 @@ pub(super) fn after_noise(before: &str, ids: &[&str]) -> Vec<Attempt> {
     INVALID_TEXTS.into_iter().map(attempt).collect()
 }
 
-/// All requests that test rules on the survey's connection.
+/// All requests on the survey's connection that test rules.
 pub(crate) fn requests(uavs: &[String]) -> Vec<(&'static Rule, Request)> {
     let mut all = Vec::new();
     for flockwave in RULES {

@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A UAV-INF response contains only requested UAVs.",
         source: source::DERIVED,
         applies_to: "UAV-INF",
-        why: "The client did not ask for this UAV. It may add a UAV to its fleet that the operator has filtered out.",
+        why: "The client may show an unrequested UAV even if the operator has filtered it out.",
         example: r#"→ {"type":"UAV-INF","ids":["uav-9"]}
 ← {"type":"UAV-INF","error":{"uav-9":"Unknown UAV","uav-8":"Unknown UAV"}}"#,
         fix: "Build the maps in the response only from the ids in the request.",

@@ -20,8 +20,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "UAV-LIST contains the same objects as OBJ-LIST with the filter `uav`.",
         source: source::MESSAGES,
         applies_to: "UAV-LIST and OBJ-LIST over time",
-        why: "Some clients load the fleet with UAV-LIST, others with OBJ-LIST. Operators at two consoles see \
-              different fleets.",
+        why: "Some clients load the fleet with UAV-LIST, others with OBJ-LIST. If the lists differ, operators at two \
+              consoles see different fleets.",
         example: r#"→ {"type":"UAV-LIST"}
 ← {"type":"UAV-LIST","ids":["uav-1"]}
 → {"type":"OBJ-LIST","filter":["uav"]}

@@ -6,8 +6,8 @@ use super::{FlockwaveRule, Level, Message, Rule, RuleContext, Status, body, muta
 
 /// The dispute about null in optional fields.
 pub(super) const NULL: Status = Status::Disputed(
-    "For optional fields, the published JSON Schemas do not allow null, but the guidelines for authors of the \
-     specification do. This rule reports null.",
+    "For optional fields, the published JSON Schemas do not allow null, but the guidelines for specification authors \
+     do. This rule reports null.",
 );
 
 /// The common fields of the `FW-UST-…` rules.

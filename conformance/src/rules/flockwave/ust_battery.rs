@@ -6,9 +6,9 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, Status, attrib
 
 /// The dispute about null and about negative percentages.
 const NULL_AND_NEGATIVE: Status = Status::Disputed(
-    "For optional fields, the published JSON Schemas do not allow null, but the guidelines for authors of the \
-     specification do. This rule reports null. In the specification text, any negative percentage means unknown; the \
-     JSON Schema allows only -1. This rule allows any negative percentage.",
+    "For optional fields, the published JSON Schemas do not allow null, but the guidelines for specification authors \
+     do. This rule reports null. In the specification text, any negative percentage means unknown; the JSON Schema \
+     allows only -1. This rule allows any negative percentage.",
 );
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {

@@ -9,8 +9,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-DEBUG",
         status: ust::NULL,
         statement: "`debug` is a Base64 string.",
-        why: "Clients decode the field before they pass it on to debugging tools. An invalid string may make the \
-              whole status report fail.",
+        why: "Clients decode the field before they pass it on to debugging tools. An invalid string may make a client \
+              reject the whole status report.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "debug":"all is well!"}}}"#,
         fix: "Encode the data with standard Base64 (RFC 4648), including the padding.",

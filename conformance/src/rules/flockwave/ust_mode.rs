@@ -9,8 +9,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-MODE",
         status: ust::NULL,
         statement: "`mode` is a string.",
-        why: "Clients show the flight mode, for example whether the UAV is returning to home. Mode numbers of a \
-              specific autopilot mean nothing to them.",
+        why: "Clients show the flight mode, for example whether the UAV is returning to home. Autopilot-specific mode \
+              numbers mean nothing to clients.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "mode":4}}}"#,
         fix: "Map the mode of the autopilot to a name in the specification, or send another string such as `other`.",

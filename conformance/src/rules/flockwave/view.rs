@@ -1,6 +1,6 @@
 //! Views of session records for checks.
 //!
-//! Each kind of check ([`Check`](super::Check)) gets a view with only those inputs that its result may depend on.
+//! Each kind of check ([`Check`](super::Check)) gets a view that contains only the inputs that may affect its result.
 //! Message checks need not run for a status report that has the same content as an earlier report.
 
 use super::{Detail, Exchange, Role, RuleContext, Tree};
@@ -79,7 +79,7 @@ impl<'t> Message<'t> {
 pub(crate) struct StatusReport<'t>(&'t Exchange<'t>);
 
 impl<'t> StatusReport<'t> {
-    /// The status report of a record, if it is one.
+    /// The record as a status report, if it is one.
     pub(crate) fn from_exchange(exchange: &'t Exchange<'t>) -> Option<Self> {
         exchange.notification(STATUS).map(|_| Self(exchange))
     }

@@ -12,8 +12,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "A bool is stored as the byte 0 or 1.",
         source: "type `bool` in the definition; PX4 copies the byte from memory",
         applies_to: "uORB payloads",
-        why: "Readers disagree about any other byte: some read true, others compare it with 1 and read false. Such a \
-              byte often comes from an uninitialized variable in the firmware.",
+        why: "Readers disagree about any other byte: some read true, others compare it with 1 and read false. An \
+              invalid byte often comes from an uninitialized variable in the firmware.",
         example: "definition: bool connected\n\
             byte:       0x99 (153)",
         fix: "Initialize the message before you publish it, for example with `battery_status_s \

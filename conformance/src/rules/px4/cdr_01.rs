@@ -11,8 +11,8 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
                     other than plain CDR version 1 are not checked further.",
         source: "DDSI-RTPS 2.5, section 10.5, and DDS-XTypes 1.3, table 60",
         applies_to: "CDR messages",
-        why: "Readers use this header to choose the encoding and the byte order. They can't decode a payload with an \
-              undefined encoding.",
+        why: "Readers use this header to choose the encoding and the byte order. Readers can't decode a payload with \
+              an undefined encoding.",
         example: "payload:   00 42 00 00 …\n\
             plain CDR: 00 00 (big endian) or 00 01 (little endian)",
         fix: "Start each payload with `00 01 00 00` (little endian) or `00 00 00 00` (big endian), \

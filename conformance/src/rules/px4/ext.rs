@@ -3,7 +3,7 @@
 //! A flight controller regularly asks all registered components whether they allow arming, and each component replies.
 //! A capture rarely contains all of these messages, so the rules report only violations that are beyond doubt:
 //!
-//! - The state is reset after a dropout, corrupt data, or an unreadable message. It is also reset if time goes
+//! - The state is reset after a dropout, corrupt data, or an unreadable message. The state is also reset if time goes
 //!   backwards, for example after a restart of the flight controller.
 //! - Request ids are consecutive, so a gap means that the capture lacks a request.
 //! - Messages on different topics may be out of order, and the clocks of both sides may differ slightly

@@ -18,8 +18,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "The `request_id` of an ArmingCheckReply is the id of one of the two latest ArmingCheckRequests.",
         source: "`request_id` of ArmingCheckReply and ArmingCheckRequest",
         applies_to: "message sequences",
-        why: "The flight controller matches replies to requests by this id. It can't use a reply with a different id, \
-              so it may consider the component unresponsive.",
+        why: "The flight controller matches replies to requests by this id. A reply with a different id is useless, so \
+              the flight controller may consider the component unresponsive.",
         example: "→ ArmingCheckRequest {\"request_id\": 41, …}\n\
             → ArmingCheckRequest {\"request_id\": 42, …}\n\
             ← ArmingCheckReply   {\"request_id\": 35, \"registration_id\": 3, …}",

@@ -2,9 +2,9 @@
 //!
 //! An id may have been assigned before the capture started. An unknown id is therefore wrong only if the capture
 //! contains all registrations. A flight controller sends requests at regular intervals while at least one component is
-//! registered. All registrations are therefore known if one precedes the first request by at most [`STARTUP_TIME`], and
-//! the mask of this request has no other bits. The mask alone proves nothing, because it omits slow components. An old
-//! registration proves nothing either, because a log starts with the latest message of each topic.
+//! registered. All registrations are therefore known if a registration precedes the first request by at most
+//! [`STARTUP_TIME`], and the request's mask contains no other ids. The mask alone proves nothing, because it omits slow
+//! components. An old registration proves nothing either, because a log starts with the latest message of each topic.
 //!
 //! A reply must not contain a released id if its request was sent after the release. A reply to an earlier request may
 //! have been sent before the release. If the mask of a later request contains the id, the id was assigned again.
@@ -24,8 +24,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         source: "`registration_id` of ArmingCheckReply, `arming_check_id` of \
             RegisterExtComponentReply and UnregisterExtComponent",
         applies_to: "message sequences",
-        why: "The flight controller identifies the component by this id. If the id is wrong, it ignores the reply or \
-              attributes the reply to another component.",
+        why: "The flight controller identifies the component by this id. If the id is wrong, the flight controller \
+              ignores the reply or attributes the reply to another component.",
         example: "→ RegisterExtComponentReply {\"success\": true, \"arming_check_id\": 3, …}\n\
             → ArmingCheckRequest        {\"request_id\": 42, …}\n\
             ← ArmingCheckReply          {\"request_id\": 42, \"registration_id\": 9, …}",
@@ -55,7 +55,7 @@ const MAX_REGISTRATION_ID: u8 = 127;
 /// The maximum time from the first registration to the first request, in µs: twice PX4's request interval.
 const STARTUP_TIME: u64 = 600_000;
 
-/// The number of requests without another reply after which a released component counts as gone.
+/// After this many requests without another reply, a released component counts as gone.
 const REQUESTS_TO_WAIT: u8 = 3;
 
 /// The state of an id.
@@ -72,10 +72,10 @@ enum Known {
     },
 }
 
-/// Indicates if the capture contains all registrations.
+/// Indicates whether the capture contains all registrations.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 enum Whole {
-    /// No message was received yet.
+    /// No message has been received yet.
     #[default]
     Open,
     /// The first message was a registration, at this time.
@@ -190,7 +190,7 @@ impl Listener for Registrations {
 }
 
 impl Registrations {
-    /// Uses the first request to decide if components were registered before the capture started.
+    /// Uses the first request to decide whether components were registered before the capture started.
     fn find_start(&mut self, request: &Request) {
         let is_assigned = |id: u8| matches!(self.known[usize::from(id)], Known::Assigned(_));
         self.whole = match (self.whole, request.mask, request.time) {
@@ -243,7 +243,7 @@ impl Registrations {
         }
     }
 
-    /// Reports the suspects that did not reply again before this request.
+    /// Reports the suspected components that did not reply again before this request.
     fn check_suspects(&mut self, request_id: u8, context: &mut RuleContext<'_>) {
         let is_next = self.request_id.is_some_and(|latest| latest.wrapping_add(1) == request_id);
         if !is_next {

@@ -1,14 +1,14 @@
 //! `PX-EXT-03`.
 //!
 //! A capture may lack replies that were sent, because a logger may record only some of them. A component is therefore
-//! checked only after it has answered several requests in a row ([`STREAK`]), which also gives it time to start. It
-//! must answer a request if its bit is set in the masks of both this request and the next one. The next mask is needed
-//! because a component may be unregistered at any time, and because the flight controller doesn't wait for slow
-//! components. Without masks, the registrations in the capture decide.
+//! checked only after it has answered several requests in a row ([`STREAK`]), which also gives it time to start. The
+//! component must answer a request if the component's bit is set in the masks of this request and the next. The next
+//! mask is needed because a component may be unregistered at any time, and because the flight controller doesn't wait
+//! for slow components. Without masks, the registrations in the capture decide.
 //!
 //! A request is checked two requests later, because its replies may appear late in the file. Many ROS 2 nodes send
-//! replies without a time. For these, only the order in the file shows if a reply was late. A single reply after the
-//! next request may still have been in time, but several in a row were late.
+//! replies without a time. For these, only the order in the file shows whether a reply was late. A single reply after
+//! the next request may still have been in time, but several in a row were late.
 
 use std::collections::VecDeque;
 
@@ -24,8 +24,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "Each registered component replies to each ArmingCheckRequest before the next request.",
         source: "ArmingCheckRequest",
         applies_to: "message sequences",
-        why: "The flight controller needs the replies to know which external modes can run. It treats \
-            a component that does not reply as unresponsive.",
+        why: "The flight controller needs the replies to know which external modes can run. A component that does not \
+            reply is treated as unresponsive.",
         example: "→ ArmingCheckRequest {\"request_id\": 42, \"valid_registrations_mask\": 8, …}\n\
             \x20                    (no reply from registration 3)\n\
             → ArmingCheckRequest {\"request_id\": 43, \"valid_registrations_mask\": 8, …}",
@@ -36,8 +36,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     mutants: &[Mutant { name: "a missing reply", change: Change::Flight(silent), also: &[] }],
 };
 
-/// The number of consecutive replies after which a component is checked. Also the number of consecutive replies without
-/// a time that must follow the next request to count as late.
+/// The number of consecutive replies after which a component is checked. Replies without a time count as late only if
+/// this many in a row follow the next request.
 const STREAK: u8 = 3;
 
 /// A request with the components that answered it.
@@ -54,7 +54,7 @@ struct SentRequest {
 
 struct Silence {
     requests: Requests,
-    /// The latest consecutive requests: at most two between messages.
+    /// The latest consecutive requests. At most two remain after each message.
     requests_sent: VecDeque<SentRequest>,
     /// Replies to unknown requests.
     waiting: Waiting,

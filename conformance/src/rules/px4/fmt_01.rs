@@ -13,8 +13,8 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
                     `--strict-formats` is set.",
         source: "the definition",
         applies_to: "logs and MCAP schemas",
-        why: "Software built from the definition reads wrong values or no values from such a capture, unless it uses \
-              the format in the capture.",
+        why: "If the formats differ, software built from the definition reads wrong values or none, unless the \
+              software uses the format in the capture.",
         example: "definition: float32 remaining\n\
             format:     …uint8_t remaining;…",
         fix: "Use the definitions of the firmware that wrote the capture, or update the firmware. A capture from a \

@@ -10,8 +10,8 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         statement: "Each message has a `timestamp` field of type uint64.",
         source: "ULog file format, section on format messages",
         applies_to: "logs and MCAP schemas",
-        why: "Readers use this field to order records and to compare topics. Without it, the values of a topic can't \
-              be plotted over time.",
+        why: "Readers use this field to order records and to compare topics. Without a timestamp, the values of a \
+              topic can't be plotted over time.",
         example: "format battery_status: uint64_t time;float voltage_v;…",
         fix: "Add `uint64 timestamp  # [us] Time since boot` to the definition, and set it when you \
             publish the message.",

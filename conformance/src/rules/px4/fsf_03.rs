@@ -23,8 +23,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
                     mask for the flag is not 0.",
         source: "FailsafeFlags",
         applies_to: "message values",
-        why: "A flag without a matching requirement doesn't prevent any mode from running. This can be correct, or a \
-              mode may lack a requirement.",
+        why: "A flag without a matching requirement doesn't prevent any mode from running. The flag may be meant to \
+              have no requirement, or a mode may lack one.",
         example: "{…, \"mode_req_attitude\": 0, \"attitude_invalid\": true, …}",
         fix: "Check which modes need the value, and set their bits in the mask. If no mode needs it, \
             no change is necessary.",
@@ -119,7 +119,7 @@ fn belongs_to(flag: &str, required: &str) -> bool {
     is_match && !flag.starts_with(REQUIREMENT) || RENAMED_REQUIREMENTS.contains(&(flag, required))
 }
 
-/// Sets a flag in the last message, and clears its requirement.
+/// Sets a flag in the last message, and clears the flag's requirement.
 fn not_required<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     let topic = flight.topic("FailsafeFlags")?;
     flight.with_last(topic, |flags| {

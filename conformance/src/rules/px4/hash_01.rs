@@ -11,11 +11,11 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
                     definition, the hash differs as well, and only `PX-FMT-01` is reported.",
         source: "ROS 2's REP 2016 (RIHS01)",
         applies_to: "type hashes in MCAP files",
-        why: "ROS 2 tools compare hashes to detect incompatible types. With a wrong hash, they warn about compatible \
-              data or reject it.",
+        why: "ROS 2 tools compare hashes to detect incompatible types. With a wrong hash, the tools warn about \
+              compatible data or reject it.",
         example: "schema:          same fields as the definition\n\
             topic_type_hash: RIHS01_00000000… (64 digits)",
-        fix: "Write the hash that the ROS 2 type support provides for the type of the messages.",
+        fix: "Write the hash that the ROS 2 type support provides for the message type.",
     },
     check: Check::Source,
     mutants: &[Mutant {

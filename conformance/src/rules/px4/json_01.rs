@@ -12,8 +12,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             unknown or duplicated.",
         source: "the fields in the definition; the published JSON Schema",
         applies_to: "JSON messages",
-        why: "Readers reject the message if a field is missing. They may ignore a field with a \
-            misspelt name, so its value is lost.",
+        why: "Readers reject the message if a field is missing. Readers may ignore a field with a misspelt name, so \
+            the field's value is lost.",
         example: "ArmingCheckRequest:\n\
             {\"timestamp\": 1000000, \"requestId\": 42, \"valid_registrations_mask\": 8}",
         fix: "Write each field of the definition exactly once, under its defined name. Validate the messages against \

@@ -11,8 +11,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             type. NaN is written as `null`; infinity can't be represented.",
         source: "the field types in the definition; RFC 8259 for numbers",
         applies_to: "JSON messages",
-        why: "Readers in typed languages reject the whole message. Others convert the value and continue with a wrong \
-              value.",
+        why: "Readers in typed languages reject the whole message. Other readers convert the value and continue with a \
+              wrong value.",
         example: "ArmingCheckRequest:\n\
             {\"timestamp\": 1000000, \"request_id\": 300, \"valid_registrations_mask\": \"8\"}",
         fix: "Write integers as numbers in the range of their type, bools as `true` or `false`, and \

@@ -13,7 +13,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-QUEUE-01",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "Messages of a topic that share a timestamp fit into the topic's queue.",
+        statement: "For each topic, all messages with the same timestamp fit into the queue.",
         source: "`ORB_QUEUE_LENGTH` in the definition",
         applies_to: "message sequences",
         why: "A full queue overwrites its oldest message. A subscriber that runs after the burst misses that message.",

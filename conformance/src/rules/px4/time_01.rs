@@ -11,8 +11,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-TIME-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The `timestamp` field does not decrease from one message of a subscription to the next. It may \
-                    repeat, and it may be 0.",
+        statement: "The `timestamp` field does not decrease from one message of a subscription to the next. A \
+                    timestamp may repeat, and it may be 0.",
         source: "uORB publishes in order; `timestamp` is the time since system start",
         applies_to: "message sequences",
         why: "Tools sort and interpolate samples by time. If the time steps back, the order, rates and derivatives are \

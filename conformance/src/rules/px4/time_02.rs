@@ -31,7 +31,7 @@ const LEARNING_PERIODS: usize = 32;
 /// The maximum pause, in periods.
 const PAUSE: u64 = 10;
 
-/// The time after a dropout during which pauses are excused, in µs. The lost data was published shortly before the
+/// The period after a dropout in which pauses are excused, in µs. The lost data was published shortly before the
 /// dropout.
 const DROPOUT_MARGIN: u64 = 1_000_000;
 
@@ -44,7 +44,7 @@ struct Gaps {
     excused_until: u64,
 }
 
-/// The rhythm of a channel. Its period starts as the median of the first pauses. Each further pause changes the period
+/// The rhythm of a channel. The period starts as the median of the first pauses. Each further pause changes the period
 /// by at most a small step, so rare long pauses have little effect.
 #[derive(Clone, Default)]
 struct Rhythm {

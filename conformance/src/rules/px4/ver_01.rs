@@ -12,12 +12,12 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "The version suffix of a topic name (`_vN`) matches the version of the topic's message type.",
         source: "`MESSAGE_VERSION` in the capture's schema; if absent, in the definition",
         applies_to: "topic names",
-        why: "Subscribers select a message version by the topic name. With a wrong suffix, they decode the message \
-              with a different definition.",
+        why: "Subscribers select a message version by the topic name. With a wrong suffix, subscribers decode the \
+              message with a different definition.",
         example: "topic:      /fmu/out/arming_check_request_v2\n\
             definition: uint32 MESSAGE_VERSION = 1",
-        fix: "Publish the message under the suffix of its version, or build the publisher with the \
-            definition of the version in the topic name.",
+        fix: "Use the topic suffix of the message version, or build the publisher with the definition of the version \
+            in the topic name.",
     },
     check: Check::State(|| Box::new(Versions)),
     mutants: &[Mutant {

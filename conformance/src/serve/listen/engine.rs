@@ -80,7 +80,7 @@ fn refused(reason: &str) -> Response {
     Response::refusal("400 Bad Request", reason)
 }
 
-/// The session of a request, which is created if the request has no session id.
+/// The session of a request. If the request has no session id, a session is created.
 fn session(shared: &Shared, request: &Request) -> Result<Arc<Session>, Response> {
     let revision = request.field("EIO").and_then(Revision::from_number);
     let revision = revision.ok_or_else(|| refused("EIO must be 3 or 4"))?;

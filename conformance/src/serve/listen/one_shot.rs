@@ -73,7 +73,7 @@ fn exchange(
     }
     let incoming = Incoming::from_value(message);
     if incoming == Incoming::Ignored {
-        return Response::refusal("400 Bad Request", "the body must be an object with a string as its id");
+        return Response::refusal("400 Bad Request", "the body must be an object whose id is a string");
     }
     let is_open = shared.hub().options.login.is_none() || request.header("authorization").is_some();
     shared.hub().take(session, incoming);
@@ -120,7 +120,7 @@ fn next(outbox: &Outbox, until: Instant) -> Option<ParsedAnswer> {
     Some(ParsedAnswer { written, message, has_changed: false })
 }
 
-/// Waits for operations, and adds their results to the answer as if they were available immediately.
+/// Waits for operations, and adds their results to the answer as if the results had been available immediately.
 fn await_operations(outbox: &Outbox, answer: &mut ParsedAnswer) {
     let mut pending: BTreeMap<String, Option<String>> = match answer.message["body"].get("receipt") {
         Some(Value::String(receipt)) => BTreeMap::from([(receipt.clone(), None)]),

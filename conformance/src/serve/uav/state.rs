@@ -65,7 +65,7 @@ impl Uav {
         if self.is_sleeping() { 0 } else { 14 + self.variation(3) }
     }
 
-    /// The position: latitude and longitude in 1e-7 degrees, altitudes in millimeters.
+    /// The position: latitude and longitude in 1e-7 degrees, altitudes in millimetres.
     pub(in crate::serve) fn coordinates(&self) -> [i64; 5] {
         let north_degrees = self.position[0] / DEGREE;
         let east_degrees = self.position[1] / (DEGREE * ORIGIN[0].to_radians().cos());

@@ -7,14 +7,14 @@ use serde_json::{Value, json};
 
 use super::{CheckOutcome, LintResult};
 
-/// The version of the JSON form. It increases if a member is removed or changes its meaning.
+/// The version of the JSON form. The version increases if a member is removed or changes its meaning.
 const VERSION: u32 = 1;
 
 const FAIL: Style = AnsiColor::Red.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
 const DIMMED: Style = Style::new().dimmed();
 
-/// The result as text, with colors. The output stream removes the colors if necessary.
+/// The result as text, with colours. The output stream removes the colours if necessary.
 pub(crate) fn to_text(found: &LintResult) -> String {
     let mut text = String::new();
     // Writing to a string can't fail.

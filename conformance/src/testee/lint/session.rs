@@ -11,7 +11,7 @@ use crate::testee::link::{Link, Received, remaining_stderr};
 use crate::testee::options::{Options, excerpt};
 use crate::testee::protocol::{Hello, Response};
 
-/// The first id for requests whose id the check doesn't choose.
+/// The first id that is assigned automatically.
 const FIRST_ID: i64 = 1_000;
 
 /// The delay between the parts of a line, so that they are sent separately.
@@ -25,7 +25,7 @@ pub(super) struct Session<'o> {
     received: ReceivedResponses,
 }
 
-/// The received lines, and the responses that may still come.
+/// The received lines, and the responses that may still arrive.
 #[derive(Default)]
 pub(super) struct ReceivedResponses {
     /// Requests without a response.
@@ -34,9 +34,9 @@ pub(super) struct ReceivedResponses {
     optional: BTreeSet<i64>,
     /// The received responses.
     responses: BTreeMap<i64, Response>,
-    /// The number of responses with `error` but no id that may still come: one per line without an id.
+    /// The number of `error` responses without an id that may still arrive: one per line without an id.
     refusals: usize,
-    /// The number of hellos that may still come.
+    /// The number of hellos that may still arrive.
     hellos_due: usize,
     /// The lines of repeated hellos.
     pub(super) hellos: Vec<Vec<u8>>,

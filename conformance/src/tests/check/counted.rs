@@ -1,4 +1,4 @@
-//! Tests of arrays with a field that counts the elements in use.
+//! Tests of arrays whose used elements are counted by another field.
 
 use std::fs;
 

@@ -9,7 +9,7 @@ use crate::rules::rule;
 use super::{Glider, PERIOD, run_check, start, violated};
 use crate::tests::support::Writer;
 
-/// The time of the first message. It isn't a multiple of the period, since logging starts later than the system.
+/// The time of the first message. This time isn't a multiple of the period, since logging starts later than the system.
 const FIRST: u64 = 1_234_567;
 
 /// Adds glider messages at these times.
@@ -19,7 +19,7 @@ fn at(log: &mut Writer, times: impl IntoIterator<Item = u64>) {
     }
 }
 
-/// A log with a given number of regular messages, and the time of the last message.
+/// Creates a log with this number of regular messages. Returns the log and the time of its last message.
 fn regular(messages: u64) -> (Writer, u64) {
     let mut log = start();
     at(&mut log, (0..messages).map(|number| FIRST + number * PERIOD));
@@ -184,7 +184,7 @@ uint64 timestamp # [us] Time since system start
 # TOPICS sonde sonde_v8 sonde_v9
 ";
 
-/// Checks a log with these topics and times. The message of the topics has no queue.
+/// Checks a log with these topics and times. The definition of these topics states no queue length.
 fn check_sonde(topics: &[&str], times: &[u64]) -> CaptureResult {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("Sonde.msg"), SONDE).expect("a file");

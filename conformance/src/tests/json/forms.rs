@@ -1,4 +1,4 @@
-//! Tests of the forms of JSON messages and of their numbers.
+//! Tests of the forms of JSON messages and numbers.
 
 use crate::check::Summary;
 use serde_json::{Value, json};

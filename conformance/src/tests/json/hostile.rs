@@ -98,7 +98,7 @@ impl Read for Slow<'_> {
     }
 }
 
-/// The events and the number of lines in bytes that arrive in pieces.
+/// The events and the line count for input that arrives in pieces.
 fn events(bytes: &[u8], piece: usize) -> (Vec<String>, u64) {
     let mut reader = Reader::new(Slow(bytes, piece));
     let mut events = Vec::new();

@@ -151,7 +151,7 @@ fn compares_field_order_but_not_comments_and_constants() {
         basis(&with(&ros2msg(&GLIDER.replace("uint8 MODE_THERMAL = 7", "uint8 MODE_WAVE = 9")))),
         equal
     );
-    // These are the same type in ROS 2.
+    // ROS 2 treats these as the same type.
     assert_eq!(basis(&with(&ros2msg(&GLIDER.replace("char[4]", "uint8[4]")))), equal);
     let retyped = with(&ros2msg(&GLIDER.replace("char[4]", "char[5]")));
     assert_eq!(differences(&retyped).retyped, ["name (char[5], defined as char[4])"]);

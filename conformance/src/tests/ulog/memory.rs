@@ -6,7 +6,7 @@ use crate::capture::ulog::{Event, Log, Problem, Reader};
 
 use crate::tests::support::{Writer, typical};
 
-/// The number of bytes that a test reads. This fills the buffer many times.
+/// The number of bytes that a test reads. These bytes fill the buffer many times.
 const SIZE: u64 = 64 << 20;
 
 /// A reader that returns some bytes and then repeats a pattern, up to `SIZE` bytes.

@@ -181,7 +181,7 @@ fn flatten(view: DynamicView<'_>) -> Vec<(String, Value<'_>)> {
     values
 }
 
-/// A number in the form of the oracle.
+/// A number as the oracle writes it.
 fn number(value: Value<'_>) -> Json {
     let float = |value: f64| {
         if value.is_infinite() { Json::from(value.to_string()) } else { Json::from(value) }

@@ -1,4 +1,4 @@
-//! Properties of the reader with arbitrary bytes.
+//! Property tests of the reader with arbitrary bytes.
 
 use proptest::collection::vec;
 use proptest::prelude::*;

@@ -11,7 +11,7 @@ pub(crate) struct Seen {
     pub(crate) offset: u64,
     /// A checksum of the event.
     pub(crate) digest: u64,
-    /// The kind of the message, if the event is one.
+    /// The kind of the message, if the event is a message.
     pub(crate) kind: &'static str,
     pub(crate) problem: Option<Problem>,
 }
@@ -43,7 +43,7 @@ impl Seen {
     }
 }
 
-/// All items of a log. They must follow each other without gaps.
+/// All items of a log. The items must follow each other without gaps.
 pub(crate) fn read(bytes: &[u8]) -> Vec<Seen> {
     let seen = read_from(bytes);
     check_extents(bytes, &seen);

@@ -157,7 +157,7 @@ fn is_stale(scene: &Scene<'_>, uav: &Uav) -> bool {
 fn cell<'c>(scene: &Scene<'_>, id: &str, uav: &Uav, kind: Kind) -> Line<'c> {
     let state = uav.state.as_ref();
     let (position, battery) = (state.map(|state| &state.position), state.map(|state| &state.battery));
-    // The fifth decimal is about a metre.
+    // One unit in the fifth decimal place is about one metre.
     let [latitude, longitude] = coordinates(position, 5);
     let text = match kind {
         Kind::Id => shown_id(id),

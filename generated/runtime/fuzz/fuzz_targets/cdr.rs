@@ -11,8 +11,8 @@ fuzz_target!(|data: &[u8]| {
     dispatch!(data, check; Sample, Point, Empty, ArmingCheckReply, BatteryStatus);
 });
 
-/// Checks that a decoded message survives encoding in both byte orders, and that strict decoding differs only for
-/// invalid bools.
+/// Checks that a decoded message survives encoding and decoding in both byte orders, and that strict decoding differs
+/// only for invalid bools.
 fn check<T: Message>(payload: &[u8]) {
     match T::from_cdr(payload) {
         Err(error) => {

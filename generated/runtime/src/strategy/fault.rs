@@ -70,7 +70,7 @@ pub(super) fn fits(scalar: Scalar, value: i128) -> bool {
 
 /// Integers adjacent to the allowed values, and the extremes of the type.
 fn integers(allowed: Allowed<'_>) -> Vec<i128> {
-    /// The number of documented values whose neighbours are tried.
+    /// The maximum number of documented values whose neighbours are tried.
     const NEIGHBOURS: usize = 32;
     let Some((least, most)) = allowed.scalar.integer_bounds() else { return Vec::new() };
     let (low, high) = allowed.integers().unwrap_or((least, most));

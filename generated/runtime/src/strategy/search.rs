@@ -103,7 +103,7 @@ impl Domain {
 /// A binary search by rank. It tries the simplest value first.
 pub(super) struct Search {
     domain: Domain,
-    /// All lower ranks pass, or are assumed to pass.
+    /// All ranks below this one pass, or are assumed to pass.
     low: u64,
     /// A rank that is known to fail.
     high: u64,

@@ -36,7 +36,7 @@ pub(super) struct List {
     least: usize,
     /// Number of parts to remove in one step. Halved in each round, down to 0.
     chunk_size: usize,
-    /// Index of the first part that has been tried in this round.
+    /// Number of leading parts that have not been tried in this round.
     end: usize,
     /// The most recently removed parts, and their index.
     removed: Option<(usize, Vec<Node>)>,
@@ -153,7 +153,8 @@ impl List {
         }
     }
 
-    /// Removes all parts, then half of them, then a quarter, and so on. Then simplifies the remaining parts.
+    /// Tries to remove all parts at once, then half of them at a time, then a quarter, and so on. Then simplifies the
+    /// remaining parts.
     fn simplify(&mut self) -> bool {
         self.removed = None;
         while self.chunk_size > 0 {

@@ -1,6 +1,7 @@
 //! Generates types from the bundles with typify, and a function that returns the check for a type.
 //!
-//! If typify rejects a bundle, the function returns the error for its types. Other bundles are still used.
+//! If typify rejects a bundle, the function returns the error for all types in that bundle. Other bundles are still
+//! used.
 
 use std::collections::BTreeMap;
 use std::error::Error;

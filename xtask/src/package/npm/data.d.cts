@@ -34,7 +34,7 @@ export interface Vectors {
 
 /** A test vector. */
 export interface Vector {
-  /** The permanent id of the case in its file. New fields don't change it. */
+  /** The permanent id of the case in its file. Adding fields to the message doesn't change the id. */
   readonly id: string;
   /** The description of the case. */
   readonly description: string;
@@ -59,7 +59,7 @@ export interface Vector {
 /** Returns the names of all schemas, bundles and test vectors. */
 export declare function manifest(): Manifest;
 
-/** Returns the JSON Schema of a message or type, such as `px4/FailsafeFlags`. It refers to other schemas. */
+/** Returns the JSON Schema of a message or type, such as `px4/FailsafeFlags`. The schema may refer to other schemas. */
 export declare function schema(name: string): JsonSchema;
 
 /** Returns one JSON Schema with all messages and types of a package, such as `px4`. It refers to no other schema. */

@@ -33,10 +33,10 @@ _OfErrorCode = TypedDict("_OfErrorCode", {"class": NotRequired[str]})
 
 
 class Vector(_OfErrorCode):
-    """A test vector. A vector of an error code also has the key `class`."""
+    """A test vector. Test vectors for error codes also have the key `class`."""
 
     id: str
-    """The permanent id of the case in its file. New fields don't change it."""
+    """The permanent id of the case in its file. Adding fields to the message doesn't change the id."""
 
     description: str
     """The description of the case."""

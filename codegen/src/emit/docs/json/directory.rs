@@ -9,7 +9,7 @@ use crate::emit::file::OutputFile;
 use crate::schema::json_type::{Definition, Direction, Expression, Member};
 use crate::schema::{JsonMessageId, JsonTypeId, Package};
 
-/// Maximum length of a cell in an index, in characters.
+/// Maximum length of an index cell, in characters.
 const MAX_GIST: usize = 160;
 
 /// The type or message that contains a field or element.

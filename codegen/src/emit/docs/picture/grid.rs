@@ -7,8 +7,7 @@ use crate::schema::Slot;
 /// Number of bytes per row. It is the maximum alignment of a layout.
 pub(super) const ROW: usize = 8;
 
-/// Maximum number of complete rows drawn for a scalar field. For longer fields, only the first and last of these rows
-/// are drawn.
+/// If a scalar field fills more than `MAX_ROWS + 1` complete rows, only the first and the last of them are drawn.
 const MAX_ROWS: usize = 7;
 
 /// Maximum number of lines of a picture. The longest PX4 message needs fewer than 100.
@@ -74,8 +73,8 @@ pub(super) enum Line {
     Break {
         /// The omitted bytes.
         bytes: Range<usize>,
-        /// True if the gap has torn edges. Gaps in nested messages have none, because another page has a picture of
-        /// their fields.
+        /// True if the gap has torn edges. A gap in a nested message has none, because another page shows the fields of
+        /// the nested message.
         is_torn: bool,
     },
 }
@@ -107,7 +106,7 @@ pub(super) struct Cell<'s> {
 }
 
 impl Cell<'_> {
-    /// The segment that contains the name: the first segment, unless the second is wider.
+    /// The segment that contains the name: the first segment, or the second one if it is wider.
     pub(super) fn label(&self) -> Option<&Segment> {
         self.segments
             .iter()

@@ -12,7 +12,7 @@ use crate::prose;
 
 /// Width of the row offsets, left of the boxes.
 const LEFT: usize = 44;
-/// Width of a byte. It fits fifteen letters.
+/// Width of a byte, which is enough for fifteen letters.
 const BYTE: usize = 88;
 /// Height of the column numbers.
 const TOP: usize = 18;
@@ -183,7 +183,7 @@ impl Svg {
         append(&mut self.0, text);
     }
 
-    /// Writes the numbers of columns and rows.
+    /// Writes the column numbers and the row offsets.
     fn rulers(&mut self, grid: &Grid<'_>, rows: &Rows) {
         for column in 0..ROW {
             let middle = x(column) + BYTE / 2;
@@ -301,8 +301,8 @@ impl Svg {
         self.put(format_args!("\"/>"));
     }
 
-    /// Draws a run of segments. Only the first segment may start inside a line, and only the last may end inside a
-    /// line.
+    /// Draws a run of segments. Only the first segment may start in the middle of a line, and only the last one may end
+    /// there.
     fn polygon(&mut self, run: &[Segment], rows: &Rows, is_torn_above: bool, is_torn_below: bool) {
         let (Some(first), Some(last)) = (run.first(), run.last()) else { return };
         let (top, bottom) = (rows.top(first.line), rows.below(last.line));

@@ -38,7 +38,7 @@ fn table() -> Table {
     table
 }
 
-/// The level at which a change breaks a category. `None` if it doesn't break the category.
+/// The level of a change in a category. `None` if the change doesn't break that category.
 fn level(rule: &Rule, category: Category) -> Option<Level> {
     rule.breaks.iter().find(|(broken, _)| *broken == category).map(|(_, level)| *level)
 }

@@ -6,7 +6,7 @@ use crate::emit::file::OutputFile;
 /// Path of the page with all rules.
 pub(in crate::emit::docs) const OVERVIEW: &str = "rules/README.md";
 
-/// The number of unchanged lines before and after a change.
+/// The number of unchanged lines shown before and after each change.
 const CONTEXT: usize = 2;
 
 /// The rules of a command.

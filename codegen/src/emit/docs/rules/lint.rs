@@ -12,7 +12,7 @@ use crate::report::GUIDE_URL;
 use crate::schema::Form;
 use crate::source::SourceMap;
 
-/// The level of a rule that a preset leaves out.
+/// The level shown for a rule that a preset excludes.
 const OFF: &str = "off";
 
 pub(super) fn chapter() -> Chapter {
@@ -30,7 +30,7 @@ const ABOUT: &str = "\
 `cargo xtask lint` finds definitions that are valid but misleading, incomplete or inconsistent. The `px4` preset \
 contains the rules of PX4's documentation standard and rules for mistakes that mislead readers or parsers. The \
 `strict` preset contains all rules except `unit-unlisted`. Set `lint.preset` and `lint.levels` in `uavspec.toml`. \
-The pages state the number of findings in PX4's own messages (`px4_msgs` main at a4a9864). A finding counts as \
+Each page gives the number of findings in PX4's own messages (`px4_msgs` main at a4a9864). A finding counts as \
 correct if an expert would change the definition.";
 
 /// A rule with its output for the bad example.
@@ -103,7 +103,7 @@ fn levels_text(levels: Levels) -> String {
     }
 }
 
-/// The number of findings in PX4's messages, and how many are correct.
+/// The number of findings in PX4's messages, and how many of the sampled findings are correct.
 fn measured_text(measured: Measured) -> String {
     let Measured { findings, sample, right } = measured;
     match findings {

@@ -21,8 +21,8 @@ pub(super) fn page() -> OutputFile {
     let mut page = Page::new(&path, TITLE);
     let rules = link("rules", &href(&path, OVERVIEW, ""));
     page.block(&format!(
-        "If a definition has one of these errors, uavspec generates no output from it. The errors can't be ignored. \
-         Words in braces are placeholders. Parser warnings are {rules}."
+        "uavspec generates no output from a definition with one of these errors. The errors can't be \
+         ignored. Words in braces are placeholders. Parser warnings are {rules}."
     ));
     // Only codes that are also rules have a separate page.
     let (rules, others): (Vec<&ProblemKind>, Vec<&ProblemKind>) =

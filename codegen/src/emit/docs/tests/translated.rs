@@ -9,7 +9,8 @@ use crate::emit::file::OutputFile;
 use crate::translation::catalogue::{Catalogue, print};
 use crate::translation::{Text, new_catalogue, resolve, texts, update};
 
-/// The boat book with translations into `tag`. If `translate` returns an empty text, there is no translation.
+/// The book about boats, with translations into the language `tag`. `translate` returns an empty text if there is no
+/// translation.
 fn boats_in(tag: &str, translate: impl Fn(&Text<'_>) -> String) -> Vec<OutputFile> {
     let (mut sources, schema) = definitions(BOATS);
     let texts = texts(&schema);

@@ -87,8 +87,8 @@ fn contained(definition: &Definition) -> BTreeSet<u32> {
 
 /// Numbers the groups of types that contain each other directly or indirectly.
 ///
-/// This is Kosaraju's algorithm. The first search numbers the types in post-order. The second search visits them in
-/// descending order along reversed edges, and finds one group per start.
+/// This is Kosaraju's algorithm. The first search numbers the types in post-order. The second search starts from the
+/// types in descending order and follows reversed edges. Each start that was not visited before yields one group.
 fn groups(contains: &[BTreeSet<u32>], first: u32) -> Vec<usize> {
     let index = |id: &u32| (*id - first) as usize;
     let inner: Vec<Vec<usize>> =

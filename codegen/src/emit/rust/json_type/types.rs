@@ -414,7 +414,7 @@ fn number_name(value: i64) -> String {
     if value < 0 { format!("Minus{}", value.unsigned_abs()) } else { format!("Value{value}") }
 }
 
-/// The range of a numeric newtype, and a method that checks it.
+/// The range of a numeric newtype, and a method that checks whether a value is in the range.
 fn range_tokens(name: &Ident, ty: &Expression, range: &Range) -> Option<TokenStream> {
     let (number, bounds) = match ty {
         Expression::Integer => (quote!(i64), integer_range(range)),

@@ -8,7 +8,7 @@ use crate::schema::json_type::{Definition, Expression, Limits, Object, SetValues
 use crate::schema::{JsonTypeId, Range, Schema};
 use crate::value::Value;
 
-/// Maximum depth at which values include all optional fields. Deeper values are as short as possible.
+/// Maximum nesting depth at which values include all optional fields. Deeper values are as short as possible.
 const MAX_OPTIONAL_DEPTH: usize = 2;
 
 /// Maximum depth of values.

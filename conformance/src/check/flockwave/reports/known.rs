@@ -13,7 +13,7 @@ use crate::rules::flockwave::{Check, Message, RULES};
 /// The maximum number of versions, and of state kinds. Hostile input may contain any number of them.
 const MAX_KNOWN: usize = 256;
 
-/// The maximum length, in bytes, of a stored version or of a stored list of error codes.
+/// The maximum length, in bytes, of stored versions and stored lists of error codes.
 const MAX_TEXT: usize = 256;
 
 /// The properties that determine the findings in a state. The state's values must match their schemas or be null, and
@@ -46,8 +46,8 @@ struct Entry<K> {
     outcome: Option<Outcome>,
     /// True if the entry's findings have enough examples and only need counting.
     is_settled: bool,
-    /// The UAVs whose findings have been reported since the entry was settled. The messages of findings name the UAV,
-    /// so the first report of each UAV is checked in full.
+    /// The UAVs whose findings have been reported since the entry was settled. Finding messages name the UAV, so each
+    /// UAV's first report is checked in full.
     reported_uavs: BTreeSet<Box<str>>,
     /// The number of counted reports or states.
     times: u64,
@@ -206,7 +206,8 @@ impl<'d> Known<'d> {
 
 impl Outcome {
     /// The results that a state adds to the results for a report without states. `None` if the report without states
-    /// has findings or covers a rule more often. Every state of this kind is then checked in full.
+    /// has findings, or covers a rule more often than the report with the state. Every state of this kind is then
+    /// checked in full.
     fn beyond(self, without: Self) -> Option<Self> {
         let is_sound = without.violations.is_empty();
         let counts = self.covered.into_iter().zip(without.covered);

@@ -30,9 +30,9 @@ struct Job {
     cases: Vec<String>,
 }
 
-/// Runs all jobs in the file given on the command line. `prepare` receives all documents and returns a function that
-/// compiles the schema with a URL. That function returns a function that checks an instance and returns the error, if
-/// any.
+/// Runs all jobs in the file given on the command line. `prepare` receives all documents and returns a compile
+/// function. The compile function takes a schema's URL and returns a check function. The check function takes an
+/// instance and returns the error, if any.
 pub fn serve<Compile, Check>(
     version: &str,
     prepare: impl FnOnce(Documents) -> Result<Compile, Failure>,

@@ -1,4 +1,4 @@
-//! Adapter for typify: the Rust types generated from the bundles accept an instance if it can be deserialized.
+//! Adapter for typify. An instance is valid if it can be deserialized into the Rust types generated from the bundles.
 
 use serde::de::DeserializeOwned;
 use uavspec_interop_protocol::{Failure, serve, version};
