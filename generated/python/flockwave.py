@@ -953,7 +953,7 @@ LicenseRestrictionType: TypeAlias = Union[Literal["mac", "hwid", "drones"], str]
 
 - "mac": Only machines whose MAC addresses are in the parameter addresses.
 - "hwid": Only machines whose ids are in the parameter ids.
-- "drones": At most as many UAVs at a time as the parameter maxCount.
+- "drones": Maximum number of UAVs at a time, given by the parameter maxCount.
 """
 
 
@@ -1302,7 +1302,7 @@ Unit: ddeg (tenths of a degree); range: -1800 to 1799.
 class StartConditions(TypedDict):
     """Start conditions of a show.
 
-    Disputed: in the specification text, the time is a timestamp, so in milliseconds, and never null; the JSON Schema allows null. One example is in milliseconds, others are in seconds. This definition allows any number and null.
+    Disputed: in the specification text, the time is a timestamp in milliseconds and never null; the JSON Schema allows null. One example is in milliseconds, others are in seconds. This definition allows any number and null.
     """
 
     authorized: bool
@@ -1838,7 +1838,7 @@ class AuthReqRequest(TypedDict):
 class AuthRespResponse(TypedDict):
     """Body of a response of type AUTH-RESP.
 
-    Reports the outcome of a login, or a challenge for its next step. Exactly one of result and data is present. user is present exactly if result is true.
+    Reports the outcome of a login, or a challenge for its next step. Exactly one of result and data is present. user is present if and only if result is true.
 
     The object is closed.
 
@@ -1972,7 +1972,7 @@ class BcnPropsResponse(TypedDict):
 class ClkInfRequest(TypedDict):
     """Body of a request of type CLK-INF.
 
-    Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
+    Queries the state of clocks. The server also sends CLK-INF as a notification when a clock is started, stopped or set.
 
     Responses: CLK-INF.
     """
@@ -1990,7 +1990,7 @@ class ClkInfRequest(TypedDict):
 class ClkInfResponse(TypedDict):
     """Body of a response of type CLK-INF.
 
-    Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
+    Queries the state of clocks. The server also sends CLK-INF as a notification when a clock is started, stopped or set.
 
     Each requested clock appears in exactly one of the two maps.
 
@@ -2010,7 +2010,7 @@ class ClkInfResponse(TypedDict):
 class ClkInfNotification(TypedDict):
     """Body of a notification of type CLK-INF.
 
-    Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
+    Queries the state of clocks. The server also sends CLK-INF as a notification when a clock is started, stopped or set.
 
     Not stated: the fields of the notification. This definition uses those of the response except error, as in CONN-INF.
 
@@ -2077,7 +2077,7 @@ class ConnDelNotification(TypedDict):
 class ConnInfRequest(TypedDict):
     """Body of a request of type CONN-INF.
 
-    Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
+    Queries the state of connections. The server also sends CONN-INF as a notification when the state of a connection changes.
 
     Responses: CONN-INF.
     """
@@ -2095,7 +2095,7 @@ class ConnInfRequest(TypedDict):
 class ConnInfResponse(TypedDict):
     """Body of a response of type CONN-INF.
 
-    Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
+    Queries the state of connections. The server also sends CONN-INF as a notification when the state of a connection changes.
 
     Each requested connection appears in exactly one of the two maps.
 
@@ -2115,7 +2115,7 @@ class ConnInfResponse(TypedDict):
 class ConnInfNotification(TypedDict):
     """Body of a notification of type CONN-INF.
 
-    Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
+    Queries the state of connections. The server also sends CONN-INF as a notification when the state of a connection changes.
 
     status should be the only field.
 
@@ -2164,7 +2164,7 @@ class ConnListResponse(TypedDict):
 class DevInfRequest(TypedDict):
     """Body of a request of type DEV-INF.
 
-    Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
+    Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends DEV-INF as a notification when a subscribed channel changes.
 
     Responses: DEV-INF.
     """
@@ -2179,7 +2179,7 @@ class DevInfRequest(TypedDict):
 class DevInfResponse(TypedDict):
     """Body of a response of type DEV-INF.
 
-    Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
+    Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends DEV-INF as a notification when a subscribed channel changes.
 
     Each requested path appears in exactly one of the two maps.
 
@@ -2201,7 +2201,7 @@ class DevInfResponse(TypedDict):
 class DevInfNotification(TypedDict):
     """Body of a notification of type DEV-INF.
 
-    Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
+    Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends DEV-INF as a notification when a subscribed channel changes.
 
     values should be the only field.
 
@@ -2337,7 +2337,7 @@ class DevUnsubRequest(TypedDict):
     """The type of the message."""
 
     paths: list["DeviceTreePath"]
-    """Paths as they were subscribed to."""
+    """Subscribed paths, as given in DEV-SUB."""
 
     removeAll: NotRequired[bool]
     """True to remove all subscriptions to each path; false to remove only one. Defaults to false."""
@@ -2669,7 +2669,7 @@ class FwObjectListRequest(TypedDict):
     """The type of the message."""
 
     supports: NotRequired[list["FirmwareUpdateTargetId"]]
-    """Targets to filter by: only objects that have all of them are listed. If omitted, objects with any target are listed.
+    """Targets to filter by: only objects that have all these targets are listed. If omitted, objects with any target are listed.
 
     Elements are unique.
     """
@@ -2743,7 +2743,7 @@ class FwTargetListRequest(TypedDict):
     """The type of the message."""
 
     supportedBy: NotRequired[list["ObjectId"]]
-    """Objects to filter by: only targets that all of them have are listed. If omitted, all targets are listed.
+    """Objects to filter by: only targets that all these objects have are listed. If omitted, all targets are listed.
 
     Elements are unique.
     """
@@ -3383,7 +3383,7 @@ class ShowCfgResponse(TypedDict):
 class ShowCrthPlanRequest(TypedDict):
     """Body of a request of type SHOW-CRTH-PLAN.
 
-    Plans collective returns to home for a show. Such a return starts at one of several points in time: all UAVs leave the show and fly home together at a safe distance from each other.
+    Plans collective returns to home for a show. One return is planned for each of several start times. In a return, all UAVs leave the show and fly home together at a safe distance from each other.
 
     The object is closed.
 
@@ -3448,7 +3448,7 @@ class ShowCrthPlanRequest(TypedDict):
 class ShowCrthPlanResponse(TypedDict):
     """Body of a response of type SHOW-CRTH-PLAN.
 
-    Plans collective returns to home for a show. Such a return starts at one of several points in time: all UAVs leave the show and fly home together at a safe distance from each other.
+    Plans collective returns to home for a show. One return is planned for each of several start times. In a return, all UAVs leave the show and fly home together at a safe distance from each other.
 
     The object is closed.
     """
@@ -3562,7 +3562,7 @@ class ShowSetlightsRequest(TypedDict):
 class SysCloseNotification(TypedDict):
     """Body of a notification of type SYS-CLOSE.
 
-    Announces that the server is about to close the connection to this client. Connections may also end without it.
+    Announces that the server is about to close the connection to this client. A connection may also end without this notification.
     """
 
     type: Literal["SYS-CLOSE"]
@@ -3593,7 +3593,7 @@ class SysMsgNotification(TypedDict):
 class SysPingRequest(TypedDict):
     """Body of a request of type SYS-PING.
 
-    Checks whether the other side still responds. Client and server may both send it at any time.
+    Checks whether the other side still responds. Client and server may both send this request at any time.
 
     No fields besides type.
 
@@ -3711,7 +3711,7 @@ class SysVerResponse(TypedDict):
 class TimesyncStatusRequest(TypedDict):
     """Body of a request of type TIMESYNC-STATUS.
 
-    Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
+    Queries the synchronisation of the server clock with wall-clock time. The server also sends TIMESYNC-STATUS as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
 
     No fields besides type.
 
@@ -3727,7 +3727,7 @@ class TimesyncStatusRequest(TypedDict):
 class TimesyncStatusResponse(TypedDict):
     """Body of a response of type TIMESYNC-STATUS.
 
-    Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
+    Queries the synchronisation of the server clock with wall-clock time. The server also sends TIMESYNC-STATUS as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
 
     The object is closed.
     """
@@ -3742,7 +3742,7 @@ class TimesyncStatusResponse(TypedDict):
 class TimesyncStatusNotification(TypedDict):
     """Body of a notification of type TIMESYNC-STATUS.
 
-    Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
+    Queries the synchronisation of the server clock with wall-clock time. The server also sends TIMESYNC-STATUS as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
 
     The object is closed.
     """
@@ -3940,7 +3940,7 @@ class UavHoverResponse(TypedDict):
 class UavInfRequest(TypedDict):
     """Body of a request of type UAV-INF.
 
-    Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
+    Queries the state of UAVs. The server also sends UAV-INF as a notification when the state of UAVs changes.
 
     Responses: UAV-INF.
     """
@@ -3958,7 +3958,7 @@ class UavInfRequest(TypedDict):
 class UavInfResponse(TypedDict):
     """Body of a response of type UAV-INF.
 
-    Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
+    Queries the state of UAVs. The server also sends UAV-INF as a notification when the state of UAVs changes.
 
     Each requested UAV appears in exactly one of the two maps.
 
@@ -3978,7 +3978,7 @@ class UavInfResponse(TypedDict):
 class UavInfNotification(TypedDict):
     """Body of a notification of type UAV-INF.
 
-    Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
+    Queries the state of UAVs. The server also sends UAV-INF as a notification when the state of UAVs changes.
 
     status should be the only field.
 
@@ -4123,7 +4123,7 @@ class UavMotorResponse(TypedDict):
 class UavPrefltRequest(TypedDict):
     """Body of a request of type UAV-PREFLT.
 
-    Queries the preflight checks of UAVs. The server may also send it as a notification.
+    Queries the preflight checks of UAVs. The server may also send UAV-PREFLT as a notification.
 
     Responses: UAV-PREFLT.
     """
@@ -4141,7 +4141,7 @@ class UavPrefltRequest(TypedDict):
 class UavPrefltResponse(TypedDict):
     """Body of a response of type UAV-PREFLT.
 
-    Queries the preflight checks of UAVs. The server may also send it as a notification.
+    Queries the preflight checks of UAVs. The server may also send UAV-PREFLT as a notification.
 
     Each requested UAV appears in exactly one of the two maps.
 
@@ -4161,7 +4161,7 @@ class UavPrefltResponse(TypedDict):
 class UavPrefltNotification(TypedDict):
     """Body of a notification of type UAV-PREFLT.
 
-    Queries the preflight checks of UAVs. The server may also send it as a notification.
+    Queries the preflight checks of UAVs. The server may also send UAV-PREFLT as a notification.
 
     status should be the only field.
 
@@ -4570,7 +4570,7 @@ class WthAtResponse(TypedDict):
     """The type of the message."""
 
     weather: NotRequired["Weather"]
-    """Weather. Its position is the requested one, or that of the single station that provided the data. Omitted if unknown."""
+    """Weather; omitted if unknown. Its position is the requested position or, if a single station provided the data, the position of that station."""
 
 
 class WthInfRequest(TypedDict):
@@ -4881,7 +4881,7 @@ class ErrorCode(OpenIntEnum):
 
     @property
     def severity(self) -> Severity:
-        """Severity. It is part of the number, so it is also defined for unlisted codes."""
+        """Severity, as encoded in the number. Unlisted codes have a severity too."""
         return _SEVERITIES[(int(self) & 0xFF) >> 6]
 
     @property

@@ -2,7 +2,7 @@
 
 //! Types of drone interface definitions. Each package is a module.
 //!
-//! Every message implements [`Message`](::uavspec_runtime::Message), and messages of fixed size also implement [`UorbMessage`](::uavspec_runtime::UorbMessage). The runtime feature `serde` adds the JSON form that the published JSON Schemas describe.
+//! Every message implements [`Message`](::uavspec_runtime::Message), and messages of fixed size also implement [`UorbMessage`](::uavspec_runtime::UorbMessage). The runtime feature `serde` adds the JSON form described by the published JSON Schemas.
 #![doc = include_str!("../README.md")]
 #![no_std]
 #![allow(clippy::approx_constant)]

@@ -615,7 +615,7 @@ export interface LicenseRestriction {
  *
  * - "mac": Only machines whose MAC addresses are in the parameter addresses.
  * - "hwid": Only machines whose ids are in the parameter ids.
- * - "drones": At most as many UAVs at a time as the parameter maxCount.
+ * - "drones": Maximum number of UAVs at a time, given by the parameter maxCount.
  */
 export type LicenseRestrictionType = "mac" | "hwid" | "drones" | (string & {});
 
@@ -938,7 +938,7 @@ export type SignedAngle = number;
 /**
  * Start conditions of a show.
  *
- * Disputed: in the specification text, the time is a timestamp, so in milliseconds, and never null; the JSON Schema allows null. One example is in milliseconds, others are in seconds. This definition allows any number and null.
+ * Disputed: in the specification text, the time is a timestamp in milliseconds and never null; the JSON Schema allows null. One example is in milliseconds, others are in seconds. This definition allows any number and null.
  */
 export interface StartConditions {
   /** True if a person has authorised the start. */
@@ -1422,7 +1422,7 @@ export interface AuthReqRequest {
 /**
  * Body of a response of type AUTH-RESP.
  *
- * Reports the outcome of a login, or a challenge for its next step. Exactly one of result and data is present. user is present exactly if result is true.
+ * Reports the outcome of a login, or a challenge for its next step. Exactly one of result and data is present. user is present if and only if result is true.
  *
  * The object is closed.
  *
@@ -1546,7 +1546,7 @@ export interface BcnPropsResponse {
 /**
  * Body of a request of type CLK-INF.
  *
- * Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
+ * Queries the state of clocks. The server also sends CLK-INF as a notification when a clock is started, stopped or set.
  *
  * Responses: CLK-INF.
  */
@@ -1564,7 +1564,7 @@ export interface ClkInfRequest {
 /**
  * Body of a response of type CLK-INF.
  *
- * Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
+ * Queries the state of clocks. The server also sends CLK-INF as a notification when a clock is started, stopped or set.
  *
  * Each requested clock appears in exactly one of the two maps.
  *
@@ -1582,7 +1582,7 @@ export interface ClkInfResponse {
 /**
  * Body of a notification of type CLK-INF.
  *
- * Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
+ * Queries the state of clocks. The server also sends CLK-INF as a notification when a clock is started, stopped or set.
  *
  * Not stated: the fields of the notification. This definition uses those of the response except error, as in CONN-INF.
  *
@@ -1648,7 +1648,7 @@ export interface ConnDelNotification {
 /**
  * Body of a request of type CONN-INF.
  *
- * Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
+ * Queries the state of connections. The server also sends CONN-INF as a notification when the state of a connection changes.
  *
  * Responses: CONN-INF.
  */
@@ -1666,7 +1666,7 @@ export interface ConnInfRequest {
 /**
  * Body of a response of type CONN-INF.
  *
- * Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
+ * Queries the state of connections. The server also sends CONN-INF as a notification when the state of a connection changes.
  *
  * Each requested connection appears in exactly one of the two maps.
  *
@@ -1684,7 +1684,7 @@ export interface ConnInfResponse {
 /**
  * Body of a notification of type CONN-INF.
  *
- * Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
+ * Queries the state of connections. The server also sends CONN-INF as a notification when the state of a connection changes.
  *
  * status should be the only field.
  *
@@ -1732,7 +1732,7 @@ export interface ConnListResponse {
 /**
  * Body of a request of type DEV-INF.
  *
- * Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
+ * Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends DEV-INF as a notification when a subscribed channel changes.
  *
  * Responses: DEV-INF.
  */
@@ -1746,7 +1746,7 @@ export interface DevInfRequest {
 /**
  * Body of a response of type DEV-INF.
  *
- * Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
+ * Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends DEV-INF as a notification when a subscribed channel changes.
  *
  * Each requested path appears in exactly one of the two maps.
  *
@@ -1766,7 +1766,7 @@ export interface DevInfResponse {
 /**
  * Body of a notification of type DEV-INF.
  *
- * Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
+ * Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends DEV-INF as a notification when a subscribed channel changes.
  *
  * values should be the only field.
  *
@@ -1891,7 +1891,7 @@ export interface DevSubResponse {
 export interface DevUnsubRequest {
   /** The type of the message. */
   type: "DEV-UNSUB";
-  /** Paths as they were subscribed to. */
+  /** Subscribed paths, as given in DEV-SUB. */
   paths: DeviceTreePath[];
   /** True to remove all subscriptions to each path; false to remove only one. Defaults to false. */
   removeAll?: boolean;
@@ -2204,7 +2204,7 @@ export interface FwObjectListRequest {
   /** The type of the message. */
   type: "FW-OBJECT-LIST";
   /**
-   * Targets to filter by: only objects that have all of them are listed. If omitted, objects with any target are listed.
+   * Targets to filter by: only objects that have all these targets are listed. If omitted, objects with any target are listed.
    *
    * Elements are unique.
    */
@@ -2276,7 +2276,7 @@ export interface FwTargetListRequest {
   /** The type of the message. */
   type: "FW-TARGET-LIST";
   /**
-   * Objects to filter by: only targets that all of them have are listed. If omitted, all targets are listed.
+   * Objects to filter by: only targets that all these objects have are listed. If omitted, all targets are listed.
    *
    * Elements are unique.
    */
@@ -2872,7 +2872,7 @@ export interface ShowCfgResponse {
 /**
  * Body of a request of type SHOW-CRTH-PLAN.
  *
- * Plans collective returns to home for a show. Such a return starts at one of several points in time: all UAVs leave the show and fly home together at a safe distance from each other.
+ * Plans collective returns to home for a show. One return is planned for each of several start times. In a return, all UAVs leave the show and fly home together at a safe distance from each other.
  *
  * The object is closed.
  *
@@ -2936,7 +2936,7 @@ export interface ShowCrthPlanRequest {
 /**
  * Body of a response of type SHOW-CRTH-PLAN.
  *
- * Plans collective returns to home for a show. Such a return starts at one of several points in time: all UAVs leave the show and fly home together at a safe distance from each other.
+ * Plans collective returns to home for a show. One return is planned for each of several start times. In a return, all UAVs leave the show and fly home together at a safe distance from each other.
  *
  * The object is closed.
  */
@@ -3044,7 +3044,7 @@ export interface ShowSetlightsRequest {
 /**
  * Body of a notification of type SYS-CLOSE.
  *
- * Announces that the server is about to close the connection to this client. Connections may also end without it.
+ * Announces that the server is about to close the connection to this client. A connection may also end without this notification.
  */
 export interface SysCloseNotification {
   /** The type of the message. */
@@ -3074,7 +3074,7 @@ export interface SysMsgNotification {
 /**
  * Body of a request of type SYS-PING.
  *
- * Checks whether the other side still responds. Client and server may both send it at any time.
+ * Checks whether the other side still responds. Client and server may both send this request at any time.
  *
  * No fields besides type.
  *
@@ -3186,7 +3186,7 @@ export interface SysVerResponse {
 /**
  * Body of a request of type TIMESYNC-STATUS.
  *
- * Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
+ * Queries the synchronisation of the server clock with wall-clock time. The server also sends TIMESYNC-STATUS as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
  *
  * No fields besides type.
  *
@@ -3202,7 +3202,7 @@ export interface TimesyncStatusRequest {
 /**
  * Body of a response of type TIMESYNC-STATUS.
  *
- * Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
+ * Queries the synchronisation of the server clock with wall-clock time. The server also sends TIMESYNC-STATUS as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
  *
  * The object is closed.
  */
@@ -3216,7 +3216,7 @@ export interface TimesyncStatusResponse {
 /**
  * Body of a notification of type TIMESYNC-STATUS.
  *
- * Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
+ * Queries the synchronisation of the server clock with wall-clock time. The server also sends TIMESYNC-STATUS as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
  *
  * The object is closed.
  */
@@ -3396,7 +3396,7 @@ export interface UavHoverResponse {
 /**
  * Body of a request of type UAV-INF.
  *
- * Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
+ * Queries the state of UAVs. The server also sends UAV-INF as a notification when the state of UAVs changes.
  *
  * Responses: UAV-INF.
  */
@@ -3414,7 +3414,7 @@ export interface UavInfRequest {
 /**
  * Body of a response of type UAV-INF.
  *
- * Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
+ * Queries the state of UAVs. The server also sends UAV-INF as a notification when the state of UAVs changes.
  *
  * Each requested UAV appears in exactly one of the two maps.
  *
@@ -3432,7 +3432,7 @@ export interface UavInfResponse {
 /**
  * Body of a notification of type UAV-INF.
  *
- * Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
+ * Queries the state of UAVs. The server also sends UAV-INF as a notification when the state of UAVs changes.
  *
  * status should be the only field.
  *
@@ -3566,7 +3566,7 @@ export interface UavMotorResponse {
 /**
  * Body of a request of type UAV-PREFLT.
  *
- * Queries the preflight checks of UAVs. The server may also send it as a notification.
+ * Queries the preflight checks of UAVs. The server may also send UAV-PREFLT as a notification.
  *
  * Responses: UAV-PREFLT.
  */
@@ -3584,7 +3584,7 @@ export interface UavPrefltRequest {
 /**
  * Body of a response of type UAV-PREFLT.
  *
- * Queries the preflight checks of UAVs. The server may also send it as a notification.
+ * Queries the preflight checks of UAVs. The server may also send UAV-PREFLT as a notification.
  *
  * Each requested UAV appears in exactly one of the two maps.
  *
@@ -3602,7 +3602,7 @@ export interface UavPrefltResponse {
 /**
  * Body of a notification of type UAV-PREFLT.
  *
- * Queries the preflight checks of UAVs. The server may also send it as a notification.
+ * Queries the preflight checks of UAVs. The server may also send UAV-PREFLT as a notification.
  *
  * status should be the only field.
  *
@@ -3973,7 +3973,7 @@ export interface WthAtRequest {
 export interface WthAtResponse {
   /** The type of the message. */
   type: "WTH-AT";
-  /** Weather. Its position is the requested one, or that of the single station that provided the data. Omitted if unknown. */
+  /** Weather; omitted if unknown. Its position is the requested position or, if a single station provided the data, the position of that station. */
   weather?: Weather;
 }
 

@@ -51,7 +51,7 @@ function nearest(tags: readonly string[]): string {
 }
 
 /**
- * Loads the labels of the first of these languages that is available, or the English labels.
+ * Loads the labels in the first available language of `tags`, or in English if none is available.
  *
  * A tag such as `uk-UA` or `uk_UA.UTF-8` falls back to `uk`.
  */

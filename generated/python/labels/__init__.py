@@ -91,7 +91,7 @@ languages: Final[tuple[Language, ...]] = (
 
 
 def language(*tags: str) -> Labels:
-    """Returns the labels of the first of these languages that is available, or the English labels.
+    """Returns the labels in the first available language of `tags`, or in English if none is available.
 
     A tag such as `uk-UA` or `uk_UA.UTF-8` falls back to `uk`.
     """

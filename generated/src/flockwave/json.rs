@@ -216,15 +216,15 @@ pub enum Request {
     BcnInf(bcn_inf::Request),
     /// `BCN-PROPS`: Queries properties of beacons that rarely change.
     BcnProps(bcn_props::Request),
-    /// `CLK-INF`: Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
+    /// `CLK-INF`: Queries the state of clocks. The server also sends CLK-INF as a notification when a clock is started, stopped or set.
     ClkInf(clk_inf::Request),
     /// `CLK-LIST`: Lists the ids of all clocks.
     ClkList(clk_list::Request),
-    /// `CONN-INF`: Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
+    /// `CONN-INF`: Queries the state of connections. The server also sends CONN-INF as a notification when the state of a connection changes.
     ConnInf(conn_inf::Request),
     /// `CONN-LIST`: Lists the ids of all connections.
     ConnList(conn_list::Request),
-    /// `DEV-INF`: Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
+    /// `DEV-INF`: Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends DEV-INF as a notification when a subscribed channel changes.
     DevInf(dev_inf::Request),
     /// `DEV-LIST`: Queries the device trees of objects.
     DevList(dev_list::Request),
@@ -286,7 +286,7 @@ pub enum Request {
     RtkSurvey(rtk_survey::Request),
     /// `SHOW-CFG`: Queries the configuration of the show.
     ShowCfg(show_cfg::Request),
-    /// `SHOW-CRTH-PLAN`: Plans collective returns to home for a show. Such a return starts at one of several points in time: all UAVs leave the show and fly home together at a safe distance from each other.
+    /// `SHOW-CRTH-PLAN`: Plans collective returns to home for a show. One return is planned for each of several start times. In a return, all UAVs leave the show and fly home together at a safe distance from each other.
     ShowCrthPlan(show_crth_plan::Request),
     /// `SHOW-CRTH-START`: Makes all UAVs of a show leave it and fly home together.
     ShowCrthStart(show_crth_start::Request),
@@ -296,7 +296,7 @@ pub enum Request {
     ShowSetcfg(show_setcfg::Request),
     /// `SHOW-SETLIGHTS`: Sets the configuration of the UAV lights.
     ShowSetlights(show_setlights::Request),
-    /// `SYS-PING`: Checks whether the other side still responds. Client and server may both send it at any time.
+    /// `SYS-PING`: Checks whether the other side still responds. Client and server may both send this request at any time.
     SysPing(sys_ping::Request),
     /// `SYS-PORTS`: Queries the ports of the server's services.
     SysPorts(sys_ports::Request),
@@ -304,7 +304,7 @@ pub enum Request {
     SysTime(sys_time::Request),
     /// `SYS-VER`: Queries the name and version of the server.
     SysVer(sys_ver::Request),
-    /// `TIMESYNC-STATUS`: Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
+    /// `TIMESYNC-STATUS`: Queries the synchronisation of the server clock with wall-clock time. The server also sends TIMESYNC-STATUS as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
     TimesyncStatus(timesync_status::Request),
     /// `UAV-CALIB`: Calibrates a component. Depending on the component, success means that the calibration is complete or, if a person has to assist, that it has started.
     UavCalib(uav_calib::Request),
@@ -314,7 +314,7 @@ pub enum Request {
     UavHalt(uav_halt::Request),
     /// `UAV-HOVER`: Makes UAVs stop and hover in place. Not applicable to UAVs that cannot hover.
     UavHover(uav_hover::Request),
-    /// `UAV-INF`: Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
+    /// `UAV-INF`: Queries the state of UAVs. The server also sends UAV-INF as a notification when the state of UAVs changes.
     UavInf(uav_inf::Request),
     /// `UAV-LAND`: Makes UAVs land at their current position.
     UavLand(uav_land::Request),
@@ -322,7 +322,7 @@ pub enum Request {
     UavList(uav_list::Request),
     /// `UAV-MOTOR`: Starts motors without a takeoff, or stops them. Stopping them in the air is refused unless it is forced.
     UavMotor(uav_motor::Request),
-    /// `UAV-PREFLT`: Queries the preflight checks of UAVs. The server may also send it as a notification.
+    /// `UAV-PREFLT`: Queries the preflight checks of UAVs. The server may also send UAV-PREFLT as a notification.
     UavPreflt(uav_preflt::Request),
     /// `UAV-RST`: Restarts UAVs or one of their components.
     UavRst(uav_rst::Request),
@@ -439,7 +439,7 @@ pub enum Response {
     AsyncResume(async_resume::Response),
     /// `AUTH-INF`: Queries the authentication methods and whether authentication is required.
     AuthInf(auth_inf::Response),
-    /// `AUTH-RESP`: Reports the outcome of a login, or a challenge for its next step. Exactly one of result and data is present. user is present exactly if result is true.
+    /// `AUTH-RESP`: Reports the outcome of a login, or a challenge for its next step. Exactly one of result and data is present. user is present if and only if result is true.
     AuthResp(auth_resp::Response),
     /// `AUTH-WHOAMI`: Queries the user who is logged in on this connection.
     AuthWhoami(auth_whoami::Response),
@@ -447,15 +447,15 @@ pub enum Response {
     BcnInf(bcn_inf::Response),
     /// `BCN-PROPS`: Queries properties of beacons that rarely change.
     BcnProps(bcn_props::Response),
-    /// `CLK-INF`: Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
+    /// `CLK-INF`: Queries the state of clocks. The server also sends CLK-INF as a notification when a clock is started, stopped or set.
     ClkInf(clk_inf::Response),
     /// `CLK-LIST`: Lists the ids of all clocks.
     ClkList(clk_list::Response),
-    /// `CONN-INF`: Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
+    /// `CONN-INF`: Queries the state of connections. The server also sends CONN-INF as a notification when the state of a connection changes.
     ConnInf(conn_inf::Response),
     /// `CONN-LIST`: Lists the ids of all connections.
     ConnList(conn_list::Response),
-    /// `DEV-INF`: Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
+    /// `DEV-INF`: Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends DEV-INF as a notification when a subscribed channel changes.
     DevInf(dev_inf::Response),
     /// `DEV-LIST`: Queries the device trees of objects.
     DevList(dev_list::Response),
@@ -517,7 +517,7 @@ pub enum Response {
     RtkSurvey(rtk_survey::Response),
     /// `SHOW-CFG`: Queries the configuration of the show.
     ShowCfg(show_cfg::Response),
-    /// `SHOW-CRTH-PLAN`: Plans collective returns to home for a show. Such a return starts at one of several points in time: all UAVs leave the show and fly home together at a safe distance from each other.
+    /// `SHOW-CRTH-PLAN`: Plans collective returns to home for a show. One return is planned for each of several start times. In a return, all UAVs leave the show and fly home together at a safe distance from each other.
     ShowCrthPlan(show_crth_plan::Response),
     /// `SHOW-CRTH-START`: Makes all UAVs of a show leave it and fly home together.
     ShowCrthStart(show_crth_start::Response),
@@ -529,7 +529,7 @@ pub enum Response {
     SysTime(sys_time::Response),
     /// `SYS-VER`: Queries the name and version of the server.
     SysVer(sys_ver::Response),
-    /// `TIMESYNC-STATUS`: Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
+    /// `TIMESYNC-STATUS`: Queries the synchronisation of the server clock with wall-clock time. The server also sends TIMESYNC-STATUS as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
     TimesyncStatus(timesync_status::Response),
     /// `UAV-CALIB`: Calibrates a component. Depending on the component, success means that the calibration is complete or, if a person has to assist, that it has started.
     UavCalib(uav_calib::Response),
@@ -539,7 +539,7 @@ pub enum Response {
     UavHalt(uav_halt::Response),
     /// `UAV-HOVER`: Makes UAVs stop and hover in place. Not applicable to UAVs that cannot hover.
     UavHover(uav_hover::Response),
-    /// `UAV-INF`: Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
+    /// `UAV-INF`: Queries the state of UAVs. The server also sends UAV-INF as a notification when the state of UAVs changes.
     UavInf(uav_inf::Response),
     /// `UAV-LAND`: Makes UAVs land at their current position.
     UavLand(uav_land::Response),
@@ -547,7 +547,7 @@ pub enum Response {
     UavList(uav_list::Response),
     /// `UAV-MOTOR`: Starts motors without a takeoff, or stops them. Stopping them in the air is refused unless it is forced.
     UavMotor(uav_motor::Response),
-    /// `UAV-PREFLT`: Queries the preflight checks of UAVs. The server may also send it as a notification.
+    /// `UAV-PREFLT`: Queries the preflight checks of UAVs. The server may also send UAV-PREFLT as a notification.
     UavPreflt(uav_preflt::Response),
     /// `UAV-RST`: Restarts UAVs or one of their components.
     UavRst(uav_rst::Response),
@@ -659,25 +659,25 @@ pub enum Notification {
     AsyncSt(async_st::Notification),
     /// `ASYNC-TIMEOUT`: Reports operations that the server no longer waits for.
     AsyncTimeout(async_timeout::Notification),
-    /// `CLK-INF`: Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
+    /// `CLK-INF`: Queries the state of clocks. The server also sends CLK-INF as a notification when a clock is started, stopped or set.
     ClkInf(clk_inf::Notification),
     /// `CONN-DEL`: Reports connections that no longer exist on the server.
     ConnDel(conn_del::Notification),
-    /// `CONN-INF`: Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
+    /// `CONN-INF`: Queries the state of connections. The server also sends CONN-INF as a notification when the state of a connection changes.
     ConnInf(conn_inf::Notification),
-    /// `DEV-INF`: Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
+    /// `DEV-INF`: Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends DEV-INF as a notification when a subscribed channel changes.
     DevInf(dev_inf::Notification),
     /// `OBJ-DEL`: Reports objects that no longer exist on the server, usually because nothing has been received from them.
     ObjDel(obj_del::Notification),
-    /// `SYS-CLOSE`: Announces that the server is about to close the connection to this client. Connections may also end without it.
+    /// `SYS-CLOSE`: Announces that the server is about to close the connection to this client. A connection may also end without this notification.
     SysClose(sys_close::Notification),
     /// `SYS-MSG`: Sends messages to the users of the client.
     SysMsg(sys_msg::Notification),
-    /// `TIMESYNC-STATUS`: Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
+    /// `TIMESYNC-STATUS`: Queries the synchronisation of the server clock with wall-clock time. The server also sends TIMESYNC-STATUS as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
     TimesyncStatus(timesync_status::Notification),
-    /// `UAV-INF`: Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
+    /// `UAV-INF`: Queries the state of UAVs. The server also sends UAV-INF as a notification when the state of UAVs changes.
     UavInf(uav_inf::Notification),
-    /// `UAV-PREFLT`: Queries the preflight checks of UAVs. The server may also send it as a notification.
+    /// `UAV-PREFLT`: Queries the preflight checks of UAVs. The server may also send UAV-PREFLT as a notification.
     UavPreflt(uav_preflt::Notification),
     /// A message of another type, as JSON.
     Other(Json),

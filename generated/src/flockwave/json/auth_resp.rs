@@ -2,7 +2,7 @@
 
 //! Bodies of `AUTH-RESP`.
 //!
-//! Reports the outcome of a login, or a challenge for its next step. Exactly one of result and data is present. user is present exactly if result is true.
+//! Reports the outcome of a login, or a challenge for its next step. Exactly one of result and data is present. user is present if and only if result is true.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;

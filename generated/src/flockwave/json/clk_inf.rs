@@ -2,7 +2,7 @@
 
 //! Bodies of `CLK-INF`.
 //!
-//! Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
+//! Queries the state of clocks. The server also sends CLK-INF as a notification when a clock is started, stopped or set.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;

@@ -2,7 +2,7 @@
 
 //! Bodies of `CONN-INF`.
 //!
-//! Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
+//! Queries the state of connections. The server also sends CONN-INF as a notification when the state of a connection changes.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;

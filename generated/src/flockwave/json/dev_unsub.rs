@@ -14,7 +14,7 @@ use uavspec_runtime::json_object;
 /// Responses: `DEV-UNSUB`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// Paths as they were subscribed to.
+    /// Subscribed paths, as given in DEV-SUB.
     pub paths: Vec<super::DeviceTreePath>,
     /// True to remove all subscriptions to each path; false to remove only one. Defaults to false.
     pub remove_all: Option<bool>,

@@ -12,7 +12,7 @@ use uavspec_runtime::json_object;
 /// Responses: `FW-OBJECT-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// Targets to filter by: only objects that have all of them are listed. If omitted, objects with any target are listed.
+    /// Targets to filter by: only objects that have all these targets are listed. If omitted, objects with any target are listed.
     ///
     /// Elements are unique.
     pub supports: Option<Vec<super::FirmwareUpdateTargetId>>,

@@ -12,7 +12,7 @@ use uavspec_runtime::json_object;
 /// Responses: `FW-TARGET-LIST`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// Objects to filter by: only targets that all of them have are listed. If omitted, all targets are listed.
+    /// Objects to filter by: only targets that all these objects have are listed. If omitted, all targets are listed.
     ///
     /// Elements are unique.
     pub supported_by: Option<Vec<super::ObjectId>>,

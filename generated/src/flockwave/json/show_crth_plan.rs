@@ -2,7 +2,7 @@
 
 //! Bodies of `SHOW-CRTH-PLAN`.
 //!
-//! Plans collective returns to home for a show. Such a return starts at one of several points in time: all UAVs leave the show and fly home together at a safe distance from each other.
+//! Plans collective returns to home for a show. One return is planned for each of several start times. In a return, all UAVs leave the show and fly home together at a safe distance from each other.
 
 use uavspec_runtime::alloc::vec::Vec;
 use uavspec_runtime::json_object;

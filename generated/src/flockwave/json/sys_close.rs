@@ -2,7 +2,7 @@
 
 //! Bodies of `SYS-CLOSE`.
 //!
-//! Announces that the server is about to close the connection to this client. Connections may also end without it.
+//! Announces that the server is about to close the connection to this client. A connection may also end without this notification.
 
 use uavspec_runtime::alloc::string::String;
 use uavspec_runtime::json_object;

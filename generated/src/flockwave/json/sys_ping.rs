@@ -2,7 +2,7 @@
 
 //! Bodies of `SYS-PING`.
 //!
-//! Checks whether the other side still responds. Client and server may both send it at any time.
+//! Checks whether the other side still responds. Client and server may both send this request at any time.
 
 use uavspec_runtime::json_object;
 

@@ -2,7 +2,7 @@
 
 //! Bodies of `TIMESYNC-STATUS`.
 //!
-//! Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
+//! Queries the synchronisation of the server clock with wall-clock time. The server also sends TIMESYNC-STATUS as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
 
 use uavspec_runtime::json_object;
 

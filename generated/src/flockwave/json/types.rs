@@ -1337,7 +1337,7 @@ pub enum LicenseRestrictionType {
     Mac,
     /// `hwid`: Only machines whose ids are in the parameter ids.
     Hwid,
-    /// `drones`: At most as many UAVs at a time as the parameter maxCount.
+    /// `drones`: Maximum number of UAVs at a time, given by the parameter maxCount.
     Drones,
     /// A value without a name.
     Unnamed(String),
@@ -2032,7 +2032,7 @@ json_named! {
 
 /// Start conditions of a show.
 ///
-/// Disputed: in the specification text, the time is a timestamp, so in milliseconds, and never null; the JSON Schema allows null. One example is in milliseconds, others are in seconds. This definition allows any number and null.
+/// Disputed: in the specification text, the time is a timestamp in milliseconds and never null; the JSON Schema allows null. One example is in milliseconds, others are in seconds. This definition allows any number and null.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartConditions {
     /// True if a person has authorised the start.

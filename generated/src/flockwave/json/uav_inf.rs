@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-INF`.
 //!
-//! Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
+//! Queries the state of UAVs. The server also sends UAV-INF as a notification when the state of UAVs changes.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;

@@ -2,7 +2,7 @@
 
 //! Bodies of `UAV-PREFLT`.
 //!
-//! Queries the preflight checks of UAVs. The server may also send it as a notification.
+//! Queries the preflight checks of UAVs. The server may also send UAV-PREFLT as a notification.
 
 use uavspec_runtime::alloc::collections::BTreeMap;
 use uavspec_runtime::alloc::string::String;

@@ -25,7 +25,7 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// Weather. Its position is the requested one, or that of the single station that provided the data. Omitted if unknown.
+    /// Weather; omitted if unknown. Its position is the requested position or, if a single station provided the data, the position of that station.
     pub weather: Option<super::Weather>,
 }
 
