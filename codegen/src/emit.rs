@@ -42,7 +42,7 @@ pub const EMITTERS: &[Emitter] = &[
         "rust",
         "Rust modules",
         &[
-            ("root", "the root file of the module tree: `mod.rs`, or `lib.rs` for a whole crate"),
+            ("root", "name of the root file: `mod.rs`, or `lib.rs` for a whole crate"),
             ("readme", "a Markdown file to include in the documentation of the root module"),
         ],
     ),
@@ -54,7 +54,7 @@ pub const EMITTERS: &[Emitter] = &[
     Emitter::new::<vectors::Options>(
         "vectors",
         "Test vectors in JSON",
-        &[("base", "the URL prefix of every `$id` (default: the same as for the schemas)")],
+        &[("base", "the URL prefix of every `$id`; default: `output.json_schema.base`")],
     ),
     Emitter::new::<docs::Configuration>(
         "docs",
@@ -62,7 +62,7 @@ pub const EMITTERS: &[Emitter] = &[
         &[
             ("title", "the title of the book"),
             ("rules", "`true` to include the pages about the lint and breaking-change rules"),
-            ("contents", "a file, or a list of files, with links to add to the table of contents"),
+            ("contents", "one or more files whose links are added to the table of contents"),
         ],
     ),
     Emitter::new::<typescript::Options>(

@@ -278,7 +278,7 @@ fn reports_only_the_trial_that_stops_the_server() {
     });
     let probed = probed(&url, &Options { limit: Duration::from_secs(45), ..short_options() });
     let failure = probed.failure.as_deref().expect("a reason");
-    assert!(failure.starts_with("the server stopped answering after a trial of FW-TCP-03"), "{failure}");
+    assert!(failure.starts_with("the server stopped answering after a trial for FW-TCP-03"), "{failure}");
     let of_trials = trials(&probed).into_iter().filter(|found| found.0.starts_with("FW-TCP"));
     // This server also requires a message to arrive in one segment.
     let rules: BTreeSet<&str> = of_trials.map(|found| found.0).collect();

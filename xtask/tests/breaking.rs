@@ -138,7 +138,7 @@ fn failures_have_status_2_and_a_hint() {
     fails(
         path,
         &["--against", "before"],
-        &["definitions/uavspec.toml:5:1", "unknown field `dialekt`", "help: see the chapter"],
+        &["definitions/uavspec.toml:5:1", "unknown field `dialekt`", "help: the guide lists all keys"],
     );
     write(path, "definitions/uavspec.toml", CONFIG);
     write(path, "broken/uavspec.toml", CONFIG);

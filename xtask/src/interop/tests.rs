@@ -324,7 +324,10 @@ fn the_documentation_page_matches_the_record() {
     let known = Known::read(&paths.source().join("disagreements.toml"), &names).expect("entries");
     let record = Record::read(&paths.record()).expect("a record");
     let read = |path: &Path| fs::read_to_string(path).expect("a file");
-    let advice = "run `cargo xtask interop`";
+    if std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some() {
+        fs::write(paths.page(), page::text(&tools, &known, &record)).expect("a written page");
+    }
+    let advice = "run `cargo xtask interop`. If only texts changed: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p xtask interop`";
     assert!(read(&paths.page()) == page::text(&tools, &known, &record), "{advice}");
     assert!(read(&paths.contents()) == page::CONTENTS, "{advice}");
     assert!(tools.iter().all(|tool| record.tools.contains_key(&tool.name)), "{advice}");
