@@ -34,6 +34,7 @@ use clap::{Parser, Subcommand};
 #[command(
     name = "cargo xtask",
     bin_name = "cargo xtask",
+    max_term_width = 80,
     version,
     after_help = "Run `cargo xtask COMMAND --help` for examples."
 )]

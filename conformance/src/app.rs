@@ -57,7 +57,7 @@ If several statuses apply, the exit status is the first of 2, 3, 1, 4 and 5 that
 
 /// Checks drone software against its interface specifications.
 #[derive(Debug, Parser)]
-#[command(name = "uavspec", version)]
+#[command(name = "uavspec", version, max_term_width = 80)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{STATUS}"))]
 struct Cli {
     #[command(subcommand)]

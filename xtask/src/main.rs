@@ -20,6 +20,7 @@ use uavspec_codegen::Failure;
 #[command(
     name = "cargo xtask",
     bin_name = "cargo xtask",
+    max_term_width = 80,
     after_help = "Run `cargo xtask COMMAND --help` for examples."
 )]
 struct Cli {
