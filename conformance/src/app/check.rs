@@ -51,7 +51,7 @@ A list of known failures is a TOML file. Only rule and reason are required:
   rule = \"PX-RANGE-01\"
   subject = \"battery_status.*\"
   file = \"archive/2019-*.ulg\"
-  message = \"0 is out of range\"   # start of the message
+  message = \"0 is outside the\"    # start of the message
   reason = \"firmware 1.11 leaves it 0\"
   link = \"https://example.org/issues/7\"
   expires = 2027-06-30

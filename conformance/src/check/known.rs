@@ -8,7 +8,7 @@
 //! reason = "firmware 1.11 leaves it 0"
 //! link = "https://example.org/issues/7"  # optional, like the following keys
 //! expires = 2027-06-30                   # the last day on which the entry is valid
-//! message = "0 is out of range"          # the start of the failure's message
+//! message = "0 is outside the range"     # the start of the failure's message
 //!
 //! [[flaky]]
 //! case = "decode-cdr/px4/Event/typical"
