@@ -16,8 +16,8 @@
 //!
 //! # Performance
 //!
-//! These are medians on a machine with two cores. `cargo xtask bench codec` compares each codec with an alternative on
-//! the same bytes:
+//! These times are medians on a machine with two cores. `cargo xtask bench codec` compares each codec with an
+//! alternative on the same bytes:
 //!
 //! | | this crate | alternative |
 //! |---|---|---|
@@ -47,8 +47,8 @@
 //! | `serde` | 4.2 | 8.9 |
 //! | all four | 5.2 | 10.8 |
 //!
-//! Codecs, views and descriptors, which need no feature, account for 2.3 s of each time in the column "generated". That
-//! is about ten milliseconds per message.
+//! Codecs, views and descriptors, which need no feature, account for 2.3 s of each time in the column "generated", or
+//! about ten milliseconds per message.
 
 #![no_std]
 #![cfg_attr(docsrs, feature(doc_cfg))]
