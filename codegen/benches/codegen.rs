@@ -1,5 +1,5 @@
 //! Benchmarks for reading all 261 PX4 messages and generating code from them. Runs with 4 and 16 times as many messages
-//! show how the time grows.
+//! show how the run time scales.
 //!
 //! Run with `cargo bench -p uavspec-codegen` or `cargo xtask bench codegen`. Requires the corpus.
 
@@ -18,7 +18,7 @@ use uavspec_codegen::schema::{Form, Schema};
 use uavspec_codegen::translation::Translations;
 use uavspec_codegen::{PackageInput, SourceMap, generate, read, render};
 
-/// The number of corpus copies in each run of a benchmark.
+/// The numbers of corpus copies. Each benchmark runs once per number.
 const TIMES: [usize; 3] = [1, 4, 16];
 
 fn main() {
@@ -155,7 +155,7 @@ fn workspace(times: usize) -> TempDir {
     folder
 }
 
-/// The whole command, without existing output.
+/// Runs the whole command when there is no output yet.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn generate_all(bencher: Bencher<'_, '_>, times: usize) {
     let messages = corpus(MAIN).unwrap_or_default().len() * times;
@@ -170,7 +170,7 @@ fn generate_all(bencher: Bencher<'_, '_>, times: usize) {
         .bench_local_values(|()| generate(folder.path().join("uavspec.toml")).expect("output"));
 }
 
-/// The whole command, if all output is up to date.
+/// Runs the whole command when all output is up to date.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn generate_unchanged(bencher: Bencher<'_, '_>, times: usize) {
     let messages = corpus(MAIN).unwrap_or_default().len() * times;

@@ -1,8 +1,8 @@
 //! Compares two versions of definitions, and reports the changes and the users that each change affects.
 //!
-//! Messages, fields and constants are matched first, including renamed ones (`Comparison`, `Pair`). Then each rule
-//! checks the result. Each rule covers one kind of change, and reports one finding for each [`Category`] that the
-//! change breaks.
+//! First, messages, fields and constants of both versions are matched, including renamed ones (`Comparison`, `Pair`).
+//! Then each rule checks the matched items. Each rule covers one kind of change, and reports one finding for each
+//! [`Category`] that the change breaks.
 //!
 //! Types and messages in pages are not compared yet.
 //!

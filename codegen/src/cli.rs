@@ -8,9 +8,9 @@
 //!
 //! A build script calls [`generate`](crate::generate()) instead, which prints nothing.
 //!
-//! The exit status is 0 on success. It is 1 if the definitions contain errors, if `--check` finds outdated files, or if
-//! `lint` or `breaking` has findings at the `--deny` level or above. It is 2 if the command failed because of invalid
-//! usage, missing input or unwritable output.
+//! The exit status is 0 on success. The exit status is 1 if the definitions contain errors, if `--check` finds outdated
+//! files, or if `lint` or `breaking` has findings at the `--deny` level or above. The exit status is 2 if the command
+//! failed because of invalid usage, missing input or unwritable output.
 
 mod arguments;
 mod breaking;
@@ -66,7 +66,7 @@ pub fn main() -> ExitCode {
 }
 
 impl Command {
-    /// Runs the command. Its messages go to standard error.
+    /// Runs the command. The command's messages go to standard error.
     pub fn run(self) -> ExitCode {
         let result = match self {
             Self::Codegen(args) => codegen::run(&args),

@@ -229,7 +229,7 @@ problems! {
     UnknownAnnotation { name: String, known: String } = Warning "unknown-annotation"
         "unknown annotation `@{name}`", "uavspec treats it as text; known annotations: {known}";
     MalformedAnnotation { text: String, form: &'static str } = Warning "malformed-annotation"
-        "malformed annotation `{text}`", "write `{form}`; until then it is treated as text";
+        "malformed annotation `{text}`", "write `{form}`; until then the annotation is treated as text";
     AnnotationNearMiss { found: String, expected: String } = Warning "annotation-near-miss"
         "`{found}` is read as `{expected}`", "write `{expected}`";
     AnnotationAfterText { found: String, expected: String, head: Option<Span> } = Warning "annotation-after-text"
@@ -256,7 +256,7 @@ problems! {
     MessageNameStyle { stem: String } = Warning "message-name-style"
         "the message name `{stem}` is not in PascalCase", "rename the file";
     InvalidVersion { what: &'static str, least: u32 } = Error "invalid-version"
-        "`{what}` must be an integer of at most 32 bits and at least {least}",
+        "`{what}` must be an integer of at most 32 bits, with a value of at least {least}",
         "correct the constant, or rename it; PX4 gives this name a special meaning";
     InvalidTopic { topic: String } = Error "invalid-topic"
         "`{topic}` is not a valid topic name", "write topics in lower_snake_case, separated by spaces";
@@ -266,7 +266,7 @@ problems! {
         "no constant of {place} starts with `{prefix}_`", "correct the prefix; until then the field is \
             treated as a plain number";
     TooManyMembers { max: usize } = Error "too-many-members"
-        "the enums have more than {max} members in total", "refer to each group of constants from fewer fields";
+        "the enums have more than {max} members in total", "use the same group of constants in fewer fields";
     UnknownConstant { name: String } = Warning "unknown-constant"
         "this message has no constant `{name}`",
         "write a number or the name of a constant; until then the annotation is ignored";
@@ -310,7 +310,7 @@ problems! {
     CodeOutsideClass { code: u32, range: String } = Error "code-outside-class"
         "code {code} is under a heading for {range}", "move it to the table of its class";
     DuplicateCode { code: u32 } = Error "duplicate-code"
-        "code {code} is defined twice", "use each code once in all tables of a package";
+        "code {code} is defined twice", "define each code only once in a package";
     DuplicateAbbreviation { abbreviation: String, code: u32 } = Error "duplicate-abbreviation"
         "`{abbreviation}` is already the abbreviation of code {code} in this class",
         "use each abbreviation once per class";
@@ -338,7 +338,7 @@ problems! {
     InvalidRequired { text: String } = Error "invalid-required"
         "expected yes or no, found `{text}`", "write `yes` if the field is required, otherwise `no`";
     TupleIndex { found: String, expected: usize } = Error "tuple-index"
-        "expected index {expected}, found `{found}`", "number the elements from 0, in order";
+        "expected index {expected}, found `{found}`", "use the indexes 0, 1, 2 and so on, in order";
     RequiredAfterOptional { name: String } = Error "required-after-optional"
         "`{name}` is required, but follows an optional element",
         "make the earlier elements required, or allow null for them";

@@ -15,7 +15,7 @@ pub struct Directive<'s> {
     pub rule: &'s str,
     /// The reason; empty if absent.
     pub reason: &'s str,
-    /// The location, from the mark to the end.
+    /// The location of the directive, from its first to its last character.
     pub span: Span,
 }
 

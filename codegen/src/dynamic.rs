@@ -1,5 +1,5 @@
-//! Messages whose definitions become known only at run time, such as the messages in logs and bags. The codecs and
-//! checks behave like those of generated types, but are driven by the schema.
+//! Messages whose definitions are known only at run time, such as the messages in logs and bags. The codecs and checks
+//! behave like those of generated types, but are driven by the schema.
 //!
 //! ```
 //! use uavspec_codegen::{PackageInput, SourceMap, dynamic::Types, msg::Dialect, read, schema::Form};
@@ -22,15 +22,16 @@
 //!
 //! # How it works
 //!
-//! A message is one buffer. The fields are laid out as in uORB, so a fixed-size message is already in memory form, and
-//! a uORB or `ULog` payload can be read in place ([`DynamicView`]). A string or sequence has an eight-byte slot among
-//! the fields. Its bytes or elements follow the fields. The slot contains their offset and count. For CDR, a type is
-//! compiled to a list of steps. Most steps copy numbers that are contiguous in both forms.
+//! A message is one buffer. The fields are laid out as in uORB. A uORB or `ULog` payload of a fixed-size message is
+//! therefore already in memory form, and can be read in place ([`DynamicView`]). A string or sequence has an eight-byte
+//! slot among the fields. The bytes of the string or the elements of the sequence follow the fields, and the slot
+//! contains their offset and count. For CDR, a type is compiled to a list of steps. Most steps copy numbers that are
+//! contiguous in both forms.
 //!
 //! No input causes a panic, and memory use is bounded. A message takes at most eight times as many bytes as its CDR
-//! payload or JSON text. The worst case is an array of messages that contain one `uint8` each. Rejected payloads stay
-//! within the same limit. The JSON reader allocates the fixed size of each message when the message starts. The
-//! vectors' capacity may be up to twice this limit. Messages nest at most 32 levels deep.
+//! payload or JSON text. The worst case is an array of messages that contain one `uint8` each. The limit also applies
+//! to rejected payloads. The JSON reader allocates the fixed-size part of each message when it reads the start of the
+//! message. The capacity of the vectors may be up to twice the limit. Messages nest at most 32 levels deep.
 
 mod bytes;
 mod cdr;

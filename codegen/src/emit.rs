@@ -1,4 +1,4 @@
-//! Emitters turn a schema into files in memory. They never write to disk.
+//! Emitters turn a schema into files in memory, and never write to disk.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};

@@ -27,8 +27,8 @@ pub struct Finding {
     pub message: String,
     /// The advice or the consequence.
     pub help: String,
-    /// The location. In a comparison, this is the location in the new version. If the item was removed, it is the
-    /// location of the enclosing item.
+    /// The location of the finding. In a comparison, this is the location in the new version or, if the item was
+    /// removed, the location of the enclosing item.
     pub span: Span,
     /// The locations in the old and the new version, if two versions were compared.
     pub sides: Option<Sides>,
@@ -50,7 +50,7 @@ pub struct Sides {
 /// A change to a source.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Edit {
-    /// The span to replace. An empty span is an insertion.
+    /// The span to replace. If the span is empty, the new text is inserted.
     pub span: Span,
     /// The new text.
     pub text: String,

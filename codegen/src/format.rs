@@ -1,7 +1,7 @@
-//! The formatter for definitions and for pages with error-code tables. It maps text to text.
+//! The formatter for definitions and for pages with error-code tables. The formatter maps text to text.
 //!
-//! Formatting never changes the meaning. Each result is parsed again. The source is left unchanged if the parsed model
-//! or a comment differs, or if a second formatting would change the result.
+//! Formatting never changes the meaning. Each result is parsed again. The source is left unchanged if formatting would
+//! change the parsed model or a comment, or if formatting the result again would change it.
 
 mod aligned;
 mod comment;
@@ -19,8 +19,8 @@ use crate::source::{SourceId, SourceMap};
 pub struct Formatted {
     /// The formatted text.
     pub text: String,
-    /// True if the source was left unchanged because formatting would have changed its meaning. No known source causes
-    /// this.
+    /// True if the source was left unchanged because formatting would have changed its meaning. There is no known
+    /// source for which this happens.
     pub is_kept: bool,
 }
 
@@ -30,9 +30,9 @@ pub struct Formatted {
 /// of lines, and collapses consecutive blank lines. Annotations move to the start of their comment, in a fixed order
 /// and spelling.
 ///
-/// In pages, it aligns the columns of error-code tables. Elsewhere it only removes trailing white space.
+/// In pages, it aligns the columns of error-code tables and removes trailing white space, but changes nothing else.
 ///
-/// A source with errors is not formatted. The result then contains the diagnostics of the parser.
+/// A source with errors is not formatted. For such a source, the result contains the diagnostics of the parser.
 ///
 /// ```
 /// use uavspec_codegen::{SourceMap, format::format, msg::Dialect, schema::Form};

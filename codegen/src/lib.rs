@@ -8,8 +8,8 @@
 //! ```
 //!
 //! A stage uses only the types of the stage directly before it. Reading doesn't stop at the first error: each stage
-//! returns everything it could read, and a list of [`Diagnostic`]s. After `resolve`, no names are looked up and no text
-//! is parsed. Only `load`, `generate` and `cli` access files.
+//! returns everything it could read, and a list of [`Diagnostic`]s. After `resolve`, no stage looks up names or parses
+//! text. Only `load`, `generate` and `cli` access files.
 //!
 //! # Design decisions
 //!
@@ -17,54 +17,56 @@
 //! - Annotations and literals are read by the parser, not by `resolve`. Values in the syntax tree are typed and in
 //!   range, and each error is reported on its line.
 //! - One sorted list contains the messages of all packages; a [`schema::MessageId`] is an index into it. Unselected
-//!   messages stay in this list, but packages don't list them.
+//!   messages stay in this list, but are not in the lists of the packages.
 //! - `[@enum Message.PREFIX]` refers to constants of another message. For example, `battery_warning` of `FailsafeFlags`
-//!   uses the constants of `BatteryStatus`, and has the enum type of `BatteryStatus`.
-//! - If all constants of a flags field are powers of two, they are masks; otherwise they are bit numbers. The model
-//!   stores masks in both cases.
-//! - ROS 2 rejects names that violate its style, so these names are errors in ROS 2 definitions. PX4 accepts them, so
-//!   they are warnings in PX4 definitions. Literals that only PX4 or only ROS 2 accepts cause warnings too.
-//! - Types and messages on pages describe JSON only. They have a separate model ([`schema::json_type`]), emitters and
-//!   Rust module, because the model of `.msg` files describes memory layout and CDR.
+//!   uses the constants of `BatteryStatus`, so its enum type belongs to `BatteryStatus`.
+//! - If all constants of a flags field are powers of two, the constants are masks; otherwise, they are bit numbers. The
+//!   model stores masks in both cases.
+//! - ROS 2 rejects names that violate its naming style, so such a name is an error in a ROS 2 definition. PX4 accepts
+//!   these names, so they only cause warnings in PX4 definitions. A literal that is valid only in PX4 or only in ROS 2
+//!   also causes a warning.
+//! - Types and messages on pages describe JSON only. The model of `.msg` files describes memory layout and CDR, so page
+//!   types have a separate model ([`schema::json_type`]), separate emitters and a separate Rust module.
 //! - Generated JSON types accept any value with the right structure, and don't check ranges, lengths or patterns. A
-//!   program that receives an out-of-range value can therefore report it.
+//!   program can therefore receive an out-of-range value and report it.
 //! - Generated types describe themselves to the runtime (`record!`), and all codecs, checks and strategies use this
 //!   description. Derives would require more code to generate, read and compile.
 //! - `tests/edge.rs` lists where uavspec deliberately deviates from incorrect behaviour of the reference tools, each
-//!   with a reason. The test fails when a deviation disappears.
-//! - [`mod@format`] parses its output again. If this reveals a changed meaning or layout, the text is left unchanged.
-//!   White space within a comment is part of its meaning.
-//! - Parser warnings are [`lint`] rules as well, so users can configure their level. Rules about comments and white
-//!   space receive the syntax tree in addition to the model.
+//!   with a reason. The test fails if one of these deviations disappears.
+//! - [`mod@format`] parses its output again. If the output would differ from the original in meaning or layout, the
+//!   text is left unchanged. White space within a comment is part of the comment's meaning.
+//! - Parser warnings are [`lint`] rules as well, so users can configure the level of each warning. Rules about comments
+//!   and white space receive the syntax tree in addition to the model.
 //! - Translations ([`translation`]) are separate from the model, with permanent keys. Emitters look up translations by
-//!   key, so they can detect text without a translation.
+//!   key, so emitters can detect text that has no translation.
 //! - TypeScript and Python output includes the translated labels, so users who generate code from other definitions get
 //!   labels too. Each language file contains only the text in that language; missing text falls back to English.
 //! - A comparison of two sets of definitions uses one [`SourceMap`], so a finding can refer to locations in both.
 //! - TypeScript and Python are printed from one intermediate form (`emit::binding`), so their names can't differ.
-//! - The JSON and the verdict of a test vector come from the model, and its bytes come from [`dynamic`]. The vector's
+//! - The JSON and the verdict of a test vector come from the model, and the bytes come from [`dynamic`]. The vector's
 //!   id describes the case rather than the result, so the id is permanent.
 //!
 //! # Performance
 //!
-//! These are medians on two cores, with PX4's 261 messages: reading and resolving 6.3 ms, emitting Rust 42 ms, JSON
-//! Schemas 5.3 ms and documentation 18 ms. The whole command takes 128 ms (80 to 144) without existing output, mostly
-//! to create 1,050 files, and 80 ms if nothing has changed. With 4 times as many messages, reading takes 4.1 times as
-//! long, emitting Rust 4.0 times, and the whole command on unchanged output 3.9 times. With 16 times as many messages,
-//! the factors are 18, 16 and 16. Emitting test vectors (26 MB) took at least 80 ms, or 290 ms including writing the
-//! files, while two other programs were using the machine. `cargo xtask bench codegen` prints these figures.
+//! The following times are medians on two cores, for PX4's 261 messages. Reading and resolving takes 6.3 ms. Emitting
+//! takes 42 ms for Rust, 5.3 ms for JSON Schemas and 18 ms for documentation. If there is no existing output, the whole
+//! command takes 128 ms (80 to 144), mostly to create 1,050 files. If nothing has changed, the command takes 80 ms.
+//! With 4 times as many messages, reading takes 4.1 times as long, emitting Rust takes 4.0 times as long, and the whole
+//! command takes 3.9 times as long if nothing has changed. With 16 times as many messages, these three factors are 18,
+//! 16 and 16. Emitting the test vectors (26 MB) took at least 80 ms (290 ms including writing the files). Two other
+//! programs were using the machine during this measurement. `cargo xtask bench codegen` prints these figures.
 //!
-//! Applying all [`lint`] rules to these messages, and rendering the 2,700 findings as text, takes 27 ms. The command
-//! with the preset `px4` takes 14 to 21 ms. With 4 times as many messages, it takes 4.9 times as long, and with 16
-//! times as many, 19 times. [`mod@breaking`] takes 22 ms to compare PX4 1.15 with main. Half of this time is for
-//! reading both versions. The command takes 30 to 40 ms. Two other programs were using the machine during these
-//! measurements.
+//! Applying all [`lint`] rules to these messages, and rendering the 2,700 findings as text, takes 27 ms. The `lint`
+//! command with the preset `px4` takes 14 to 21 ms. With 4 times as many messages, the command takes 4.9 times as long.
+//! With 16 times as many messages, it takes 19 times as long. [`mod@breaking`] takes 22 ms to compare PX4 1.15 with
+//! main. Reading both versions takes half of this time. The `breaking` command takes 30 to 40 ms. Two other programs
+//! were using the machine during the measurements of `lint` and `breaking`.
 //!
-//! The following figures compare [`dynamic`] with generated types (in parentheses) on the same bytes. They are medians
-//! of three messages of 88 to 232 bytes, in one run: reading uORB 24 to 26 ns (9 to 17), reading uORB in place 8 ns
-//! (3), reading CDR 28 to 51 ns (8 to 18), uORB to CDR 48 to 62 ns (33 to 54), uORB to JSON text 1.9 to 2.4 µs (1.0 to
-//! 1.6). Allocation accounts for 20 ns of each read. Big-endian CDR takes 46 to 132 ns (9 to 111). `cargo bench -p
-//! uavspec-codegen --bench dynamic` prints these figures.
+//! The following figures compare [`dynamic`] with generated types on the same bytes; the figures in parentheses are for
+//! generated types. Each range covers the medians for three messages of 88 to 232 bytes in one run. Reading takes 24 to
+//! 26 ns (9 to 17) for uORB, 8 ns (3) for uORB in place, and 28 to 51 ns (8 to 18) for CDR. Allocation accounts for 20
+//! ns of each read. Big-endian CDR takes 46 to 132 ns (9 to 111). Converting uORB takes 48 to 62 ns (33 to 54) to CDR,
+//! and 1.9 to 2.4 µs (1.0 to 1.6) to JSON text. `cargo bench -p uavspec-codegen --bench dynamic` prints these figures.
 //!
 //! The documentation of `uavspec-runtime` lists the compile times and the speed of the generated crate.
 

@@ -50,7 +50,7 @@ fn append(hir: &Hir, text: &mut String) -> Option<()> {
     (text.len() <= MAX_EXAMPLE_LEN).then_some(())
 }
 
-/// A letter or digit in the class if it contains one, otherwise another visible character or a space.
+/// A letter or digit if the class contains one, otherwise another visible character in the class, or a space.
 fn character(class: &Class) -> Option<char> {
     let Class::Bytes(class) = class else { return None };
     let contains =

@@ -14,13 +14,14 @@ pub struct PackageInput {
     pub name: String,
     /// The form of the sources.
     pub form: Form,
-    /// The name of the ROS package. The default is the name of the package, except for PX4, where it is `px4_msgs`.
+    /// The name of the ROS package. The default is the package name, or `px4_msgs` for PX4.
     pub ros_package: Option<String>,
     /// The origin of the definitions.
     pub origin: Option<String>,
     /// The revision of the origin.
     pub revision: Option<String>,
-    /// The selected messages. Messages that they refer to are also included. `None` selects all messages.
+    /// The selected messages. Any message that a selected message refers to is also included. `None` selects all
+    /// messages.
     pub select: Option<Vec<(String, Span)>>,
     /// The sources.
     pub sources: Vec<SourceId>,

@@ -18,7 +18,7 @@ use crate::diagnostic::{Diagnostic, Level};
 use crate::finding::Finding;
 use crate::source::{SourceMap, Span};
 
-/// Maximum number of diagnostics shown per source. A file with more is probably not a definition.
+/// Maximum number of diagnostics shown per source. A file with more diagnostics is probably not a definition.
 const MAX_PER_SOURCE: usize = 200;
 
 /// Maximum length in bytes of a message or hint, which may quote text of any length.

@@ -30,7 +30,7 @@ pub use self::model::{
 };
 
 impl Report {
-    /// The report as text. Ends with a newline unless it is empty.
+    /// The report as text. A nonempty report ends with a newline.
     pub fn to_text(&self, format: Format) -> String {
         match format {
             Format::Json => json::write(self),

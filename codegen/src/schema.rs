@@ -1,7 +1,7 @@
 //! The resolved model of all definitions, checked and complete.
 //!
-//! Code that uses the model can't fail because of user input. It needs no look-up by name, because messages refer to
-//! each other by [`MessageId`]. Everything is sorted, so output doesn't depend on the order of the files.
+//! Code that uses the model can't fail because of user input. Messages refer to each other by [`MessageId`], so this
+//! code needs no look-up by name. Everything is sorted, so output doesn't depend on the order of the files.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};

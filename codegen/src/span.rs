@@ -27,7 +27,8 @@ impl Span {
     }
 }
 
-/// Converts a position. Lossless for valid sources; otherwise only the displayed location is wrong.
+/// Converts a position. The conversion is lossless for valid sources. For an oversized source, only the displayed
+/// location is wrong.
 pub(crate) fn offset(position: usize) -> u32 {
     u32::try_from(position).unwrap_or(u32::MAX)
 }

@@ -12,7 +12,7 @@
 //! when the text changes.
 //!
 //! Existing PO crates report no positions, discard previous text and obsolete entries, and panic on some inputs. This
-//! module therefore has its own parser; the required subset of the format is small.
+//! module therefore has a separate parser, which supports only the small subset of the format that is needed.
 
 pub(crate) mod catalogue;
 mod language;

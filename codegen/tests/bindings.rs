@@ -1,5 +1,5 @@
-//! Tests of the TypeScript and Python modules. They don't require the languages to be installed; the tests in `xtask`
-//! run the type checkers.
+//! Tests of the TypeScript and Python modules. These tests don't require TypeScript or Python to be installed; the
+//! tests in `xtask` run the type checkers.
 
 use crate::support;
 

@@ -1,4 +1,4 @@
-//! Tests of the rules of `breaking`, with the rules' examples and with real edits of PX4's messages.
+//! Tests of the `breaking` rules, with the rules' examples and with real edits to PX4 messages.
 //!
 //! `fixtures/breaking/<rule>.txt` contains the expected findings for a rule's examples. Each folder
 //! `fixtures/breaking/<case>/` is a further case, with the definitions in `old/` and `new/`, and all expected findings
@@ -113,7 +113,7 @@ fn each_further_case_has_the_expected_findings() {
     );
 }
 
-/// The names quoted in findings of these rules, without the names of their messages.
+/// The names quoted in findings of these rules, without leading message names.
 fn named(findings: &[Finding], rules: &[&str]) -> BTreeSet<String> {
     let of_rules = findings.iter().filter(|finding| rules.contains(&finding.rule));
     let words =
@@ -126,7 +126,7 @@ fn strings(value: &Value) -> BTreeSet<String> {
     list.iter().map(|item| item.as_str().expect("a string").to_owned()).collect()
 }
 
-/// The differences between the findings for a real edit and those in `expect.json`.
+/// The differences between the actual findings for a real edit and the expected findings in `expect.json`.
 fn check_edit(folder: &Path) -> Vec<String> {
     let expected: Value =
         serde_json::from_str(&fs::read_to_string(folder.join("expect.json")).expect("a text")).expect("JSON");

@@ -1,4 +1,5 @@
-//! Tests that each constraint reaches all outputs. Adding a row to the list of constraints must be sufficient.
+//! Tests that each constraint reaches all outputs. To support a new constraint, adding a row to the list of constraints
+//! must be sufficient.
 
 use uavspec_codegen::breaking::{Between, breaking};
 use uavspec_codegen::emit::{docs, inspect, json_schema, python, rust, typescript, vectors};

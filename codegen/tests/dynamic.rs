@@ -1,4 +1,4 @@
-//! Tests of messages whose types are known at run time: against other tools, against generated types, and with
+//! Tests of messages whose types are known only at run time: against other tools, against generated types, and with
 //! arbitrary bytes.
 
 mod hostile;

@@ -13,7 +13,7 @@ use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{PackageInput, SourceMap, read, render};
 
-/// Deviations from PX4's generator, with reasons. The test fails if a listed deviation doesn't exist.
+/// Deviations from PX4's generator, with reasons. The test fails if a listed deviation no longer occurs.
 const PX4_DEVIATIONS: &[(&str, &str)] = &[
     ("lone_cr", "a single carriage return doesn't end a line in editors, so it would hide a field"),
     ("tab_sep", "a tab is a separator; read with a warning"),

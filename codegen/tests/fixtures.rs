@@ -1,8 +1,8 @@
 //! Fixtures for diagnostics. Each folder contains definitions, and all expected diagnostics in `expected.txt`.
 //!
 //! A case in `err/<code>` causes at least the error `<code>`. A case in `warn/<code>` causes at least the warning
-//! `<code>`, and no error. A case in `ok/<name>` causes no diagnostics. A folder `<code>-<case>` is a further case for
-//! the same code.
+//! `<code>`, and no error. A case in `ok/<name>` causes no diagnostics. A folder `<code>-<case>` is an additional case
+//! for `<code>`.
 //!
 //! Markdown, `AsciiDoc` and text files are pages, and `.po` files are translation catalogues. Other files are PX4
 //! definitions. If a `dialect` file contains `ros2`, they are ROS 2 definitions, and each subfolder is a package.
@@ -113,19 +113,19 @@ fn each_fixture_has_the_expected_diagnostics() {
     assert!(failures.is_empty(), "{failures}update with UAVSPEC_UPDATE_FIXTURES=1");
 }
 
-/// A code, and the files that cause it: paths and bytes.
+/// A diagnostic code, and the paths and contents of the files that cause the diagnostic.
 type Generated = (&'static str, Vec<(String, Vec<u8>)>);
 
-/// Definitions that are too large for fixtures, with the codes that they cause.
+/// Definitions that are too large for fixtures, with the diagnostic codes that they cause.
 fn generated() -> [Generated; 4] {
     let spaces = ("Glider.msg".to_owned(), vec![b' '; (4 << 20) + 1]);
-    // Each level contains 32 fields of the level below, so the last level has more than 2^20 fields.
+    // Each level has 32 fields of the previous level's type, so the last level contains more than 2^20 fields.
     let levels = (0..5).map(|level: u32| {
         let ty = level.checked_sub(1).map_or("bool".to_owned(), |below| format!("Level{below}"));
         let fields: String = (0..32).map(|field| format!("{ty} part{field}\n")).collect();
         (format!("Level{level}.msg"), fields.into_bytes())
     });
-    // Each link contains all links below it: 3000 * 3001 / 2 fields in total.
+    // Each link contains all previous links: 3000 * 3001 / 2 fields in total.
     let chain = (0..3000).map(|link: u32| {
         let ty = link.checked_sub(1).map_or("bool".to_owned(), |below| format!("Link{below}"));
         (format!("Link{link}.msg"), format!("{ty} part\n").into_bytes())

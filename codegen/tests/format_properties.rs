@@ -52,7 +52,7 @@ const ROS_DECLARATIONS: &[&str] = &[
     "Thing~thing%",
 ];
 
-/// Parts of the comment of a declaration.
+/// Parts of a declaration's comment.
 const NOTES: &[&str] = &[
     "[m/s]",
     "[ m/s ]",
@@ -116,7 +116,7 @@ const NOTES: &[&str] = &[
     "\"",
 ];
 
-/// Comments on separate lines, from the `#` on.
+/// Comments on separate lines, starting at the `#`.
 const COMMENTS: &[&str] = &[
     "#",
     "# ",
@@ -291,7 +291,7 @@ const PAGE_LINES: &[&str] = &[
     "\t",
 ];
 
-/// Lines of pages in the other formats.
+/// Lines of pages in formats other than Markdown.
 const OTHER_LINES: &[&str] = &[
     "== Warnings (codes 64-127)",
     "Warnings (codes 64-127)",

@@ -3,7 +3,7 @@
 
 use crate::support;
 
-/// The emitted code, in the structure of a crate.
+/// The emitted code, arranged as a crate.
 #[allow(dead_code, missing_docs, unreachable_pub, unused_imports)]
 #[rustfmt::skip]
 mod emitted;

@@ -1,7 +1,7 @@
-//! Tests of the rules of `lint`, with the rules' examples and with other definitions that violate them.
+//! Tests of the `lint` rules, with the rules' examples and with other definitions that violate the rules.
 //!
-//! `fixtures/lint/<rule>.txt` contains the expected findings for a rule's bad example. The good example must cause no
-//! finding of the rule. If the rule has a fix, the fix must turn the bad example into the good one. Each folder
+//! `fixtures/lint/<rule>.txt` contains the expected findings for a rule's bad example. The rule must have no findings
+//! in the good example. If the rule has a fix, the fix must turn the bad example into the good one. Each folder
 //! `fixtures/lint/<rule>-<case>/` contains the definitions of a further case, and the rule's expected findings in
 //! `expected.txt`. If any of the findings can be fixed, `mended.txt` contains the fixed text. To accept intended
 //! changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen lint::`.
@@ -234,7 +234,7 @@ fn texts_below(folder: &Path) -> Vec<File> {
         .collect()
 }
 
-/// The maximum number of passes. The worst known definitions need no more passes.
+/// The maximum number of passes. Even the worst known definitions need at most this many.
 const MAX_PASSES: usize = 12;
 
 fn check_mending(name: &str, definitions: &Definitions) {
@@ -372,7 +372,7 @@ fn measured_counts_are_up_to_date() {
         assert_eq!(found, measured, "findings of {}", rule.id);
         if let Some(measured) = rule.measured {
             assert!(measured.sample == measured.findings.min(30), "{}", rule.id);
-            // A note may point to something intended, but most warnings and errors must be correct.
+            // A note may concern something intentional, but most warnings and errors must be correct.
             let is_note =
                 [rule.levels.px4, rule.levels.strict].into_iter().flatten().max() == Some(Level::Note);
             let is_mostly_right = is_note || 10 * measured.right >= 8 * measured.sample;

@@ -1,4 +1,5 @@
-//! Properties of any input: no panics, locations within their sources, and printed definitions are read back unchanged.
+//! Properties that hold for any input: nothing panics, each location is within its source, and printed definitions are
+//! read back unchanged.
 
 use crate::support;
 
@@ -427,7 +428,7 @@ fn message(dialect: Dialect) -> impl Strategy<Value = (Vec<Declaration>, String)
     })
 }
 
-/// Fields and constants as type, name, value and comment.
+/// The type, name, value and comment of each field and constant.
 fn declared(schema: &Schema, message: &Message) -> [Vec<(String, String, Json, String)>; 2] {
     let model = inspect::schema(schema);
     let model = &model["packages"]["demo"]["messages"][&message.name];
@@ -532,7 +533,7 @@ fn page() -> impl Strategy<Value = Vec<(usize, Vec<PageRow>)>> {
         .prop_map(|(tables, rows)| tables.into_iter().zip(rows).collect())
 }
 
-/// The page in Markdown, in `AsciiDoc` and flattened. Each form ends with a table of the codes 998 and 999.
+/// The page in Markdown, in `AsciiDoc` and as flattened text. Each form ends with a table of the codes 998 and 999.
 fn printed(page: &[(usize, Vec<PageRow>)]) -> [(&'static str, String); 3] {
     let mut forms = ["md", "adoc", "txt"].map(|extension| (extension, String::new()));
     let [(_, markdown), (_, asciidoc), (_, flattened)] = &mut forms;

@@ -1,4 +1,4 @@
-//! Random pages of types and messages. The model, the schemas, the vectors and `fmt` must agree on them.
+//! Random pages of types and messages. The model, the schemas, the vectors and `fmt` must agree on each page.
 
 use crate::support;
 
@@ -190,7 +190,7 @@ proptest! {
         prop_assert!(count > 20);
     }
 
-    /// `fmt` formats only error codes. It must preserve types, and a second run must change nothing.
+    /// `fmt` formats only error codes: it must preserve types, and a second run must change nothing.
     #[test]
     fn fmt_preserves_types_of_pages(types in types()) {
         let (sources, schema) = read_page(&page(&types));

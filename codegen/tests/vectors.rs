@@ -309,7 +309,7 @@ fn additions_do_not_change_existing_ids() {
     assert!(before.is_subset(&after), "{:?}", before.difference(&after).collect::<Vec<_>>());
 }
 
-/// In the typical case, adjacent bytes of a number differ, so shifted bytes are detected.
+/// In the `typical` case, adjacent bytes of a number differ, so shifted bytes are detected.
 #[test]
 fn adjacent_typical_bytes_differ() {
     let text = "uint64 a\nint32 b\nfloat32 c\nuint16 d\nuint8 e\nint8[300] f\nfloat64[2] g\n";
@@ -335,7 +335,7 @@ fn takes_the_severity_of_error_codes_from_their_bits() {
     assert!(known >= 63 && cases.iter().any(|case| case["json"] == json!(4_294_967_296_u64)));
 }
 
-/// Definitions that are too large have no vectors, and are skipped quickly.
+/// Oversized definitions have no vectors, and the emitter skips them quickly.
 #[test]
 fn creates_no_cases_for_oversized_definitions() {
     let cases = |form, files: &[(String, String)], name: &str| {
@@ -372,7 +372,7 @@ fn creates_no_cases_for_oversized_definitions() {
     assert!((1..20).contains(&wide), "{wide} cases, but expected none for single fields");
 }
 
-/// The cases for pages cover every rule about body schemas, and omit each field once.
+/// The cases for pages cover every rule about body schemas. For each field, one case omits the field.
 #[test]
 fn cases_of_pages_cover_every_rule_about_body_schemas() {
     let emitted = Emitted::of(support::texts(Form::Table, &PAGES));

@@ -9,8 +9,8 @@
 //! - Each fast path against the general path, which uses neither templates for messages nor the cache for status
 //!   reports. A fast path is worthwhile only if it is at least 1.3 times as fast as the general path.
 //! - `FailsafeFlags` messages as JSON Lines, against two other readers. One reader only skips the values with
-//!   `serde_json` (`IgnoredAny`), the practical speed limit for `serde_json` users. The other builds a tree with
-//!   `serde_json` and validates the tree with the `jsonschema` crate and the published schema.
+//!   `serde_json` (`IgnoredAny`), which is the practical speed limit for `serde_json` users. The other builds a tree
+//!   with `serde_json` and validates the tree with the `jsonschema` crate and the published schema.
 //! - A fleet's status reports, with one or fifty UAVs each, against the same two readers. `jsonschema` validates only
 //!   the bodies.
 //! - PX4 logs, if the corpus is available. If pyulog is installed, it reads the same logs. uavspec also checks copies
@@ -86,7 +86,8 @@ impl<'c> Contestant<'c> {
     }
 }
 
-/// Runs the contestants in turn. Prints each throughput, and how many times as fast the first contestant is.
+/// Runs the contestants in turn. Prints each contestant's throughput, and the first contestant's speedup over each
+/// other contestant.
 fn compare(title: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
     if !is_selected(title) {
         return;

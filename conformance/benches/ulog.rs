@@ -53,7 +53,7 @@ fn messages(bencher: Bencher<'_, '_>, name: &str) {
     bencher.counter(BytesCount::of_slice(&bytes)).bench_local(|| count_messages(&bytes));
 }
 
-/// Splits a log into messages, and determines the type of data.
+/// Splits a log into messages, and determines the type of each data message.
 #[divan::bench(args = LOGS)]
 fn records(bencher: Bencher<'_, '_>, name: &str) {
     let Some(bytes) = log(name) else { return };

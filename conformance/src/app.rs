@@ -9,7 +9,7 @@
 //! | 4 | an entry in a list of known failures no longer applies |
 //! | 5 | nothing was checked |
 //!
-//! If several statuses apply, the exit status is the first of 2, 3, 1, 4 and 5 that applies.
+//! If several statuses apply, the exit status is the first that applies in the order 2, 3, 1, 4, 5.
 //!
 //! ```no_run
 //! let status: std::process::ExitCode = uavspec_conformance::app::main();
@@ -49,7 +49,7 @@ const STATUS: &str = "Exit status:
   0  conforms, or success
   1  does not conform
   2  invalid usage, unreadable definitions, or unreadable lists
-  3  an unreadable input, an unwritable report, or a failed testee or server
+  3  an input, a report, a testee or a server failed
   4  an entry in a list of known failures no longer applies
   5  nothing was checked
 
@@ -83,8 +83,8 @@ enum Command {
     ///
     /// The probe may crash a server that has bugs. Never probe a server that is controlling flying UAVs.
     ///
-    /// With --allow-commands, the given UAVs take off, fly at 10 m above home, return and land. They are also tested,
-    /// calibrated, put to sleep and woken up. The probe also adjusts the server's clock by zero seconds.
+    /// With --allow-commands, the given UAVs take off, fly at 10 m above home, return and land. The UAVs are also
+    /// tested, calibrated, put to sleep and woken up. The probe also adjusts the server's clock by zero seconds.
     Probe(probe::ProbeArgs),
     /// Run a reference Flockwave server with a simulated fleet.
     ///
@@ -117,7 +117,7 @@ enum Command {
     SelfTest(self_test::SelfTestArgs),
 }
 
-/// The output format of a command without reports.
+/// The output format of commands that don't write reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
     /// Text for a terminal.
@@ -126,7 +126,7 @@ enum Format {
     Json,
 }
 
-/// The exit status of a run. The variants are in ascending precedence.
+/// The exit status of a run. A later variant takes precedence over an earlier one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Status {
     Conforms,

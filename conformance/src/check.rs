@@ -60,7 +60,7 @@ use crate::text::Grouped;
 /// The number of bytes used to detect the kind of a capture.
 const START: usize = MCAP_MAGIC.len();
 
-/// The minimum number of magic bytes that identify a capture truncated within its magic.
+/// The minimum number of magic bytes that identify a capture, if the capture is truncated within its magic.
 const MIN_MAGIC: usize = 4;
 
 /// The maximum number of distinct corrupt parts to report.
@@ -96,7 +96,7 @@ pub enum Summary {
 }
 
 impl Summary {
-    /// The parts that human-readable reports print.
+    /// The parts of the summary that human-readable reports print.
     pub(crate) fn describe(&self) -> &dyn Describe {
         match self {
             Self::Log(summary) => summary,
@@ -203,7 +203,7 @@ struct Follower {
 struct Subscribers {
     /// The indices of the followers that receive the channel's messages.
     followers: Vec<usize>,
-    /// The highest interest of these followers.
+    /// The highest [`Interest`] among these followers.
     interest: Interest,
 }
 
@@ -381,7 +381,7 @@ impl<'d> CheckRun<'d> {
         }
     }
 
-    /// Records a read error, after which nothing is readable.
+    /// Records a read error, after which nothing more can be read.
     fn unreadable(&mut self, location: Location, error: &io::Error) {
         self.corruption(location, format!("the rest is unreadable: {error}"), Extent::Unreadable);
     }

@@ -175,7 +175,7 @@ mod tests {
         for message in messages {
             let reply = fields(message, Direction::Response);
             let is_operation = OPERATION.reply_fields.iter().all(|part| reply.contains(part));
-            // A log concerns only one UAV, so the receipt isn't in a map.
+            // LOG-DATA concerns only one UAV, so its receipt isn't in a map.
             let is_operation = is_operation && message.name != "LOG-DATA";
             assert_eq!(OPERATIONS.contains(&message.name.as_str()), is_operation, "{}", message.name);
             if let Some(parts) = parts(&message.name) {

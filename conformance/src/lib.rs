@@ -1,8 +1,8 @@
 //! Checks drone software against its interface specifications.
 //!
-//! It checks PX4 logs (`ULog`), MCAP, JSON messages, recorded Flockwave sessions, codecs ([`testee`]) and live servers
-//! ([`probe`]). [`serve`] is a reference server, and `uavspec watch` shows a server's fleet. `uavspec-codegen` reads
-//! the definitions.
+//! The crate checks PX4 logs (`ULog`), MCAP, JSON messages, recorded Flockwave sessions, codecs ([`testee`]) and live
+//! servers ([`probe`]). [`serve`] is a reference server, and `uavspec watch` shows a server's fleet. `uavspec-codegen`
+//! reads the definitions.
 //!
 //! ```text
 //!  bytes ──capture──▶ records ──check──▶ findings ──▶ verdicts ──report──▶ text, JSON, HTML, SARIF, …

@@ -20,7 +20,7 @@ pub(crate) struct Row {
     pub mutant: Mutant,
     /// The name of the mutant; for PX4 rules, followed by the capture's encoding.
     pub title: String,
-    /// The ids of the violated rules. `None` if the change isn't possible with the definitions.
+    /// The ids of the violated rules. `None` if the definitions don't allow the change.
     pub violated: Option<BTreeSet<&'static str>>,
 }
 

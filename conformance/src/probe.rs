@@ -62,7 +62,7 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// The delay between attempts to connect.
 const PAUSE: Duration = Duration::from_millis(250);
 
-/// The timeout of a request. The next request is then sent, but the answer may still arrive later.
+/// The timeout of a request. After the timeout, the next request is sent, but the answer may still arrive.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// The number of unanswered requests after which a reduced timeout applies, and the reduced timeout.
@@ -71,7 +71,7 @@ const REDUCED_TIMEOUT: (u32, Duration) = (3, Duration::from_millis(300));
 /// The time limit for late answers.
 const LATE_ANSWER_TIME: Duration = Duration::from_millis(400);
 
-/// The delay between messages. It ensures that each message is sent in a separate segment.
+/// The delay between messages. The delay ensures that each message is sent in a separate segment.
 const SEND_INTERVAL: Duration = Duration::from_millis(20);
 
 /// The maximum number of reconnections to a server that closes its connections.
@@ -167,7 +167,7 @@ struct Probe<'p, 'd> {
     requests: u64,
     /// The number of requests that weren't answered in time.
     silences: u32,
-    /// The longest time until an answer.
+    /// The longest time that the server has taken to answer.
     slowest: Duration,
     /// The time limit of the probe.
     end: Instant,
@@ -476,7 +476,7 @@ fn plain() -> Trial<'static> {
     Trial { rule: &env_07::RULE.rule, how: "" }
 }
 
-/// The trial to record with a message. A message without an id can't be answered, so it tests nothing by itself.
+/// The trial that is recorded with a message. A message without an id can't be answered, so it tests nothing by itself.
 fn trial_of<'t>(sent: &Sent, trial: Trial<'t>) -> Option<Trial<'t>> {
     sent.id().is_some().then_some(trial)
 }

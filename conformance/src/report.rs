@@ -6,8 +6,8 @@
 //!  outcome of `test` ─────testee───┘
 //! ```
 //!
-//! The JSON format is the value itself, so it contains everything that the other formats show. Text from the input is
-//! stored unchanged; each format escapes it.
+//! The JSON format serializes this value directly, so it contains everything that the other formats show. Text from the
+//! input is stored unchanged; each format escapes it.
 //!
 //! ```
 //! use uavspec_conformance::check::check_capture;
@@ -59,7 +59,7 @@ const VERSION: u32 = 1;
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Report {
-    /// The version of this format. It increases if a member is removed or changes its meaning.
+    /// The version of this format. The version increases if a member is removed or changes meaning.
     pub version: u32,
     /// The version of uavspec.
     pub uavspec: String,
@@ -130,10 +130,10 @@ pub struct RuleReport {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// The input has nothing that the rule applies to. This is not a pass.
+    /// The input has nothing that the rule applies to. This verdict doesn't count as a pass.
     #[serde(rename = "not exercised")]
     NotCovered,
-    /// The testee doesn't support the tested operation or type. This is neither a failure nor a pass.
+    /// The testee doesn't support the tested operation or type. This result is neither a failure nor a pass.
     Unsupported,
     /// There are no violations.
     Pass,
@@ -182,9 +182,9 @@ pub struct Subject {
     pub more_corruption: u64,
     /// The extent to which the input could be read.
     pub extent: Extent,
-    /// Notable events during a probe, in order. They are not findings.
+    /// Notable events during a probe, in order. These notes are not findings.
     pub notes: Vec<String>,
-    /// The duration of the check, in milliseconds. The JSON report omits it because it differs between runs.
+    /// The duration of the check, in milliseconds. The JSON report omits the duration because it differs between runs.
     #[serde(skip)]
     pub elapsed: u128,
 }
@@ -288,7 +288,7 @@ pub struct Case {
     pub path: String,
     /// The expected value.
     pub expected: String,
-    /// The value found.
+    /// The actual value.
     pub actual: String,
     /// A description of the crash or timeout; empty if there was a response.
     pub message: String,
@@ -311,7 +311,7 @@ pub enum CaseVerdict {
     Pass,
     /// The response was wrong.
     Fail,
-    /// The testee doesn't support this. This is neither a failure nor a pass.
+    /// The testee doesn't support this. This result is neither a failure nor a pass.
     Unsupported,
     /// The process ended.
     Crashed,
@@ -333,7 +333,7 @@ pub struct Remark {
     pub count: u64,
 }
 
-/// The result of a rule in a subject.
+/// The result of a rule for a subject.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RuleVerdict {
@@ -388,7 +388,7 @@ pub struct Example {
     #[serde(flatten)]
     pub location: Location,
     /// The location in the record: a pointer such as `/msg/events/2/id` in JSON, or a field path such as `events[2].id`
-    /// in other formats. It is empty if the finding concerns the whole record or several records.
+    /// in other formats. The location is empty if the finding concerns the whole record or several records.
     pub path: String,
     /// The part of the subject that the message refers to; may be empty. The JSON report contains the path instead.
     #[serde(skip)]
@@ -397,7 +397,7 @@ pub struct Example {
     pub message: String,
     /// The expected value; may be empty.
     pub expected: String,
-    /// The value found; may be empty.
+    /// The actual value; may be empty.
     pub actual: String,
     /// The start of the bytes or text that were checked; may be empty.
     pub excerpt: String,

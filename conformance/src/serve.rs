@@ -107,7 +107,7 @@ pub struct Options {
     pub charge: f64,
     /// Initial error codes of UAVs (see [`error`]).
     pub errors: Vec<(String, u16)>,
-    /// UAVs that get lost, each with the time after the start at which this happens (see [`loss`]).
+    /// UAVs that get lost, each with the time from the start to the loss (see [`loss`]).
     pub losses: Vec<(String, Duration)>,
     /// The maximum duration of a connection, after which the server sends SYS-CLOSE and disconnects.
     pub stay: Option<Duration>,

@@ -60,7 +60,7 @@ fn reports(folder: &Path, file: &str) -> Vec<(&'static str, String)> {
     kinds.into_iter().map(|kind| (kind, printed(kind))).collect()
 }
 
-/// The level of the first corrupt part in a SARIF report.
+/// The level of the first result about corruption in a SARIF report.
 fn corruption_level(report: &str) -> String {
     let report: Value = serde_json::from_str(report).expect("JSON");
     let results = report["runs"][0]["results"].as_array().expect("a list");
@@ -76,7 +76,7 @@ fn an_unreadable_file_fails_in_each_format() {
     let gzip = gzip.finish().expect("memory");
     let zstd = compress_to_vec(&typical(200)[..], CompressionLevel::Fastest);
     let trailing = [&zstd[..], b"not a frame"].concat();
-    // A frame that is truncated within its window is completely unreadable.
+    // If a frame is truncated within its window, none of it can be read.
     fs::write(folder.path().join("cut.ulg"), &zstd[..zstd.len() - 9]).expect("a file");
     assert_eq!(uavspec(folder.path(), &["check", "cut.ulg"]).0, Some(3));
     for packed in [&gzip[..gzip.len() / 2], &trailing] {

@@ -112,7 +112,7 @@ fn fails_if_the_list_is_out_of_date() {
     assert_eq!(
         output,
         "\
-error[known-passes]: all results that match this rule pass
+error[known-passes]: this rule matches only passing results
  --> known.toml:4:8
   |
 4 | rule = \"PX-JSON-02\" # MUST
@@ -314,7 +314,7 @@ fn counts_known_cases_separately() {
         (&"fail".into(), &"CDR isn't supported yet".into())
     );
 
-    // If a pattern matches cases that pass, the fix restricts it to failing ones.
+    // If a pattern also matches cases that pass, the fix restricts the pattern to failing cases.
     let all = list.replace("decode-cdr/*", "decode-*/zero");
     let zeros = ["--filter", "decode-*/zero"];
     let (status, _, output) = test(&folder, &all, &zeros);
@@ -326,7 +326,7 @@ fn counts_known_cases_separately() {
     assert_eq!(test(&folder, &all, &[&zeros[..], &["--fix-known"]].concat()).0, Some(0));
     assert_eq!(list_of(&folder), list.replace("decode-cdr/*", "decode-cdr/px4/Glider/zero"));
 
-    // If there are only known failures, something was still checked. Entries for cases that weren't run stay unchanged.
+    // Cases with known failures still count as checked. Entries for cases that weren't run stay unchanged.
     let (status, printed, output) = test(&folder, list, &["--filter", "decode-cdr/px4/Glider/zero"]);
     assert_eq!((status, output.as_str()), (Some(0), ""), "{printed}");
     let (status, _, output) = test(&folder, list, &["--filter", "decode-uorb/*"]);
@@ -360,7 +360,7 @@ reason = \"irrelevant here\"
     let codes: Vec<&str> =
         output.lines().filter(|line| line.starts_with("error[") || line.contains("-->")).collect();
     let expected = [
-        "error[known-passes]: all results that match this case pass",
+        "error[known-passes]: this case matches only passing results",
         " --> known.toml:7:8",
         "error[known-matches-nothing]: nothing in this run matches this case",
         "  --> known.toml:11:8",

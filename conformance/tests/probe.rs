@@ -20,7 +20,7 @@ use uavspec_conformance::transport::Endpoint;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
-/// The time by which a probe may exceed its time limit, to finish its last request and its report.
+/// The additional time that a probe may take beyond its time limit, to finish its last request and its report.
 const SLACK: Duration = Duration::from_secs(20);
 
 /// Options of a short probe.
@@ -258,7 +258,7 @@ fn reports_each_weakness_of_a_tcp_server_once() {
         found.iter().filter(|found| found.0 == rule).map(|found| (found.1.as_str(), found.2)).collect()
     };
     assert_eq!(findings_of("FW-TCP-03"), [("after a line that is not JSON", 4)]);
-    assert_eq!(findings_of("FW-TCP-02"), [("a message and a line that is not JSON in one segment", 1)]);
+    assert_eq!(findings_of("FW-TCP-02"), [("a segment with a message and a non-JSON line", 1)]);
     assert_eq!(findings_of("FW-ENV-25").len(), 1);
     assert_eq!(findings_of("FW-TCP-04"), []);
 }

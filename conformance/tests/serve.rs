@@ -40,7 +40,7 @@ fn serve(options: Options) -> Server {
     Server::start(options, &ALL.map(|transport| (transport, location))).expect("a server")
 }
 
-/// A server with one rule's bug and with frequent notifications.
+/// A server that violates this rule and sends frequent notifications.
 fn serve_with_bug(rule: &str) -> Server {
     serve(Options { bug: Some(flockwave::rule(rule).expect("a rule")), rate: 20.0, ..Options::default() })
 }
@@ -67,7 +67,7 @@ fn receive(client: &mut dyn Client) -> Value {
     }
 }
 
-/// The answer to a request. Notifications that precede it are skipped.
+/// The answer to a request. Notifications that precede the answer are skipped.
 fn answer(client: &mut dyn Client, id: &str) -> Value {
     let until = Instant::now() + TIMEOUT;
     while Instant::now() < until {
@@ -592,7 +592,7 @@ fn notifies_all_clients_of_the_shutdown() {
     ending.join().expect("the end");
 }
 
-/// Starts the program. Returns it and the first line of its output.
+/// Starts the program. Returns the process and the first line of its output.
 fn program(arguments: &[&str]) -> (Child, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
     command.arg("serve").args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());

@@ -1,7 +1,7 @@
 //! Tests with correct, buggy and misbehaving testees.
 //!
-//! These are modes of the example `testee`. No test depends on speed: tests of timeouts use testees that hang forever,
-//! and all others have generous time limits.
+//! The testees are modes of the example program `testee`. No test depends on speed: tests of timeouts use testees that
+//! hang forever, and all others have generous time limits.
 
 mod attach;
 mod lint;
@@ -175,7 +175,7 @@ fn reports_the_case_that_crashes_and_its_standard_error() {
     assert!((2..=3).contains(&outcome.restarts), "{}", outcome.restarts);
 }
 
-/// Processes started by the testee end when the testee ends, and don't delay the run.
+/// When the testee ends, the processes that it started end too, and they don't delay the run.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_crash_leaves_no_processes_behind() {
@@ -247,7 +247,7 @@ fn continues_if_every_case_crashes() {
     assert_eq!(outcome.gave_up, None);
     let has_crashed = |(_, verdict): &(&Case, Verdict)| matches!(verdict, Verdict::Crashed { .. });
     assert!(outcome.verdicts.len() == 70 && outcome.verdicts.iter().all(has_crashed));
-    // Finding the first case takes some restarts; each further case takes one restart.
+    // Finding the first case that crashes takes some restarts; each later case takes one restart.
     assert!((69..=72).contains(&outcome.restarts), "{}", outcome.restarts);
 }
 

@@ -1,5 +1,5 @@
-//! Checks the generated types against the vectors. Each case must be accepted, or rejected by the stated rule. Its JSON
-//! and its bytes must decode to equal messages.
+//! Checks the generated types against the vectors. Each case must be accepted, or rejected by the stated rule. The JSON
+//! and the bytes of a case must decode to equal messages.
 
 use std::collections::BTreeSet;
 

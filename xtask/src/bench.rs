@@ -1,4 +1,4 @@
-//! Benchmarks. They print results, and have no pass criteria.
+//! Benchmarks, which print results and have no pass criteria.
 
 mod compile;
 mod derive;

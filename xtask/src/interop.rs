@@ -1,9 +1,9 @@
 //! Runs third-party validators and generators with the published schemas.
 //!
-//! Each tool has an adapter, a small program in `xtask/interop/`. It reads all schemas and cases from one file and
-//! prints a verdict for each case ([`adapter`]). The verdicts are compared with the expected results ([`tally`]). Every
-//! disagreement must be explained ([`known`]). The results are recorded ([`record`]) and published on a page of the
-//! documentation ([`page`]).
+//! Each tool has an adapter, a small program in `xtask/interop/`. The adapter reads all schemas and cases from one file
+//! and prints a verdict for each case ([`adapter`]). The verdicts are compared with the expected results ([`tally`]).
+//! Every disagreement must be explained ([`known`]). The results are recorded ([`record`]) and published on a page of
+//! the documentation ([`page`]).
 
 mod adapter;
 mod environment;
@@ -43,10 +43,10 @@ pub(crate) struct Arguments {
     /// List the tools
     #[arg(long)]
     list: bool,
-    /// Run these tools; fail if one cannot run
+    /// Run these tools; fail if any cannot run
     #[arg(long, value_name = "TOOL", value_delimiter = ',')]
     only: Vec<String>,
-    /// Run the tools that install and run quickly; fail if one cannot run
+    /// Run the tools that install and run quickly; fail if any cannot run
     #[arg(long, conflicts_with = "only")]
     quick: bool,
     /// Write nothing; fail if the results or the page are outdated

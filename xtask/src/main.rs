@@ -59,7 +59,7 @@ enum Command {
   cargo xtask interop --only ajv,boon
   cargo xtask interop --list
 
-Tools are installed in target/interop, without root. Tools that require missing system packages are \
+Tools are installed in target/interop, without root privileges. Tools that require missing system packages are \
 skipped.")]
     Interop(interop::Arguments),
     /// Run benchmarks; requires the corpus

@@ -9,7 +9,7 @@ pub(crate) fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
 }
 
-/// A path for display. It is relative to the current folder if it is inside that folder.
+/// A path for display. A path inside the current folder is shown relative to that folder.
 pub(crate) fn shown(path: &Path) -> PathBuf {
     let here = env::current_dir().and_then(fs::canonicalize).unwrap_or_default();
     // A path that doesn't exist has no canonical form.

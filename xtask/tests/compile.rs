@@ -307,8 +307,8 @@ fn schemas_are_the_published_ones(program: &Program<'_>, types: &[&str]) {
     }
 }
 
-/// Removes descriptive keywords. Replaces references with message names, and floats that have integer values with
-/// integers.
+/// Removes descriptive keywords. Replaces references with message names, and converts floats that have integer values
+/// to integers.
 fn assertions(schema: &Json) -> Json {
     match schema {
         Json::Object(members) => members

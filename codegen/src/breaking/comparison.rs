@@ -9,7 +9,8 @@ use super::signature::Signatures;
 use crate::schema::{ErrorCode, Interface, Kind, Message, MessageId, Package, Schema, Type};
 use crate::source::Span;
 
-/// The maximum number of field comparisons when detecting renamed messages. If more are needed, detection is skipped.
+/// The maximum number of field comparisons when detecting renamed messages. If more comparisons are needed, renames are
+/// not detected.
 const MAX_COMPARISONS: usize = 1_000_000;
 
 /// Two matched versions of definitions.
@@ -52,7 +53,7 @@ pub(crate) enum CodeChange<'a> {
     Removed(&'a ErrorCode),
     /// Only in the new version.
     Added(&'a ErrorCode),
-    /// An abbreviation with a new number that was not used before.
+    /// An abbreviation whose new number was not used before.
     Renumbered(&'a ErrorCode, &'a ErrorCode),
     /// A number with a new meaning.
     Reused(&'a ErrorCode, &'a ErrorCode),
@@ -84,8 +85,8 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Pairs of packages with the same name. If each version then has exactly one package left, and both have the same
-/// form, these packages are also paired.
+/// Pairs of packages with the same name. If exactly one package is left in each version, and both have the same form,
+/// these two packages are also paired.
 fn packages<'a>(old: &'a Schema, new: &'a Schema) -> Vec<(Option<&'a Package>, Option<&'a Package>)> {
     let find = |among: &'a Schema, name: &str| among.packages.iter().find(|package| package.name == name);
     let mut pairs: Vec<(Option<&Package>, Option<&Package>)> = Vec::new();

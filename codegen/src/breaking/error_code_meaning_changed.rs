@@ -37,7 +37,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::ErrorCode(check),
 };
 
-/// The minimum fraction of words that two descriptions with the same meaning have in common.
+/// The minimum fraction of words in common. Two descriptions with fewer common words have different meanings.
 const SAME: f64 = 0.5;
 
 fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {

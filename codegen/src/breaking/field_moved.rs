@@ -10,7 +10,7 @@ use crate::schema::Element;
 pub(super) const RULE: Rule = Rule {
     id: "field-moved",
     statement: "The order of the fields changed.",
-    why: "CDR writes fields in the order of the definition. uORB sorts fields by size, so its layout \
+    why: "CDR writes fields in the order of the definition. uORB sorts fields by size, so the uORB layout \
         changes only if fields of the same size swap places.",
     fix: "Restore the order.",
     breaks: &[(Category::Cdr, Level::Error), (Category::Uorb, Level::Error)],

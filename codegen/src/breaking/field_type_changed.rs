@@ -47,7 +47,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         let mut change = sink.change(new.span, both(old.span, new.span), message);
         change.breaks(Category::Source, "programs that expect the old type no longer compile");
         if !is_same_json(old.ty.element, new.ty.element) {
-            change.breaks(Category::Json, "a valid value of one type may be invalid for the other type");
+            change.breaks(Category::Json, "a value that is valid for one type may be invalid for the other");
         }
         change.breaks(
             Category::Cdr,
@@ -59,7 +59,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// True if both are strings of the same kind. A different length is reported by `array-length-changed`.
+/// True if both types are strings of the same kind. A different length is reported by `array-length-changed`.
 fn is_same_string(old: Element, new: Element) -> bool {
     let wide = |element| match element {
         Element::String { wide, .. } => Some(wide),

@@ -9,7 +9,7 @@ use crate::finding::Sides;
 use crate::schema::{Constant, Dialect, Element, Field, Form, Kind, Message, MessageId, Schema, Type};
 use crate::source::Span;
 
-/// The kind of versions compared. It determines how `MESSAGE_VERSION` may change.
+/// The kind of the compared versions, which determines how `MESSAGE_VERSION` may change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Between {
     /// Between commits, the version of a changed message must increase by exactly one.
@@ -19,7 +19,7 @@ pub enum Between {
     Releases,
 }
 
-/// Constants with a special meaning in PX4. Separate rules check them.
+/// Constants with a special meaning in PX4, which are checked by separate rules.
 pub(super) const VERSION: &str = "MESSAGE_VERSION";
 pub(super) const QUEUE_LENGTH: &str = "ORB_QUEUE_LENGTH";
 
@@ -39,7 +39,7 @@ pub(crate) struct Pair<'a> {
     pub new: &'a Message,
     /// The fields.
     pub fields: Vec<FieldChange>,
-    /// The constants, except those with a special meaning in PX4.
+    /// The constants, except constants with a special meaning in PX4.
     pub constants: Vec<ConstantChange<'a>>,
     /// The kind of versions compared.
     pub between: Between,
@@ -114,8 +114,7 @@ impl<'a> Pair<'a> {
         self.kept().map(|kept| (&self.old.fields[kept.old], &self.new.fields[kept.new]))
     }
 
-    /// True if the names, types, lengths or order of fields changed. PX4 requires a new message version for such a
-    /// change.
+    /// True if the names, types, lengths or order of fields changed, in which case PX4 requires a new message version.
     pub(crate) fn has_changed_fields(&self) -> bool {
         let is_changed = |change: &FieldChange| match change {
             FieldChange::Removed(_) | FieldChange::Added(_) => true,
@@ -167,7 +166,7 @@ pub(super) fn both(old: Span, new: Span) -> Sides {
 pub(super) struct PairOf<'a, 'm> {
     pub(super) old: &'a Schema,
     pub(super) new: &'a Schema,
-    /// For each old message, the new message that matches it.
+    /// The new message that matches each old message.
     pub(super) twins: &'m HashMap<MessageId, MessageId>,
     pub(super) old_signatures: SchemaSignatures,
     pub(super) new_signatures: SchemaSignatures,
@@ -306,7 +305,7 @@ fn constants<'a>(old: &'a Message, new: &'a Message) -> Vec<ConstantChange<'a>> 
 /// the candidate is the same constant under a different name. Candidates with a dissimilar name and a different first
 /// word are ignored.
 fn take_twin<'a>(constant: &Constant, candidates: &mut Vec<&'a Constant>) -> Option<(&'a Constant, bool)> {
-    /// The maximum number of compared candidates. Real enums have fewer aliases.
+    /// The maximum number of compared candidates, which is more than the number of aliases in any real enum.
     const MAX_CANDIDATES: usize = 100;
     let similarity = |other: &Constant| {
         let shared = common_words(&constant.name, &other.name);

@@ -41,7 +41,7 @@ fn check(change: &MessageChange<'_>, sink: &mut Sink<'_>) {
     let message = format!("the {what} `{}` was removed", old.name);
     let mut change = sink.change(place, Sides { old: Some(place), new: None }, message);
     change
-        .breaks(Category::Source, "programs that use its type no longer compile")
+        .breaks(Category::Source, "programs that use this type no longer compile")
         .breaks(Category::Json, "programs no longer recognize JSON messages of this type")
         .breaks(Category::Cdr, "peers that send or expect messages of this type have no counterpart");
     if old.kind == Kind::Message {

@@ -10,7 +10,7 @@ pub(super) const RULE: Rule = Rule {
     id: "message-renamed",
     statement: "A message was renamed; most of its fields are the same.",
     why: "Programs, topics and logs refer to a message by name. Even if the encoding is the same, peers \
-        don't find each other.",
+        can't find each other.",
     fix: "Keep the name, or update all peers together.",
     breaks: &[
         (Category::Source, Level::Error),
@@ -40,7 +40,7 @@ fn check(change: &MessageChange<'_>, sink: &mut Sink<'_>) {
     let places = both(old.span.part(0..0), new.span.part(0..0));
     let message = format!("`{}` was renamed to `{}`", old.name, new.name);
     sink.change(new.span.part(0..0), places, message)
-        .breaks(Category::Source, "programs that use its type no longer compile")
+        .breaks(Category::Source, "programs that use this type no longer compile")
         .breaks(Category::Json, "the type names in messages change, and so do references to the schema")
         .breaks(Category::Cdr, "DDS and ROS 2 match types by name and hash: existing peers no longer match")
         .breaks(Category::Uorb, "the format name in logs changes, and so do topics named after the message");

@@ -61,7 +61,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     sink.change(sides.new.unwrap_or(pair.head()), sides, message).breaks(Category::Version, help);
 }
 
-/// The locations of the versions.
+/// The locations of the version constants in the old and the new message.
 pub(super) fn places(pair: &Pair<'_>) -> Sides {
     let place = |message: &Message| {
         message.constants.iter().find(|constant| constant.name == VERSION).map(|found| found.span)

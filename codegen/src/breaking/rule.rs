@@ -11,13 +11,13 @@ use crate::source::Span;
 /// The users that a change affects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Category {
-    /// Programs that are built from the definitions and use their names and types.
+    /// Programs whose source code uses the names and types in the definitions.
     Source,
     /// Programs that exchange messages as JSON.
     Json,
     /// DDS and ROS 2 peers, which exchange CDR.
     Cdr,
-    /// Programs that use uORB memory, and readers of `ULog` files.
+    /// Programs that use uORB memory or read `ULog` files.
     Uorb,
     /// Programs that rely on PX4's versioning rule: a changed message must get a higher version.
     Version,
@@ -46,7 +46,7 @@ impl Category {
 /// A rule: one kind of change.
 #[derive(Debug)]
 pub struct Rule {
-    /// The id. Its meaning never changes, and it is never reused.
+    /// The id. The meaning of an id never changes, and ids are never reused.
     pub id: &'static str,
     /// A description of the change.
     pub statement: &'static str,
@@ -94,8 +94,8 @@ pub(crate) struct Change<'s, 'f> {
 }
 
 impl<'f> Sink<'f> {
-    /// Reports a change. `span` is the location of the changed item in the new version. For a removed item, it is the
-    /// location of the enclosing item.
+    /// Reports a change. `span` is the location of the changed item in the new version. For a removed item, `span` is
+    /// the location of the enclosing item.
     pub(super) fn change(&mut self, span: Span, sides: Sides, message: String) -> Change<'_, 'f> {
         let finding = Finding::new(self.rule.id, Level::Note, span, message);
         Change { sink: self, finding: Finding { sides: Some(sides), ..finding } }

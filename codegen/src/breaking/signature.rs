@@ -40,8 +40,8 @@ impl SchemaSignatures {
 }
 
 impl Signatures {
-    /// Computes the signatures of all messages of `schema`. The signatures can be compared with those of another
-    /// version.
+    /// Computes the signatures of all messages of `schema`. The signatures can be compared with the signatures of
+    /// another version.
     pub(super) fn of(&mut self, schema: &Schema) -> SchemaSignatures {
         let count = schema.messages.len();
         let mut found = SchemaSignatures { cdr: vec![0; count], uorb: vec![0; count] };

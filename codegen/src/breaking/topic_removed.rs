@@ -11,7 +11,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "topic-removed",
     statement: "A topic was removed from a message.",
-    why: "Programs that use the topic no longer compile, or have no counterpart.",
+    why: "Programs that use the topic no longer compile, or find no publisher or subscriber.",
     fix: "Keep the topic until no program uses it.",
     breaks: &[(Category::Source, Level::Error)],
     old: &[Example {
@@ -39,7 +39,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         let message = format!("`{}` no longer has the topic `{topic}`", pair.name());
         sink.change(pair.head(), both(pair.old.span.part(0..0), pair.head()), message).breaks(
             Category::Source,
-            "programs that use the topic no longer compile, or have no counterpart",
+            "programs that use the topic no longer compile, or find no publisher or subscriber",
         );
     }
 }

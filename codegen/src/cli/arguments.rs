@@ -20,7 +20,7 @@ pub(super) struct DefinitionsArgs {
 }
 
 impl DefinitionsArgs {
-    /// The plan for the package on the command line if given, otherwise for the packages of the configuration file.
+    /// The plan for the package given on the command line, or otherwise for the packages in the configuration file.
     pub(super) fn plan(&self) -> Result<Plan, Failure> {
         match &self.package {
             Some(package) => Ok(package.plan(Path::new(""), &[])),

@@ -155,8 +155,8 @@ fn plan_of_folder(args: &BreakingArgs, new: &Plan, folder: &Path) -> Result<Plan
             format!("{} contains no uavspec.toml, but several packages are configured", folder.display());
         let names: Vec<&str> = new.packages.iter().map(|package| package.name.as_str()).collect();
         return Err(Failure::new(message).with_hint(format!(
-            "compare each package separately with --package, --dialect and --input ({}), or add a \
-                uavspec.toml",
+            "add a uavspec.toml, or compare each package ({}) separately with --package, --dialect and \
+                --input",
             names.join(", ")
         )));
     }

@@ -23,7 +23,7 @@ const EXAMPLES: &str = "Examples:
   cargo xtask codegen --package px4 --dialect px4 --input msg --out generated
 
 Without --package, the command reads the nearest uavspec.toml or definitions/uavspec.toml, in the current folder or a \
-parent folder. With --package, each emitter writes to a subfolder of --out with the emitter's name.
+parent folder. With --package, each emitter writes to the subfolder of --out named after the emitter.
 
 Output options in uavspec.toml, as keys of the table [output.NAME]:";
 
@@ -71,7 +71,7 @@ pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
         Some(package) => {
             let Some(out) = &args.out else {
                 return Err(
-                    Failure::new("--package requires --out DIR").with_hint("name a folder for the output")
+                    Failure::new("--package requires --out DIR").with_hint("choose a folder for the output")
                 );
             };
             package.plan(out, &args.emit)

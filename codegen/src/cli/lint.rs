@@ -19,7 +19,7 @@ use crate::report::RuleInfo;
 use crate::rewrite::{self, Change};
 use crate::source::SourceId;
 
-/// The maximum number of `--fix` passes. One fix may make another fix possible.
+/// The maximum number of `--fix` passes. Several passes may be needed, because one fix may make another fix possible.
 const MAX_PASSES: usize = 10;
 
 /// Arguments of `lint`.

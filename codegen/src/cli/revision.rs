@@ -1,6 +1,6 @@
 //! Definitions at a revision of a Git repository.
 //!
-//! Calls the `git` program, because it respects the user's configuration, worktrees and partial clones.
+//! Calls the `git` program, which respects the user's configuration, worktrees and partial clones.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -59,7 +59,7 @@ impl Checkout {
         self.folder.path()
     }
 
-    /// The path in this checkout that corresponds to a path of the working tree.
+    /// The path in this checkout that corresponds to a path in the working tree.
     pub(super) fn place_of(&self, path: &Path) -> Result<PathBuf, Failure> {
         let outside = || Failure::new(format!("{} is not in the repository", path.display()));
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };

@@ -88,7 +88,7 @@ struct Outcome {
 }
 
 impl Outcome {
-    /// True if the entries differ. A difference in line breaks alone doesn't count.
+    /// True if the entries differ. Changes that only rewrap lines are ignored.
     fn is_changed(&self) -> bool {
         self.old.as_ref().is_none_or(|(_, old)| *old != self.new)
     }
@@ -194,7 +194,7 @@ fn selected(names: &[String], texts: &[Text<'_>]) -> Result<BTreeSet<String>, Fa
     Ok(selected)
 }
 
-/// The path of a new catalogue, taken from the first pattern.
+/// The path of a new catalogue, derived from the first pattern in the configuration.
 fn path_of(tag: &str, plan: &Plan) -> Result<PathBuf, Failure> {
     if !is_tag(tag) || tag == SOURCE_LANGUAGE {
         return Err(Failure::new(format!("`{tag}` is not a valid language tag for a translation"))
@@ -215,7 +215,7 @@ fn path_of(tag: &str, plan: &Plan) -> Result<PathBuf, Failure> {
     Ok(normalise(&folder.join(base)).join(format!("{tag}.po")))
 }
 
-/// Updates all existing outdated catalogues atomically, then creates the new ones.
+/// Updates all outdated catalogues atomically, then creates the new catalogues.
 fn write(outcomes: &[Outcome]) -> Result<(), Failure> {
     let outdated = || outcomes.iter().filter(|outcome| outcome.is_changed());
     let mut changes = Vec::new();

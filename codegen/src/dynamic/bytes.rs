@@ -22,7 +22,7 @@ pub(super) fn copy_short(from: &[u8], to: &mut [u8]) {
     }
 }
 
-/// Copies the first `N` and the last `N` bytes. These are all bytes of a slice with `N` to `2 * N` bytes.
+/// Copies the first `N` and the last `N` bytes. If the slice has `N` to `2 * N` bytes, this copies all of them.
 #[inline]
 fn copy_ends<const N: usize>(from: &[u8], to: &mut [u8]) {
     if let (Some(from), Some(to)) = (from.first_chunk::<N>(), to.first_chunk_mut()) {

@@ -13,11 +13,11 @@ use crate::schema::layout::MAX_MESSAGE_SIZE;
 use crate::schema::{self, Form, Message, Schema, Shape};
 use crate::value::Value;
 
-/// Maximum nesting depth of messages. Codecs recurse once per level, so this bounds the stack. JSON readers may have a
-/// lower limit (`serde_json` allows 127 nested brackets). Real messages nest up to seven levels deep.
+/// Maximum nesting depth of messages. Codecs recurse once per level, so this limit bounds the stack. JSON readers may
+/// have a lower limit (`serde_json` allows 127 nested brackets). Real messages nest up to seven levels deep.
 pub(super) const MAX_DEPTH: usize = 32;
 
-/// Maximum number of steps in a nested message that is inlined into its parent.
+/// A nested message with at most this number of steps is inlined into its parent.
 const MAX_COPIED_STEPS: usize = 16;
 
 /// Maximum number of copy operations for a packed type. In an array of messages, each element counts separately. Types
@@ -352,7 +352,7 @@ fn packed(steps: &[Step], padded: usize, plans: &[Plan]) -> Option<Packed> {
     Some(Packed::new(moves, size, padded))
 }
 
-/// Appends the moves for a message. Its memory form starts at `base`, and its CDR form starts at `at`.
+/// Appends the moves for a message whose memory form starts at `base` and whose CDR form starts at `at`.
 fn flatten(steps: &[Step], plans: &[Plan], base: usize, at: &mut usize, moves: &mut Vec<Move>) -> Option<()> {
     for step in steps {
         match *step {
@@ -377,7 +377,7 @@ fn flatten(steps: &[Step], plans: &[Plan], base: usize, at: &mut usize, moves: &
     Some(())
 }
 
-/// Appends a step, or merges it into the previous step if they copy adjacent bytes.
+/// Appends a step, or merges it into the previous step if both copy adjacent bytes.
 fn add(steps: &mut Vec<Step>, step: Step) {
     if let (Some(Step::Copy(last)), Step::Copy(next)) = (steps.last_mut(), step)
         && (last.width, last.is_bool) == (next.width, next.is_bool)

@@ -1,4 +1,4 @@
-//! Message types known at run time.
+//! Message types that are known only at run time.
 
 use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::Size;

@@ -39,7 +39,7 @@ pub enum FormatProblem {
     Repeated,
     /// The format has no fields.
     Empty,
-    /// A part between semicolons isn't a type and a name.
+    /// A part between semicolons is not a type followed by a name.
     NotAField(String),
     /// The length of an array isn't a number from 1 to 65533.
     ArrayLength(String),
@@ -99,8 +99,8 @@ impl Types {
     /// As in the `px4` package, `char[N]` is text. Values can violate only one rule: text must be valid UTF-8. Fields
     /// whose names start with `_padding` are skipped.
     ///
-    /// The [`MessageId`](crate::schema::MessageId) of a type is the index of its format, not counting repeated names.
-    /// Adding formats at the end doesn't change existing ids.
+    /// The [`MessageId`](crate::schema::MessageId) of a type is the index of its format, not counting formats with a
+    /// repeated name. Adding formats at the end doesn't change existing ids.
     ///
     /// ```
     /// use uavspec_codegen::dynamic::{Types, ULOG_PACKAGE};

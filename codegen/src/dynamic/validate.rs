@@ -11,7 +11,7 @@ use super::trail::Trail;
 use super::view::{DynamicView, scalar_value};
 use super::walk::{Stop, Walk, walk};
 
-/// A value that violates a rule. Its display form is `events[2].id: …`.
+/// A value that violates a rule, displayed as `events[2].id: …`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation<'t> {
     /// The violated rule.

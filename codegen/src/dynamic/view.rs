@@ -33,7 +33,7 @@ pub enum Value<'v> {
     Float32(f32),
     /// A `float64`.
     Float64(f64),
-    /// The bytes of PX4's `char[N]` before the first NUL. They may be invalid UTF-8.
+    /// The bytes of PX4's `char[N]` before the first NUL. The bytes may be invalid UTF-8.
     Text(&'v [u8]),
     /// A string.
     String(&'v str),

@@ -26,7 +26,7 @@ pub(super) trait Walk<'v> {
     /// True if the field needs to be visited.
     fn enters(&self, plans: &[Plan], field: &Field) -> bool;
 
-    /// Visits a value. May stop the traversal.
+    /// Visits a value, and may stop the traversal.
     fn stop(&mut self, trail: &Trail<'v>, field: &'v Field, stop: Stop<'v>) -> ControlFlow<()>;
 }
 

@@ -11,7 +11,7 @@ pub(super) fn notice(from: &str) -> String {
 /// A generated file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputFile {
-    /// Path relative to the output folder of the emitter, separated by `/`.
+    /// Path relative to the emitter's output folder, with `/` as the separator.
     pub path: String,
     /// Content.
     pub text: String,

@@ -1,5 +1,5 @@
-//! Conversion of definition names to the case conventions of target languages. The emitter of each language handles its
-//! keywords.
+//! Conversion of definition names to the case conventions of target languages. The emitter for each language handles
+//! that language's keywords.
 
 use std::collections::HashSet;
 
@@ -20,7 +20,7 @@ impl Scope {
         self.numbered(name, "")
     }
 
-    /// Returns the first unused type name in `names`. If all of them are used, appends a number to the last one.
+    /// Returns the first unused type name in `names`. If all names are used, appends a number to the last name.
     #[cfg(feature = "rust")]
     pub(crate) fn first_free_type(&mut self, names: &[String]) -> String {
         let free = names.iter().find(|name| !self.0.contains(*name));
@@ -71,7 +71,7 @@ pub(crate) fn upper_case(name: &str) -> String {
 }
 
 /// Names the constant of each code after its abbreviation. If several codes share an abbreviation, the severity is
-/// appended. If they also share the severity, the code is appended instead.
+/// appended. If these codes also share the severity, the code is appended instead.
 pub(crate) fn error_code_names(codes: &[&ErrorCode]) -> Vec<String> {
     let plain = |code: &ErrorCode| match &code.abbreviation {
         Some(abbreviation) if !upper_case(abbreviation).is_empty() => upper_case(abbreviation),

@@ -141,7 +141,7 @@ fn constant(schema: &Schema, message: &Message, constant: &Constant) -> Json {
     })
 }
 
-/// Adds constraints by name. A missing range or invalid value is null; other missing constraints are omitted.
+/// Adds constraints by name. A missing `range` or `invalid` constraint is null; other missing constraints are omitted.
 fn constraints(model: &mut Json, constraints: &[Constraint]) {
     for kind in [&RANGE, &INVALID] {
         model[kind.name] = Json::Null;

@@ -3,15 +3,15 @@
 //! between files, each package has a bundle.
 //!
 //! The schema of a `.msg` file is closed, and all fields are required. The schema of a definition on a page is closed
-//! only if the page says so. All assertions have the same meaning in draft 7, so older tools can use the bundles. These
-//! tools check how many elements a tuple has, but not the elements themselves.
+//! only if the page says so. All assertions have the same meaning in draft 7, so older tools can use the bundles. Draft
+//! 7 tools check how many elements a tuple has, but not the elements themselves.
 //!
 //! # Annotations
 //!
 //! Units, frames, topics, hashes and similar data are members whose names start with `x-`. ajv in strict mode rejects
-//! unknown keywords, so these members are not next to the schema keywords. Instead, they are in an `annotations`
-//! subschema in `$defs`. All drafts since 2019-09 allow `$defs` at any depth. Nothing refers to this subschema, so
-//! validators ignore it:
+//! unknown keywords, so these members are not next to the schema keywords. Instead, these members are in an
+//! `annotations` subschema in `$defs`. All drafts since 2019-09 allow `$defs` at any depth. Nothing refers to this
+//! subschema, so validators ignore it:
 //!
 //! ```json
 //! "voltage_v": {
@@ -146,7 +146,7 @@ pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<T
 struct Emitter<'s> {
     schema: &'s Schema,
     options: &'s Options,
-    /// The members of each schema, without those that depend on the file.
+    /// The members of each schema, except the members that depend on the file.
     definitions: BTreeMap<Target, Vec<Member<'s>>>,
 }
 

@@ -2,7 +2,7 @@
 //! error codes. The modules require Python 3.9 or later, and `typing_extensions` before Python 3.11.
 //!
 //! The names match those of [`super::typescript`]. Properties that Python types can't express, such as ranges, units
-//! and lengths, are in docstrings. JSON Schemas check them.
+//! and lengths, are in docstrings. The JSON Schemas check these properties.
 //!
 //! # Values
 //!

@@ -53,8 +53,8 @@ use crate::source::SourceMap;
 pub struct Options {
     /// Name of the root file of the module tree: `mod.rs`, or `lib.rs` for a complete crate.
     pub root: String,
-    /// Path of a Markdown page that the root documentation includes, relative to the root file. Code on the page is
-    /// tested.
+    /// Path of a Markdown page that the root documentation includes, relative to the root file. The code examples on
+    /// the page are doctests.
     pub readme: Option<String>,
 }
 
@@ -86,7 +86,7 @@ struct InterfaceModule {
     parts: Vec<(MessageId, Place)>,
 }
 
-/// Creates the module tree of the whole schema. Its root file is `options.root`.
+/// Creates the module tree of the whole schema, with `options.root` as the root file.
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
     let mut context = Context {
         schema,

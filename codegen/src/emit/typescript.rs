@@ -2,7 +2,7 @@
 //! codes. The `index` module exports each package as a namespace.
 //!
 //! The names match those of [`super::python`]. Properties that TypeScript types can't express, such as ranges, units
-//! and lengths, are in comments. JSON Schemas check them.
+//! and lengths, are in comments. The JSON Schemas check these properties.
 //!
 //! # Numbers
 //!
@@ -104,7 +104,7 @@ pub fn emit(schema: &Schema, translations: &Translations, options: &Options) -> 
     files
 }
 
-/// Type declarations of an ECMAScript module. They re-export the `CommonJS` types to avoid duplicates.
+/// Type declarations of an ECMAScript module. The declarations re-export the `CommonJS` types to avoid duplicates.
 fn types_of_module(path: &str) -> OutputFile {
     let name = path.rsplit('/').next().unwrap_or(path);
     let text = format!("{}export * from \"./{name}.cjs\";\n", header("the definitions"));

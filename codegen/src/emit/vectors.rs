@@ -15,22 +15,24 @@
 //!
 //! - `json` and the bytes represent the same message: the JSON encodes to the bytes, and the bytes decode to the JSON.
 //!   A form that can't represent the message is omitted.
-//! - `uorb` is the complete payload in memory. `cdr` is little-endian and includes the header. Both are hexadecimal.
+//! - `uorb` is the complete payload in memory. `cdr` is little-endian and includes the header. Both payloads are
+//!   hexadecimal.
 //! - `decoded` replaces `json` if the bytes are valid, but differ from the output of a little-endian encoder. Examples
 //!   are big-endian payloads and payloads with different padding.
-//! - An invalid case violates exactly one rule. Its bytes, if any, may still decode without error: the rule determines
-//!   whether the payload or a value in it is invalid.
-//! - Definitions on pages have JSON cases only. Their rules `SHAPE-TYPE`, `SHAPE-REQUIRED`, `SHAPE-FURTHER`,
+//! - An invalid case violates exactly one rule. If the case has bytes, they may still decode without error: the rule
+//!   determines whether the payload or a value in it is invalid.
+//! - Definitions on pages have JSON cases only. The rules `SHAPE-TYPE`, `SHAPE-REQUIRED`, `SHAPE-FURTHER`,
 //!   `SHAPE-RANGE`, `SHAPE-LENGTH`, `SHAPE-UNIQUE`, `SHAPE-PATTERN` and `SHAPE-VALUE` name the violated part of the
 //!   schema.
-//! - An id describes the input, not the result. It stays the same when fields are added to the message.
+//! - An id describes the input, not the result. Adding fields to the message doesn't change the ids.
 //!
 //! `vectors.schema.json` describes these files.
 //!
-//! `json-schema-test-suite/tests/draft2020-12/<package>/<Name>.json` is for JSON Schema validators. It has the format
-//! and folder structure of the JSON Schema Test Suite. Its test group has a schema that refers to the published schema
-//! by `$id`. In these files, a case is valid if the schema accepts it. Undocumented enum values and null floats are
-//! therefore valid. Integers are omitted if 64-bit floats can't distinguish them from a bound of their type.
+//! `json-schema-test-suite/tests/draft2020-12/<package>/<Name>.json` is for JSON Schema validators. The files have the
+//! format and folder structure of the JSON Schema Test Suite. The test group in each file has a schema that refers to
+//! the published schema by `$id`. In these files, a case is valid if the schema accepts it. Undocumented enum values
+//! and null floats are therefore valid. Integers are omitted if 64-bit floats can't distinguish them from a bound of
+//! their type.
 //!
 //! There are no cases for messages that have no valid value, are longer than 64 KiB, or are nested more than 32 levels
 //! deep.

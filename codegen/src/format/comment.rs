@@ -118,7 +118,7 @@ fn push_note(text: &str, body: &mut String) {
     }
 }
 
-/// The normalized spelling of an annotation. The words of its argument are copied from `text`.
+/// The normalized spelling of an annotation. The words of the argument are copied from `text`.
 fn spelled(text: &str, annotation: &Annotation<'_>) -> String {
     let written = &text[annotation.span.start as usize..annotation.span.end as usize];
     let content = written.get(1..written.len() - 1).unwrap_or("").trim();
@@ -131,14 +131,14 @@ fn spelled(text: &str, annotation: &Annotation<'_>) -> String {
         Statement::Constraint(kind, ..) => {
             format!("[@{} {}]", kind.name, (kind.lay_out)(argument(content, kind.name)))
         }
-        // These occur only in pages, which this formatter does not rewrite.
+        // These annotations occur only in pages, which this formatter does not rewrite.
         Statement::Length { .. } | Statement::Unique | Statement::Pattern(_) | Statement::Format(_) => {
             format!("[{content}]")
         }
     }
 }
 
-/// The argument of an annotation that may lack its `@` or its name.
+/// The argument of an annotation. The `@` or the name of the annotation may be missing.
 fn argument<'s>(content: &'s str, name: &str) -> &'s str {
     match split_word(content.strip_prefix('@').unwrap_or(content)) {
         (found, argument) if found == name => argument,

@@ -17,9 +17,9 @@ const SPACES: [char; 2] = [' ', '\t'];
 /// A formatted line, before its comment is aligned.
 enum Row {
     Blank,
-    /// `---`, or a comment on a separate line. Either ends a block.
+    /// `---`, or a comment on a separate line. Both end a block.
     Apart(String),
-    /// A list of topics or a directive. Neither ends a block.
+    /// A list of topics or a directive, neither of which ends a block.
     Aside(String),
     Declared {
         declaration: String,

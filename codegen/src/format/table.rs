@@ -1,4 +1,4 @@
-//! Formatting of pages: lays out simple error-code tables and removes trailing white space elsewhere.
+//! Formatting of pages, which lays out simple error-code tables and removes trailing white space elsewhere.
 
 mod asciidoc;
 mod line;

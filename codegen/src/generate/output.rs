@@ -2,7 +2,7 @@
 //! replaced or removed.
 //!
 //! A manifest in each output folder lists the files of the last run. Any other file without the generator's mark
-//! belongs to the user. It is an error if an output has the same path as such a file.
+//! belongs to the user. It is an error if an output has the same path as a user's file.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -197,7 +197,7 @@ fn reject_links(folder: &Path, relative: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes all files to a temporary folder inside the output folder. After that, they only have to be renamed.
+/// Writes all files to a temporary folder inside the output folder. Afterwards, the files only have to be renamed.
 fn stage(change: &Changes<'_>) -> io::Result<tempfile::TempDir> {
     fs::create_dir_all(change.folder)?;
     let stage = tempfile::Builder::new().prefix(".uavspec-").tempdir_in(change.folder)?;

@@ -10,7 +10,7 @@ use crate::source::{SourceMap, Span};
 pub(super) const RULE: Rule = Rule {
     id: "annotation-after-text",
     statement: "An annotation after the text of a comment.",
-    why: "PX4's documentation generator reads annotations at the start of a comment only. The generator \
+    why: "PX4's documentation generator reads annotations only at the start of a comment. The generator \
         prints later annotations as text, and other tools ignore them.",
     fix: "Move the annotation to the start of the comment.",
     levels: Levels::both(Level::Warning),
@@ -28,7 +28,8 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Reader(fix),
 };
 
-/// The maximum length of the text before an annotation. A comment may have any number of brackets and annotations.
+/// The maximum length of the text before an annotation. The limit is needed because a comment may have any number of
+/// brackets and annotations.
 const MAX_TEXT_LEN: usize = 2_000;
 
 fn fix(diagnostic: &Diagnostic, sources: &SourceMap) -> Vec<Edit> {
@@ -52,7 +53,8 @@ fn fix(diagnostic: &Diagnostic, sources: &SourceMap) -> Vec<Edit> {
 /// True if the text before and after an annotation keeps its meaning when the annotation is removed.
 fn can_close(before: &str, after: &str) -> bool {
     let count = |bracket: char| before.matches(bracket).count();
-    // If several annotations have the same kind, the last one takes effect, so the first must be moved first.
+    // If several annotations have the same kind, the last annotation takes effect, so the first annotation must be
+    // moved first.
     before.len() <= MAX_TEXT_LEN
         && !before.contains("[@")
         && !before.contains("(@")

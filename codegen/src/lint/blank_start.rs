@@ -30,7 +30,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     let place = Span { start: source.start, end: source.start };
     let finding = sink.report(place, "an empty line at the start of the file", "remove it");
     let is_comment = |line: &Line<'_>| line.item.is_none();
-    // A comment would become the description of the message.
+    // Without the empty line, a comment would become the description of the message.
     if !is_comment(first) {
         finding.edit(Span { start: source.start, end: first.span.start }, "");
     }

@@ -56,7 +56,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         sink.report(
             constant.span,
             format!("`{}` has {found}, expected {COUNT}", constant.name),
-            "end the comment in `|p1|p2|p3|p4|p5|p6|p7|`",
+            "end the comment with `|p1|p2|p3|p4|p5|p6|p7|`",
         );
     }
 }

@@ -60,7 +60,7 @@ struct Block {
     place: Option<Span>,
     /// True if the previous line is a declaration, or continues a declaration's comment.
     is_after_item: bool,
-    /// True if one of the comments is a list of topics. The other comments may describe the topics.
+    /// True if one of the comments is a list of topics. In this case, the other comments may describe the topics.
     is_of_topics: bool,
 }
 
@@ -75,7 +75,7 @@ impl Block {
         }
     }
 
-    /// Reports a block without a declaration below it.
+    /// Reports a block that has no declaration below it.
     fn end(&self, sink: &mut Sink<'_>) {
         if let Some(place) = self.place.filter(|_| !self.is_of_topics) {
             let help = "remove the empty line between the comment and its declaration, or delete the comment";

@@ -51,7 +51,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
             sink.report(
                 constant.span,
                 format!("no field refers to `{name}`"),
-                "write `[@enum PREFIX]` in the comment of the field that holds it",
+                "write `[@enum PREFIX]` in the comment of the field that holds the constant",
             );
         }
     }

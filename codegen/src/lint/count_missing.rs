@@ -1,4 +1,4 @@
-//! `count-missing`: a field that counts entries without `@count`.
+//! `count-missing`: a field that counts the entries of an array, but has no `@count`.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;

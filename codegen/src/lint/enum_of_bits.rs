@@ -10,7 +10,7 @@ use crate::schema::{Enum, EnumRef, Field, Message, Schema};
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-of-bits",
-    statement: "A field that has `@enum` although its constants are bits.",
+    statement: "A field that has `@enum` although its constants are bit flags.",
     why: "With `@enum`, every combination of bits counts as an unknown value. PX4's own tools do not \
         support `@flags` yet.",
     fix: "Write `[@flags PREFIX]`.",
@@ -44,7 +44,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         {
             sink.report(
                 field.span,
-                format!("the constants of `{}` are bits", field.name),
+                format!("the constants of `{}` are bit flags", field.name),
                 format!("write `[@flags {}]`", field.enum_prefixes.join(" ")),
             );
         }

@@ -6,7 +6,7 @@ use crate::finding::{Edit, Finding};
 use crate::source::{SourceId, SourceMap};
 
 /// Applies the fixes of all findings, and returns the changed texts by source. If the edits of two findings touch each
-/// other, only the first finding is fixed. Another pass fixes the second.
+/// other, only the first finding is fixed. The second finding is left for the next pass.
 pub fn apply(findings: &[Finding], sources: &SourceMap) -> BTreeMap<SourceId, String> {
     let mut by_source: BTreeMap<SourceId, BTreeSet<&Edit>> = BTreeMap::new();
     for finding in findings {

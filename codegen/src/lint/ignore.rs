@@ -1,4 +1,4 @@
-//! Comments and configuration entries that ignore findings. Invalid and unused ones are reported.
+//! Comments and configuration entries that ignore findings. Invalid and unused comments and entries are reported.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -41,7 +41,7 @@ pub(super) const INVALID: Rule = Rule {
 pub(super) const UNUSED: Rule = Rule {
     id: "unused-ignore",
     statement: "An ignore comment without a finding to ignore.",
-    why: "The comment would hide a future finding of the rule. Comments for rules that are switched off are \
+    why: "The comment would hide any later finding from this rule. Comments for rules that are switched off are \
         not reported.",
     fix: "Remove the comment.",
     levels: Levels::both(Level::Warning),
@@ -223,7 +223,7 @@ fn find<'r>(rules: &[&'r Rule], id: &str) -> Option<&'r Rule> {
     rules.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| rules[at])
 }
 
-/// Finds the rule with the most similar id, if there is a similar one.
+/// Finds the rule with the most similar id, if any id is similar.
 fn similar(id: &str, rules: &[&Rule]) -> Option<&'static str> {
     let distances = rules.iter().map(|rule| (strsim::damerau_levenshtein(rule.id, id), rule.id));
     // Ids are short, so a much longer text is not an id. A comparison takes time proportional to the product of the

@@ -6,9 +6,9 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "one-sided-alternative",
-    statement: "An error code whose alternative doesn't name it in return.",
-    why: "Only one of the two codes may be reported for an event. A developer who reads only the description \
-        without the alternative may report both codes.",
+    statement: "An error code that lists an alternative, but is not listed by that alternative.",
+    why: "Only one of the two codes may be reported for an event. A developer who reads only the \
+        alternative's description may report both codes.",
     fix: "Name the alternative in both descriptions.",
     levels: Levels::both(Level::Warning),
     bad: Example {

@@ -12,7 +12,7 @@ pub(super) const RULE: Rule = Rule {
     id: "PX-FSF-01",
     statement: "A FailsafeFlags flag whose name doesn't describe a failure.",
     why: "The failsafe state machine and its simulation treat every flag that is true as a failure.",
-    fix: "Choose a name for which false means no failure, such as `…_invalid`, `…_lost` or `…_unhealthy`.",
+    fix: "Choose a name that is true on failure, such as `…_invalid`, `…_lost` or `…_unhealthy`.",
     levels: Levels::both(Level::Error),
     bad: Example {
         path: "FailsafeFlags.msg",
@@ -36,8 +36,8 @@ const FAILURES: &str = "breached breach broken corrupt corrupted critical denied
     low missing overheated overload overloaded rejected spoofed stale stuck timeout triggered \
     unavailable unhealthy unsafe unstable violated violation warning weak";
 
-/// Words that may follow a failure word without changing its meaning: a threshold, or the part that failed. Other words
-/// change the meaning: `high_accuracy_available` and `failure_cleared` are true if there is no failure.
+/// Words that may follow a failure word without changing its meaning: a threshold, or the part that failed. All other
+/// words change the meaning: `high_accuracy_available` and `failure_cleared` are true if there is no failure.
 const QUALIFIERS: [&str; 3] = ["prop", "relaxed", "remaining_time"];
 
 /// Words before a failure word that negate its meaning.
@@ -59,7 +59,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         sink.report(
             field.span,
             format!("`{}` doesn't describe a failure", field.name),
-            "choose a name for which false means no failure, such as `…_invalid`, `…_lost` or `…_unhealthy`",
+            "choose a name that is true on failure, such as `…_invalid`, `…_lost` or `…_unhealthy`",
         );
     }
 }

@@ -10,7 +10,7 @@ use crate::source::{SourceMap, Span};
 /// A lint rule.
 #[derive(Debug)]
 pub struct Rule {
-    /// The id. Its meaning never changes, and it is never reused.
+    /// The id. The meaning of an id never changes, and ids are never reused.
     pub id: &'static str,
     /// A description of the findings.
     pub statement: &'static str,
@@ -30,7 +30,7 @@ pub struct Rule {
     pub(crate) check: Check,
 }
 
-/// The level of a rule in each preset. `None` if the preset leaves the rule out.
+/// The level of a rule in each preset, or `None` if the preset doesn't include the rule.
 #[derive(Clone, Copy, Debug)]
 pub struct Levels {
     /// The level in [`Preset::Px4`].
@@ -45,7 +45,7 @@ impl Levels {
         Self { px4: Some(level), strict: Some(level) }
     }
 
-    /// Creates the levels of a rule in the strict preset only.
+    /// Creates the levels of a rule that only the strict preset includes.
     pub const fn strict(level: Level) -> Self {
         Self { px4: None, strict: Some(level) }
     }
@@ -86,7 +86,7 @@ pub(crate) enum Check {
     Ignores,
 }
 
-/// The fix function of rules whose findings can't be fixed automatically.
+/// The fix function for rules that have no automatic fix.
 pub(super) fn no_fix(_: &Diagnostic, _: &SourceMap) -> Vec<Edit> {
     Vec::new()
 }

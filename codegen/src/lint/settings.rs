@@ -18,7 +18,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The level of a rule. `None` if it is off.
+    /// The level of a rule, or `None` if the rule is switched off.
     pub fn level(&self, rule: &Rule) -> Option<Level> {
         self.levels.get(rule.id).copied().unwrap_or_else(|| rule.levels.of(self.preset))
     }

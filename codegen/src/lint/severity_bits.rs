@@ -13,7 +13,7 @@ pub(super) const RULE: Rule = Rule {
     statement: "An error code whose text contradicts its severity bits.",
     why: "Bits 6 and 7 of a code encode its severity, even in vendor ranges. If the bits are wrong, receivers may \
         stop a flight for a warning, or show a failure as a hint.",
-    fix: "Move the code to a number with the right bits, or correct the text.",
+    fix: "Choose a number whose bits 6 and 7 match the severity, or correct the text.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "winch.md",
@@ -69,7 +69,7 @@ fn check(package: &Package, _: &SourceMap, sink: &mut Sink<'_>) {
                 sink.report(
                     code.span,
                     format!("code {} is described as {stated}, but its bits mean {found}", code.code),
-                    "move it to a code with the right bits 6 and 7, or correct the text",
+                    "choose a code whose bits 6 and 7 match the severity, or correct the text",
                 );
             }
         }

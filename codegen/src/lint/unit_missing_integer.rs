@@ -14,7 +14,7 @@ pub(super) const RULE: Rule = Rule {
     id: "unit-missing-integer",
     statement: "An integer field without a unit.",
     why: "PX4's documentation standard requires a unit for all fields except flags and enums. Fields \
-        whose names describe no quantity are not reported.",
+        whose names don't describe a quantity are not reported.",
     fix: "Write the unit at the start of the comment, or `[-]` for a plain number.",
     levels: Levels::strict(Level::Note),
     bad: Example {
@@ -56,7 +56,7 @@ const NO_QUANTITIES: [&str; 6] = [
     "data raw buffer payload bytes arguments text name val value values reserved rsv padding junk",
 ];
 
-/// Suffixes of compound words without a unit: `sysid`, `cmdcount`.
+/// Suffixes of compound words for values without a unit: `sysid`, `cmdcount`.
 const ENDS: [&str; 5] = ["sysid", "compid", "svid", "sessionid", "count"];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {

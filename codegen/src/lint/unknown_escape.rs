@@ -24,7 +24,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Reader(fix),
 };
 
-/// Doubles the backslash, which keeps its current meaning.
+/// Doubles the backslash, so that the string keeps its current meaning.
 fn fix(diagnostic: &Diagnostic, _: &SourceMap) -> Vec<Edit> {
     match &diagnostic.problem {
         Problem::UnknownEscape { escape } => {

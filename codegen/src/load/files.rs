@@ -95,7 +95,7 @@ fn loader(plan: &Plan, sources: SourceMap) -> Result<Loader<'_>, Failure> {
 struct Loader<'p> {
     plan: &'p Plan,
     loaded: Loaded,
-    /// The folder of each ROS 2 package. This folder contains `msg`.
+    /// The folder of each ROS 2 package, which contains the folder `msg`.
     folders: BTreeMap<String, PathBuf>,
 }
 
@@ -122,7 +122,7 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// Groups files by ROS package. ROS stores a package's files in `package/msg`. If the inputs span several such
+    /// Groups files by ROS package. ROS stores a package's files in `package/msg`. If the inputs span several package
     /// folders, each folder is a package; otherwise all files belong to the configured package.
     fn by_package(&mut self, package: &PlannedPackage, files: Vec<PathBuf>) -> Vec<(String, Vec<PathBuf>)> {
         if package.form != Form::Msg(Dialect::Ros2) {
@@ -368,7 +368,7 @@ fn matching(folder: &Path, pattern: &str, is_match: impl Fn(&Path) -> bool) -> R
     Ok(files)
 }
 
-/// Splits a pattern before its first component with a wildcard. The first part is the folder to search.
+/// Splits a pattern before its first component with a wildcard. The part before the split is the folder to search.
 pub(crate) fn literal_base(pattern: &str) -> (String, String) {
     let parts: Vec<&str> = pattern.split('/').collect();
     let literal = parts.iter().take_while(|part| !part.contains(['*', '?', '[', '{'])).count();

@@ -1,8 +1,8 @@
 //! Annotations: bracketed statements at the start of a trailing comment, such as
 //! `# [m/s] [@range 0, 20] [@invalid NaN] text`.
 //!
-//! A near miss is read as intended, with a warning. Other text in brackets stays text. Descriptions in the tables of a
-//! page allow different annotations: see [`Vocabulary`].
+//! A near miss is read as intended, with a warning. Any other text in brackets remains ordinary text. Descriptions in
+//! the tables of a page allow different annotations: see [`Vocabulary`].
 
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
@@ -245,7 +245,7 @@ fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
     None
 }
 
-/// The position of the bracket that closes the one at the start of `text`. Brackets in a regular expression must be
+/// The position of the bracket that closes the bracket at the start of `text`. Brackets in a regular expression must be
 /// balanced, except after a backslash.
 fn bracketed_pattern(text: &str) -> Option<usize> {
     let mut depth = 0_usize;
@@ -263,7 +263,8 @@ fn bracketed_pattern(text: &str) -> Option<usize> {
     None
 }
 
-/// True if a single pair of brackets encloses all of `text`. A closing bracket in the contents may end the pair early.
+/// True if a single pair of brackets encloses all of `text`. False if the first bracket is closed before the end of
+/// `text`.
 pub(crate) fn is_bracketed(text: &str) -> bool {
     bracketed(text, 0).is_some_and(|(_, end)| end == text.len())
 }

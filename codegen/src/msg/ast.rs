@@ -58,7 +58,7 @@ pub struct Comment<'s> {
 }
 
 impl Comment<'_> {
-    /// True if the comment contains only a directive. Such a comment is not part of the documentation.
+    /// True if the comment contains only a directive, and is therefore not part of the documentation.
     pub fn is_directive(&self) -> bool {
         self.directive.is_some() && self.text.is_empty()
     }

@@ -19,7 +19,7 @@ pub struct Attribute {
     pub name: &'static str,
     /// The syntax, as shown in messages.
     pub form: &'static str,
-    /// Arguments that some definitions write without the attribute name by mistake: `[NED]`.
+    /// Arguments that some definitions give without the attribute name, by mistake: `[NED]`.
     pub bare: &'static [&'static str],
     /// The text in the documentation. The name in braces is a placeholder for the argument. Translations use the
     /// English text as their key.

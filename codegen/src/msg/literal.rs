@@ -9,7 +9,7 @@ use crate::value::Value;
 pub(crate) enum LiteralError {
     /// Not a literal of this type.
     Form,
-    /// A number out of range.
+    /// A number that is out of range.
     Range {
         /// The minimum of the type.
         least: String,
@@ -44,7 +44,7 @@ pub(crate) fn form(scalar: Scalar) -> &'static str {
     }
 }
 
-/// True if PX4's generator also reads `text` as `value`. The generator accepts decimal integers, `True` and `False`,
+/// True if PX4's generator also reads `text` as `value`. PX4's generator accepts decimal integers, `True` and `False`,
 /// and truncates floats to integers.
 pub(crate) fn is_portable(text: &str, value: &Value) -> bool {
     match value {
@@ -68,7 +68,8 @@ fn parse_bool(text: &str) -> Option<bool> {
     }
 }
 
-/// Parses an integer with sign, base prefix and `_` between digits. Returns `Some(None)` if it exceeds 128 bits.
+/// Parses an integer with sign, base prefix and `_` between digits. Returns `Some(None)` if the integer exceeds 128
+/// bits.
 #[allow(clippy::option_option)]
 fn parse_int(text: &str) -> Option<Option<i128>> {
     let (sign, unsigned) = match text.as_bytes().first()? {

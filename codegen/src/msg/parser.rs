@@ -66,7 +66,7 @@ pub(super) fn parse(
     (Definition { parts: padded(parts, expected) }, diagnostics)
 }
 
-/// Adds empty parts for missing ones.
+/// Adds an empty part for each missing part.
 fn padded(mut parts: Vec<Part<'_>>, expected: usize) -> Vec<Part<'_>> {
     parts.resize_with(expected, Part::default);
     parts

@@ -136,7 +136,7 @@ fn is_pattern(text: &str) -> bool {
     !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::pattern::is_known(text)
 }
 
-/// Parses a length: either one exact length, or two bounds separated by a comma. One of the bounds may be absent.
+/// Parses a length: either one exact length, or two bounds separated by a comma. Either bound may be absent.
 fn length(argument: &str) -> Option<Statement<'_>> {
     let bound = |text: &str| match text.trim() {
         "" => Some(None),

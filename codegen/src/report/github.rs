@@ -29,7 +29,7 @@ pub(super) fn write(report: &Report) -> String {
     text
 }
 
-/// The properties of a region. Empty for a byte offset.
+/// The properties of a region; empty for the whole file or a byte offset.
 fn region(region: Region) -> String {
     match region {
         Region::Whole | Region::Byte(_) => String::new(),

@@ -1,8 +1,8 @@
 //! SARIF 2.1.0, which GitHub and editors support for code scanning.
 //!
 //! Uses `serde_json` rather than `serde-sarif`, whose build script generates types from the schema. `serde-sarif` would
-//! add 22 dependencies, including syn 1, syn 2 and a regex engine, and 10 s of compile time (15 s instead of 5 s). This
-//! module writes only ten kinds of objects.
+//! add 22 dependencies, including syn 1, syn 2 and a regex engine, and would increase the compile time from 5 s to 15
+//! s. This module needs only ten kinds of objects.
 //!
 //! Format: <https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html>. GitHub's subset:
 //! <https://docs.github.com/en/code-security/reference/code-scanning/sarif-files/sarif-support>.
@@ -25,8 +25,8 @@ const MAX_TITLE: usize = 200;
 
 /// The name of the fingerprint algorithm. A changed algorithm needs a new name.
 ///
-/// GitHub uses only `primaryLocationLineHash`, which its upload action computes from the line's text. The action warns
-/// if a result already contains this fingerprint.
+/// GitHub uses only `primaryLocationLineHash`, which its upload action computes from the line's text. If a result
+/// already contains `primaryLocationLineHash`, the action warns.
 const FINGERPRINT: &str = "uavspecFinding/v1";
 
 /// The number of bytes of the hash in a fingerprint.

@@ -159,7 +159,8 @@ impl Resolver {
         }
     }
 
-    /// Reports overlapping blocks from code 256 on. Vendors share these codes, and each block belongs to one vendor.
+    /// Reports overlapping blocks from code 256 on. The codes in this range are divided among vendors, so each block
+    /// must belong to one vendor.
     fn check_overlaps(&mut self, tables: &[ErrorCodeTable<'_>]) {
         let shared =
             |table: &&ErrorCodeTable<'_>| table.block.as_ref().is_some_and(|block| *block.codes.end() > 255);

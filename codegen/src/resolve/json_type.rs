@@ -44,7 +44,7 @@ pub(super) struct Resolved {
     pub(super) types: Vec<JsonType>,
     /// The messages, by name.
     pub(super) messages: Vec<JsonMessage>,
-    /// True for each page with definitions, including invalid ones.
+    /// True for each page that contains definitions, even if they are invalid.
     pub(super) has_definitions: Vec<bool>,
     /// The problems found.
     pub(super) diagnostics: Vec<Diagnostic>,

@@ -7,8 +7,8 @@ use crate::schema::fingerprint::MAX_NESTED_FIELDS;
 use crate::schema::layout::MAX_MESSAGE_SIZE;
 use crate::schema::{MessageId, fingerprint, layout};
 
-/// The maximum total number of fields in all messages, including nested fields. Hashes visit each field. The largest
-/// PX4 release has a few thousand.
+/// The maximum total number of fields in all messages, including nested fields. The limit exists because computing the
+/// hashes visits each field. The largest PX4 release has a few thousand fields.
 const MAX_NESTED_FIELDS_IN_ALL: u64 = 1 << 22;
 
 impl Resolver<'_> {

@@ -62,9 +62,9 @@ impl<'s> Resolver<'s> {
             let is_ros2 = self.schema.packages[package].form == Form::Msg(Dialect::Ros2);
             let well_known = WELL_KNOWN.iter().find(|(short, ..)| is_ros2 && *short == name);
             let hint = match well_known {
-                Some((_, package, message)) => {
-                    Some(format!("this is `{package}/{message}`; add the package {package} to the inputs"))
-                }
+                Some((_, package, message)) => Some(format!(
+                    "the full name is `{package}/{message}`; add the package {package} to the inputs"
+                )),
                 None => self.similar(package, name).map(|similar| format!("did you mean `{similar}`?")),
             };
             self.report(Diagnostic { hint, ..diagnostic });

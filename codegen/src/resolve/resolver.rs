@@ -10,7 +10,7 @@ use crate::schema::{Element, EnumRef, Message, MessageId, Schema};
 use crate::span::Span;
 use crate::value::Value;
 
-/// An enum field. Its enum is created after all constants are known.
+/// A field with an enum that is created later, when all constants are known.
 pub(super) struct PendingEnum {
     /// The index of the message with the field.
     pub(super) message: usize,

@@ -95,7 +95,7 @@ fn own_comment<'l, 's>(line: &'l Line<'s>) -> Option<&'l Comment<'s>> {
 #[derive(Default)]
 struct Reader<'s> {
     commentary: Commentary<'s>,
-    /// Own-line comments since the last declaration or empty line.
+    /// Comments on separate lines since the last declaration or empty line.
     block: Vec<&'s str>,
     /// True if the block follows an empty line.
     is_block_apart: bool,

@@ -6,11 +6,13 @@ use uavspec_runtime::Scalar;
 
 use super::id::MessageId;
 
-/// A constant with the prefix of an enum and one of these words as the rest of its name is not a member. Its value is
-/// the count or limit of the members. With the prefix `GPS`, `GPS_COUNT` is not a member, but `GPS_MIN_SAT_COUNT` is.
+/// A constant is not a member of an enum if its name consists of the enum's prefix and one of these words. The value of
+/// such a constant is the count or limit of the members. With the prefix `GPS`, `GPS_COUNT` is not a member, but
+/// `GPS_MIN_SAT_COUNT` is.
 const SENTINELS: [&str; 5] = ["COUNT", "MAX", "LAST", "NUM", "ENUM_END"];
 
-/// Constants with these endings are not members either. They mark the end of each block of commands in `MAVLink`.
+/// Constants with these endings are not members either. In `MAVLink`, these constants mark the end of each block of
+/// commands.
 const SENTINEL_ENDINGS: [&str; 2] = ["_LAST", "_ENUM_END"];
 
 /// The constants that a field may contain: one of them or, for flags, any combination. Enums are open, because newer
@@ -58,8 +60,8 @@ pub struct EnumRef {
     pub index: usize,
 }
 
-/// True if the value of a constant is the count or limit of other constants in `names` that have the same prefix.
-/// Fields needn't use these constants.
+/// True if the value of a constant is the count or limit of other constants in `names` that have the same prefix. The
+/// result doesn't depend on whether any field uses these constants.
 pub(crate) fn is_sentinel_among(name: &str, names: &BTreeSet<&str>) -> bool {
     let prefix = SENTINELS.iter().find_map(|word| name.strip_suffix(word)?.strip_suffix('_'));
     prefix.is_some_and(|prefix| {
@@ -81,8 +83,8 @@ pub(crate) fn longest_prefix<'n, 'c>(
     })
 }
 
-/// True if the value of a constant is the count or limit of the members of an enum. `rest` is its name without the
-/// prefix.
+/// True if the value of a constant is the count or limit of the members of an enum. `rest` is the constant's name
+/// without the prefix.
 pub(crate) fn is_sentinel(rest: &str) -> bool {
     SENTINELS.contains(&rest) || SENTINEL_ENDINGS.iter().any(|ending| rest.ends_with(ending))
 }

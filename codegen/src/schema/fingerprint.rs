@@ -178,8 +178,8 @@ fn described_fields(schema: &Schema, message: &Message) -> Vec<DescribedField> {
         .collect()
 }
 
-/// Writes the canonical JSON of a type description, which is the input of the hash. It is ASCII, with the separators
-/// `", "` and `": "`.
+/// Writes the canonical JSON of a type description, which is the input of the hash. The JSON is ASCII, with the
+/// separators `", "` and `": "`.
 fn write_description(out: &mut String, type_name: &str, fields: &[DescribedField]) {
     let _ = write!(out, "{{\"type_name\": \"{type_name}\", \"fields\": [");
     for (index, field) in fields.iter().enumerate() {

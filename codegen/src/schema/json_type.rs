@@ -90,7 +90,7 @@ pub struct Typed {
 /// maps. Lengths apply to lists or, if there is no list, to strings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// The unit: one of `crate::unit::UNITS`, otherwise as written.
+    /// The unit: one of `crate::unit::UNITS`, or the unit as written.
     pub unit: Option<String>,
     /// The bounds of numbers.
     pub range: Option<Range>,

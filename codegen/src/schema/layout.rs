@@ -121,7 +121,7 @@ pub(crate) fn cdr(schema: &Schema, order: &[MessageId]) -> Vec<CdrSize> {
         for field in &schema.message(*id).fields {
             let (element, element_is_fixed) = match field.ty.element {
                 Element::Scalar(scalar) => (CdrLength::scalar(scalar.size() as u64), true),
-                // The shortest string contains its length and, unless it is wide, a NUL.
+                // The shortest string consists of a length prefix and, unless it is a wide string, a NUL.
                 Element::String { wide: true, .. } => (count, false),
                 Element::String { wide: false, .. } => (count.then(CdrLength::scalar(1)), false),
                 Element::Message(nested) => (lengths[nested.0 as usize], sizes[nested.0 as usize].is_fixed),

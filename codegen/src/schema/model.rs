@@ -235,7 +235,7 @@ pub struct Field {
     pub description: String,
     /// The index of the group in [`Message::groups`].
     pub group: Option<usize>,
-    /// The unit: one of `crate::unit::UNITS`, otherwise as written.
+    /// The unit: one of `crate::unit::UNITS`, or the unit as written.
     pub unit: Option<String>,
     /// The constraints, at most one of each kind, in the order of [`CONSTRAINTS`](constraint::CONSTRAINTS).
     pub constraints: Vec<constraint::Constraint>,

@@ -14,7 +14,7 @@ use crate::value::Value;
 pub struct Restriction {
     /// The constraint without its lists.
     pub limits: Constraint<'static>,
-    /// Values that have a special meaning and that the other constraints exclude.
+    /// Values that have a special meaning, but are excluded by the other constraints.
     pub special: Vec<Number>,
     /// Documented values, or masks.
     pub known: Option<Vec<i128>>,
@@ -70,8 +70,8 @@ impl Schema {
     }
 }
 
-/// True if NaN is invalid in a float field. This is the case if the definition constrains the field and never mentions
-/// NaN: neither in the field's annotations nor in the texts of the field, the group and the message.
+/// True if NaN is invalid in a float field. NaN is invalid if the definition constrains the field and doesn't mention
+/// NaN. NaN may be mentioned in the field's annotations, or in the texts of the field, the group or the message.
 ///
 /// Unconstrained fields may be NaN, which is common in valid logs. In ROS 2, the users of a message decide whether NaN
 /// is valid.

@@ -242,8 +242,8 @@ impl<'s> Body<'s> {
         self.cells.push(Cell { text, is_merged: self.is_merged });
     }
 
-    /// All cells, and the number of columns. The attributes determine this number or, if they don't, the first line
-    /// does. If the first line has only one cell, the header extends over several lines.
+    /// All cells, and the number of columns. The attributes specify the number of columns; otherwise, it is the number
+    /// of cells on the first line. If the first line has only one cell, the header extends over several lines.
     fn finish(mut self, columns: Option<usize>) -> (Vec<Cell>, usize) {
         self.close();
         let on_first_line = self.on_first_line.filter(|cells| *cells > 1);
@@ -260,7 +260,8 @@ enum Specifier {
     Merging,
 }
 
-/// True if a specifier precedes any pipe of `line`. A cell whose last word looks like a specifier also counts.
+/// True if a specifier precedes any pipe of `line`. The result is also true if the last word of a cell only looks like
+/// a specifier.
 pub(crate) fn has_specifier(line: &str) -> bool {
     let parts = super::pipe::split(line);
     let before_pipes = &parts[..parts.len() - 1];

@@ -78,8 +78,8 @@ fn start<'p>(table: &Table, heading: Option<&Text>, diagnostics: &mut Vec<Diagno
     ErrorCodeTable { span, block, rows: Vec::new(), unread: Vec::new() }
 }
 
-/// Reports a table that resembles an error-code table, but lacks a column. Otherwise, the codes in the table would be
-/// silently ignored.
+/// Reports a table that resembles an error-code table, but lacks a column. Without this report, the codes in the table
+/// would be silently ignored.
 fn unknown_columns(table: &Table, heading: &Heading) -> Option<Diagnostic> {
     let has = |names: &[&str]| Columns::position(&table.header, names).is_some();
     let is_similar = (has(CODE) || has(ABBREVIATION)) && block::has_range(heading.text.as_str());

@@ -58,7 +58,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Adds `text`. Its source is at `range` of the page, and may contain backticks, escapes or entities.
+    /// Adds `text`, which was read from `range` of the page. The page may contain backticks, escapes or entities in
+    /// this range.
     fn push(&mut self, text: &str, range: Range<usize>) {
         let Some(open) = &mut self.open else { return };
         let into = self.text[range.clone()].find(text).unwrap_or(0);

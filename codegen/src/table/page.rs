@@ -12,7 +12,7 @@ pub struct Page {
     pub headings: Vec<Heading>,
     /// The tables in order.
     pub tables: Vec<Table>,
-    /// The paragraphs in order, except those in lists and quotations. Empty for a flattened page, which doesn't
+    /// The paragraphs in order, except paragraphs in lists and quotations. Empty for a flattened page, which doesn't
     /// preserve paragraphs.
     pub paragraphs: Vec<Paragraph>,
 }
@@ -112,7 +112,7 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 /// Splits a sequence of cells into rows of `columns` cells.
 ///
 /// A missing or extra cell would shift all following rows. If the first cell is a number and the rows don't fit, each
-/// number starts a new row instead. Then only the invalid row has a wrong number of cells.
+/// number starts a new row instead. In this way, only the invalid row has the wrong number of cells.
 pub(super) fn into_rows(cells: Vec<Cell>, columns: usize, page: Span) -> Vec<Row> {
     let columns = columns.max(1);
     let is_numbered = cells.first().is_some_and(Cell::is_number);

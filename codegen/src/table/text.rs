@@ -9,8 +9,8 @@ use crate::source::Span;
 pub struct Text {
     plain: String,
     span: Span,
-    /// Positions in the text, each with its source location. The source matches the text from each position up to the
-    /// next.
+    /// Positions in the text, each with its source location. Between a position and the next one, the text is identical
+    /// to the source.
     pieces: Vec<(usize, Span)>,
 }
 

@@ -10,7 +10,7 @@ use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::schema::Schema;
 use crate::source::{SourceId, SourceMap, Span, stem};
 
-/// Maximum number of missing translations named in a message. The others are only counted.
+/// Maximum number of missing translations named in a message. Further missing translations are only counted.
 const MAX_NAMED: usize = 3;
 
 /// Reads catalogues, which are named after their languages, and compares them with the definitions.

@@ -28,7 +28,7 @@ pub struct Text<'s> {
     /// The unit that contains the text, such as `px4/Wind`, `harbour/Tow.srv` or `flockwave/error-codes`. A unit is
     /// translated as a whole.
     pub unit: String,
-    /// The unique key. It stays the same unless the described item is renamed.
+    /// The unique key, which stays the same unless the described item is renamed.
     pub key: String,
     /// The text.
     pub text: &'s str,
@@ -57,7 +57,7 @@ pub enum MessageText {
     Attribute(usize, &'static Attribute),
     /// The description of a constant.
     Constant(usize),
-    /// The description of a command parameter. The first index identifies the constant.
+    /// The description of a command parameter. The first index identifies the constant that defines the command.
     Parameter(usize, usize),
     /// The text of a parameter constraint.
     ParameterConstraint(usize, usize, &'static ConstraintKind),
@@ -95,7 +95,7 @@ pub struct MessageKeys<'s> {
     message: &'s Message,
     /// The key of the summary, which is the prefix of all other keys.
     base: String,
-    /// For each group, the key of its first declaration.
+    /// The key of the first declaration in each group.
     starts: Vec<String>,
 }
 

@@ -60,7 +60,7 @@ impl Language {
         self.entries.get(key).map(|entry| entry.translation.as_str())
     }
 
-    /// All up-to-date translations: key, original text, translation. They are sorted by key.
+    /// All up-to-date translations, sorted by key. Each item contains the key, the original text and the translation.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &str, &str)> {
         self.entries
             .iter()

@@ -1,4 +1,4 @@
-//! Synchronization of catalogues with the definitions. It never discards the work of translators.
+//! Synchronization of catalogues with the definitions, without discarding the work of translators.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -8,7 +8,8 @@ use super::language;
 use super::text::Text;
 use crate::source::SourceMap;
 
-/// Creates a catalogue without entries. The header contains neither dates nor names of people, so it is reproducible.
+/// Creates a catalogue without entries. The header is reproducible, because it contains no dates and no names of
+/// people.
 pub fn new_catalogue(tag: &str) -> Catalogue {
     let fields = [
         ("Project-Id-Version", "definitions"),
@@ -26,8 +27,7 @@ pub fn new_catalogue(tag: &str) -> Catalogue {
 /// entries in the catalogue. The entries are in the order of `texts`.
 ///
 /// Missing entries are added without a translation. If a text has changed, its entry is marked as fuzzy and keeps the
-/// text that was translated. Entries whose text no longer exists become obsolete. They are restored if the text
-/// returns.
+/// text that was translated. Entries whose text no longer exists become obsolete, and are restored if the text returns.
 pub fn update(
     catalogue: &Catalogue,
     sources: &SourceMap,

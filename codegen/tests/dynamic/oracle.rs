@@ -47,7 +47,7 @@ fn wide_strings_match_ros2() {
         assert_eq!(message.to_cdr(order).as_deref(), Ok(&*payload));
         let message = ty.decode_cdr(&payload).expect("a message");
         assert_eq!(message.view().to_json_text().as_deref(), Ok(text));
-        // A flipped bit leaves valid text only if each unit is at most 16 bits and surrogates stay paired.
+        // After a bit flip, the text is valid only if each unit has at most 16 bits and surrogates are still paired.
         for at in 12..payload.len() {
             let mut payload = payload.clone();
             payload[at] ^= 0x80;

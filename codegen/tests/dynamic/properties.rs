@@ -133,8 +133,8 @@ fn check_bytes(ty: MessageType<'_>, message: &Message, json: &Json) -> Result<()
     Ok(())
 }
 
-/// A long message is encoded without a precomputed list of copies. Its `bool`s and padding must be normalized as in a
-/// short message.
+/// A long message is encoded without a precomputed list of copies. The long message's `bool`s and padding must still be
+/// normalized as in a short message.
 #[test]
 fn encodes_long_messages_like_short_ones() {
     let files = [

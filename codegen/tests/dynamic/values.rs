@@ -1,4 +1,4 @@
-//! Values of any message, generated from a seed.
+//! Generates values for any message from a seed.
 
 use serde_json::{Map, Value as Json};
 use uavspec_codegen::msg::Dialect;

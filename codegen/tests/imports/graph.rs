@@ -9,7 +9,7 @@ use std::path::Path;
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// The names of a module and its parents, from the outermost; empty for the root of the crate.
+/// The names of a module and its parents, outermost first; empty for the crate root.
 type ModulePath = Vec<String>;
 
 /// The modules of a crate, with the modules that each of them imports.
@@ -121,7 +121,7 @@ fn shown(module: &ModulePath) -> String {
 /// The paths and modules in a file.
 #[derive(Default)]
 struct File {
-    /// The declared modules that are files.
+    /// The declared modules that have separate files.
     children: Vec<String>,
     /// The paths as written.
     paths: Vec<Vec<String>>,

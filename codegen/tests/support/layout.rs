@@ -79,7 +79,7 @@ fn check_layout(path: &str, text: &str, form: Form) -> Result<Option<String>, St
     if let (Form::Msg(_), Some(line)) = (form, first.text.split('\n').find(|line| !is_tidy(line))) {
         return problem(&format!("trailing white space in {line:?}"));
     }
-    // A page in which a carriage return may end a line is not formatted.
+    // A page is not formatted if a carriage return in it may end a line.
     let is_formatted = !text.replace("\r\n", "\n").contains('\r');
     if is_formatted && !first.text.is_empty() && (!first.text.ends_with('\n') || first.text.ends_with("\n\n"))
     {

@@ -12,8 +12,8 @@ use uavspec_runtime::Scalar;
 
 use super::{ALL, Emitted, PX4};
 
-/// The values of one field, each with the violated rule. They come from cases in which all other fields are as in the
-/// case `zero`.
+/// The values of one field, each with the violated rule. The values come from cases in which all other fields are as in
+/// the case `zero`.
 struct FieldCases {
     values: Vec<(Json, Option<String>)>,
 }

@@ -1,5 +1,5 @@
 //! Faults in the processing of requests. In `testee MODE [ID]`, the fault affects the request with this id, or all
-//! requests.
+//! requests if there is no id.
 
 use std::io::{self, Write};
 use std::process;
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use uavspec_codegen::dynamic::{PlacedElement, Types};
 use uavspec_runtime::Scalar;
 
-/// The size of a flood in bytes: more than a pipe buffers.
+/// The size of a flood in bytes, larger than a pipe's buffer.
 const FLOOD: usize = 200 << 10;
 
 pub(crate) struct RequestFault {
@@ -42,7 +42,7 @@ impl RequestFault {
         }
     }
 
-    /// In some modes, does something other than respond. `count` includes the hello.
+    /// In some modes, misbehaves instead of responding. `count` is the number of requests so far, including the hello.
     pub(crate) fn instead(&self, count: usize, request: &Value, output: &mut impl Write) -> io::Result<bool> {
         if self.is("crash-third") && count == 3 {
             process::exit(4);

@@ -1,8 +1,8 @@
 //! A testee with selectable faults, for tests of `uavspec test` and `uavspec testee lint`.
 //!
-//! Without arguments, it is the reference testee. `--definitions PATH` replaces the definitions of this repository.
-//! Other arguments select a fault. `evil.rs` contains faults in single requests, and `rude.rs` contains protocol
-//! violations.
+//! Without arguments, this program is the reference testee. `--definitions PATH` replaces the definitions of this
+//! repository. Other arguments select a fault. `evil.rs` contains faults in single requests, and `rude.rs` contains
+//! protocol violations.
 
 #[path = "../../testees/rust/src/codec.rs"]
 mod codec;

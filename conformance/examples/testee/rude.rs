@@ -67,7 +67,7 @@ impl ProtocolFault {
         self.is("silent-unknown-op") && request["op"] == "levitate"
     }
 
-    /// Runs before the response. In `guess-…` modes, replaces invalid members of the request.
+    /// Applies faults that precede the response. In `guess-…` modes, replaces invalid members of the request.
     pub(crate) fn before(&self, request: &mut Value, output: &mut impl Write) -> io::Result<()> {
         let is_known = |value: &Value| value == "uorb" || value == "cdr";
         match self.mode.as_str() {

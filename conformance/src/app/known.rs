@@ -16,7 +16,7 @@ use crate::report::{CheckedCapture, Unreadable};
 pub(super) struct KnownArgs {
     /// List of known failures (repeatable).
     ///
-    /// Known failures don't fail the run. An entry that no longer applies fails the run with status 4.
+    /// Known failures don't fail the run. If an entry no longer applies, the run fails with status 4.
     #[arg(long, value_name = "FILE")]
     known: Vec<PathBuf>,
     /// Remove or update outdated list entries.
@@ -71,7 +71,7 @@ impl Known {
         if left.is_empty() {
             return Status::Conforms;
         }
-        self.report_stale(&left, "the messages have no common prefix: write one entry for each");
+        self.report_stale(&left, "the messages have no common prefix: write one entry for each message");
         Status::Stale
     }
 

@@ -12,7 +12,7 @@ const TICK: Duration = Duration::from_millis(500);
 pub(super) struct Progress(ProgressBar);
 
 impl Progress {
-    /// Creates a bar that counts steps. `noun` is their name, such as `cases`.
+    /// Creates a bar that counts steps. `noun` names the steps, such as `cases`.
     pub(super) fn steps(noun: &'static str) -> Self {
         Self::shown("{wide_bar} {human_pos} of {human_len} {msg}, {elapsed}").with_message(noun)
     }

@@ -47,7 +47,7 @@ pub(super) struct SelfTestArgs {
     /// Check captures only; start no servers.
     #[arg(long)]
     recordings_only: bool,
-    /// Testee that must pass all cases, with its arguments.
+    /// Testee (with arguments) that must pass all cases.
     #[arg(last = true, value_name = "COMMAND")]
     testee: Vec<OsString>,
 }

@@ -26,7 +26,7 @@ const WAITING_LIMIT: usize = 16;
 /// The minimum time between two frames.
 const MIN_FRAME_TIME: Duration = Duration::from_millis(100);
 
-/// The maximum time between two frames. Ages increase even if there are no inputs.
+/// The maximum time between two frames. Displayed ages must increase even if there are no inputs.
 const MAX_FRAME_TIME: Duration = Duration::from_millis(500);
 
 const EXAMPLES: &str = "Examples:

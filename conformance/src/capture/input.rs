@@ -113,9 +113,9 @@ pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     Ok(Box::new(File::open(path)?))
 }
 
-/// Decompresses `input` if it starts like gzip or zstd. Other input stays unchanged. Only the first bytes are read in
-/// advance. The input may contain several consecutive gzip members or zstd frames. Reading fails if other data follows
-/// them.
+/// Decompresses `input` if it starts with the magic of gzip or zstd. Other input stays unchanged. Only the first bytes
+/// are read in advance. The input may contain several consecutive gzip members or zstd frames. Reading fails if other
+/// data follows them.
 pub(crate) fn decompressed(mut input: impl Read + Send + 'static) -> io::Result<Box<dyn Read + Send>> {
     let mut start = Vec::with_capacity(START);
     input.by_ref().take(START as u64).read_to_end(&mut start)?;

@@ -32,11 +32,11 @@ pub(crate) struct Item<'r> {
 /// An event in JSON input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Event<'r> {
-    /// The text of a value. It may be invalid JSON.
+    /// The text of a value. The text may be invalid JSON.
     Value {
         /// The bytes.
         bytes: &'r [u8],
-        /// True if the input ends directly after the value, without a line end or separator.
+        /// True if the input ends directly after the value, without a newline or separator.
         is_last: bool,
     },
     /// An unreadable part.
@@ -62,7 +62,7 @@ pub(crate) enum Problem {
 }
 
 impl Problem {
-    /// The extent to which input with this problem can be read.
+    /// The extent to which the input can be read despite this problem.
     pub(crate) fn extent(&self) -> Extent {
         match self {
             Self::ByteOrderMark => Extent::Whole,
@@ -152,7 +152,7 @@ impl<R: Read> Reader<R> {
 
     /// The number of lines read so far.
     pub(crate) fn lines(&self) -> u64 {
-        // The last line may lack a line end.
+        // The last line may lack a newline.
         self.line - 1 + u64::from(self.last.is_some_and(|byte| byte != b'\n'))
     }
 
@@ -205,7 +205,7 @@ impl<R: Read> Reader<R> {
         self.take_lines(count, memchr::memchr_iter(b'\n', &self.rest()[..count]).count() as u64);
     }
 
-    /// Consumes `count` bytes, which contain `lines` line ends.
+    /// Consumes `count` bytes, which contain `lines` newlines.
     fn take_lines(&mut self, count: usize, lines: u64) {
         self.line += lines;
         self.start += count;

@@ -1,11 +1,11 @@
 //! Reads MCAP, the container format of ROS 2 and Foxglove: <https://mcap.dev/spec>.
 //!
-//! A [`Reader`] reads a file once, from start to end, and returns its schemas, channels and messages. It uses no index
-//! and never seeks, so it can also read from pipes.
+//! A [`Reader`] reads a file once, from start to end, and returns its schemas, channels and messages. The reader uses
+//! no index and never seeks, so it can also read from pipes.
 //!
 //! # Use of the `mcap` crate
 //!
-//! The crate parses single records ([`mcap::parse_record`]). The crate's file readers are not used:
+//! The crate parses single records ([`mcap::parse_record`]). The crate's file readers are not used, for these reasons:
 //!
 //! - They stop at the first invalid record, and report neither its offset nor the next valid record.
 //! - They decompress chunks with C libraries, or not at all.
@@ -17,15 +17,15 @@
 //! # Memory
 //!
 //! An uncompressed chunk of any length is read record by record. A compressed chunk is buffered (at most
-//! [`Reader::MAX_PACKED`]) and decompressed as it is read. Records to return are buffered (at most
-//! [`Reader::MAX_RECORD`]), and all other records are skipped. Buffers grow only with the data that is read, regardless
-//! of the stated lengths.
+//! [`Reader::MAX_PACKED`]) and decompressed as it is read. Each returned record is buffered (at most
+//! [`Reader::MAX_RECORD`]), and all other records are skipped. Buffers grow with the data that is read, not with the
+//! stated lengths.
 //!
 //! # Recovery from corruption
 //!
 //! The lengths in a record must match its kind, and plausible data must follow the record. Otherwise, the reader
-//! searches for the next valid record. The search finds chunks with matching lengths, and schemas, channels and indexes
-//! whose parts match their length. A message of a declared channel is also accepted if another record follows. The
+//! searches for the next valid record. The search accepts a chunk if its lengths match, and a schema, channel or index
+//! if its parts match its length. A message of a declared channel is also accepted if another record follows. The
 //! skipped bytes are reported with their offset and length.
 //!
 //! The rest of a corrupt chunk is skipped. The records before the corruption are still returned. The CRC of a chunk can
@@ -49,7 +49,7 @@ pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 /// A record or problem.
 #[derive(Debug)]
 pub(crate) struct Item<'r> {
-    /// The offset in the file. For records in a compressed chunk, the offset of the chunk.
+    /// The offset in the file. For a record in a compressed chunk, this is the offset of the chunk.
     pub offset: u64,
     /// The content.
     pub event: Event<'r>,

@@ -1,6 +1,6 @@
 //! Reads `ULog`, the log format of PX4: <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>.
 //!
-//! There are two layers. A [`Reader`] splits bytes into messages that borrow from its buffer, and reports corrupt
+//! The module has two layers. A [`Reader`] splits bytes into messages that borrow from its buffer, and reports corrupt
 //! framing. A [`Log`] tracks formats and subscriptions, and determines the type of data.
 //!
 //! ```
@@ -35,22 +35,22 @@
 //!
 //! # Existing crates
 //!
-//! `px4-ulog` 0.6.1, `yule_log` 0.4.0 and `ulog-rs` 0.0.4 were evaluated. All stop at the first corrupt header. None
-//! searches for sync messages or reports skipped bytes. Findings need message offsets, but none of the crates provides
-//! them. `px4-ulog` reads only files or memory maps, or uses callbacks. `yule_log` allocates for each message, and
-//! `ulog-rs` stores the whole log.
+//! `px4-ulog` 0.6.1, `yule_log` 0.4.0 and `ulog-rs` 0.0.4 were evaluated. All of these crates stop at the first corrupt
+//! header. None of them searches for sync messages or reports skipped bytes. Findings need message offsets, but none of
+//! the crates provides them. `px4-ulog` reads only files or memory maps, or uses callbacks. `yule_log` allocates for
+//! each message, and `ulog-rs` stores the whole log.
 //!
 //! # Recovery from corruption
 //!
-//! The reader accepts a message if its content looks valid (see below) and the next header has a usual size. Otherwise
-//! it looks ahead by at most [`Reader::LOOKAHEAD`] bytes:
+//! The reader accepts a message if its content looks valid (see below) and the next header has a usual size. Otherwise,
+//! the reader looks ahead by at most [`Reader::LOOKAHEAD`] bytes:
 //!
 //! - If a valid run of messages starts within the message, the message has a wrong size. The reader skips to that run,
 //!   so a wrong size doesn't hide the messages that follow.
 //! - Otherwise, the message is accepted if its kind is known and its size is large enough. The bytes after it are
 //!   checked next.
-//! - Otherwise, if a valid message or the end of the log follows, only the rejected message is reported. It is too
-//!   short or of an unknown kind.
+//! - Otherwise, if a valid message or the end of the log follows, only the rejected message is reported. The message is
+//!   too short or of an unknown kind.
 //! - Otherwise, the reader searches for the next valid run.
 //!
 //! A run is valid if it starts with four valid messages or with a sync message, whose header and magic are 11 fixed
@@ -70,7 +70,7 @@
 //! throughput is 3.9 to 6.9 GB/s for splitting into messages, and 1.7 to 2.4 GB/s if types and data sizes are
 //! determined as well. Copying through the buffer reaches 15 GB/s. The search reads noise at 350 MB/s, and malicious
 //! input at 20 MB/s. At 4,727 places in real logs, a bit was flipped or 25 to 30 bytes were overwritten. Each change
-//! lost 1.2 messages on average. In the worst of 450 runs, the average was below three.
+//! caused the loss of 1.2 messages on average. In the worst of 450 runs, the average was below three.
 
 mod kind;
 mod log;

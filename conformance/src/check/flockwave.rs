@@ -170,7 +170,7 @@ impl<'d> FlockwaveChecker<'d> {
                 ParsedLine { name: None, direction, time: None, content, text, trial: None, note: None };
             return self.record(&bare, location);
         }
-        Err("expected a line of a recorded session (with `dir` and `msg`, `raw` or `event`) or a Flockwave \
+        Err("expected a line of a recorded session (with `dir`, and one of `msg`, `raw` and `event`) or a Flockwave \
              message (with `$fw.version`)"
             .to_owned())
     }
@@ -332,7 +332,7 @@ impl<'d> FlockwaveChecker<'d> {
     }
 }
 
-/// True if a time is plausible. A much larger value probably isn't in seconds.
+/// True if a time is plausible. A time above the limit is probably not in seconds.
 fn is_plausible(time: f64) -> bool {
     (0.0..MAX_TIME).contains(&time)
 }

@@ -24,7 +24,7 @@ use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
 use crate::rules::px4;
 use crate::text::shown;
 
-/// The maximum number of topics and types. Hostile input may contain any number of them.
+/// The maximum number of topics and types. Hostile input may contain any number of both.
 const MAX_CHANNELS: usize = 10_000;
 
 /// The maximum length of a topic or type name, in bytes. ROS 2 has the same limit.
@@ -39,7 +39,8 @@ pub(super) const KIND: Kind = Kind {
     check: |input, message_id, definitions| Ok(check_json(input, message_id, definitions)),
 };
 
-/// True if a capture starts neither like JSON nor like other text. A single invalid character may be corruption.
+/// True if the start of a capture is neither JSON nor other text. One invalid character is accepted, since it may be
+/// corruption.
 fn is_binary(start: &[u8]) -> bool {
     let text = String::from_utf8_lossy(start);
     if text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '[']) {
@@ -315,7 +316,7 @@ impl<'d> JsonChecker<'d> {
         let origin = MessageOrigin { id, name: &open.name, location, key: open.key, is_rosbridge };
         let dialects = self.plans.explain(origin, tree, &mut self.run.findings);
         let timestamp = self.plans.timestamp(id, tree);
-        // A message with findings may have other wrong values, so stateful rules don't see its values.
+        // A message with findings may have other wrong values, so its values aren't passed to stateful rules.
         self.values.clear();
         self.message(at, Clean { timestamp, dialects }, location);
     }

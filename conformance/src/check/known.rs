@@ -15,14 +15,14 @@
 //! reason = "the codec reads uninitialized memory"
 //! ```
 //!
-//! Patterns are globs. `*` matches any text, but in `file` it doesn't match `/`. `file` is compared with the path as
-//! passed to the run.
+//! Patterns are globs. `*` matches any text, but in `file` it doesn't match `/`. `file` is compared with the path that
+//! was passed to the run.
 //!
 //! Listed rules and cases still run, but their failures don't count. Lists must stay accurate. An entry is therefore
 //! reported as stale ([`Stale`]) in these cases:
 //!
-//! - The entry has a `case`, and a matching case passes. This doesn't apply to flaky entries.
-//! - The entry has a `rule`, and all matching results pass. This doesn't apply to flaky entries.
+//! - The entry has a `case` and isn't flaky, and a matching case passes.
+//! - The entry has a `rule` and isn't flaky, and all matching results pass.
 //! - A matching failure has a different message.
 //! - Nothing that matches the entry was checked.
 //! - The expiry date has passed.
@@ -66,7 +66,7 @@ const MAX_LEN: u64 = 1 << 20;
 #[derive(Debug)]
 struct Entry {
     names: Selector,
-    /// The text with which each matching failure's message must start.
+    /// The prefix that each matching failure's message must have.
     message: Option<String>,
     excuse: Excuse,
     spans: EntrySpans,
@@ -98,7 +98,7 @@ pub(crate) struct Lists {
     sources: SourceMap,
     ids: Vec<SourceId>,
     entries: Vec<Entry>,
-    /// The files from which lists were read, with links resolved.
+    /// The files from which lists were read, with symbolic links resolved.
     paths: BTreeMap<SourceId, PathBuf>,
 }
 
@@ -172,7 +172,7 @@ impl Lists {
         render::findings(&findings, &self.sources, is_styled)
     }
 
-    /// The findings for stale entries, in the form for reports.
+    /// The findings for stale entries, in the form that reports use.
     pub(crate) fn reasons(&self, stale: &[Stale]) -> Vec<Reason> {
         let findings = stale.iter().filter_map(|stale| self.finding(stale, Level::Error));
         let reason = |finding: Finding| Reason {

@@ -29,7 +29,7 @@ pub(super) const ENCRYPTED: Kind = Kind {
     name: "ULog",
     detect: |start| start.starts_with(&ENCRYPTED_MAGIC),
     check: |_, _, _| {
-        let text = "an encrypted PX4 log (.ulge): decrypt it with its key first, see \
+        let text = "an encrypted PX4 log (.ulge): decrypt it with its key first; see \
                     https://docs.px4.io/main/en/dev_log/log_encryption";
         Err(io::Error::new(io::ErrorKind::Unsupported, text))
     },
@@ -43,7 +43,7 @@ pub struct LogSummary {
     pub firmware: Option<String>,
     /// The number of dropouts.
     pub dropouts: u64,
-    /// The topics by name. Each is compared with its definition.
+    /// The topics by name, each compared with its definition.
     #[serde(serialize_with = "format_rows")]
     #[cfg_attr(test, schemars(with = "Vec<Format>"))]
     pub formats: Vec<(String, Comparison)>,
@@ -169,7 +169,7 @@ struct Open {
     multi_id: u8,
     offset: u64,
     definition: Option<MessageId>,
-    /// Created with the first message.
+    /// Created when the first message arrives.
     plan: Option<Plan>,
     /// The offset of `timestamp` in the payload.
     timestamp: Option<usize>,
@@ -244,7 +244,7 @@ impl<'d> LogChecker<'d> {
         }
     }
 
-    /// Closes a topic whose new subscription wasn't stored, and clears its name.
+    /// Closes a topic whose new subscription wasn't stored, and clears the topic's name.
     fn drop_topic(&mut self, id: u16) {
         if let Some(Some(open)) = self.open.get_mut(usize::from(id)) {
             self.run.closed(&open.channel());

@@ -100,11 +100,11 @@ struct McapChecker<'d> {
     library: String,
     schemas: Schemas,
     channels: BTreeMap<u16, Open>,
-    /// The undeclared channels with messages. Each is reported once.
+    /// The undeclared channels with messages, each reported once.
     undeclared: BTreeSet<u16>,
     /// The total number of steps in the plans of all channels.
     steps: usize,
-    /// Created with the first JSON channel.
+    /// Created when the first JSON channel is opened.
     plans: Option<Plans>,
     dialects: Dialects,
     /// The field values of the current JSON message, in memory layout.

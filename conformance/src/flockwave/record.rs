@@ -8,7 +8,7 @@ use crate::model::{Location, Rule};
 pub(crate) struct Connection<'c> {
     /// The index in the capture, from 0 in order of appearance.
     pub index: usize,
-    /// Its name.
+    /// The name.
     pub name: &'c str,
     /// True if messages arrive in the order in which they were sent, and each message's connection is known. False for
     /// UDP, which may lose, repeat or reorder messages. Also false if the capture doesn't distinguish connections.

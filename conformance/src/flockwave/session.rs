@@ -33,8 +33,8 @@ use crate::model::{Location, Rule};
 /// The size limit of each list of remembered entries, in bytes.
 const MEMORY_LIMIT: usize = 16 << 20;
 
-/// The maximum length of a stored id, in bytes. Message ids have at most 36 characters and object ids at most 64, each
-/// with up to four bytes.
+/// The maximum length of a stored id, in bytes. Message ids have at most 36 characters, and object ids at most 64. Each
+/// character has up to four bytes.
 const MAX_ID: usize = 256;
 
 /// The maximum number of ids in a request. Longer lists are ignored.
@@ -46,7 +46,7 @@ const MAX_RECEIPTS: usize = 10_000;
 /// The tolerance for times that go backwards, in seconds. Several threads may write a capture.
 const MAX_CLOCK_JITTER: f64 = 0.5;
 
-/// The maximum time that a message is in transit, in seconds.
+/// The assumed maximum transit time of a message, in seconds.
 const MAX_TRANSIT_TIME: f64 = 1.0;
 
 /// A request.
@@ -60,7 +60,7 @@ pub(crate) struct SentRequest {
     pub repeated: Option<String>,
     /// The object types in the request's filter, if there is one; empty if the filter isn't a list of strings.
     pub filter: Option<BTreeSet<String>>,
-    /// True if the request changes a setting (the RTK source or the time) instead of querying one.
+    /// True if the request changes a setting (the RTK source or the time) instead of querying it.
     pub is_setting: bool,
     /// The time when the request was sent.
     pub time: Option<f64>,
@@ -222,7 +222,7 @@ impl Sessions {
         }
     }
 
-    /// Like `lose`, for one connection. A new serial separates its later records from all earlier records.
+    /// Like `lose`, for one connection. A new serial separates the connection's later records from all earlier records.
     fn lose_connection(&mut self, connection: usize) {
         let serial = self.next_serial();
         let state = &mut self.states[connection];

@@ -7,7 +7,7 @@
 //! | HTTP | the body of a POST request or its response | `client` | `http` |
 //! | Socket.IO | the argument of an `fw` event | `client` | `engine`, `socketio` |
 //!
-//! All waits have a time limit, and no more than [`MESSAGE_LIMIT`] of received data is stored.
+//! All waits have a time limit, and no more than [`MESSAGE_LIMIT`] bytes of received data are stored.
 //!
 //! ```
 //! use std::time::{Duration, Instant};

@@ -8,7 +8,7 @@ pub fn encode(bytes: &[u8]) -> String {
 }
 
 /// Decodes base64, or returns `None` if the text is invalid. Unlike the library's decoder, this function rejects
-/// concatenated texts and ignores unused bits.
+/// concatenated base64 strings and ignores unused bits.
 pub fn decode(text: &str) -> Option<Vec<u8>> {
     let bytes = text.as_bytes();
     if !bytes.len().is_multiple_of(4) {

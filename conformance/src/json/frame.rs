@@ -8,13 +8,13 @@
 pub(crate) struct Frame {
     depth: u64,
     state: State,
-    /// True if the value ended before the last byte.
+    /// True if the value ended before the most recent byte.
     is_before: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum State {
-    /// Only spaces so far.
+    /// Only whitespace so far.
     #[default]
     Fresh,
     /// Between strings.
@@ -44,7 +44,7 @@ impl Frame {
         self.depth
     }
 
-    /// Processes the next byte. Returns true if the value ends with this byte, or before it.
+    /// Processes the next byte. Returns true if the value ends with or before this byte.
     pub(crate) fn step(&mut self, byte: u8) -> bool {
         self.is_before = false;
         match self.state {
@@ -82,7 +82,7 @@ impl Frame {
         }
     }
 
-    /// True if there were only spaces so far.
+    /// True if there was only whitespace so far.
     pub(crate) fn is_fresh(&self) -> bool {
         self.state == State::Fresh
     }

@@ -1,6 +1,6 @@
 //! The JSON tokenizer. Tokens borrow from the input text.
 //!
-//! In addition to RFC 8259, it accepts `NaN`, `Infinity` and `-Infinity` as separate tokens. Readers of known
+//! In addition to the tokens of RFC 8259, the tokenizer accepts `NaN`, `Infinity` and `-Infinity`. Readers of known
 //! structures call a function for the expected token ([`Tokens::integer`], [`Tokens::takes_key`]); other readers accept
 //! any token. Functions that run for each value are marked `#[inline]`, because their callers are in other modules.
 
@@ -83,7 +83,7 @@ impl<'t> Tokens<'t> {
         SyntaxError { at: self.at, problem }
     }
 
-    /// Skips spaces, and returns the next byte without consuming it.
+    /// Skips whitespace, and returns the next byte without consuming it.
     #[inline]
     pub(crate) fn peek(&mut self) -> Option<u8> {
         loop {
@@ -103,7 +103,7 @@ impl<'t> Tokens<'t> {
         is_next
     }
 
-    /// Checks that only spaces follow.
+    /// Checks that only whitespace follows.
     pub(crate) fn end(mut self) -> Result<(), SyntaxError> {
         if self.peek().is_none() { Ok(()) } else { Err(self.error("unexpected data after the value")) }
     }
@@ -188,7 +188,7 @@ impl<'t> Tokens<'t> {
         if self.takes(b':') { Ok(()) } else { Err(self.error("expected `:`")) }
     }
 
-    /// Consumes this key and its colon if they come next and contain no escapes or spaces.
+    /// Consumes this key and its colon if they come next, without escapes or whitespace.
     #[inline]
     pub(crate) fn takes_key(&mut self, name: &str) -> bool {
         self.peek();
@@ -271,8 +271,8 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// Reads an integer of at most 18 digits, without a fraction or exponent. Callers expect a comma or a bracket
-    /// next, so they notice longer numbers.
+    /// Reads an integer of at most 18 digits, without a fraction or exponent. Callers expect a comma or a bracket next,
+    /// so they detect longer numbers.
     #[inline]
     pub(crate) fn integer(&mut self) -> Option<i64> {
         let is_negative = self.peek()? == b'-';

@@ -111,7 +111,7 @@ impl fmt::Display for Tree<'_> {
     }
 }
 
-/// Writes as many values as fit into an excerpt, in brackets.
+/// Writes values in brackets, as many as fit into an excerpt.
 fn enclosed<T>(text: &mut String, [open, close]: [char; 2], values: &[T], write: impl Fn(&mut String, &T)) {
     text.push(open);
     for (at, value) in values.iter().enumerate() {

@@ -24,8 +24,8 @@ const OBSERVE: Duration = Duration::from_millis(1_500);
 /// The time after which a UAV is lost.
 const LOSS: Duration = Duration::from_millis(700);
 
-/// The maximum duration of a connection, for servers that send a farewell. It is longer than any trial on a separate
-/// connection.
+/// The maximum duration of a connection, for servers that send a farewell. This limit is longer than any trial on a
+/// separate connection.
 const FAREWELL_DELAY: Duration = Duration::from_secs(2);
 
 /// The simulation speed. `10` means ten times real time.
@@ -117,7 +117,7 @@ impl Row {
 }
 
 /// All cases: for each transport, a server without a bug; and for each bug, a server with the transport that reveals
-/// it.
+/// the bug.
 pub(crate) fn cases() -> Vec<Case> {
     let plain =
         |(transport, query)| Case { bug: None, transport, query, has_login: false, sends_farewell: false };

@@ -13,7 +13,7 @@ const DAY: u64 = 86_400;
 /// The number of days after which the calendar repeats: 400 years with 97 leap years.
 const CYCLE: u64 = 146_097;
 
-/// The first second after the year 9999, the last year in TOML dates.
+/// The first second after the year 9999, which is the last year in TOML dates.
 const END: u64 = 253_402_300_800;
 
 /// A day of the Gregorian calendar, in UTC.

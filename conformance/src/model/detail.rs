@@ -17,7 +17,7 @@ pub struct Detail {
     /// The location in the record: the path of a field, such as `events[2].id`, or a JSON pointer, such as
     /// `/msg/events/2/id`. Empty for the whole record.
     pub path: String,
-    /// The part of the subject, printed before the message. Empty for the whole subject.
+    /// The affected part of the subject, printed before the message. Empty for the whole subject.
     pub part: String,
     /// A description of the violation.
     pub message: String,

@@ -65,7 +65,7 @@ pub enum Verdict {
     Fail,
     /// All violations are known failures.
     Known,
-    /// Findings of an INFO rule, which affect no outcome.
+    /// Findings of an INFO rule, which don't affect the outcome.
     Shown,
     /// The rule doesn't apply to any data in the capture.
     NotCovered,

@@ -1,4 +1,4 @@
-//! The records of a capture, as rules see them.
+//! The records of a capture, in the form that rules receive.
 
 use std::fmt;
 
@@ -36,7 +36,7 @@ pub enum Extent {
     /// The whole capture.
     #[default]
     Whole,
-    /// All bytes of a file that is truncated within a record.
+    /// All bytes were read, but the file is truncated within a record.
     #[serde(rename = "ends early")]
     EndsEarly,
     /// Some corrupt parts were skipped.
@@ -50,7 +50,8 @@ pub enum Extent {
 /// A stream of messages of one type: a subscription in a log, or a topic in any other capture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Channel<'c> {
-    /// The number of the channel in its capture. If a new channel replaces another, it reuses the number.
+    /// The number of the channel in its capture. If a new channel replaces an old one, the new channel reuses the
+    /// number.
     pub index: usize,
     /// The topic.
     pub topic: &'c str,

@@ -1,4 +1,4 @@
-//! A connection of a probe, which records all messages.
+//! A probe's connection. All of its messages are recorded.
 
 use std::collections::BTreeSet;
 use std::io::{self, ErrorKind};

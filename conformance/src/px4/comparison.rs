@@ -24,7 +24,7 @@ pub enum Comparison {
 enum Order {
     /// The offset in memory.
     Memory,
-    /// The order of declaration, which is also the order in CDR.
+    /// The declaration order, which is also the order in CDR.
     Declared,
 }
 
@@ -101,7 +101,8 @@ fn compare_in(order: Order, format: MessageType<'_>, defined: MessageType<'_>) -
 }
 
 impl Order {
-    /// The fields in this order. The formats in logs list fields in memory order. Definitions list them in any order.
+    /// The fields, sorted by this kind of position. The formats in logs list fields in memory order, but definitions
+    /// list them in any order.
     fn fields(self, message_type: MessageType<'_>) -> Vec<Placed<'_>> {
         let mut fields: Vec<Placed<'_>> = message_type.layout().collect();
         if self == Self::Memory {

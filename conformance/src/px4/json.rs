@@ -5,8 +5,8 @@
 //! findings ([`Plans::read`]).
 //!
 //! Everything else is parsed into a [`Tree`]. A tree preserves repeated keys, the text of numbers, and non-JSON tokens
-//! such as `NaN`. All findings come from the tree ([`Plans::explain`]). Both paths use the same checks of single values
-//! (`value.rs`), and a test with random changes compares their results.
+//! such as `NaN`. All findings come from the tree ([`Plans::explain`]). The fast path and the tree use the same checks
+//! of single values (`value.rs`). A test with random changes compares the results of both.
 
 mod clean;
 mod dialect;

@@ -2,7 +2,7 @@
 //!
 //! A plan is compiled once for each format. The capture provides the format, and the definition provides the
 //! constraints. The constraints apply to the fields that the format and the definition share. Checking a valid message
-//! takes only a few comparisons for each constrained field. Violations are examined in a second step.
+//! takes only a few comparisons for each constrained field. Violations are examined in a second pass.
 
 mod healthy;
 
@@ -36,8 +36,8 @@ pub(crate) struct Plan {
 /// The values of a field, which all have the same constraints.
 #[derive(Debug)]
 struct Step {
-    /// The path of the field, e.g. `events[2].id`. If the field itself is an array, the path contains no index into it.
-    /// In a sequence, the path is relative to the element.
+    /// The path of the field, e.g. `events[2].id`. If the field itself is an array, the path contains no index into the
+    /// array. In a sequence, the path is relative to the element.
     path: String,
     /// The subject of findings: the name of the topic and the path without indices.
     subject: String,
@@ -84,7 +84,7 @@ struct Entry {
     index: usize,
 }
 
-/// A message nested in the message of the plan.
+/// A message nested in the plan's message.
 #[derive(Clone, Copy)]
 struct Within<'w> {
     /// The offset of the nested message.
@@ -98,7 +98,7 @@ struct Within<'w> {
 struct Compiler<'c> {
     schema: &'c Schema,
     rules: &'static ValueRules,
-    /// The constraints of the messages that have been compiled so far.
+    /// The constraints of all messages compiled so far.
     messages: HashMap<MessageId, Rc<MessagePlan>>,
     /// The number of steps so far.
     size: usize,
@@ -217,7 +217,7 @@ impl Compiler<'_> {
             let base = offset + index * placed.stride;
             let within = Within { base, path: &path, subject: &subject, entries: &entries };
             self.add(nested, nested_id(field), within, steps);
-            // If one element needs no steps, none of the elements do. There can be millions of them.
+            // If one element needs no steps, the other elements need none either. There can be millions of elements.
             if steps.len() == before {
                 break;
             }

@@ -332,7 +332,7 @@ impl FieldPlan {
     }
 }
 
-/// True if `char` is text. In ROS 2, it is a number.
+/// True if `char` is text. In ROS 2, `char` is a number.
 fn has_text(message: &schema::Message, schema: &Schema) -> bool {
     schema.package_of(message).form == Form::Msg(Dialect::Px4)
 }

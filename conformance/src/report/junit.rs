@@ -1,6 +1,6 @@
 //! Reports as `JUnit` XML: one suite per subject. A capture has one case per rule, and a testee has one per test case.
 //!
-//! CI systems identify a case by class and name, so these don't depend on the findings.
+//! CI systems identify a case by class and name, so the class and the name don't depend on the findings.
 
 use std::fmt::Write as _;
 
@@ -35,7 +35,7 @@ pub(super) fn write(report: &Report) -> String {
     junit::write(name, &suites)
 }
 
-/// The suite for reasons for failure that belong to no subject.
+/// The suite for failure reasons that belong to no subject.
 fn run_suite(name: &str, reasons: &[crate::model::Reason]) -> Option<Suite> {
     let messages: Vec<String> = reasons.iter().map(|reason| shown(&reason.to_string())).collect();
     let (kind, message) = ("run".to_owned(), messages.first()?.clone());
@@ -187,7 +187,7 @@ fn testee_case(case: &Case) -> junit::Case {
         CaseVerdict::Pass => Outcome::Passed,
         CaseVerdict::Unsupported => Outcome::Skipped("not supported by the testee".to_owned()),
         CaseVerdict::NotRun => Outcome::Skipped("not run".to_owned()),
-        // Known failures are reported, but don't fail.
+        // Known failures are reported as skipped.
         _ if case.known.is_some() => Outcome::Skipped("known".to_owned()),
         CaseVerdict::Fail => Outcome::Failed(reason(case)),
         CaseVerdict::Crashed | CaseVerdict::TimedOut => Outcome::Error(reason(case)),

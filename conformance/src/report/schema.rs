@@ -44,7 +44,7 @@ fn schema() -> Value {
     Value::Object(whole)
 }
 
-/// Removes the width of integers, which is specific to Rust.
+/// Removes integer widths, which are specific to Rust.
 fn without_width(schema: &mut Schema) {
     if schema.get("type").is_some_and(|ty| ty == "integer") {
         schema.remove("format");

@@ -312,7 +312,7 @@ pub struct FlockwaveRule {
     pub(crate) covers: &'static [Attribution],
     /// The reference server bug that violates the rule.
     pub(crate) bug: Bug,
-    /// The probe requests that test the rule. A rule without a trial is tested by the probe's survey or by any other
+    /// The probe requests that test the rule. A rule without a trial is checked in the probe's survey and in any other
     /// session.
     pub(crate) trial: Option<Trial>,
     /// Captures that violate the rule.

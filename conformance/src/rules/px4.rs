@@ -108,7 +108,7 @@ pub(crate) struct Px4Rule {
 pub(crate) enum Check {
     /// A plan that is compiled for the format checks each value.
     Value,
-    /// The capture reader reports violations, because it can't read the data.
+    /// The capture reader reports violations, because the affected data can't be read.
     Source,
     /// A stateful checker receives the records of a capture.
     State(fn() -> Box<dyn Checker>),
@@ -125,7 +125,7 @@ pub(crate) struct Mutant {
     pub also: &'static [&'static Px4Rule],
 }
 
-/// The function that makes a mutant. It returns `None` if the change isn't possible with the definitions.
+/// The function that makes a mutant. The function returns `None` if the definitions don't allow the change.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Change {
     /// Changes the flight. The result is written in each encoding that can represent the change.

@@ -1,8 +1,9 @@
-//! Conforming captures, generated from any definitions. Rules report no findings in these captures. Mutants are derived
-//! from them.
+//! Conforming captures, generated from any definitions. The rules report no findings in these captures, and mutants are
+//! derived from them.
 //!
 //! The bytes depend only on the definitions. All values are the typical values from the test vectors, so adjacent
-//! values differ and no value is zero by chance. Times and the messages of external components are realistic.
+//! values differ and no value is zero by chance. The times are realistic, and so are the messages of external
+//! components.
 
 mod bag;
 mod encoding;

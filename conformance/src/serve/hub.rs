@@ -42,7 +42,7 @@ pub(super) trait Sink: Send + Sync {
     /// Sends a message.
     fn send(&self, text: &str);
 
-    /// Closes the connection after the messages sent so far.
+    /// Closes the connection after sending the queued messages.
     fn close(&self);
 }
 
@@ -185,7 +185,7 @@ impl Hub {
         }
     }
 
-    /// Processes bytes from a client that arrive `elapsed` after the start of the server.
+    /// Processes bytes that arrive from a client at the time `elapsed` after the start of the server.
     pub(super) fn receive(&mut self, id: SessionId, bytes: &[u8], elapsed: Duration) {
         self.elapsed = self.elapsed.max(elapsed);
         self.take(id, Incoming::parse(bytes));
@@ -280,7 +280,7 @@ impl Hub {
         self.notify_all(&obj_del::Notification { ids }.into());
     }
 
-    /// Removes the UAVs that are due to get lost.
+    /// Removes the UAVs whose configured time of loss has come.
     fn apply_losses(&mut self) {
         let elapsed = self.elapsed;
         let lost: Vec<(String, Duration)> =

@@ -187,7 +187,7 @@ fn accept(
         let stream = match listener.accept() {
             Ok((stream, _)) => stream,
             Err(error) => {
-                // Neither an early disconnect by a client nor a lack of file descriptors may end the server.
+                // The server must survive an early client disconnect and a lack of file descriptors.
                 thread::sleep(if is_silence(&error) { ACCEPT_PAUSE } else { POLL_INTERVAL });
                 continue;
             }
@@ -199,7 +199,7 @@ fn accept(
         }
         thread::spawn(move || {
             let _guard = ConnectionGuard(&shared);
-            // On some systems, a connection inherits this mode from its listener.
+            // On some systems, an accepted connection inherits the listener's non-blocking mode.
             if stream.set_nonblocking(false).is_ok() {
                 // A connection's errors affect only its client.
                 let _ = serve_connection(&shared, stream);

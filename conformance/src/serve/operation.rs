@@ -15,7 +15,7 @@ const SUSPEND_AT: u8 = 50;
 #[derive(Debug)]
 pub(super) struct Operation {
     pub(super) receipt: String,
-    /// The end of the operation: with a result, or without a message.
+    /// The way in which the operation ends: with a result, or without a message.
     ending: Ending,
     /// The duration in simulated seconds.
     length: f64,

@@ -134,7 +134,7 @@ impl Uav {
     pub(super) fn command(&mut self, command: Command) -> Result<(), String> {
         let is_flying = self.is_flying();
         match command {
-            Command::Sleep | Command::Restart if is_flying => return Err("it is in the air".to_owned()),
+            Command::Sleep | Command::Restart if is_flying => return Err("the UAV is in the air".to_owned()),
             Command::Sleep => self.activity = Activity::Sleeping,
             Command::WakeUp => {
                 if self.is_sleeping() {
@@ -150,12 +150,12 @@ impl Uav {
                 self.errors.clear();
             }
             Command::Motors { is_start: false, is_forced: false } if is_flying => {
-                return Err("it is in the air; set force to stop its motors".to_owned());
+                return Err("the UAV is in the air; set force to stop its motors".to_owned());
             }
             Command::Motors { is_start, .. } => self.turn_motors(is_start),
             Command::TakeOff => self.take_off()?,
             _ if self.activity == Activity::Falling => return Err("it is falling".to_owned()),
-            _ if !is_flying => return Err("it is on the ground".to_owned()),
+            _ if !is_flying => return Err("the UAV is on the ground".to_owned()),
             Command::Land => self.activity = Activity::Landing,
             Command::ReturnHome => self.activity = Activity::Returning,
             Command::Hover => self.activity = Activity::Hovering,
@@ -175,11 +175,11 @@ impl Uav {
 
     fn take_off(&mut self) -> Result<(), String> {
         if self.is_flying() {
-            return Err("it is in the air".to_owned());
+            return Err("the UAV is in the air".to_owned());
         }
         let is_severe = |code: &ErrorCode| matches!(code.class(), ErrorClass::Error | ErrorClass::Fatal);
         if let Some(code) = self.codes().into_iter().find(is_severe) {
-            return Err(format!("it has error code {code}"));
+            return Err(format!("the UAV has error code {code}"));
         }
         self.activity = Activity::TakingOff;
         Ok(())

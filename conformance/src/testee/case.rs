@@ -9,7 +9,7 @@ use super::wire::{to_base64, to_wire};
 use crate::definitions::Definitions;
 use crate::rules::px4::{self, Px4Rule};
 
-/// Rules that concern the payload as a whole. A payload that violates one of them can't be decoded. If a payload
+/// Rules that concern the payload as a whole. A payload that violates one of these rules can't be decoded. If a payload
 /// violates another rule, for example because a `bool` is 153, a codec may decode or reject it.
 static PAYLOAD_RULES: [&Px4Rule; 3] = [&px4::DATA_01, &px4::CDR_01, &px4::CDR_02];
 

@@ -17,7 +17,7 @@ use super::wire::{float, from_base64, integer};
 /// The maximum number of characters of a value in a message.
 const MAX_SHOWN: usize = 400;
 
-/// A difference between a response and the expected one.
+/// A difference between a response and the expected response.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// The location in the value, such as `/events/2/id`; empty for the whole value.
@@ -41,7 +41,7 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Compares a response with the expected one.
+/// Compares a response with the expected response.
 pub(crate) fn compare(case: &Case, answer: &Response, types: &Types) -> Result<(), Difference> {
     let expected = &case.expected;
     match (answer, &expected.ok) {

@@ -1,4 +1,4 @@
-//! Writes requests to a file and reads responses from one, for testees that can't be started here.
+//! Writes requests to a file and reads responses from a file, for testees that can't be started here.
 
 use std::io::{self, BufRead, Read as _, Write};
 

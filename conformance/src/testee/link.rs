@@ -1,4 +1,4 @@
-//! A connection to a testee, which is a child process or a TCP connection. No call here blocks longer than its time
+//! A connection to a testee, over the pipes of a child process or over TCP. No call here blocks longer than its time
 //! limit.
 //!
 //! One thread reads from the testee. Another thread writes to the testee, since the testee may stop reading. The
@@ -17,8 +17,8 @@ use super::protocol::Hello;
 use super::target::Target;
 use crate::net::Connection;
 
-/// The maximum number of queued lines. Each may be as long as the line limit. If the queue is full, the testee has to
-/// wait.
+/// The maximum number of queued lines. Each line may be as long as the line limit. If the queue is full, the testee has
+/// to wait.
 const MAX_QUEUED_LINES: usize = 8;
 
 /// The interval between checks of whether a silent process has ended.
@@ -29,7 +29,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(100);
 pub(super) enum Received {
     /// A line without its line end.
     Line(Vec<u8>),
-    /// A line longer than the limit, after which nothing can be read.
+    /// A line exceeded the limit; nothing can be read after it.
     TooLong,
     /// The end of the output.
     Closed,
@@ -92,7 +92,7 @@ impl Link {
                 Ok(hello) => return Ok((hello, line)),
                 Err(wrong) => format!("{wrong}: {}", excerpt(&line)),
             },
-            Received::TooLong => "a line longer than the limit".to_owned(),
+            Received::TooLong => "the testee sent a line longer than the limit".to_owned(),
             Received::Closed => self.ending(until),
             Received::Lost(how) => how,
             Received::Nothing => format!("no response within {} s", options.start_timeout.as_secs_f32()),
@@ -185,7 +185,7 @@ impl Link {
 fn advice(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::ConnectionRefused => {
-            "\n  help: nothing listens on this port; check the port, and that the testee is running"
+            "\n  help: nothing listens on this port; check the port, and make sure that the testee is running"
         }
         io::ErrorKind::TimedOut => {
             "\n  help: check the address, and whether a firewall blocks the connection"

@@ -112,9 +112,9 @@ pub fn check(id: &str) -> Option<&'static Check> {
     CHECKS.iter().find(|check| check.id == id)
 }
 
-/// Checks a testee. Returns an error if it can't be started or accepts no connection. `only` selects checks. If `only`
-/// is empty, all checks run. The first check always runs because the others require it. `progress` receives the number
-/// of finished checks and the total number.
+/// Checks a testee. Returns an error if the testee can't be started or accepts no connection. `only` selects checks. If
+/// `only` is empty, all checks run. The first check always runs because the others require it. `progress` receives the
+/// number of finished checks and the total number.
 pub fn lint(
     cases: &[Case],
     types: &Types,

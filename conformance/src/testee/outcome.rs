@@ -40,7 +40,7 @@ pub enum Verdict {
     Known {
         /// The failure.
         failure: Box<Verdict>,
-        /// The entry that excuses it.
+        /// The entry that excuses the failure.
         excuse: Excuse,
     },
     /// The case was not run: the run ended early, or the file contains no response to the case.
@@ -96,7 +96,7 @@ impl ProtocolRemarks {
             Ok(at) => self.remarks[at].1 += 1,
             Err(at) => self.remarks.insert(at, (what, 1)),
         }
-        // A dropped text can't reappear: the list stays full of texts that precede it.
+        // A dropped text stays dropped, because the list is full of texts that sort before it.
         if self.remarks.len() > MAX_REMARKS {
             self.more += self.remarks.pop().map_or(0, |(_, count)| count);
         }

@@ -133,7 +133,7 @@ fn kill_group(_: u32) {}
 fn kill_all_when_interrupted() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // An application with its own handler is responsible for this.
+        // If the application has its own handler, that handler must kill the testees.
         let _ = ctrlc::try_set_handler(|| {
             groups(std::mem::take).into_iter().for_each(kill_group);
             std::process::exit(INTERRUPTED);

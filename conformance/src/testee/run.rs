@@ -8,7 +8,8 @@
 //! remarks.
 //!
 //! Neighbouring cases often fail together. After a crash, requests are therefore sent one at a time, and the limit on
-//! pending requests doubles with each response. If every case crashes the testee, each case requires only one start.
+//! pending requests doubles with each response. If every case crashes the testee, each case requires only one process
+//! start.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -24,8 +25,9 @@ use super::options::{Options, excerpt};
 use super::outcome::{Outcome, ProtocolRemarks, Verdict};
 use super::protocol::{Hello, Response};
 
-/// Runs the selected cases, given as indices, which are also their ids on the wire. Returns an error if the testee
-/// can't be started or sends no valid hello. `progress` receives the number of finished cases and the total number.
+/// Runs the selected cases, given as indices. On the wire, the index of a case is its id. Returns an error if the
+/// testee can't be started or sends no valid hello. `progress` receives the number of finished cases and the total
+/// number.
 pub fn run<'c>(
     cases: &'c [Case],
     selected: &[usize],
@@ -240,7 +242,8 @@ impl<'s, 'r> Worker<'s, 'r> {
             Received::Nothing => return self.process_ended(End::Silent),
             Received::TooLong => {
                 let limit = self.shared.options.line_limit;
-                return self.process_ended(End::Ended(format!("a line longer than {limit} bytes")));
+                return self
+                    .process_ended(End::Ended(format!("the testee sent a line longer than {limit} bytes")));
             }
             Received::Closed => {
                 let how = testee.ending(until);

@@ -1,8 +1,8 @@
 //! The encoding of values in the protocol: JSON with numbers that all parsers preserve.
 //!
 //! Many JSON parsers store all numbers as 64-bit floats. For this reason, integers beyond ±2^53 are written as
-//! `{"$u64": "18446744073709551615"}` or `{"$i64": "…"}`, and floats that JSON can't represent as `{"$f": "NaN"}`,
-//! `{"$f": "inf"}` and `{"$f": "-inf"}`. Bytes are base64 (RFC 4648, section 4, with padding).
+//! `{"$u64": "18446744073709551615"}` or `{"$i64": "…"}`, and floats that JSON can't represent are written as `{"$f":
+//! "NaN"}`, `{"$f": "inf"}` and `{"$f": "-inf"}`. Bytes are base64 (RFC 4648, section 4, with padding).
 
 use serde_json::{Map, Number, Value, json};
 use uavspec_codegen::dynamic::{MessageType, PlacedElement};

@@ -199,7 +199,7 @@ fn reports_deviations_with_location_and_expected_value() {
         [
             "/body/schedule/0/startMs: an integer, found 1.5",
             "/body/schedule/0/endMs: one of `auto`, `inf`, found \"soon\"",
-            "/body/schedule/2: an object of the type TimeAxisScheduleSegment, found 7",
+            "/body/schedule/2: an object of type TimeAxisScheduleSegment, found 7",
         ]
     );
     let body = json!({ "type": "WTH-AT", "weather": {
@@ -252,7 +252,7 @@ fn findings_refer_to_the_definition() {
         groups(&DEFINITIONS),
         expected.map(|(subject, count, line)| (subject.to_owned(), count, Some(line.to_owned())))
     );
-    // User definitions without these messages don't contain the pages.
+    // Definitions without these messages contain no such pages, so the findings have no line.
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("Glider.msg"), "uint64 timestamp # [us] Time\n").expect("a file");
     let other = Definitions::load(folder.path()).expect("definitions");
@@ -291,7 +291,7 @@ fn ends_with_recursive_alternatives() {
     let found =
         definitions.body_schemas().deviations("GLIDER-INF", Direction::Notification, &tree).expect("a shape");
     assert_eq!(found.len(), 1);
-    assert_eq!(found[0].mismatch.expected, "an object of the type Left, or an object of the type Right");
+    assert_eq!(found[0].mismatch.expected, "an object of type Left, or an object of type Right");
 }
 
 /// Bodies of any size and depth are checked, and their findings are bounded.

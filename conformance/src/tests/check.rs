@@ -270,7 +270,7 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
     ]
 }
 
-/// Rules that a mutant necessarily violates in addition to its own.
+/// Rules that a mutant necessarily violates in addition to its intended rule.
 const ALSO_VIOLATED: [(&str, &str); 1] = [("PX-FMT-03", "PX-FMT-01")];
 
 #[test]
@@ -296,7 +296,7 @@ fn accepts_a_new_subscription_after_the_old_one_ended() {
         let result = run_check(&log);
         violated(&result).iter().map(|(rule, _)| *rule).collect::<Vec<_>>()
     };
-    // The new subscription has the same id. Or it has another id, and the old id was unsubscribed or reused.
+    // A topic may be subscribed again with the same id, or with another id after the old id was unsubscribed or reused.
     let again = |log: &mut Writer, id| _ = log.subscribe(id, 0, "glider");
     assert_eq!(checked(&|log| again(log, 5)), NONE);
     let moved = |log: &mut Writer| {
@@ -403,7 +403,7 @@ fn reports_the_path_of_nested_values() {
     );
 }
 
-/// Each finding on a value contains its path, even if the message doesn't.
+/// Each finding on a value contains the value's path, even if the message doesn't.
 #[test]
 fn findings_on_values_contain_the_path_of_the_field() {
     let mut glider = Glider { is_landed: 2, mode: 8, ..Glider::at(60 * PERIOD) };

@@ -44,7 +44,7 @@ fn checks_records_before_a_truncation() {
     let definitions = Definitions::built_in();
     for (name, bytes, whole) in captures(&definitions) {
         let mut before = 0;
-        // JSON is ten times as long, and each truncated file is read completely.
+        // JSON captures are ten times as long, and each truncated file is read completely.
         let step = extent(1, 4) * if name == "log" || name == "MCAP" { 97 } else { 970 };
         for cut in (0..bytes.len()).step_by(step) {
             let result = checked(&bytes[..cut], &definitions);

@@ -210,7 +210,7 @@ fn accepts_topics_in_any_order() {
         script.exchange(108, 112, &[3]);
         assert_eq!(script.found(), NOTHING);
     }
-    // Replies are compared with the latest request at their time, even if they are stored much later.
+    // A reply is compared with the latest request at the reply's time, even if the reply is stored much later.
     let mut script = Script::new();
     script.exchange(100, 105, &[]);
     script.reply(102 * PERIOD + 5, 101, 3);
@@ -750,7 +750,7 @@ fn a_restart_of_the_flight_controller_starts_over() {
     }
 }
 
-/// Time goes back only if it decreases.
+/// Equal times don't count as going backwards.
 #[test]
 fn accepts_requests_with_equal_times() {
     let mut script = Script::new();
@@ -974,7 +974,7 @@ fn events_in_use_have_an_id() {
     assert_eq!(reported_for(true, 0, [0; 5]), (vec![], 0));
     assert_eq!(reported_for(true, 2, [1, 2, 0, 0, 0]), (vec![], 2));
     assert_eq!(reported_for(false, 5, [1; 5]), (vec![], 5));
-    let message = "PX-EXT-04 arming_check_reply.events 1: events[1].id: one of the 2 used events has no id";
+    let message = "PX-EXT-04 arming_check_reply.events 1: events[1].id: an entry among the first 2 has no id";
     assert_eq!(reported_for(true, 2, [1, 0, 0, 0, 0]).0, [message]);
     assert!(
         reported_for(true, 5, [0; 5]).0[0].starts_with("PX-EXT-04 arming_check_reply.events 5: events[0].id")

@@ -101,7 +101,7 @@ fn accepts_reuse_of_an_answered_id() {
     assert_eq!(violated_by(&session), [("FW-ENV-08", 1)]);
 }
 
-/// If two requests have the same id, the answer belongs to neither, so its content isn't checked.
+/// If two requests have the same id, the answer belongs to neither request, so the answer's content isn't checked.
 #[test]
 fn reports_only_the_reuse_of_a_request_id() {
     for is_swapped in [false, true] {
@@ -146,7 +146,7 @@ fn a_reopened_connection_starts_a_new_session() {
     let session = Session::new();
     let twice = with_lines([session.lines.clone(), session.lines.clone()].concat());
     assert_eq!(violated_by(&twice), []);
-    // This applies even if the recording doesn't contain the end of the connection.
+    // A new session starts even if the recording doesn't contain the end of the old connection.
     let mut session = Session::opened();
     let id = session.sends(ping());
     session.event("connect");
@@ -501,7 +501,7 @@ fn reports_describe_the_recording() {
     }
     let value = serde_json::to_value(&subject).expect("JSON");
     assert_eq!((&value["kind"], &value["connections"]), (&json!("flockwave"), &json!(8)));
-    // UAV-SOAR is sent only by the client, which isn't checked.
+    // Only the client sends UAV-SOAR, and its messages aren't checked.
     let unsupported = json!([{ "name": "SOAR-LIST", "from_client": 1, "from_server": 1 }]);
     assert_eq!(value["unsupported"], unsupported);
     assert!(value["types"].as_array().is_some_and(|types| types.len() > 30));

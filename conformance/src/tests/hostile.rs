@@ -1,4 +1,4 @@
-//! Runs with hostile input that tries to break reports, for tests.
+//! Captures and reports with hostile input, for tests.
 
 use crate::check::check_capture;
 use crate::definitions::Definitions;

@@ -287,7 +287,7 @@ fn reports_every_problem_of_a_message() {
     assert_eq!(ids, expected.map(|(id, subject)| (id, subject.to_owned())));
 }
 
-/// The JSON pointers of findings lead to the values in the record, regardless of its envelope.
+/// The JSON pointers of findings lead to the values in the record, regardless of the record's envelope.
 #[test]
 fn findings_point_into_the_record() {
     let mut message = glider(PERIOD);

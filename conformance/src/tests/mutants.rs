@@ -54,7 +54,7 @@ fn built_in_definitions_have_mutants_of_every_rule() {
     assert!(matrix(&definitions).iter().all(|row| row.violated.is_some()));
 }
 
-/// This includes findings in sessions.
+/// Includes findings in sessions.
 #[test]
 fn findings_have_a_definition_and_the_expected_value() {
     let definitions = Definitions::built_in();

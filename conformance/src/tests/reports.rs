@@ -144,7 +144,8 @@ fn state() -> impl Strategy<Value = (String, Value)> {
     })
 }
 
-/// The body of a message, true if the server sends the message, and the id of the answered request, if any.
+/// The body of a message, a flag that is true if the server sends the message, and the id of the answered request, if
+/// any.
 type Content = (Value, bool, Option<&'static str>);
 
 /// The content of a message, usually a status report.
@@ -217,7 +218,7 @@ fn style() -> impl Strategy<Value = Style> {
 }
 
 /// The start of a recording. The server sends its time, so that later status timestamps can be compared, and starts an
-/// operation that is cancelled.
+/// operation that is later cancelled.
 fn beginning() -> Vec<u8> {
     let requested = [
         (json!({ "type": "SYS-TIME" }), json!({ "type": "SYS-TIME", "timestamp": 1_790_000_000_000_u64 })),
@@ -322,7 +323,7 @@ fn finds_duplicate_members() {
     assert_eq!(compare(format!("{} 7", report("")).as_bytes(), &definitions), 0);
 }
 
-/// Statuses are still checked when the limit of stored kinds is exceeded.
+/// Statuses are still checked if there are more state kinds than can be stored.
 #[test]
 fn both_paths_agree_on_any_number_of_kinds() {
     let definitions = Definitions::built_in();

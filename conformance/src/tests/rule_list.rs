@@ -52,7 +52,7 @@ fn pages_are_up_to_date() {
     assert_eq!((stale, orphans), (vec![], vec![]), "run {UPDATE}");
 }
 
-/// A page of `uavspec-codegen` at the same path would be overwritten.
+/// A page that `uavspec-codegen` writes to the same path would be overwritten.
 #[test]
 fn page_paths_differ_from_those_of_codegen() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(DOCS);

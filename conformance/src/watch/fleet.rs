@@ -181,8 +181,8 @@ impl Fleet {
         self.has_list && self.uavs().all(|(_, uav)| is_known(uav))
     }
 
-    /// The age of a UAV's state. It is computed from the timestamp if the server's clock is known. Otherwise, it is the
-    /// time since the timestamp last changed.
+    /// The age of a UAV's state. The age is computed from the timestamp if the server's clock is known. Otherwise, it
+    /// is the time since the timestamp last changed.
     pub(crate) fn age(&self, uav: &Uav, now: Instant) -> Option<Duration> {
         let since = now.saturating_duration_since(uav.changed?);
         let timestamp = uav.state.as_ref().and_then(|state| state.timestamp.known());

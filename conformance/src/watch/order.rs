@@ -26,7 +26,7 @@ impl Order {
         }
     }
 
-    /// The next order. After the last order, this is the first.
+    /// The next order, or the first order after the last one.
     #[must_use]
     pub(crate) fn next(self) -> Self {
         match self {

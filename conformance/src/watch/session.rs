@@ -13,8 +13,8 @@ use crate::flockwave::transport::endpoint::Endpoint;
 /// The maximum time to connect.
 const CONNECT_LIMIT: Duration = Duration::from_secs(10);
 
-/// The connection counts as lost after this time without a message. The time is long enough, because requests are sent
-/// every few seconds.
+/// The connection counts as lost after this time without a message. This is long enough, because the client sends
+/// requests every few seconds.
 const SILENCE_LIMIT: Duration = Duration::from_secs(15);
 
 /// The interval between checks for due requests and for the end of the session.

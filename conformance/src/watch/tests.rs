@@ -33,7 +33,7 @@ struct Watched {
     fleet: Fleet,
     events: Receiver<Event>,
     _session: Session,
-    /// The numbers of notifications and of responses that contained states.
+    /// The number of notifications and the number of responses that contained states.
     reported: [usize; 2],
 }
 

@@ -33,7 +33,7 @@ pub const WIDE_UNIT: usize = 4;
 /// Byte order of the numbers in a payload.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ByteOrder {
-    /// Least significant byte first. Nearly all programs use this order.
+    /// Least significant byte first: the order that nearly all programs use.
     #[default]
     LittleEndian,
     /// Most significant byte first.
@@ -221,7 +221,7 @@ fn fail(failure: &mut Option<DecodeError>, fault: Fault, offset: usize) {
 }
 
 impl<'b, const BIG: bool, const STRICT: bool> Reader<'b, BIG, STRICT> {
-    /// The next `size` bytes, aligned.
+    /// The next `size` bytes, after alignment.
     #[inline]
     fn take(&mut self, size: usize, alignment: usize) -> &'b [u8] {
         let start = self.at.next_multiple_of(alignment);
@@ -435,7 +435,7 @@ struct Writer<'b, const BIG: bool> {
 }
 
 impl<const BIG: bool> Writer<'_, BIG> {
-    /// Room for the next `size` bytes, aligned. Empty if the buffer is too small.
+    /// Room for the next `size` bytes, after alignment. Empty if the buffer is too small.
     #[inline]
     fn take(&mut self, size: usize, alignment: usize) -> &mut [u8] {
         let start = self.at.next_multiple_of(alignment);

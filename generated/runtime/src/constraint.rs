@@ -63,8 +63,8 @@ pub struct Constraint<'k> {
     pub low: Option<Number>,
     /// Maximum (`@range`).
     pub high: Option<Number>,
-    /// Values that mean "no data" (`@invalid`) or "set point not controlled" (`@uncontrolled`). They are valid even if
-    /// they are out of range.
+    /// Values that mean "no data" (`@invalid`) or "set point not controlled" (`@uncontrolled`). Such values are valid
+    /// even if they are out of range.
     pub special: &'k [Number],
     /// The length of the array whose used elements the value counts, if any (`@count`).
     pub count: Option<u32>,
@@ -134,7 +134,7 @@ impl Constraint<'static> {
         Self { high: Some(high), ..self }
     }
 
-    /// Allows these values even if they are out of range.
+    /// Allows the `special` values even if they are out of range.
     #[must_use]
     pub const fn or(self, special: &'static [Number]) -> Self {
         Self { special, ..self }
@@ -205,8 +205,8 @@ impl Constraint<'_> {
 
 /// The minimum and maximum of a type in JSON, or `None` for `bool`.
 const fn json_bounds(scalar: Scalar) -> Option<(Number, Number)> {
-    /// The shortest decimal that reads back as `f32::MAX`. Most programs write this form, which is slightly above the
-    /// exact value.
+    /// The shortest decimal that reads back as `f32::MAX`. Most programs write this decimal, which is slightly greater
+    /// than the exact value.
     const MAX_FLOAT32: f64 = 3.402_823_5e38;
     match (scalar, scalar.integer_bounds()) {
         (_, Some((least, most))) => Some((Number::Int(least), Number::Int(most))),
@@ -251,7 +251,7 @@ impl Rule {
     }
 
     /// Explains why `found` violates the rule, and appends the rule id. For a number, the explanation uses
-    /// `constraint`. For a sequence or string, it uses `bound`.
+    /// `constraint`. For a sequence or string, the explanation uses `bound`.
     pub fn explain(
         self,
         found: Number,

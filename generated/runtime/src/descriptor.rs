@@ -1,5 +1,5 @@
-//! Descriptors: compile-time data about messages. They contain the types, offsets and constraints of fields.
-//! Generated code builds them with the `const` functions of [`field`].
+//! Descriptors: compile-time data about messages. A descriptor contains the types, offsets and constraints of fields.
+//! Generated code builds descriptors with the `const` functions of [`field`].
 //!
 //! ```
 //! use uavspec_runtime::descriptor::{Element, FieldDescriptor, Shape, field};
@@ -65,7 +65,7 @@ pub struct FieldDescriptor {
 pub enum Element {
     /// A number, a `bool`, a `byte` or a `char`.
     Scalar(Scalar),
-    /// Text: PX4's `char[N]`. Its size in bytes is the array length in the shape.
+    /// Text: PX4's `char[N]`. The size of the text in bytes is the array length in the shape.
     Text,
     /// A string.
     String {
@@ -78,7 +78,7 @@ pub enum Element {
     Message(&'static MessageDescriptor),
 }
 
-/// Two messages are equal if they have the same name. Their fields are not compared.
+/// Two messages are equal if they have the same name; the fields are not compared.
 impl PartialEq for Element {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -202,7 +202,7 @@ pub mod field {
         new(name, Element::Message(T::DESCRIPTOR), offset)
     }
 
-    /// A constraint that allows any number. Its methods restrict it.
+    /// A constraint that allows any number. The methods of [`Constraint`] add restrictions.
     pub const fn number() -> Constraint<'static> {
         Constraint::NONE
     }

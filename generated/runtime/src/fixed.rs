@@ -14,7 +14,7 @@ use crate::record::{FieldSink, FieldSource, Primitive, Record, Sink, Source, Val
 
 /// An encoding of fixed-size messages.
 pub(crate) trait Encoding {
-    /// True if fields are at the offsets of the memory layout. Otherwise each field follows the previous one.
+    /// True if fields are at the offsets of the memory layout; false if each field follows the previous field.
     const HAS_OFFSETS: bool;
 
     /// The offset of a value of `size` bytes, if the previous value ends at `at`.

@@ -190,7 +190,8 @@ impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
     }
 }
 
-/// Reads the remaining fields after the first `read` fields, starting with `next`.
+/// Reads the remaining fields in any order, starting with the field `next`. The first `read` fields have already been
+/// read.
 #[cold]
 fn read_in_any_order<'de, T: Fields, A: MapAccess<'de>>(
     mut record: T,
@@ -310,7 +311,7 @@ fn find<E: serde::de::Error>(names: &'static [&'static str], key: &str) -> Resul
     found.ok_or_else(|| E::unknown_field(key, names))
 }
 
-/// Implements `Field` with serde's own implementation.
+/// Implements `Field` by calling serde's implementation for the type.
 macro_rules! plain_fields {
     ($($type:ty),*) => {
         $(impl Field for $type {
@@ -340,7 +341,8 @@ impl<T: Fields> Field for T {
     }
 }
 
-/// Implements `Field` for floats. In text formats, NaN is `null` and infinity is an error. Binary formats support both.
+/// Implements `Field` for floats. In text formats, NaN is `null` and infinity is an error. Binary formats support NaN
+/// and infinity.
 macro_rules! float_fields {
     ($($type:ty),*) => {
         $(impl Field for $type {

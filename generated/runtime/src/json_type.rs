@@ -3,8 +3,8 @@
 //!
 //! Each generated type calls one of the macros, which implement `Serialize` and `Deserialize`.
 //!
-//! Reading accepts the fields of an object in any order, and rejects missing and repeated fields. It ignores unknown
-//! fields unless the page forbids them. An optional field may be absent, but `null` is an error unless the page allows
+//! Reading accepts the fields of an object in any order, and rejects missing and repeated fields. Unknown fields are
+//! ignored unless the page forbids them. An optional field may be absent, but `null` is an error unless the page allows
 //! it. Integers have no fraction: reading rejects `1.0`, although JSON Schema accepts it as the integer 1. Reading
 //! doesn't check ranges, lengths or patterns, so a program can read an invalid message and report the violation.
 //!
@@ -280,7 +280,7 @@ macro_rules! json_tuple {
                 &self,
                 serializer: S,
             ) -> ::core::result::Result<S::Ok, S::Error> {
-                // Writes all elements up to the last one that is present.
+                // Writes all elements up to the last element that is present.
                 let is_needed = [$($crate::__json_is_needed!($presence self.$field)),*];
                 let length = is_needed.iter().rposition(|is_needed| *is_needed).map_or(0, |last| last + 1);
                 let mut list =
@@ -563,7 +563,7 @@ macro_rules! __json_integers {
 
 /// Implements reading and writing of a newtype as its inner value: `json_named! { Instant value; }`.
 ///
-/// For a newtype over a string, use `text` instead of `value`. This adds conversions from and to strings.
+/// For a newtype over a string, use `text` instead of `value`, which adds conversions from and to strings.
 #[macro_export]
 macro_rules! json_named {
     ($type:ident value;) => {

@@ -90,8 +90,8 @@ const fn align(offset: usize) -> usize {
 
 /// True if a message's field offsets and size follow the layout rules.
 ///
-/// The algorithm differs from [`place`] on purpose, so each verifies the other. This function first adds up the space
-/// for each element size, then checks the offset of each field in declaration order.
+/// The algorithm differs from [`place`] on purpose, so the two functions verify each other. This function first adds up
+/// the space for each element size, then checks the offset of each field in declaration order.
 pub const fn is_consistent(message: &MessageDescriptor) -> bool {
     let Some(size) = message.size else { return false };
     // The offset of the next field for each element size (8, 4, 2 and 1 bytes), then of the next nested message.
@@ -139,9 +139,9 @@ const fn class_and_size(field: &FieldDescriptor) -> (usize, usize) {
     (class, element_size * count)
 }
 
-/// Checks the layouts of messages at compile time. This detects a nested message whose size has changed.
+/// Checks the layouts of messages at compile time, to detect nested messages whose size has changed.
 ///
-/// One assertion for a whole module compiles much faster than one for each message.
+/// One assertion for a whole module compiles much faster than one assertion for each message.
 #[macro_export]
 macro_rules! assert_layouts {
     ($($type:ident;)*) => {

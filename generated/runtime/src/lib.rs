@@ -16,8 +16,8 @@
 //!
 //! # Performance
 //!
-//! These are medians on a machine with two cores. `cargo xtask bench codec` compares each codec with an alternative on
-//! the same bytes:
+//! These times are medians on a machine with two cores. `cargo xtask bench codec` compares each codec with an
+//! alternative on the same bytes:
 //!
 //! | | this crate | alternative |
 //! |---|---|---|

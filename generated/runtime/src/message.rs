@@ -71,17 +71,17 @@ impl Definition {
 /// # Ok::<(), uavspec_runtime::EncodeError>(())
 /// ```
 pub trait Message: Record + Clone + Default + PartialEq {
-    /// All constants below in one value.
+    /// All constants of the message in one value.
     const DEFINITION: Definition;
     /// The name of the package.
     const PACKAGE: &'static str = Self::DEFINITION.package;
     /// The name within the package.
     const NAME: &'static str = Self::DEFINITION.name;
-    /// The uORB topics with this message type. The first one is not always the default topic.
+    /// The uORB topics with this message type. The first topic is not always the default topic.
     const TOPICS: &'static [&'static str] = Self::DEFINITION.topics;
     /// The version of the message: `MESSAGE_VERSION`.
     const VERSION: Option<u32> = Self::DEFINITION.version;
-    /// The number of messages that a topic queues before it drops the oldest: `ORB_QUEUE_LENGTH`.
+    /// The number of messages that a topic queues before it drops the oldest message: `ORB_QUEUE_LENGTH`.
     const QUEUE_LENGTH: u32 = Self::DEFINITION.queue_length;
     /// PX4's hash of the fields.
     const HASH: u32 = Self::DEFINITION.hash;
@@ -132,7 +132,7 @@ pub trait Message: Record + Clone + Default + PartialEq {
     }
 }
 
-/// A fixed-size message. It has a memory layout in uORB.
+/// A fixed-size message, which has a memory layout in uORB.
 pub trait UorbMessage: Message {
     /// Size in bytes, including the trailing padding.
     const SIZE: usize = Self::DESCRIPTOR.padded_size();

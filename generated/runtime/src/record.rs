@@ -282,8 +282,8 @@ impl Primitive for bool {
 /// Implements the codecs of a message. The arguments are the message name, the number of fields, and the index, name
 /// and descriptor of each field.
 ///
-/// For a fixed-size message, the arguments also include the name of its view, its size with padding and its size
-/// without padding. Each field then also has the type that its view returns.
+/// For a fixed-size message, the arguments also include the name of its view, the size with padding and the size
+/// without padding. For each field, the arguments also include the type that the view returns.
 #[macro_export]
 macro_rules! record {
     ($type:ident[$count:literal], $view:ident, $size:literal, $no_padding:literal;

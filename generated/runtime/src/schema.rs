@@ -64,7 +64,8 @@ pub fn message<T: Record>(generator: &mut SchemaGenerator) -> Schema {
     })
 }
 
-/// The schema of an enum, flags or error codes. It allows any number of the type, and names the documented values.
+/// The schema of an enum, flags or error codes. The schema allows any number of the type, and names the documented
+/// values.
 #[doc(hidden)]
 pub fn open<T: Open>() -> Schema {
     let known =
@@ -133,7 +134,7 @@ fn number(scalar: Scalar, constraint: &Constraint<'_>) -> Schema {
 }
 
 /// True if the special values differ from the ordinary values and from each other, even for parsers that read all
-/// numbers as 64-bit floats. Such parsers round large integers.
+/// numbers as 64-bit floats and therefore round large integers.
 fn are_disjoint(used: &Constraint<'static>, outside: &[Number], scalar: Scalar) -> bool {
     let exact = outside.iter().map(|value| bounds_of(*value, scalar));
     let all: Vec<Constraint<'_>> = core::iter::once(*used).chain(exact).collect();
@@ -159,8 +160,8 @@ fn documented(constraint: &Constraint<'_>, any: Schema) -> Vec<Schema> {
     values.chain([any]).collect()
 }
 
-/// The constraint that allows exactly `value`, in each of its JSON forms: some programs widen a `float32` to 64 bits,
-/// others write its shortest decimal.
+/// The constraint that allows exactly `value`, in any of its JSON forms. Some programs widen a `float32` to 64 bits,
+/// and others write the shortest decimal.
 #[allow(clippy::cast_possible_truncation)] // rounding is intended
 fn bounds_of(value: Number, scalar: Scalar) -> Constraint<'static> {
     let exact = value.as_f64();
@@ -188,7 +189,7 @@ fn exactly(value: Number, scalar: Scalar) -> Schema {
         insert(&mut schema, "const", value);
         return schema;
     }
-    // Only a float has several forms.
+    // Only a float can have several JSON forms.
     let mut schema = json_schema!({ "type": "number" });
     insert_all(&mut schema, &bounds);
     schema
@@ -210,13 +211,13 @@ fn insert(schema: &mut Schema, keyword: &str, value: Number) {
     schema.insert(keyword.to_string(), value);
 }
 
-/// Finds the schemas of nested messages. The descriptor doesn't contain their Rust types. This source therefore reads a
-/// dummy message and records the type of each field that contains a message.
+/// Finds the schemas of nested messages. The message descriptor doesn't contain the Rust types of nested messages. This
+/// source therefore reads a dummy message, and records the type of each field that contains a message.
 struct References<'g> {
     generator: &'g mut SchemaGenerator,
     /// The message whose fields are read.
     message: &'static MessageDescriptor,
-    /// For each field, the schema of its nested message.
+    /// The schema of the nested message in each field, if any.
     found: Vec<Option<Schema>>,
     /// The field that is being read.
     field: usize,

@@ -23,7 +23,7 @@ impl Severity {
 
     /// The severity of any code, known or not: `(code & 0xFF) >> 6`.
     ///
-    /// The specification guarantees this rule for codes under 256 and recommends it for other codes.
+    /// The specification guarantees this formula for codes under 256 and recommends it for other codes.
     pub const fn of(code: u32) -> Self {
         match (code & 0xFF) >> 6 {
             0 => Self::Informational,
@@ -54,7 +54,7 @@ impl fmt::Display for Severity {
 pub trait ErrorList {
     /// True if the UAV is ready for takeoff: the list contains code 1 (on the ground) and no other code.
     ///
-    /// An empty list means that there is no error. It doesn't mean that the UAV is on the ground.
+    /// An empty list means only that there is no error, not that the UAV is on the ground.
     fn is_ready_for_takeoff(&self) -> bool;
 
     /// The severity of the most severe code, or `None` for an empty list.
@@ -75,7 +75,7 @@ impl<C: Copy + Into<u32>> ErrorList for [C] {
 /// A class of error codes: a range that the specification reserves for one purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ErrorClass {
-    /// Code 0: no error. An empty list of codes has the same meaning.
+    /// Code 0: no error. An empty list of codes also means that there is no error.
     NoError,
     /// Codes 1 to 63.
     Informational,
@@ -83,7 +83,7 @@ pub enum ErrorClass {
     Warning,
     /// Codes 128 to 191.
     Error,
-    /// Codes 192 to 255. Some headings in the specification call them critical.
+    /// Codes 192 to 255, which some headings in the specification call critical.
     Fatal,
     /// Codes 256 to 32767, in blocks of 256, one block for each vehicle type.
     UavSpecific,

@@ -1,7 +1,7 @@
 //! Strategies for property tests with [`proptest`].
 //!
 //! Every message, enum, set of flags and error code implements [`Arbitrary`](proptest::arbitrary::Arbitrary), so
-//! `any::<BatteryStatus>()` works, alone or within other strategies. It generates [`valid`] values, which have no
+//! `any::<BatteryStatus>()` works, alone or within other strategies. `any` generates [`valid`] values, which have no
 //! violations and can be represented in JSON. Edge cases are frequent: the limits of ranges and types, values that mean
 //! "no data", NaN if it is allowed, `-0.0`, subnormal floats and multi-byte characters. Sequences, strings and text are
 //! often empty or full.

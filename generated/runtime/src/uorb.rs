@@ -42,7 +42,7 @@ pub(crate) fn decode<T: UorbMessage, const STRICT: bool>(bytes: &[u8]) -> Result
     }
 }
 
-/// Reads all fields of a message, and any `bool` byte other than 0 as true.
+/// Reads all fields of a message. A `bool` is true if its byte is not 0.
 #[cfg(feature = "views")]
 #[inline]
 pub(crate) fn read<T: crate::record::Record>(bytes: &[u8]) -> T {

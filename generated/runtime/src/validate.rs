@@ -6,7 +6,7 @@ use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 use crate::record::{FieldSink, Primitive, Record, Sink, Value};
 use crate::{Constraint, Message, Number, Path, Rule};
 
-/// A value that violates a rule. Displayed as `events[2].id: …`.
+/// A value that violates a rule, displayed as `events[2].id: …`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Violation {
     /// The violated rule.

@@ -153,7 +153,7 @@ proptest! {
 ///
 /// A vector with one element has a capacity of four. The capacity of a longer vector is at most twice its length. The
 /// worst case is therefore a list with one element: an empty string, which takes four bytes in CDR, or a point, which
-/// takes at least 13 bytes. Numbers take as much memory as in CDR, and text takes less than twice as much.
+/// takes at least 13 bytes. Numbers take as much memory as in CDR, and text takes less than twice as much as in CDR.
 const MAX_ALLOCATION: usize = {
     let (string, point) = (4 * size_of::<String>() / 4, (4 * size_of::<Point>()).div_ceil(13));
     if string > point { string } else { point }

@@ -99,7 +99,7 @@ fn items(chapters: &[Chapter]) -> String {
     chapters.iter().map(|Chapter { title, page, .. }| format!("- [{title}]({page})\n")).collect()
 }
 
-/// Turns the lines of a table of contents into list items whose pages are in the folder `docs`.
+/// Converts the lines of a table of contents to list items that link to pages in the folder `docs`.
 fn below_docs(contents: &str) -> String {
     let lines = contents.lines().filter(|line| line.contains("]("));
     let item = |line: &str| {

@@ -19,7 +19,8 @@ impl<'r> Links<'r> {
         Self { repository, pages: by_hand().map(|chapter| (chapter.source, chapter.page)).collect() }
     }
 
-    /// Returns a document with the links of the site. A link to a file that isn't on the site becomes plain text.
+    /// Returns a document whose links are adjusted for the site. A link to a file that isn't on the site becomes plain
+    /// text.
     ///
     /// Links to missing files and reference-style links are added to `errors`.
     pub(crate) fn moved(&self, text: &str, chapter: &Chapter, errors: &mut Vec<String>) -> String {

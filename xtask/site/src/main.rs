@@ -1,7 +1,7 @@
 //! Builds the documentation site: collects generated and handwritten documents in a folder, and runs mdBook on it.
 //!
-//! The site contains `docs/`, `schemas/` and `vectors/` as in `generated/`. Their relative links therefore work, and
-//! each schema is available at the path in its address.
+//! The site contains `docs/`, `schemas/` and `vectors/` as in `generated/`. The relative links in these folders
+//! therefore work, and each schema is available at the path in its address.
 
 mod chapters;
 mod gather;
@@ -67,7 +67,8 @@ fn run(arguments: &Arguments) -> Result<(), Vec<String>> {
     Ok(())
 }
 
-/// Checks that the folder is empty or contains a site, because mdBook deletes its contents. Then marks the folder.
+/// Checks that the folder is empty or contains a site, because mdBook deletes the folder's contents. Then marks the
+/// folder.
 fn own(output: &Path) -> Result<(), String> {
     let of_folder = |error: io::Error| format!("{}: {error}", output.display());
     fs::create_dir_all(output).map_err(of_folder)?;

@@ -9,7 +9,7 @@ use super::{cargo, derive};
 /// The number of runs per measurement; the median is printed.
 const RUNS: usize = 5;
 
-/// The features of the runtime that add trait implementations to messages.
+/// The runtime features that add trait implementations to messages.
 pub(super) const FEATURES: [&str; 5] = ["defmt", "proptest", "schemars", "serde", "views"];
 
 pub(super) fn run() -> Result<(), String> {
@@ -58,7 +58,7 @@ fn generate(root: &Path, folder: &Path) -> Result<usize, String> {
     Ok(generated.inputs.len() - 1)
 }
 
-/// Times the compilation of one crate, without incremental compilation.
+/// Measures the compile time of one crate, without incremental compilation.
 fn time(folder: &Path, arguments: &[&str]) -> Result<String, String> {
     let at = |error: std::io::Error| format!("{}: {error}", folder.display());
     cargo(folder, arguments)?;

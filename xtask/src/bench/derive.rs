@@ -1,4 +1,4 @@
-//! Writes plain structs with derives for the same messages, for comparison.
+//! Writes plain structs with derives for all PX4 messages, to compare them with the generated code.
 
 use std::fmt::Write as _;
 use std::fs;

@@ -12,13 +12,13 @@ use serde::{Deserialize, Serialize};
 
 use super::job::Job;
 
-/// The maximum length of a line. A version or a verdict with its message is much shorter.
+/// The maximum length of a line. Lines that contain a version or a verdict are much shorter.
 const LONGEST_LINE: u64 = 1 << 16;
 
 /// The maximum number of buffered lines.
 const WAITING_LINES: usize = 1024;
 
-/// The interval at which a process that has closed its output is checked for its exit.
+/// The interval between checks of whether a process with closed output has exited.
 const PAUSE: Duration = Duration::from_millis(10);
 
 /// The output of an adapter.
@@ -154,7 +154,7 @@ impl Answers {
     fn take(&mut self, jobs: &[Job], line: &[u8]) -> Result<(), String> {
         let line: Line = serde_json::from_slice(line).map_err(|error| error.to_string())?;
         let Some(index) = line.job else {
-            self.version = Some(line.version.ok_or("neither a version nor a job")?);
+            self.version = Some(line.version.ok_or("expected a version or a job")?);
             return Ok(());
         };
         let (Some(job), Some(answer)) = (jobs.get(index), self.jobs.get_mut(index)) else {
@@ -169,7 +169,7 @@ impl Answers {
             return Ok(());
         };
         let Answer::Verdicts(verdicts) = answer else {
-            return Err(format!("a case of job {index} before its schema"));
+            return Err(format!("a case of job {index} precedes its schema"));
         };
         let verdict = verdicts.get_mut(case).ok_or_else(|| format!("unknown case {case} of job {index}"))?;
         if verdict.is_some() {

@@ -1,4 +1,5 @@
-//! Installs the requirements of adapters below the target folder, without root, and creates the adapters' commands.
+//! Installs the adapters' requirements without root, in folders below the target folder. Creates the commands that run
+//! the adapters.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -71,7 +72,7 @@ impl Installation {
         }
     }
 
-    /// Node looks for packages next to the adapters, so both are copied to the target folder.
+    /// Installs the packages next to a copy of the adapters, because Node looks for packages there.
     fn node(&self) -> Result<(), String> {
         probe("node", &["--version"]).map_err(|error| format!("requires Node 20 or later: {error}"))?;
         let target = self.target.join("node");

@@ -148,7 +148,7 @@ impl Jobs {
         documents.chain(jobs).map(|line| format!("{line}\n")).collect()
     }
 
-    /// For each rule that schemas can't express, the number of cases that violate it.
+    /// The number of violating cases for each rule that schemas can't express.
     pub(super) fn beyond_schemas(&self) -> BTreeMap<String, usize> {
         let mut rules = BTreeMap::new();
         for case in self.list.iter().filter(|job| job.form == Form::Files).flat_map(|job| &job.cases) {

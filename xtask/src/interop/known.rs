@@ -42,9 +42,9 @@ pub(super) struct Entry {
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Right {
-    /// The schema and the vectors are correct, and the tool is not.
+    /// The schema and the vectors are correct; the tool is wrong.
     Schema,
-    /// The specification allows both.
+    /// The specification allows both results.
     Both,
 }
 
@@ -92,8 +92,8 @@ impl Known {
         errors
     }
 
-    /// Classifies the disagreements of the tools that ran. The first matching entry explains a disagreement. For each
-    /// of its tools that ran, an entry must explain at least one disagreement. Each pattern of an entry must match at
+    /// Classifies the disagreements of the tools that ran. The first matching entry explains a disagreement. An entry
+    /// must explain at least one disagreement for each of its tools that ran. Each pattern of an entry must match at
     /// least one disagreement.
     pub(super) fn classify(&self, tallies: &BTreeMap<String, Tally>) -> Classification {
         let mut classification = Classification::default();
@@ -146,7 +146,9 @@ impl Known {
         let unused = listed.iter().filter(|rule| !rules.contains_key(**rule));
         missing
             .chain(
-                unused.map(|rule| format!("`[[beyond]]` contains {rule}, but schemas reject all violations")),
+                unused.map(|rule| {
+                    format!("`[[beyond]]` contains {rule}, but schemas reject all its violations")
+                }),
             )
             .collect()
     }

@@ -24,7 +24,7 @@ const VALIDATORS: &str = "
 ## Validators
 
 The number of cases with the expected result. Parentheses show the number of schemas that the tool can't use; the cases
-of these schemas were not run.
+for these schemas were not run.
 ";
 
 const GENERATORS: &str = "

@@ -13,7 +13,7 @@ use super::tally::{Count, Tally};
 /// The results of all tools.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
 pub(super) struct Record {
-    /// For each rule that schemas can't express, the number of cases that violate it.
+    /// The number of violating cases for each rule that schemas can't express.
     pub(super) beyond: BTreeMap<String, usize>,
     pub(super) tools: BTreeMap<String, ToolRecord>,
 }

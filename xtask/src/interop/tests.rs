@@ -130,9 +130,9 @@ fn stops_an_adapter_that_hangs() {
 fn stops_an_adapter_that_prints_invalid_lines() {
     let garbage = [
         ("echo hello", "line 1: "),
-        ("echo '{}'", "line 1: neither a version nor a job"),
+        ("echo '{}'", "line 1: expected a version or a job"),
         ("echo '{\"job\": 2}'", "line 1: unknown job 2"),
-        ("echo '{\"job\": 0, \"case\": 0, \"valid\": true}'", "line 1: a case of job 0 before its schema"),
+        ("echo '{\"job\": 0, \"case\": 0, \"valid\": true}'", "line 1: a case of job 0 precedes its schema"),
         ("echo '{\"job\": 0}'; echo '{\"job\": 0}'", "line 2: duplicate job 0"),
         ("echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 3, \"valid\": true}'", "line 2: unknown case 3"),
         ("echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 0}'", "line 2: case 0 of job 0 has no verdict"),

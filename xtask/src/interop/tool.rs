@@ -20,7 +20,7 @@ pub(super) struct Tool {
     pub(super) environment: Environment,
     /// The adapter: a file in the environment's folder, or a package of the Rust workspace.
     pub(super) adapter: String,
-    /// The only supported form of schemas, or `None` for both.
+    /// The supported form of schemas; `None` if the tool supports both forms.
     pub(super) form: Option<Form>,
     /// True if the tool is part of the quick run.
     #[serde(default)]

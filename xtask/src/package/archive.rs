@@ -18,7 +18,7 @@ const LEVEL: u32 = 9;
 /// times after 1980 can be converted to formats that don't support earlier times.
 const TIME: u64 = 499_162_500;
 
-/// The operating system "unknown" in the gzip header.
+/// The gzip header value for an unknown operating system.
 const UNKNOWN_SYSTEM: u8 = 255;
 
 /// Creates a compressed tar archive.

@@ -1,5 +1,5 @@
-//! Firmware without an allocator. The crate is a static library and links only `core`. Therefore it would not build if
-//! the code required an allocator.
+//! Firmware without an allocator. The crate is a static library and links only `core`. Therefore, the crate would not
+//! build if the code required an allocator.
 
 #![no_std]
 #![forbid(unsafe_code)]

@@ -69,7 +69,7 @@ fn corpus() -> Option<PathBuf> {
     None
 }
 
-/// Emits the modules for each set of definitions into a folder with the same name.
+/// Emits the modules for each set of definitions into a folder named after the set.
 fn emit(kind: &str, into: &Path, own: &Path) -> usize {
     let definitions = definitions(own);
     for (name, dialect, path) in &definitions {

@@ -30,8 +30,8 @@ const TRANSLATIONS: [(&str, &[[&str; 3]]); 3] = [
     ("fa", &[["winch/error-code/66", "Rope slack", "طناب شل می\u{200c}شود"]]),
 ];
 
-/// Writes definitions with translations to `folder`, and generates the outputs in `output`, which is part of the
-/// configuration file.
+/// Writes definitions with translations to `folder`, and generates outputs. `output` is the part of the configuration
+/// file that selects the outputs.
 pub(crate) fn emit(folder: &Path, output: &str) {
     write(&folder.join("msg/Glider.msg"), GLIDER);
     write(&folder.join("msg/Tow.msg"), TOW);

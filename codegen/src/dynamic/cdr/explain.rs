@@ -14,7 +14,7 @@ use crate::dynamic::types::{MessageType, Types};
 use crate::schema::Shape;
 
 /// Finds the fault in a payload, if any. In a fixed-size message, truncation takes precedence over an invalid `bool`.
-/// Otherwise, the first fault is returned.
+/// In all other cases, the first fault is returned.
 pub(super) fn explain(ty: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Error> {
     let end = if ty.plan.is_fixed && is_strict { first_fault(ty, payload, false) } else { None };
     end.filter(|error| matches!(error.reason, Reason::Fault(Fault::Truncated { .. })))

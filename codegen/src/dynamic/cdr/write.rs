@@ -37,7 +37,7 @@ fn write<const BIG: bool>(view: DynamicView<'_>, order: ByteOrder) -> Option<Vec
 struct Writer<'b, const BIG: bool> {
     types: &'b Types,
     bytes: &'b [u8],
-    /// The payload with its header. The header is half as long as the maximum alignment.
+    /// The payload, preceded by its four-byte header, which doesn't count for alignment.
     out: Vec<u8>,
 }
 

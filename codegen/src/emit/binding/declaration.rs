@@ -31,11 +31,11 @@ pub(in crate::emit) struct Declaration {
 
 /// The content of a declaration.
 pub(in crate::emit) enum Kind {
-    /// A JSON object. If it is closed, other fields are not allowed.
+    /// A JSON object. A closed object must not have other fields.
     Record { properties: Vec<Property>, is_closed: bool },
     /// An alias of another type.
     Alias(Type),
-    /// Named integers. A field contains one of them, or any combination if they are flags.
+    /// Named integers. A field contains one of these integers or, for flags, any combination.
     Enumeration { is_flags: bool, members: Vec<Named> },
     /// Named values.
     Constants(Vec<Named>),
@@ -68,12 +68,12 @@ pub(in crate::emit) enum Type {
     Integer,
     Number,
     String,
-    /// String literals. If open, other strings are allowed too.
+    /// String literals. An open set also allows other strings.
     Strings {
         values: Vec<String>,
         is_open: bool,
     },
-    /// Integer literals. If open, other integers are allowed too.
+    /// Integer literals. An open set also allows other integers.
     Integers {
         values: Vec<i64>,
         is_open: bool,
@@ -91,7 +91,8 @@ pub(in crate::emit) enum Type {
     List(Box<Type>),
     /// An object with arbitrary keys.
     Map(Box<Type>),
-    /// An array with named elements. Each entry contains the name, `true` if the element is required, and the type.
+    /// An array with named elements. Each entry contains the name, a flag that is true if the element is required, and
+    /// the type.
     Tuple(Vec<(String, bool, Type)>),
     Either(Vec<Type>),
 }

@@ -10,10 +10,10 @@ use crate::translation::{
 
 /// The texts of all languages, and the enums of fields.
 pub(in crate::emit) struct Labels<'s> {
-    /// The language of the definitions, which is always complete, followed by the other languages, sorted by tag.
+    /// The languages: first the language of the definitions, which is always complete, then the others, sorted by tag.
     pub(in crate::emit) languages: Vec<LabelLanguage<'s>>,
     /// For each enum used by a field, the values with their text keys. If several names share a value, only the first
-    /// is included.
+    /// name is included.
     pub(in crate::emit) enumerations: Vec<Vec<(i128, String)>>,
     /// Indexes into `enumerations`, by field key.
     pub(in crate::emit) fields: BTreeMap<String, usize>,

@@ -61,7 +61,7 @@ const TYPESCRIPT: [&str; 43] = [
     "void",
 ];
 
-/// Names that generated code uses.
+/// Names that are used by the generated code.
 const USED: [&str; 25] = [
     "Any",
     "Final",
@@ -107,7 +107,7 @@ pub(super) struct Names {
     pub(super) json_types: Vec<String>,
     /// By message and direction.
     pub(super) parts: BTreeMap<(JsonMessageId, Direction), String>,
-    /// Scopes by package, for names that no definition provides, such as the names of message unions.
+    /// Scopes by package, for names that are not in the definitions, such as the names of message unions.
     scopes: Vec<Scope>,
 }
 
@@ -151,7 +151,7 @@ impl Names {
         names
     }
 
-    /// In the module of a package, reserves a name that no definition provides.
+    /// Reserves a name in the module of a package, for an item that is not in the definitions.
     pub(super) fn extra(&mut self, package: usize, name: &str) -> String {
         self.scopes[package].unique_type(name)
     }
@@ -173,7 +173,7 @@ impl Names {
         }
         let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
         let messages: Vec<MessageId> = package.messages.iter().chain(parts).copied().collect();
-        // Types come first, so a name derived from one type never takes the name of another.
+        // Types come first, so a name derived from one type never takes the name of another type.
         for id in &messages {
             let name = identifier(&type_name(&schema.message(*id).name));
             self.messages[id.0 as usize] = scope.unique_type(&name);

@@ -63,7 +63,7 @@ fn toml_string(text: &str) -> String {
     quoted + "\""
 }
 
-/// Scripts for the pages. They use no libraries and load no other files.
+/// Scripts for the pages. The scripts use no libraries and load no other files.
 const SCRIPTS: [(&str, &str); 2] = [
     ("composer.js", include_str!("book/composer.js")),
     ("error-codes.js", include_str!("book/error-codes.js")),

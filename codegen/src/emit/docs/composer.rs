@@ -12,7 +12,7 @@ use crate::prose::{gist, visible, xml};
 use crate::schema::{Dialect, Element, EnumRef, Field, Message, MessageId, Shape, UorbLayout};
 use crate::translation::MessageText;
 
-/// Maximum number of controls on a page. Larger forms are unusable.
+/// Maximum number of controls on a page. Larger forms would be unusable.
 const MAX_CONTROLS: usize = 500;
 
 /// Maximum length of a label, in characters.

@@ -11,7 +11,7 @@ use super::words::{self, Words};
 use crate::schema::{Message, MessageId};
 use crate::translation::MessageText;
 
-/// Constants whose anchors are already on the page. This matters because two enums may share a constant.
+/// Constants whose anchors are already on the page. Two enums may share a constant, but an anchor must be unique.
 #[derive(Debug, Default)]
 pub(super) struct Anchored(BTreeSet<usize>);
 

@@ -36,7 +36,7 @@ pub(super) fn overview_path(package: &Package) -> String {
     format!("{}/error-codes.md", package.name)
 }
 
-/// Paths of the pages of all tables, in order. They are unique even on case-insensitive file systems.
+/// Paths of the pages of all tables, in order. The paths are unique even on case-insensitive file systems.
 pub(super) fn table_paths(package: &Package) -> Vec<String> {
     let mut used = BTreeSet::new();
     let path = |table: &ErrorTable| {
@@ -146,7 +146,7 @@ struct Codes<'p, 's> {
     english_paths: Vec<String>,
     /// Paths of the pages in the site language, by table.
     paths: Vec<String>,
-    /// Table indexes by code.
+    /// The index of the table that contains each code.
     tables: BTreeMap<u32, usize>,
 }
 

@@ -106,7 +106,7 @@ fn values(scope: Scope<'_, '_>, id: MessageId, index: usize, counter: Option<usi
     lines
 }
 
-/// For each array field, the field that counts the used entries.
+/// The field, if any, that counts the used entries of each array field.
 fn counters(message: &Message) -> Vec<Option<usize>> {
     let mut counters = vec![None; message.fields.len()];
     for (index, field) in message.fields.iter().enumerate() {

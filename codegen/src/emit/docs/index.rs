@@ -150,7 +150,7 @@ fn interface_table(site: &Site<'_>, from: &str, package: &Package) -> Table {
     table
 }
 
-/// The table of topics and their messages. Readers of logs need it, because logs contain only topic names.
+/// The table of topics and their messages. Readers of logs need this table, because logs contain only topic names.
 fn topic_table(site: &Site<'_>, from: &str, package: &Package) -> Table {
     let mut topics: Vec<(&str, MessageId)> = Vec::new();
     for id in &package.messages {

@@ -47,7 +47,7 @@ fn switch(site: &Site<'_>, unit: &str, english: &str, from: &str) -> String {
     all.map(entry).collect::<Vec<_>>().join(" · ")
 }
 
-/// Adds a fixed heading. Its anchor is the same in all languages.
+/// Adds a fixed heading, whose anchor is the same in all languages.
 pub(super) fn heading(page: &mut Page, words: Words, level: usize, word: Word) {
     if words.are_english() {
         page.heading(level, word.english());

@@ -27,7 +27,7 @@ pub struct Page {
     text: String,
     /// Text appended at the end.
     end: &'static str,
-    /// For each English anchor, the number of translated headings that use it so far.
+    /// For each English anchor, the number of translated headings that already use it.
     headings: BTreeMap<String, usize>,
 }
 
@@ -184,7 +184,7 @@ pub const fn number_column(heading: &'static str) -> Column {
     Column { heading, is_number: true }
 }
 
-/// A table. Its cells are Markdown.
+/// A table, whose cells are Markdown.
 #[derive(Clone, Debug)]
 pub struct Table {
     columns: Vec<Column>,

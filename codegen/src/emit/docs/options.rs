@@ -13,7 +13,7 @@ pub struct Options {
     pub siblings: Siblings,
 }
 
-/// Folders of other outputs, separated by `/`. `None` if there is no such output.
+/// Folders of other outputs, with `/` as the path separator. `None` means that this output is not generated.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Siblings {
     /// JSON Schemas.

@@ -18,7 +18,7 @@ pub(super) struct Scope<'p, 's> {
     pub(super) package: usize,
     /// The message whose parts are looked up by name.
     pub(super) message: MessageId,
-    /// The part of the message that the description is about. The description doesn't link to this part.
+    /// The part of the message that the description is about. A description doesn't link to the part it describes.
     at: Option<Part>,
 }
 

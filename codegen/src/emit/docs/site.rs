@@ -55,19 +55,19 @@ pub(super) struct Site<'s> {
     users: Vec<Vec<FieldRef>>,
     /// For each enum, the fields that use it.
     enum_users: BTreeMap<EnumRef, Vec<FieldRef>>,
-    /// For each message, unique names of its enums.
+    /// The unique enum names of each message.
     enum_names: Vec<Vec<String>>,
-    /// For each package, messages by name and by topic.
+    /// The messages of each package, by name and by topic.
     names: Vec<HashMap<&'s str, MessageId>>,
-    /// For each message, parts by name. Filled lazily.
+    /// The parts of each message, by name. Filled lazily.
     parts: Vec<OnceCell<HashMap<&'s str, Part>>>,
     /// All languages with translations.
     languages: &'s [Language],
-    /// The language of the site, or `None` for English. Units without a translation use the English page.
+    /// The language of the site, or `None` for English. A unit without a translation uses the English page.
     pub(super) language: Option<&'s Language>,
     /// Fixed text for pages.
     pub(super) words: Words,
-    /// For each message, the text keys. Filled lazily.
+    /// The text keys of each message. Filled lazily.
     keys: Vec<OnceCell<MessageKeys<'s>>>,
 }
 
@@ -75,7 +75,7 @@ pub(super) struct Site<'s> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Localized<'t> {
     pub(super) text: &'t str,
-    /// Language of the text. `None` if it is the language of the fixed text on the page.
+    /// Language of the text, or `None` if it is also the language of the fixed strings on the page.
     pub(super) tag: Option<&'t str>,
     /// True if the text is a translation.
     pub(super) is_translated: bool,
@@ -261,7 +261,7 @@ impl<'s> Site<'s> {
         href(from, self.path(id), &self.anchor(id, part))
     }
 
-    /// The memory layout of a message. ROS messages have none.
+    /// The memory layout of a message, or `None` for a ROS message.
     pub(super) fn layout(&self, message: &'s Message) -> Option<&'s UorbLayout> {
         message.uorb.as_ref().filter(|_| message.kind == Kind::Message && self.is_px4(message))
     }
@@ -342,7 +342,8 @@ fn parts(message: &Message) -> HashMap<&str, Part> {
     enums.chain(constants).chain(fields).collect()
 }
 
-/// The path of the translation of the page `path`. Both are in the same folder, so relative links stay the same.
+/// The path of the translated version of the page `path`. Both versions are in the same folder, so relative links stay
+/// the same.
 pub(super) fn path_in(path: &str, tag: &str) -> String {
     format!("{}.{tag}.md", path.strip_suffix(".md").unwrap_or(path))
 }

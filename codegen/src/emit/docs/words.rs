@@ -38,12 +38,12 @@ impl Word {
     }
 }
 
-/// Declares all fixed texts.
+/// Declares all fixed strings.
 macro_rules! words {
     ($($name:ident = $english:literal;)*) => {
         $(pub(super) const $name: Word = Word($english);)*
 
-        /// All fixed texts.
+        /// All fixed strings.
         #[cfg(test)]
         const ALL: &[Word] = &[$($name),*];
     };
@@ -184,7 +184,7 @@ words! {
 /// An inclusive range.
 pub(super) const RANGE: Word = Word::of_constraint(&constraint::RANGE);
 
-/// The fixed texts in one language.
+/// The fixed strings in one language.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Words {
     /// Translations by English text. `None` for English.
@@ -195,7 +195,7 @@ pub(super) struct Words {
 pub(super) const ENGLISH: Words = Words { translations: None };
 
 impl Words {
-    /// The texts for a language tag, or for the longest known prefix of the tag. Falls back to English.
+    /// The fixed strings for a language tag, or for the longest known prefix of the tag, or otherwise in English.
     pub(super) fn of(tag: &str) -> Self {
         let known = known();
         Self { translations: shorter(tag).find_map(|tag| known.get(tag)) }

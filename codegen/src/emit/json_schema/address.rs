@@ -27,7 +27,7 @@ pub(in crate::emit) enum Target {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Address<'s> {
     package: &'s str,
-    /// Subfolder for parts of services and actions. It keeps their names from clashing with message names.
+    /// Subfolder for parts of services and actions, which prevents name clashes between parts and messages.
     folder: Option<&'static str>,
     name: &'s str,
 }
@@ -129,7 +129,7 @@ fn join(base: &str, path: &str) -> String {
     format!("{}/{path}", base.trim_end_matches('/'))
 }
 
-/// Percent-encodes reserved characters. They occur only in package names, which are chosen by users.
+/// Percent-encodes reserved characters. Reserved characters occur only in package names, which users choose.
 fn encode(path: &str) -> String {
     let mut encoded = String::with_capacity(path.len());
     for byte in path.bytes() {

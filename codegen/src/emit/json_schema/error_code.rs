@@ -33,7 +33,7 @@ pub(super) fn code_members(package: &Package) -> Vec<Member<'_>> {
 /// The schema members for a list of error codes.
 pub(super) fn list_members<'s>(package: &Package, index: usize) -> Vec<Member<'s>> {
     let description = format!(
-        "Error codes of package {} that apply at the same time. The list is empty if there are no errors.",
+        "The active error codes, from package {}. The list is empty if there are no errors.",
         package.name
     );
     vec![

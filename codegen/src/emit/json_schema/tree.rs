@@ -1,7 +1,7 @@
 //! Ordered JSON with unresolved references.
 //!
-//! Each definition is printed twice: to its file, and to the bundle of its package. The printer resolves references,
-//! because they differ between the two.
+//! Each definition is printed twice: to its file, and to the bundle of its package. References differ between these two
+//! documents, so the printer resolves them.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -24,7 +24,7 @@ pub(super) enum Node<'s> {
     Object(Vec<Member<'s>>),
     /// Members shared by several trees.
     Shared(&'s [Member<'s>]),
-    /// A reference to a definition. Its URL depends on the printed document.
+    /// A reference to a definition. The URL depends on the document in which it is printed.
     Reference(Target),
 }
 
@@ -189,7 +189,7 @@ fn needs_escape(character: char) -> bool {
     }
 }
 
-/// An alternative that accepts any value of a type. It comes last in an open set.
+/// An alternative that accepts any value of a type: the last alternative of an open set.
 pub(super) fn any_of_type<'s>(ty: impl Into<Node<'s>>) -> Node<'s> {
     Node::Object(vec![member("type", ty)])
 }

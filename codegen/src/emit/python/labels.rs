@@ -123,7 +123,7 @@ class Labels:
 
 languages: Final[tuple[Language, ...]] = (
 {languages})
-"""All languages: first English, the language of the definitions, then the others sorted by tag."""
+"""All languages: English (the language of the definitions) first, then the others sorted by tag."""
 
 
 def language(*tags: str) -> Labels:

@@ -4,7 +4,7 @@ use super::uses::Uses;
 use crate::emit::binding::{Type, float, is_python_keyword, quoted};
 use crate::value::Value;
 
-/// Formats a type. Names are quoted, because they may be declared later.
+/// Formats a type. Names are quoted, because the named types may be declared later.
 pub(super) fn ty(found: &Type, uses: &mut Uses) -> String {
     match found {
         Type::Any => {

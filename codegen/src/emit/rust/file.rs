@@ -114,7 +114,7 @@ fn push_entry(entry: &str, text: &mut String) {
     text.push('\n');
 }
 
-/// Writes tokens with conventional spacing. The text may end with a space.
+/// Writes tokens with conventional spacing, possibly followed by a space.
 fn write_tokens(tokens: TokenStream, text: &mut String) {
     for token in tokens {
         match token {

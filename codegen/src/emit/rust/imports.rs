@@ -48,7 +48,7 @@ pub(super) fn shorten(file: TokenStream) -> TokenStream {
 struct Imports {
     /// Names that the file declares.
     declared: BTreeSet<String>,
-    /// For each short name, the module from which it is imported. `None` for a prelude name.
+    /// The module from which each short name is imported, or `None` for a name in the prelude.
     used: BTreeMap<String, Option<Vec<String>>>,
 }
 

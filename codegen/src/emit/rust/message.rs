@@ -233,7 +233,7 @@ impl Parts<'_> {
         quote!(&number() #(#demands)* #special #count #known #nan)
     }
 
-    /// The defmt format. The text is one literal, so only the host stores it.
+    /// The defmt format string. It is one literal, so only the host stores this text.
     fn format(&self) -> TokenStream {
         let Self { context, id, message, name, fields } = self;
         let dialect = types::dialect(context, *id);
@@ -271,7 +271,7 @@ impl Parts<'_> {
         (!entries.is_empty()).then(|| quote!(::uavspec_runtime::flags! { #name; #(#entries)* } #failures))
     }
 
-    /// True if every flag of the message reports a failure. PX4 documents this for `FailsafeFlags`.
+    /// True if every flag of the message reports a failure, as PX4 documents for `FailsafeFlags`.
     fn reports_failures(&self) -> bool {
         types::dialect(self.context, self.id) == Dialect::Px4 && self.message.name == "FailsafeFlags"
     }
@@ -375,7 +375,7 @@ fn wrapped(words: &[String]) -> proc_macro2::Literal {
 }
 
 /// The defmt placeholder of a field. If defmt supports the field's type, the placeholder names this type, so the device
-/// doesn't send it.
+/// doesn't send the type.
 fn placeholder(field: &Field, dialect: Dialect) -> String {
     let primitive = match field.ty.element {
         Element::Scalar(scalar) if field.enumeration.is_none() => types::primitive(scalar).to_string(),

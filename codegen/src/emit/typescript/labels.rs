@@ -43,7 +43,7 @@ export interface Labels extends Language {
 ";
 
 const LANGUAGES_TEXT: &str =
-    "/** All languages: first English, the language of the definitions, then the others sorted by tag. */\n";
+    "/** All languages: English (the language of the definitions) first, then the others sorted by tag. */\n";
 
 const LANGUAGE_TEXT: &str = "/**
  * Loads the labels in the first available language of `tags`, or in English if none is available.

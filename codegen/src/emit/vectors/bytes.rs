@@ -1,4 +1,4 @@
-//! Binary forms of messages: encoded from JSON, or modified so that no encoder produces them.
+//! Binary forms of messages: either encoded from JSON, or modified into bytes that no encoder produces.
 
 use uavspec_runtime::cdr::ByteOrder;
 
@@ -40,7 +40,7 @@ impl<'t> Codec<'t> {
     }
 }
 
-/// Replaces the first byte of `after` that differs from `before`.
+/// Finds the first byte in which `after` differs from `before`, and replaces this byte of `after` with `byte`.
 pub(super) fn replaced(before: &[u8], mut after: Vec<u8>, byte: u8) -> Option<Vec<u8>> {
     let at = difference(before, &after)?;
     *after.get_mut(at)? = byte;

@@ -150,7 +150,7 @@ pub(super) struct Case {
     pub(super) rule: Option<&'static str>,
     /// The message as JSON, if it encodes to the bytes and the bytes decode to it.
     pub(super) json: Option<String>,
-    /// The decoded value as JSON, if encoding it produces different bytes.
+    /// The decoded value as JSON, if re-encoding it produces different bytes.
     pub(super) decoded: Option<String>,
     pub(super) uorb: Option<Vec<u8>>,
     pub(super) cdr: Option<Vec<u8>>,

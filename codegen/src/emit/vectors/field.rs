@@ -162,8 +162,8 @@ impl<'s> FieldSamples<'s> {
         [single, Sample::mistyped("array-null", "null", "null")].into_iter().chain(is_bytes.then_some(base64))
     }
 
-    /// The number of bytes that an element adds to CDR. For a message, this is the minimum. For a string, it is the
-    /// size of the length prefix.
+    /// The number of bytes that an element adds to CDR. For a message, the result is the minimum. For a string, the
+    /// result is the size of the length prefix.
     fn cdr_size(self) -> usize {
         match self.field.ty.element {
             Element::Scalar(scalar) => scalar.size(),

@@ -6,7 +6,7 @@ use super::options::Options;
 use crate::emit::file::{GENERATED_BY, OutputFile};
 use crate::emit::json_schema::DRAFT;
 
-/// Version of the file format. It is incremented if existing readers would misinterpret the files.
+/// Version of the file format. The version is incremented if existing readers would misinterpret the files.
 pub(super) const FORM: u32 = 1;
 
 /// Path of the schema file.
@@ -27,7 +27,7 @@ pub(super) fn file(options: &Options) -> OutputFile {
             "class": text("Class of an error code."),
             "severity": text("Severity of an error code."),
             "json": {"description": "The value as JSON. If the case has bytes, the value encodes to them, and the bytes decode to the value."},
-            "decoded": {"description": "The decoded value as JSON, if encoding it produces different bytes."},
+            "decoded": {"description": "The decoded value as JSON, if re-encoding it produces different bytes."},
             "uorb": hex("The uORB payload in hexadecimal."),
             "cdr": hex("The CDR payload with its header in hexadecimal. The payload is little-endian unless \
                 the header declares otherwise."),

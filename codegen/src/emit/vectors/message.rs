@@ -14,7 +14,7 @@ use crate::schema::{Dialect, Form, Kind, Message, MessageId, Package, Schema};
 /// fields.
 const MOST_JSON: usize = 1 << 22;
 
-/// The cases of a message. There are none if the message has no valid value, is too long, or is nested too deeply.
+/// The cases of a message. The list is empty if the message has no valid value, is too long, or is nested too deeply.
 pub(super) fn cases(schema: &Schema, id: MessageId, parts: &Parts, types: &Types) -> Vec<Case> {
     let message = schema.message(id);
     let Some(samples) = parts.get(id).and_then(|_| MessageSamples::new(schema, message, parts)) else {
@@ -196,7 +196,8 @@ fn payload(id: &str, words: &str, rule: Option<&'static str>, typical: &str) -> 
     Case { id: id.to_owned(), description: words.to_owned(), rule, decoded, ..Case::default() }
 }
 
-/// True if the message has a uORB payload. Messages in dialects other than PX4 have none, even if their size is fixed.
+/// True if the message has a uORB payload. A message in another dialect than PX4's has no uORB payload, even if its
+/// size is fixed.
 pub(super) fn is_uorb(package: &Package, message: &Message) -> bool {
     package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
 }

@@ -38,8 +38,8 @@ impl<'s> NumberSamples<'s> {
             .map(|number| self.json(number))
     }
 
-    /// The value encoded by `bytes`, if it is valid. Otherwise, a valid value that is as distinctive as the constraints
-    /// allow.
+    /// The value encoded by `bytes` if this value is valid, otherwise a valid value that is as distinctive as the
+    /// constraints allow.
     pub(super) fn typical(&self, bytes: [u8; 8]) -> Option<String> {
         let turn = i128::from(bytes[0]);
         let known = self.restriction.known.as_deref().unwrap_or_default();

@@ -10,7 +10,7 @@ pub(super) struct Parts(pub(super) Vec<Option<Part>>);
 pub(super) struct Part {
     /// The valid message nearest to zero.
     pub(super) zero: String,
-    /// Sample values: one for each rule.
+    /// Sample values, one for each rule.
     pub(super) samples: Vec<Sample>,
 }
 

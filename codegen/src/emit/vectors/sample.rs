@@ -10,7 +10,7 @@ use crate::schema::{Element, Message, MessageId, Schema};
 /// Maximum nesting depth of messages with vectors. JSON readers have slightly higher limits.
 const DEEPEST: usize = 32;
 
-/// Maximum length, in bytes, of messages with vectors. It exceeds the limit of `ULog`.
+/// Maximum length, in bytes, of messages with vectors. This maximum exceeds the limit of `ULog`.
 const LONGEST: u64 = 1 << 16;
 
 /// A name that is not a valid field name, because field names start with a letter.
@@ -62,9 +62,9 @@ fn levels(schema: &Schema) -> Vec<Vec<MessageId>> {
 /// A message with the samples of its fields.
 pub(super) struct MessageSamples<'s> {
     pub(super) message: &'s Message,
-    /// For each field, the value nearest to zero.
+    /// The value nearest to zero for each field.
     zeros: Vec<String>,
-    /// For each field, the samples.
+    /// The samples for each field.
     pub(super) samples: Vec<Vec<Sample>>,
 }
 

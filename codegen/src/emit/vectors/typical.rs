@@ -1,11 +1,11 @@
-//! Values whose adjacent bytes differ. They reveal swapped fields, wrong offsets and a wrong byte order.
+//! Values whose adjacent bytes differ. Such values reveal swapped fields, wrong offsets and a wrong byte order.
 
 use uavspec_runtime::Scalar;
 
-/// Maximum length of a sequence. It decreases by one per nesting level to limit the total number of elements.
+/// Maximum length of a sequence. The length decreases by one per nesting level to limit the total number of elements.
 const SEQUENCE: u32 = 3;
 
-/// A source of values. Bytes count repeatedly from 1 to 255.
+/// A source of values. The bytes count from 1 to 255, then start again at 1.
 #[derive(Debug, Default)]
 pub(super) struct Typical {
     last: u8,
@@ -33,7 +33,7 @@ impl Typical {
         self.byte() % 2 == 1
     }
 
-    /// The next text. If possible, it leaves room for a NUL.
+    /// The next text. If possible, the text leaves room for a NUL.
     pub(super) fn text(&mut self, room: u32) -> String {
         let first = self.byte();
         format!("\"{}\"", letters(first, room.saturating_sub(1).max(1).min(room)))

@@ -71,7 +71,7 @@ impl Structure {
                 Event::Start(Tag::CodeBlock(_) | Tag::HtmlBlock | Tag::MetadataBlock(_)) => {
                     structure.verbatim.push(range);
                 }
-                // On the last line of code or HTML, white space after its end is insignificant.
+                // On the last line of code or HTML, white space after the end of the code or HTML is insignificant.
                 Event::Code(_) | Event::InlineHtml(_) => {
                     let end = text[range.clone()].rfind('\n').unwrap_or(0);
                     structure.verbatim.push(range.start..range.start + end);

@@ -131,7 +131,7 @@ pub enum Stated {
 }
 
 impl Stated {
-    /// The value, unless this is a range or empty.
+    /// The stated value; `None` for a range or an empty value.
     pub fn value(&self) -> Option<&Value> {
         match self {
             Self::Value(value) => Some(value),

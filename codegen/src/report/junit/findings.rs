@@ -1,9 +1,9 @@
 //! Findings as test cases.
 //!
 //! Each warning or error is a failed case with the class `command.rule`, and each note is a passed case. Jenkins groups
-//! cases by class, and GitLab displays the class as the suite. The name consists of the file and the message. It omits
-//! the line, because both tools identify a case by class and name, and a moved finding is not new. A rule without
-//! findings is also a passed case, so there is always at least one case.
+//! cases by class, and GitLab displays the class as the suite. The name of a case consists of the file and the message.
+//! Both tools identify a case by class and name. The name omits the line number, so a finding that moves to another
+//! line is not shown as new. A rule without findings is also a passed case, so there is always at least one case.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;

@@ -120,7 +120,7 @@ pub(super) fn one_line(text: &str) -> String {
     visible(&text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// Replaces characters that XML doesn't allow. The library would drop some of them silently.
+/// Replaces characters that XML doesn't allow. The library would silently drop some of these characters.
 pub(super) fn visible(text: &str) -> String {
     text.chars()
         .map(|character| match character {

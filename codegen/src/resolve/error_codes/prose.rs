@@ -11,7 +11,7 @@ pub(super) struct Reference {
     pub(super) is_alternative: bool,
 }
 
-/// Words that, before "code", indicate a code of another kind.
+/// Words that indicate a code of another kind if they precede "code".
 const FOREIGN: &[&str] = &["exit", "http", "key", "response", "result", "return", "status"];
 
 /// Words between "use" and the condition: "use this error code only if".
@@ -122,7 +122,7 @@ fn list(rest: &mut &[Token<'_>], is_plural: bool) -> Vec<Range<usize>> {
     numbers
 }
 
-/// True for a range such as "64 to 127", which refers to no single code.
+/// True for a range such as "64 to 127", which doesn't refer to a single code.
 fn starts_range(tokens: &[Token<'_>]) -> bool {
     matches!(tokens, [dash, end, ..] if end.kind == Kind::Number
         && (dash.kind == Kind::Dash || is_word(&dash.kind, &["to", "through"])))

@@ -6,7 +6,7 @@ use crate::schema::json_type::{Definition, Expression, JsonType, Member};
 /// The maximum number of reported cycles.
 const MAX_REPORTED: usize = 20;
 
-/// The maximum number of alternatives of an alias or union, including those of referenced types.
+/// The maximum number of alternatives of an alias or union, including the alternatives of referenced types.
 const MAX_ALTERNATIVES: usize = 256;
 
 /// The number of names at each end of a displayed path; the middle of longer paths is omitted.
@@ -33,7 +33,8 @@ pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     diagnostics
 }
 
-/// Reports types with too many alternatives, including those of referenced types. There are no cycles at this point.
+/// Reports types with too many alternatives, including the alternatives of referenced types. There are no cycles at
+/// this point.
 fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     // The number of alternatives of each type; 0 if not yet known.

@@ -36,7 +36,7 @@ struct Token<'s> {
 
 #[derive(Clone, Copy)]
 struct Mark {
-    /// The index in [`MARKS`], and true for a doubled mark. Only two marks of the same kind form a pair.
+    /// The index in [`MARKS`], and a flag that is true for a doubled mark. Only two marks of the same kind form a pair.
     kind: (usize, bool),
     can_open: bool,
     can_close: bool,

@@ -214,7 +214,7 @@ impl<'t> Parser<'t> {
             let token = self.next()?;
             let quoted = token.text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
             if quoted.is_none() && is_number(token.text) {
-                let hint = "the constants of `one of` are strings; quote numbers, or define a set";
+                let hint = "the constants of `one of` are strings; put numbers in quotes, or define a set";
                 return Err(Failure { range: token.range, hint: Some(hint) });
             }
             let text = quoted.unwrap_or(token.text);

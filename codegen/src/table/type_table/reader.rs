@@ -191,7 +191,7 @@ impl<'p> Reader<'p> {
         entries
     }
 
-    /// True if a row has one cell for each column. Otherwise reports an error.
+    /// True if a row has one cell for each column; otherwise, an error is reported.
     pub(super) fn is_whole(&mut self, row: &Row, table: &Table) -> bool {
         if let Some(cell) = row.cells.iter().find(|cell| cell.is_merged) {
             self.report(Problem::MergedCell, cell.text.span());

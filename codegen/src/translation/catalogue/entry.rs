@@ -32,9 +32,9 @@ pub struct Entry {
     pub previous_id: Option<String>,
     /// The key of the text (`msgctxt`).
     pub context: Option<String>,
-    /// The text (`msgid`). It is empty in the header.
+    /// The text (`msgid`), which is empty in the header.
     pub id: String,
-    /// The translation (`msgstr`). It is empty if there is none yet.
+    /// The translation (`msgstr`), which is empty until the text is translated.
     pub translation: String,
     /// True if the text no longer exists (`#~`).
     pub is_obsolete: bool,
@@ -46,7 +46,7 @@ impl Entry {
         self.context.is_none() && self.id.is_empty() && !self.is_obsolete
     }
 
-    /// True if there is a translation, reviewed or not. White space doesn't count.
+    /// True if there is a translation, reviewed or not. A translation that contains only white space doesn't count.
     pub fn is_translated(&self) -> bool {
         !self.translation.trim().is_empty()
     }

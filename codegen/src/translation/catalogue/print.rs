@@ -1,5 +1,5 @@
-//! Printer for catalogues. It breaks strings only at the line ends of their text. Any other wrapping differs between
-//! tools and would cause spurious diffs.
+//! Printer for catalogues. The printer breaks a string only after a line break in its text. Any other wrapping differs
+//! between tools and would cause spurious diffs.
 
 use super::entry::{Catalogue, Entry};
 

@@ -34,7 +34,7 @@ impl<R: BufRead> Frames<R> {
         self.input
     }
 
-    /// Starts the next frame after any skippable frames. Returns true if there is one.
+    /// Starts the next frame, after skipping any skippable frames. Returns false at the end of the input.
     fn start(&mut self) -> io::Result<bool> {
         while !self.input.fill_buf()?.is_empty() {
             match self.decoder.reset(&mut self.input) {
@@ -57,7 +57,7 @@ impl<R: BufRead> Frames<R> {
         Ok(())
     }
 
-    /// Verifies the checksum of a completed frame, if there is one.
+    /// Verifies the checksum of a completed frame, if the frame has one.
     fn verify(&self) -> io::Result<()> {
         let (stated, found) = (self.decoder.get_checksum_from_data(), self.decoder.get_calculated_checksum());
         if stated.is_some() && stated != found {

@@ -116,7 +116,7 @@ pub(crate) enum Malformed {
 }
 
 impl Problem {
-    /// The extent to which a file with this problem can be read.
+    /// The extent to which the file can be read despite this problem.
     pub(crate) fn extent(&self) -> Extent {
         match self {
             Self::Truncated { .. } | Self::NoEnd => Extent::EndsEarly,
@@ -220,7 +220,7 @@ impl fmt::Display for Malformed {
                 )
             }
             Self::Parts { opcode } => {
-                write!(formatter, "the parts of {} don't match its length", Kind(*opcode))
+                write!(formatter, "the field lengths in {} don't match its length", Kind(*opcode))
             }
             Self::Follower { opcode } => {
                 write!(formatter, "{} isn't followed by a valid record", Kind(*opcode))

@@ -15,8 +15,8 @@ use super::unpack::{Packing, Unpacker};
 use super::window::Window;
 use super::{Event, Item, MAGIC, Problem};
 
-/// The size of the window, in bytes, that is searched for the next valid record. The search doesn't find longer
-/// messages.
+/// The size in bytes of the window that is searched for the next valid record. The search doesn't find messages that
+/// are longer than this window.
 const LOOKAHEAD: usize = 64 * 1024;
 
 /// Reads a file from start to end.
@@ -248,7 +248,8 @@ impl<R: Read> Reader<R> {
         Ok(is_wanted.then_some(Found { offset, opcode, length, is_packed: false }))
     }
 
-    /// Verifies the checksum of everything before the end of the data. A stored checksum of 0 means that there is none.
+    /// Verifies the checksum of everything before the end of the data. A stored value of 0 means that there is no
+    /// checksum.
     fn check_data(&mut self, offset: u64) {
         let stated = self.file.ahead()[HEAD..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
         let found = self.file.checksum();

@@ -1,4 +1,4 @@
-//! Checks the lengths in bytes that may be a record.
+//! Checks whether bytes may be a record, based on the lengths that they state.
 
 use mcap::records::op;
 
@@ -19,7 +19,7 @@ const MAX_PACKING: usize = 64;
 /// The maximum number of bytes after the records of a chunk. Later versions of the format may add such bytes.
 const MAX_ADDED: u64 = 4_096;
 
-/// The size of the fixed part before the payload of a message, in bytes.
+/// The size in bytes of the fixed part of a message, which precedes the payload.
 const MESSAGE_FIXED: u64 = 22;
 
 /// The size of the footer, in bytes.
@@ -121,7 +121,7 @@ pub(super) fn has_parts(opcode: u8, body: &[u8], is_exact: bool) -> bool {
     parts_found.is_some() && (parts.0.is_empty() || !is_exact)
 }
 
-/// True if a record appears to start with these bytes. `is_declared` returns true for known channels.
+/// True if these bytes appear to be the start of a record. `is_declared` returns true for known channels.
 ///
 /// Some kinds of records can't be recognised, so a search never stops at them.
 pub(super) fn is_sound(ahead: &[u8], is_declared: impl Fn(u16) -> bool) -> bool {
@@ -154,7 +154,7 @@ pub(super) fn is_sound(ahead: &[u8], is_declared: impl Fn(u16) -> bool) -> bool 
 pub(super) fn can_follow(ahead: &[u8]) -> bool {
     match head(ahead) {
         Some((opcode, length)) => {
-            // Opcodes from 0x80 on are for private records.
+            // Opcodes of 0x80 and above denote private records.
             (opcode <= op::DATA_END || opcode >= 0x80) && can_be(opcode, length) && length >> 40 == 0
         }
         None => ahead.is_empty(),
@@ -185,7 +185,7 @@ impl<'b> Parts<'b> {
         self.take(length as usize).map(|_| ())
     }
 
-    /// Skips a map of strings, which has a length prefix for the whole map.
+    /// Skips a map of strings, which starts with the length of the whole map.
     fn texts(&mut self) -> Option<()> {
         let length = self.u32()?;
         let mut pairs = Parts(self.take(length as usize)?);

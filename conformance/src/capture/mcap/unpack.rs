@@ -27,7 +27,7 @@ impl Packing {
 /// The bytes of a compressed chunk.
 type Packed = Cursor<Vec<u8>>;
 
-/// Decompresses a chunk. It may consist of several frames.
+/// Decompresses a chunk. A chunk may consist of several frames.
 pub(super) enum Unpacker {
     Zstd(Box<Zstd<Packed>>),
     Lz4(Box<Lz4<Packed>>),

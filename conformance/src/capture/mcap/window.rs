@@ -20,7 +20,7 @@ pub(super) struct Window<R> {
     is_at_end: bool,
     /// The checksum of everything before the cursor.
     whole: Hasher,
-    /// The checksum of the bytes between the last [`start_part`](Self::start_part) and the cursor.
+    /// The checksum of the bytes between the latest [`start_part`](Self::start_part) call and the cursor.
     part: Hasher,
 }
 
@@ -107,7 +107,8 @@ impl<R> Window<R> {
         &self.buffer[self.start..self.end]
     }
 
-    /// The `count` bytes before the cursor. These bytes must have been read since the last [`require`](Self::require).
+    /// The `count` bytes before the cursor. These bytes must have been read since the latest [`require`](Self::require)
+    /// call.
     pub(super) fn behind(&self, count: usize) -> &[u8] {
         &self.buffer[self.start - count..self.start]
     }
@@ -156,7 +157,7 @@ impl<R> Window<R> {
 mod tests {
     use super::*;
 
-    /// Returns a few bytes at a time.
+    /// A reader that returns a few bytes at a time.
     struct Slow<'b>(&'b [u8]);
 
     impl Read for Slow<'_> {

@@ -6,13 +6,14 @@ pub(super) const HEADER: usize = 3;
 /// The maximum size of a message with its header, in bytes.
 pub(super) const LARGEST: usize = HEADER + u16::MAX as usize;
 
-/// The magic of a sync message, which is the whole payload.
+/// The magic, which is the whole payload of a sync message.
 pub(super) const SYNC: [u8; 8] = [0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12];
 
 /// The known kinds, each with the minimum and the largest usual size of its payload.
 ///
 /// Minimum: a format consists of at least a one-character name and a colon. An entry consists of at least a key length
-/// and the key `t k`. Other messages have a fixed part, and a text that may be empty. Shorter messages are invalid.
+/// and the key `t k`. Other messages consist of a fixed part and a text, which may be empty. Shorter messages are
+/// invalid.
 ///
 /// Usual: sizes that PX4 writes, with a margin. Larger messages are accepted after closer inspection. Flag bits are
 /// expected only at the start of a log, where sizes aren't compared with the usual size.

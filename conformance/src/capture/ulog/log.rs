@@ -11,8 +11,8 @@ use super::message::Event;
 use super::reader::Item;
 
 /// The maximum total size of compiled formats, in bytes. A format counts each time it is compiled. The limit is
-/// sufficient for a log that writes each of PX4's 261 formats just before the first data of its topic. A malicious log
-/// can therefore cause at most two seconds of work.
+/// sufficient for a log that writes each of PX4's 261 formats just before the first data of its topic. Because of the
+/// limit, a malicious log can cause at most two seconds of work.
 const MAX_COMPILED: usize = 16 << 20;
 
 /// The formats and subscriptions of a log, up to the current item.
@@ -90,7 +90,7 @@ pub struct Record<'l> {
     pub subscription: &'l Subscription,
     /// The type.
     pub message_type: MessageType<'l>,
-    /// The message in memory layout. The padding at its end may be missing.
+    /// The message in memory layout. The padding at the end of the message may be missing.
     pub payload: &'l [u8],
 }
 

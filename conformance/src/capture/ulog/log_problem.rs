@@ -27,7 +27,7 @@ pub enum LogProblem {
         /// The name.
         name: String,
     },
-    /// A format appears after the definitions section. It is used nevertheless.
+    /// A format appears after the definitions section, but is still used.
     LateFormat {
         /// The name.
         name: String,
@@ -86,7 +86,7 @@ pub enum LogProblem {
         /// The id.
         id: u16,
     },
-    /// Data whose size matches the format neither with nor without the trailing padding.
+    /// Data with a size that doesn't match the format, either with or without the trailing padding.
     DataSize {
         /// The id.
         id: u16,
@@ -120,7 +120,7 @@ impl fmt::Display for LogProblem {
             Self::TooMuchText => {
                 write!(
                     formatter,
-                    "ignored a format or topic: the limit for all formats and topics is {MAX_TEXT} bytes"
+                    "ignored a format or topic: the limit for all formats and topics together is {MAX_TEXT} bytes"
                 )
             }
             Self::TooManyLateFormats => formatter

@@ -4,7 +4,8 @@ use std::fmt;
 
 use crate::model::Extent;
 
-/// A problem in the bytes of a log. The item's offset is that of the message header, or of the first affected byte.
+/// A problem in the bytes of a log. The item's offset is the offset of the message header or of the first affected
+/// byte.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Problem {
@@ -90,9 +91,9 @@ pub enum Resync {
     Synchronisation,
     /// Several consecutive messages.
     Messages,
-    /// The start of appended data. The search found no messages before it.
+    /// The start of appended data. The search found no messages before this data.
     Appended,
-    /// The end of the log. The search found no messages before it.
+    /// The end of the log. The search found no messages before the end.
     End,
 }
 
@@ -139,7 +140,7 @@ pub enum Malformation {
 }
 
 impl Problem {
-    /// The extent to which a log with this problem can be read.
+    /// The extent to which the log can be read despite this problem.
     pub fn extent(&self) -> Extent {
         match self {
             Self::ForeignMagic(_)
@@ -205,7 +206,7 @@ impl fmt::Display for Problem {
                 write!(formatter, "a message is truncated by the data appended at byte {appended}")
             }
             Self::UnknownKind(kind) => {
-                write!(formatter, "`{}` messages are of an unknown kind", kind.escape_ascii())
+                write!(formatter, "`{}` is an unknown message kind", kind.escape_ascii())
             }
             Self::Skipped { to, resync } => write!(formatter, "no valid messages up to byte {to}, {resync}"),
             Self::Malformed { kind, size, malformation } => {

@@ -26,7 +26,7 @@ const KNOWN_INCOMPATIBLE: [u8; 8] = [1, 0, 0, 0, 0, 0, 0, 0];
 /// A message or a problem, with its offset.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Item<'b> {
-    /// The offset of the first byte in the log. A message starts with its header.
+    /// The offset in the log. For a message, this is the offset of the header.
     pub offset: u64,
     /// The message or problem.
     pub event: Event<'b>,
@@ -34,7 +34,7 @@ pub struct Item<'b> {
 
 /// Reads a log from any input, without seeking.
 ///
-/// The input needs no buffer, since it is read in large pieces. Memory use doesn't depend on the size of the log.
+/// The input need not be buffered, since it is read in large pieces. Memory use doesn't depend on the size of the log.
 #[derive(Debug)]
 pub struct Reader<R> {
     window: Window<R>,
@@ -83,7 +83,7 @@ impl<R: Read> Reader<R> {
     /// The maximum number of bytes that the reader looks ahead after a suspicious message.
     pub const LOOKAHEAD: usize = LOOKAHEAD;
 
-    /// Creates a reader. It reads nothing yet.
+    /// Creates a reader without reading any input.
     pub fn new(input: R) -> Self {
         Self {
             window: Window::new(input),

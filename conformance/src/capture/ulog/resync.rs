@@ -21,8 +21,8 @@ const LONG_RUN: usize = 16;
 
 /// The maximum size, in bytes, of a run's first message if it is only [possible](Plausibility::Possible). In noise, one
 /// start position in 256 looks like data of up to 64 KiB. Some of these apparent messages end where a real message
-/// starts. Without this limit, they would form a run and hide the messages in between. PX4 data messages are smaller
-/// than this limit.
+/// starts. Without this limit, such apparent messages would form a run and hide the messages in between. PX4 data
+/// messages are smaller than this limit.
 const LARGEST_POSSIBLE_START: usize = 1_024;
 
 /// The maximum number of characters to check in a string. Names are shorter, and the running time must not depend on
@@ -52,7 +52,8 @@ pub(super) enum Beginning {
 #[derive(Debug)]
 pub(super) struct Ids {
     sizes: Box<[u16]>,
-    /// Different sizes that occurred once. If a size occurs twice in a row, it replaces the known size.
+    /// Sizes that differ from the known size and occurred only once. A size that occurs twice in a row replaces the
+    /// known size.
     doubtful: BTreeMap<u16, u16>,
     is_empty: bool,
 }
@@ -77,7 +78,7 @@ impl Ids {
         self.is_empty = false;
     }
 
-    /// Updates the size for an id after a message.
+    /// Updates the known size for an id after a message with that id.
     pub(super) fn see(&mut self, id: u16, size: u16) {
         let usual = &mut self.sizes[usize::from(id)];
         if *usual == UNSUBSCRIBED || *usual == size {
@@ -134,7 +135,7 @@ enum Walk {
 enum Plausibility {
     /// The kind is known and the content is valid. By chance, fewer than one in 100,000 start positions are sound.
     Sound,
-    /// Data with an unknown id or a new size, or a kind that may belong to a future version.
+    /// Data with an unknown id or a new size. Also a message of a kind that a future version may define.
     Possible,
     Wrong,
 }
@@ -304,7 +305,7 @@ fn is_printable(byte: u8) -> bool {
 }
 
 fn is_line(level: u8, text: &[u8]) -> bool {
-    // Real logs contain tabs, line ends and colour escapes.
+    // Real logs contain tabs, newlines and colour escapes.
     let is_text = |byte: &u8| !byte.is_ascii_control() || b"\t\n\r\x1b".contains(byte);
     level.is_ascii_digit() && level < b'8' && text.iter().take(TEXT).all(is_text)
 }

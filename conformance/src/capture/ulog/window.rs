@@ -56,7 +56,8 @@ impl<R> Window<R> {
         &self.buffer[self.start..self.end]
     }
 
-    /// The `count` bytes before the cursor. These bytes must have been read since the last [`require`](Self::require).
+    /// The `count` bytes before the cursor. These bytes must have been read since the latest [`require`](Self::require)
+    /// call.
     #[inline]
     pub(super) fn behind(&self, count: usize) -> &[u8] {
         &self.buffer[self.start - count..self.start]

@@ -69,7 +69,7 @@ impl<'d> Listeners<'d> {
         views.show(&mut self.all[..self.on_reports], self.definitions, findings);
     }
 
-    /// Notifies the checks of an unreadable part of the capture, in which records may be missing.
+    /// Notifies the checks of an unreadable part of the capture, which may have contained records.
     pub(in crate::check) fn corruption(&mut self, location: Location) {
         for listener in &mut self.all {
             if let Running::Session(state) = &mut listener.running {

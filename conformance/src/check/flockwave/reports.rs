@@ -1,4 +1,4 @@
-//! A fast path for status reports without new findings. Nearly all status reports have none.
+//! A fast path for status reports without new findings. Nearly all status reports take this path.
 //!
 //! The fast path reads a line in one pass, without building a tree, and compares each value with its schema. Besides
 //! these comparisons, only a few properties determine the findings in a report. These properties are the report's
@@ -61,7 +61,7 @@ pub(super) struct Reports<'d> {
     /// The fields of states; `None` if this path can't be used.
     fields: Option<Fields<'d>>,
     known: Known<'d>,
-    /// The kind of each state in the last report.
+    /// The kind of each state in the latest report.
     kinds: Vec<usize>,
 }
 
@@ -71,7 +71,8 @@ struct Fields<'d> {
     id: usize,
     timestamp: usize,
     errors: usize,
-    /// For each field, the field that most recently followed it. The last item is for the start of a state.
+    /// For each field, the field that most recently followed it. The last item is the field that most recently started
+    /// a state.
     next: Vec<usize>,
 }
 
@@ -202,7 +203,7 @@ impl<'d> Reports<'d> {
     }
 
     fn states<'l>(&mut self, tokens: &mut Tokens<'l>, findings: &Findings) -> Result<States<'l>, Unclear> {
-        // The previous report probably had about as many states.
+        // The previous report probably had about the same number of states.
         let mut states = Vec::with_capacity(self.kinds.len());
         self.kinds.clear();
         let fields = self.fields.as_mut().ok_or(Unclear)?;
@@ -269,7 +270,7 @@ impl<'d> Fields<'d> {
             }
             Ok(())
         })?;
-        // A state without an id is of a different kind.
+        // States with and without an id are of different kinds.
         Ok((timestamp.ok_or(Unclear)?, kind))
     }
 
@@ -300,7 +301,7 @@ fn time(token: &Token<'_>) -> Result<f64, Unclear> {
     }
 }
 
-/// True if no UAV appears twice. Most servers sort the states by UAV.
+/// True if no UAV appears twice. Most servers sort the states by UAV id.
 fn are_different(states: &States<'_>) -> bool {
     let mut seen = HashSet::new();
     states.is_sorted_by(|(one, _), (other, _)| one < other) || states.iter().all(|(uav, _)| seen.insert(uav))

@@ -42,7 +42,7 @@ pub(super) struct Open {
     pub(super) messages: u64,
     /// The size of the messages in memory, in bytes; 0 if no rule needs their values.
     pub(super) num_bytes: usize,
-    /// The line of its first message.
+    /// The line of the first message.
     pub(super) line: u64,
 }
 
@@ -112,7 +112,7 @@ pub(super) fn form<'t>(tree: &'t Tree<'t>) -> Form<'t> {
         (Some(ty), Some(message)) => Form::Message(NameKind::Type, ty, message),
         _ => Form::Unknown(
             "unknown message type: expected `type` and `message`, or rosbridge's `op`, `topic` and `msg`; \
-             or set the type with --type",
+             otherwise, set the type with --type",
         ),
     }
 }
@@ -124,7 +124,7 @@ pub(super) enum Fast {
     Skipped,
     /// A message without a definition.
     Undefined,
-    /// A value that has findings or belongs to a new channel. It needs the slow path.
+    /// A value that has findings or belongs to a new channel. Such a value needs the slow path.
     Unclear,
 }
 

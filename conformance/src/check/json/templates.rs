@@ -9,8 +9,8 @@ const MAX_TEMPLATES: usize = 64;
 /// The maximum length of a template's text, in bytes.
 const MAX_TEXT: usize = 64 * 1024;
 
-/// The number of consecutive misses after which no more templates are created. After this many misses, the form of the
-/// messages probably varies, for example because the producer numbers them.
+/// The number of consecutive misses after which no more templates are created. So many misses suggest that the form of
+/// the messages varies, for example because the producer numbers the messages.
 const MAX_MISSES: usize = 256;
 
 /// The templates of a capture.
@@ -40,7 +40,7 @@ impl Templates {
     /// Matches a message against the templates. Returns the channel and the message's contribution to the result.
     /// Stores the field values in `values` if the channel needs them.
     pub(super) fn read(&mut self, text: &str, plans: &Plans, values: &mut Vec<u8>) -> Option<(usize, Clean)> {
-        // Messages of topics with fixed rates repeat in the same order.
+        // Messages on topics with fixed rates arrive in a repeating order.
         let guess = self.known.get(self.last)?.next;
         let others = (0..self.known.len()).filter(|at| *at != guess);
         for at in std::iter::once(guess).chain(others) {

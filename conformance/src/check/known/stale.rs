@@ -41,8 +41,8 @@ pub(crate) enum Name<'r> {
 /// The result of a case or rule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// Passed. A rule passes in a file if anything was checked. The rule's violations in that file are separate
-    /// results.
+    /// Passed. A rule counts as passed in a file if it checked anything there. The rule's violations in that file are
+    /// separate results.
     Passed,
     /// Failed, with these messages.
     Failed(Vec<String>),
@@ -169,7 +169,7 @@ impl Lists {
         };
         let (id, span, message, help) = match &stale.reason {
             StaleReason::Passes => {
-                let message = format!("all results that match this {noun} pass");
+                let message = format!("this {noun} matches only passing results");
                 ("known-passes", spans.selector, message, "remove the entry")
             }
             StaleReason::PassesInPart { count, first, failing } => {

@@ -201,7 +201,7 @@ expires = 2026-05-08
     assert_eq!(
         list.render(&stale, Level::Error, false),
         "\
-error[known-passes]: all results that match this rule pass
+error[known-passes]: this rule matches only passing results
  --> known.toml:4:8
   |
 4 | rule = \"PX-RANGE-01\"

@@ -84,7 +84,7 @@ impl CdrChecker {
         self.plan.steps()
     }
 
-    /// True if PX4 messages lack the required timestamp. `None` for messages of other packages.
+    /// True if the messages lack the timestamp that PX4 requires. `None` for messages of other packages.
     pub(super) fn lacks_timestamp(&self, definitions: &Definitions) -> Option<bool> {
         let schema = &definitions.schema;
         let is_px4 = schema.package_of(schema.message(self.message_id)).form == Form::Msg(Dialect::Px4);

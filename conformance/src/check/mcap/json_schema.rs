@@ -9,7 +9,7 @@ use uavspec_runtime::Scalar;
 
 use crate::px4::comparison::{Comparison, Differences};
 
-/// The maximum depth of compared objects. Definitions don't nest deeper.
+/// The maximum depth of compared objects. Definitions don't nest more deeply than this.
 const MAX_DEPTH: usize = 32;
 
 /// The maximum number of consecutive references to follow.
@@ -107,7 +107,7 @@ impl<'s> Comparing<'s> {
         found
     }
 
-    /// The types that a property's schema states, if none of these types is expected.
+    /// The types in a property's schema, if none of them is an expected type.
     fn contradicted(&self, property: &'s Value, types: &[&str]) -> Option<String> {
         let found = self.followed(property);
         let is_among = |name: &str| types.contains(&name) || name == "number" && types.contains(&"integer");

@@ -16,7 +16,7 @@ use crate::px4::json::Plans;
 pub struct McapChannel {
     /// The topic.
     pub topic: String,
-    /// The encoding of its messages, e.g. `cdr`.
+    /// The encoding of the channel's messages, e.g. `cdr`.
     pub encoding: String,
     /// The name and encoding of the channel's schema, if there is one.
     pub schema: Option<(String, String)>,

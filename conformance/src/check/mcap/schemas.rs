@@ -10,7 +10,7 @@ use super::{Basis, MAX_NAME, Stated, digest, json_schema};
 use crate::definitions::Definitions;
 use crate::px4::comparison::{Comparison, compare_declared};
 
-/// The maximum total size of stored schemas, in bytes. Five hundred ROS 2 types with their nested types need half of
+/// The maximum total size of stored schemas, in bytes. Five hundred ROS 2 types with their nested types take up half of
 /// this size.
 const MAX_SCHEMAS: usize = 8 << 20;
 

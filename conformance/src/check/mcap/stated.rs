@@ -71,7 +71,7 @@ impl Stated {
         let is_root = |id: &&MessageId| schema.message(**id).name == root.1;
         let messages = schema.packages.iter().filter(|package| package.name == root.0);
         let found = messages.flat_map(|package| &package.messages).find(is_root).copied();
-        let root = found.ok_or("it doesn't define the type that it is named after")?;
+        let root = found.ok_or("it doesn't define the type in its name")?;
         let stated = Self { root, version: version(schema.message(root)), types: Types::new(&schema) };
         match stated.root().defect() {
             Some(defect) => Err(format!("it {defect}")),

@@ -31,17 +31,17 @@ pub struct McapSummary {
 struct Row<'c> {
     /// The topic.
     topic: &'c str,
-    /// The encoding of its messages, e.g. `cdr`.
+    /// The encoding of the channel's messages, e.g. `cdr`.
     encoding: &'c str,
-    /// The name of its schema.
+    /// The name of the channel's schema.
     schema: Option<&'c str>,
-    /// The encoding of its schema, e.g. `ros2msg`.
+    /// The encoding of the channel's schema, e.g. `ros2msg`.
     schema_encoding: Option<&'c str>,
     /// The number of messages.
     messages: u64,
     /// The number of messages in unsupported CDR encodings: parameter lists and CDR version 2.
     other_cdr: u64,
-    /// The result of comparing its schema with the definition.
+    /// The result of comparing the channel's schema with the definition.
     result: ChannelResult,
     /// The differences, or the reason why there was no comparison; may be empty.
     message: String,

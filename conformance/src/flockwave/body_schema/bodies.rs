@@ -28,7 +28,7 @@ pub struct DefinedSchemas {
 pub(super) struct Body {
     /// The index of the body's object schema.
     pub(super) object: usize,
-    /// The location of its definition.
+    /// The location of the body's definition.
     pub(super) span: Span,
 }
 

@@ -20,13 +20,13 @@ const MAX_VISITS: usize = 1 << 21;
 /// The cost of reporting a deviation, in visits per path step.
 const VISITS_PER_DEVIATION: usize = 8;
 
-/// The maximum number of object fields to list in a message.
+/// The maximum number of object fields that a message lists.
 const MAX_LISTED: usize = 12;
 
-/// The maximum number of allowed values to list in a message.
+/// The maximum number of allowed values that a message lists.
 const MAX_VALUES: usize = 16;
 
-/// In a list of unique elements, the maximum number of elements to compare by their text.
+/// The maximum number of elements that are compared by their text in a list of unique elements.
 const MAX_COMPARED: usize = 10_000;
 
 /// A step of the path to a value.
@@ -312,7 +312,7 @@ impl<'c> Check<'c> {
                 all.iter().map(|one| self.describe(one)).collect::<Vec<_>>().join(", or ")
             }
             ValueSchema::Object(index) => {
-                format!("an object of the type {}", self.defined_schemas.objects[*index].name)
+                format!("an object of type {}", self.defined_schemas.objects[*index].name)
             }
             ValueSchema::Tuple(index) => self.defined_schemas.tuples[*index].to_string(),
         }
@@ -371,7 +371,7 @@ pub(super) fn fits(schema: &Text, text: &str) -> bool {
         && (!schema.is_base64 || base64::decode(text).is_some())
 }
 
-/// A number as a float. A number beyond the range of a float is infinite.
+/// A number as a float. A number beyond the range of a float becomes infinity.
 fn float(value: &Tree<'_>) -> f64 {
     match value {
         #[allow(clippy::cast_precision_loss)] // bounds are rounded in the same way

@@ -166,7 +166,7 @@ impl Compiler<'_> {
                     ValueSchema::Constants(values.iter().map(|value| value.value.clone()).collect())
                 }
             },
-            // Definitions of this kind aren't recursive, so the recursion ends.
+            // Definitions of this kind aren't recursive, so this recursion ends.
             Definition::Named(typed) => {
                 let all: Vec<&Limits> = limits.iter().copied().chain([&typed.limits]).collect();
                 self.expression(&typed.ty, &all)

@@ -75,7 +75,7 @@ pub(super) enum Test {
 /// The schema of a list.
 #[derive(Debug)]
 pub(super) struct List {
-    /// The schema of its elements.
+    /// The schema of the elements.
     pub(super) element: Box<ValueSchema>,
     /// The number of elements.
     pub(super) length: Length,
@@ -86,13 +86,13 @@ pub(super) struct List {
 /// The schema of an object with named fields.
 #[derive(Debug, Default)]
 pub(super) struct Object {
-    /// The name of its type; empty for a body.
+    /// The name of the object's type; empty for a body.
     pub(super) name: String,
     /// The fields, in the order of the definition.
     pub(super) fields: Vec<Field>,
     /// The indices of the fields, sorted by name.
     pub(super) by_name: Vec<usize>,
-    /// True if other fields aren't allowed.
+    /// True if undefined fields aren't allowed.
     pub(super) is_closed: bool,
 }
 
@@ -110,16 +110,16 @@ pub(super) struct Tuple {
 pub(super) struct Field {
     /// The name.
     pub(super) name: String,
-    /// True if it is required.
+    /// True if the field or element is required.
     pub(super) is_required: bool,
     /// The schema.
     pub(super) schema: ValueSchema,
-    /// The location of its definition.
+    /// The location of the definition.
     pub(super) span: Span,
 }
 
 impl ValueSchema {
-    /// True if several deviations within such a value are worth reporting.
+    /// True if several deviations within a value of this schema are worth reporting.
     pub(super) fn is_structured(&self) -> bool {
         match self {
             Self::Object(_) => true,

@@ -45,7 +45,7 @@ pub(crate) enum Reference {
     Answered,
     /// A notification.
     Notification,
-    /// No message of this connection.
+    /// `refs` names no message of this connection.
     Unknown,
 }
 
@@ -156,7 +156,7 @@ impl<'t> Exchange<'t> {
         self.record.direction == record::Direction::In && self.role != Role::Unanswered
     }
 
-    /// The identity of its connection.
+    /// The identity of the record's connection.
     pub(crate) fn connection_id(&self) -> ConnectionId {
         ConnectionId { index: self.record.connection.index, serial: self.serial }
     }
@@ -189,7 +189,7 @@ impl<'t> Exchange<'t> {
     }
 
     /// The description of the rule test to which the record belongs. Answers and unanswered requests belong to the
-    /// request's test, and events to the connection's test.
+    /// request's test. Events belong to the connection's test.
     pub(crate) fn tried(&self, rule: &Rule) -> Option<&str> {
         let (tested, how) = match &self.request {
             Some(request) => request.trial.as_ref().map(|(rule, how)| (*rule, how.as_str()))?,

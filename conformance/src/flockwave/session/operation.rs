@@ -8,11 +8,11 @@ pub(crate) enum Stage {
     Open,
     /// Waiting for the client.
     Suspended,
-    /// Was suspended until the client requested to resume or cancel it.
+    /// The operation was suspended; then the client requested to resume or cancel it.
     Released,
     /// Ended.
     Ended,
-    /// A message reported on the operation before a response issued its receipt.
+    /// A message reported on the operation before a response issued the operation's receipt.
     Early,
 }
 
@@ -34,7 +34,7 @@ pub(crate) struct Named {
     pub receipt: String,
     /// The previous state of the operation, if it was known.
     pub before: Option<Operation>,
-    /// True if the session would know any earlier operation with this receipt.
+    /// True if the session would remember any earlier operation with this receipt.
     pub is_known: bool,
 }
 

@@ -5,7 +5,7 @@
 pub(crate) struct Parts {
     /// The field of the request that lists the objects.
     pub request_field: &'static str,
-    /// The fields of the response, which are maps or lists. Each object appears in exactly one of them.
+    /// The fields of the response, which are maps or lists. Each object appears in exactly one of these fields.
     pub reply_fields: &'static [&'static str],
 }
 
@@ -34,7 +34,7 @@ pub(crate) const OPERATIONS: [&str; 21] = [
     "UAV-WAKEUP",
 ];
 
-/// The fields of operations. If an operation takes longer, the response contains a receipt.
+/// The fields of operations. If an operation continues after the response, the response contains a receipt.
 pub(crate) const OPERATION: Parts =
     Parts { request_field: "ids", reply_fields: &["result", "error", "receipt"] };
 

@@ -35,7 +35,7 @@ pub trait Client: Send {
     /// Sends bytes without framing, e.g. parts of a message or several messages. With Socket.IO, the bytes form a
     /// packet. Fails if the transport doesn't support this.
     fn send_raw(&mut self, _bytes: &[u8]) -> io::Result<()> {
-        Err(io::Error::new(io::ErrorKind::Unsupported, "this transport can't send parts of a message"))
+        Err(io::Error::new(io::ErrorKind::Unsupported, "this transport can't send a message in parts"))
     }
 
     /// Closes the sending direction, if the transport supports that.

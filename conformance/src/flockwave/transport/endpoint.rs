@@ -70,7 +70,7 @@ impl FromStr for Endpoint {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (scheme, rest) =
-            text.split_once("://").ok_or("no transport: expected a URL, e.g. tcp://localhost:5001")?;
+            text.split_once("://").ok_or("missing transport: expected a URL, e.g. tcp://localhost:5001")?;
         match scheme {
             "tcp" => Ok(Self::Tcp(bare(rest)?)),
             "udp" => Ok(Self::Udp(bare(rest)?)),

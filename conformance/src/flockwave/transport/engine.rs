@@ -166,8 +166,9 @@ fn text_lengths(mut text: &str, length_of: fn(char) -> usize) -> Result<Vec<Stri
             if left == 0 {
                 break;
             }
-            left =
-                left.checked_sub(length_of(character)).ok_or("a length ends in the middle of a character")?;
+            left = left
+                .checked_sub(length_of(character))
+                .ok_or("a packet length ends in the middle of a character")?;
             end += character.len_utf8();
         }
         if left > 0 {
@@ -188,7 +189,7 @@ fn binary_lengths(mut payload: &[u8]) -> Result<Vec<String>, String> {
         if *kind != 0 {
             return Err("a packet is binary".to_owned());
         }
-        let end = rest.iter().position(|byte| *byte == 255).ok_or("a length is not terminated")?;
+        let end = rest.iter().position(|byte| *byte == 255).ok_or("a packet length is not terminated")?;
         let (digits, rest) = (&rest[..end], &rest[end + 1..]);
         let length = digits.iter().try_fold(0_usize, |sum, digit| {
             sum.checked_mul(10)?.checked_add(usize::from(*digit)).filter(|_| *digit < 10)

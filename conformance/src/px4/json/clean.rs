@@ -36,8 +36,8 @@ impl Plans {
         Ok(clean)
     }
 
-    /// Reads a message without findings. Stores its numbers and booleans in `values`, in memory layout. `values` has
-    /// the size of the message, or is empty if the values aren't needed.
+    /// Reads a message without findings. Stores the message's numbers and booleans in `values`, in memory layout.
+    /// `values` has the size of the message, or is empty if the values aren't needed.
     pub(crate) fn read(
         &self,
         id: MessageId,
@@ -183,7 +183,7 @@ impl FieldPlan {
 
     /// The decoded bytes of an array that rosbridge wrote as base64.
     ///
-    /// Text that fits into its array is shorter than the array's base64, so there is no ambiguity.
+    /// The base64 of an array is longer than any text that fits into the array, so there is no ambiguity.
     pub(super) fn as_base64(&self, text: &str, is_rosbridge: bool, is_element: bool) -> Option<Vec<u8>> {
         let is_bytes = match self.element {
             Element::Text(room) => text.len() > room as usize,

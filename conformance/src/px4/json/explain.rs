@@ -42,7 +42,7 @@ impl Plans {
         self.explain_with_ignored(origin, tree, findings).0
     }
 
-    /// Like `explain`, and also returns true if unused array entries had findings that were ignored. A single-pass
+    /// Like `explain`, but also returns true if unused array entries had findings that were ignored. A single-pass
     /// reader can't know the number of used entries, since that number may follow the array.
     pub(super) fn explain_with_ignored(
         &self,

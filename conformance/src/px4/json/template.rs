@@ -127,7 +127,7 @@ impl Template {
     /// Updates the template to match a text that has the recorded changes.
     fn advance(&mut self, plans: &Plans, text: &str) {
         let Some(first) = self.changes.first() else { return };
-        // If lengths differ, later values move.
+        // If the lengths differ, later values move.
         if self.text.len() != text.len()
             || self.changes.iter().any(|change| self.steps[change.step].length() != change.length)
         {

@@ -110,7 +110,7 @@ fn checks_bounds_of_sequences_and_strings() {
     }
 }
 
-/// A template reads changed values like a JSON parser.
+/// A template reads changed values in the same way as a JSON parser.
 #[test]
 fn a_template_reads_values_like_json() {
     let mut sources = SourceMap::default();

@@ -18,7 +18,7 @@ pub(super) enum Leaf<'t> {
 }
 
 impl Leaf<'_> {
-    /// The value in memory, in little-endian order, if it fits into this type.
+    /// The little-endian bytes of the value in memory. The value must fit into this type.
     pub(super) fn bytes(self, scalar: Scalar) -> [u8; 8] {
         let float = |value: f64| match scalar {
             #[allow(clippy::cast_possible_truncation)] // rounded like any float32

@@ -1,4 +1,4 @@
-//! A fast check of values in memory. Most values pass. Only values that don't pass are examined further.
+//! A fast check of values in memory. Most values pass, and only the others are examined further.
 
 use uavspec_codegen::schema::Restriction;
 use uavspec_runtime::{Number, Scalar};
@@ -86,7 +86,7 @@ impl Healthy {
         is_plain.then_some(Self::Between(scalar, low, high))
     }
 
-    /// True if a value certainly has no finding.
+    /// True if the value is guaranteed to produce no findings.
     #[inline]
     pub(super) fn accepts(&self, value: &[u8]) -> bool {
         match self {

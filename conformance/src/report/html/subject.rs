@@ -70,7 +70,7 @@ pub(super) fn has_details(subject: &Subject) -> bool {
     !subject.findings.is_empty() || !subject.corruption.is_empty() || subject.is_testee()
 }
 
-/// The section of a subject. The index makes its anchors unique.
+/// The section of a subject. The index makes the section's anchors unique.
 pub(super) fn section(subject: &Subject, index: usize) -> Markup {
     let anchor = anchor(index);
     html! {

@@ -13,10 +13,10 @@ use crate::matrix::Row;
 use crate::model::Rule;
 use crate::rules::RULES;
 
-/// Path of the overview.
+/// The path of the overview.
 const OVERVIEW: &str = "conformance/README.md";
 
-/// Path of the part of the table of contents.
+/// The path of the rules' part of the table of contents.
 pub(crate) const CONTENTS: &str = "conformance/contents.md";
 
 /// The comment at the start of every page.

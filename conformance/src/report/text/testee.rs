@@ -6,7 +6,7 @@ use super::{FAIL, PASS, WARN};
 use crate::report::{Case, CaseVerdict, Counts, OutcomeKind, Subject, Testee};
 use crate::text::shown;
 
-/// The maximum number of failures shown, and of standard error lines shown for each.
+/// The maximum number of failures shown, and the maximum number of standard error lines shown per failure.
 const MAX_SHOWN: usize = 20;
 
 pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fmt::Result {

@@ -1,7 +1,7 @@
 //! `FW-ACK-06`.
 //!
-//! AUTH-INF reports that a login is required, but not which requests require it. The probe chooses a request that
-//! requires a login.
+//! AUTH-INF reports that a login is required, but doesn't say which requests require a login. The probe chooses a
+//! request that requires a login.
 
 use serde_json::json;
 

@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                     `error` and `receipt`.",
         source: source::ASYNC,
         applies_to: "commands to several objects",
-        why: "The client does not know whether a missing UAV received the command. The operator may assume that the \
+        why: "The client does not know whether an omitted UAV received the command. The operator may assume that the \
               UAV received it, or may send the command twice.",
         example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1","uav-2"]}
 ← {"type":"UAV-TAKEOFF","result":{"uav-1":true}}"#,

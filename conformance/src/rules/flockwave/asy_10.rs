@@ -74,7 +74,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The longest time, in seconds, between messages about a short operation while the server sends other messages.
+/// The maximum allowed gap between messages about a short operation, in seconds, if the server sends other messages.
 const MAX_SECONDS: f64 = 18.0;
 
 /// The maximum number of tracked operations per connection.
@@ -145,7 +145,7 @@ fn check_single_end(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     }
 }
 
-/// Reports and removes the operations without a message for too long.
+/// Reports and removes operations that have had no message for too long.
 fn report_overdue(open: &mut Open, now: f64, context: &mut RuleContext<'_>) {
     open.retain(|receipt, (location, last_news)| {
         let waited = now - *last_news;

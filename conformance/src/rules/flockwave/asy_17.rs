@@ -71,7 +71,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The longest time, in seconds, from the ASYNC-CANCEL response to the end of the operation.
+/// The maximum allowed time, in seconds, from the ASYNC-CANCEL response to the end of the operation.
 const MAX_SECONDS: f64 = 10.0;
 
 /// The maximum number of tracked operations per connection.
@@ -135,7 +135,7 @@ impl Waiting {
         }
     }
 
-    /// Removes the operations that this message ends, and reports those that end in the wrong way.
+    /// Removes the operations that this message ends. Reports operations that end with the wrong message.
     fn end(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         // A new operation reuses the receipt.
         for named in &exchange.opened {

@@ -13,7 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-22",
         level: Level::Should,
         status: Status::Disputed(
-            "For the result of ASYNC-RESP, the specification text requires an object, the example there has a number, \
+            "For the result of ASYNC-RESP, the specification text requires an object, but its example has a number, \
              and the JSON Schema allows any value. This rule requires the type that an immediate response would have.",
         ),
         statement: "Each result has the type specified in the definition of its command. For most UAV commands, this \
@@ -73,7 +73,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let known = exchange.operations.first().and_then(|named| named.before.as_ref());
     let request = known.and_then(|operation| operation.type_name.as_deref());
     let Some((name, expected, fits)) = request.and_then(result_of) else { return };
-    // A null next to an error doesn't count as a result.
+    // If there is an error, a null result doesn't count as a result.
     if body::is_present(exchange.field("error")) {
         return;
     }

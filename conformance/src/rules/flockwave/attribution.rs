@@ -12,8 +12,8 @@ use crate::model::Rule;
 pub(crate) struct Attribution {
     /// The types of the messages.
     types: &'static [&'static str],
-    /// The path, with its steps separated by dots. `*` matches any one step, and `**` at the end matches any number of
-    /// steps.
+    /// The path, with its steps separated by dots. `*` matches any single step, and `**` at the end matches any number
+    /// of steps.
     path: &'static str,
     faults: &'static [Fault],
 }

@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Each requested connection is in exactly one of `status` and `error` of the response.",
         source: source::MESSAGES,
         applies_to: "CONN-INF",
-        why: "The client does not know whether a missing connection is down, is unknown or was left out by mistake.",
+        why: "The client does not know whether the connection is down, is unknown or was omitted by mistake.",
         example: r#"→ {"type":"CONN-INF","ids":["radio-1","radio-2"]}
 ← {"type":"CONN-INF","error":{"radio-1":"Unknown connection"}}"#,
         fix: "Add an entry for every requested id: its state in `status`, or a reason in `error`.",

@@ -17,8 +17,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Each requested object or path is in exactly one part of the response.",
         source: source::MESSAGES,
         applies_to: "DEV-LIST, DEV-SUB, DEV-UNSUB",
-        why: "The client does not know whether it is subscribed to a missing path. The client may wait for values that \
-              never arrive.",
+        why: "The client does not know whether it is subscribed to a path that the response omits. The client may \
+              wait for values that never arrive.",
         example: r#"→ {"type":"DEV-SUB","paths":["/uav-1/battery/voltage"]}
 ← {"type":"DEV-SUB","success":[]}"#,
         fix: "Add every requested object or path to `devices` or `success`, or to `error` with a reason.",

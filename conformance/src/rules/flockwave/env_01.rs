@@ -1,7 +1,7 @@
 //! `FW-ENV-01`.
 //!
-//! Other rules report a TCP message that spans several lines, and several messages in one line or datagram. If a line
-//! could start a message, this rule reports the line only after later lines show that it doesn't.
+//! Other rules report a TCP message that spans several lines, and several messages in one line or datagram. A line that
+//! could be the start of a message is reported only after later lines show that it isn't.
 
 use serde_json::json;
 

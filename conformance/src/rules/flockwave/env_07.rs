@@ -1,9 +1,9 @@
 //! `FW-ENV-07`.
 //!
 //! The specification sets no time limit, and a recording may end before the response arrives. A request is therefore
-//! reported only if no response arrives before the connection or the recording ends. In addition, the server must still
-//! send messages long after the request ([`MAX_SECONDS`]). A probe waits for the response and marks the request as a
-//! test of this rule. If a request tests another rule, that rule checks the request.
+//! reported only under two conditions. First, no response arrives before the connection or the recording ends. Second,
+//! the server still sends messages long after the request ([`MAX_SECONDS`]). A probe waits for the response and marks
+//! the request as a test of this rule. If a request tests another rule, that rule checks the request.
 
 use serde_json::json;
 
@@ -54,7 +54,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The longest time until a response, in seconds. If a request takes longer, a server responds with a receipt.
+/// The maximum time until a response, in seconds. For a request that takes longer, a server responds with a receipt.
 const MAX_SECONDS: f64 = 30.0;
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
@@ -83,7 +83,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     };
     let subject = request.type_name.as_deref().unwrap_or("message");
     context.violation(subject, request.location, || {
-        Detail::new(format!("no response, although the server sent messages for another {waited:.0} s"))
+        Detail::new(format!("no response within {waited:.0} s, although the server sent other messages"))
             .expected("a response")
             .actual("none")
     });

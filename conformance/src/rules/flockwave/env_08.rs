@@ -15,8 +15,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A request gets at most one response.",
         source: source::DERIVED,
         applies_to: "responses over time",
-        why: "The client has already completed the request. The client treats the second response as an error, or \
-              applies this response to a new request with the same id.",
+        why: "The client has already completed the request. The client treats the second response as an error or \
+              matches it to a new request with the same id.",
         example: r#"→ {"$fw.version":"1.0","id":"c1","body":{"type":"SYS-PING"}}
 ← {"$fw.version":"1.0","id":"s1","refs":"c1","body":{"type":"ACK-ACK"}}
 ← {"$fw.version":"1.0","id":"s2","refs":"c1","body":{"type":"ACK-ACK"}}"#,

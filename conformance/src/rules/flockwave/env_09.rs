@@ -24,7 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("Each UAV-INF notification is followed by an ACK-ACK with its id in `refs`.", |out| {
+    bug: Bug::message("Each UAV-INF notification is followed by an ACK-ACK that refers to it.", |out| {
         if out.notification_of("UAV-INF").is_some() {
             let refs = out.message()["id"].as_str().unwrap_or_default().to_owned();
             out.follow(Some(&refs), json!({ "type": "ACK-ACK" }));

@@ -25,7 +25,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Message(check), Check::Exchange(served::check)],
     covers: &[],
-    bug: Bug::message("Messages have a custom key that starts with $.", |out| {
+    bug: Bug::message("Messages have a custom key that starts with `$`.", |out| {
         out.message()["$wind"] = json!("fair");
     }),
     trial: Some(Trial::Requests(|_| requests())),

@@ -21,8 +21,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                     notifications.",
         source: source::GENERAL,
         applies_to: "messages from the server",
-        why: "Any other message without `refs` is usually a response whose `refs` is missing. The client cannot match \
-              the response to a request, and the request times out.",
+        why: "If a message of another type has no `refs`, it is usually a response that lacks `refs` by mistake. The \
+              client cannot match the response to a request, and the request times out.",
         example: r#"{"$fw.version":"1.0","id":"s1","body":{"type":"UAV-LIST","ids":["uav-1"]}}"#,
         fix: "Add `refs` if the message answers a request. Otherwise, do not send the message: only some types may be \
               notifications.",
@@ -51,7 +51,7 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     context.covered();
     if !defined_schemas.is_defined(name, Direction::Notification) {
         message.violates(context, || {
-            Detail::new(format!("{name} has no `refs`, but is not allowed as a notification"))
+            Detail::new(format!("{name} cannot be a notification, so it needs `refs`"))
         });
     }
 }

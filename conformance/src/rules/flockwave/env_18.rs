@@ -52,7 +52,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "a value outside a closed set",
+            name: "a value outside an enumeration",
             make: || mutant::reply("UAV-PREFLT", |body| body["status"]["kite"]["result"] = "fine".into()),
             also: &[],
         },
@@ -84,7 +84,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "an additional field in a nested closed object",
+            name: "an additional field in a nested object that forbids it",
             make: || mutant::reply("DEV-LIST", |body| body["devices"]["kite"]["colour"] = "red".into()),
             also: &[],
         },

@@ -1,7 +1,7 @@
 //! `FW-ENV-19`.
 //!
-//! No other rule checks clients. This rule does, because responses can't be matched to requests if an id is reused.
-//! Only a probe shows whether the server accepts the id of an answered request.
+//! This is the only rule that checks clients. If a client reuses an id, responses can't be matched to requests. Only a
+//! probe shows whether the server accepts the id of an answered request.
 
 use serde_json::json;
 

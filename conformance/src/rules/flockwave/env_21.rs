@@ -25,7 +25,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Exchange(served::check)],
     covers: &[],
     bug: Bug::message(
-        "In `refs`, all characters other than ASCII letters, digits, - and _ are missing.",
+        "The id in `refs` has lost every character except ASCII letters, digits, - and _.",
         |out| {
             if let Some(refs) = out.message()["refs"].as_str() {
                 let is_plain =

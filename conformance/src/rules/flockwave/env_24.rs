@@ -25,14 +25,14 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                     UAV. ACK has no requests.",
         source: source::GENERAL,
         applies_to: "probe requests that test this rule",
-        why: "Clients rely on these families without checking for them. If a handler is missing, views such as the \
-              list of devices stay empty.",
+        why: "Clients use these families without checking that the server supports them. If a handler is missing, \
+              views such as the list of devices stay empty.",
         example: r#"→ {"type":"UAV-SOAR"}
 ← {"type":"ACK-NAK","reason":"No handler for UAV-SOAR"}
 → {"type":"DEV-LIST","ids":["uav-1"]}
 ← {"type":"ACK-NAK","reason":"No handler for DEV-LIST"}"#,
-        fix: "Add handlers for the family. If the server has no such objects, return empty lists and an `error` \
-              entry for each unknown id.",
+        fix: "Add handlers for the family. If the server has no objects of this family, return empty lists, and an \
+              `error` entry for each unknown id.",
     },
     checks: &[Check::Session(|| Box::new(Families::default()))],
     covers: &[],
@@ -40,7 +40,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "DEV requests are refused like an unknown type",
+            name: "DEV requests are refused as if their type were unknown",
             make: || {
                 mutant::over("tcp#9", |session| {
                     session.logs_in();
@@ -55,7 +55,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "CONN requests are refused like an unknown type, without a reason",
+            name: "CONN requests are refused without a reason, as if their type were unknown",
             make: || {
                 mutant::over("tcp#9", |session| {
                     session.logs_in();
@@ -72,7 +72,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "no response to a family",
+            name: "no response to the requests in a family",
             make: || {
                 mutant::over("tcp#9", |session| {
                     session.tries(&RULE.rule, "", json!({ "type": "RTK-LIST" }));
@@ -165,7 +165,7 @@ impl Families {
         let family = families.entry(family).or_insert_with(new);
         match reason(exchange, name) {
             Some(reason) if family.reasons.len() < MAX_REASONS => _ = family.reasons.insert(reason),
-            // Only a handler gives so many different reasons.
+            // Only a server that handles the family gives so many different reasons.
             Some(_) | None => family.is_served = true,
         }
     }
@@ -178,7 +178,7 @@ impl Families {
             let is_absent = !family.is_served && family.reasons.is_subset(&refusals.unknown);
             if is_absent {
                 context.violation(name, family.location, || {
-                    Detail::new("requests are refused like those of an unknown type")
+                    Detail::new("requests are refused as if their type were unknown")
                         .expected("a handler")
                         .actual("none")
                 });

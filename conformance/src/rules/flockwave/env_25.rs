@@ -23,8 +23,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 → {"type":"CONN-LIST"}
 ← {"type":"CONN-LIST","ids":[]}
 ← {"type":"SYS-VER","software":"Example","version":"1.0"}"#,
-        fix: "In a server, answer in order if this costs nothing. In a client, match responses by `refs`, never by \
-              order.",
+        fix: "In a server, answer in order if this requires no extra work. In a client, match responses by `refs`, \
+              never by order.",
     },
     checks: &[Check::Session(|| Box::new(Order::default()))],
     covers: &[],
@@ -44,7 +44,7 @@ struct Order(PerConnection<Answered>);
 /// The answered requests of a connection.
 #[derive(Default)]
 struct Answered {
-    /// The location of the most recently sent request that was answered.
+    /// The location of the answered request that was sent last.
     latest: Option<Location>,
     is_reported: bool,
 }

@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The list of errors does not contain 0; an empty list means that there are no errors.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
-        why: "A client that shows a problem for every entry of the list reports a healthy UAV as faulty.",
+        why: "If the list contains 0, a client that shows each entry as a problem reports a healthy UAV as faulty.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"errors":[0]}}}"#,
         fix: "Send an empty list, or omit `errors`, if there are no errors.",
     },

@@ -14,8 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "The specification text for code 65 names 131 as the alternative, but 131 is unrelated. This rule uses \
              132.",
         ),
-        statement: "Alternative error codes are not listed together. The alternatives are 65 and 132; 66, 134 and 199; \
-                    133 and 197; 71 and 201; 72 and 139.",
+        statement: "Alternative codes for the same condition are not listed together. The groups of alternatives are \
+                    65 and 132; 66, 134 and 199; 133 and 197; 71 and 201; 72 and 139.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
         why: "Alternative codes report the same condition at different severities. If both are sent, the operator does \

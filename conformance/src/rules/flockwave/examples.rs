@@ -2,7 +2,7 @@
 //!
 //! An example is one server message or a transcript. In a transcript, client lines start with `→` and server lines with
 //! `←`. A line that starts with two spaces continues the previous line. Lines in parentheses are remarks. A message may
-//! consist of its body only.
+//! consist of a body only, without an envelope.
 
 use std::fmt::Write as _;
 
@@ -141,7 +141,7 @@ impl<'d> Recording<'d> {
                 let message = self.with_envelope(value, refs);
                 self.record(&json!({ "dir": "in", "msg": message }).to_string());
             }
-            // JSON parsers in other languages accept `NaN`.
+            // Some JSON parsers accept `NaN`.
             Err(_) if Tree::read(text).is_ok() => self.record(&format!(r#"{{"dir":"in","msg":{text}}}"#)),
             Err(_) => self.record(&json!({ "dir": "in", "raw": text }).to_string()),
         }

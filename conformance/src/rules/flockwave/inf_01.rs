@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Each requested id or path is in exactly one map of the response.",
         source: source::MESSAGES,
         applies_to: "BCN-INF, CLK-INF, DEV-INF, EXT-INF, RTK-INF, UAV-PREFLT, WTH-INF",
-        why: "The client does not know whether a missing object is unknown or was left out by mistake. The client \
+        why: "The client does not know whether the object is unknown or was omitted by mistake. The client \
               keeps showing old data.",
         example: r#"→ {"type":"WTH-INF","ids":["mast-1","mast-2"]}
 ← {"type":"WTH-INF","error":{"mast-1":"No data yet"}}"#,
@@ -22,12 +22,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message(
-        "In BCN-INF and similar messages, the response omits the last object in the request.",
-        |out| {
-            out.drop_last(&["BCN-INF", "CLK-INF", "WTH-INF", "RTK-INF", "EXT-INF", "UAV-PREFLT"]);
-        },
-    ),
+    bug: Bug::message("BCN-INF and similar responses omit the last object in the request.", |out| {
+        out.drop_last(&["BCN-INF", "CLK-INF", "WTH-INF", "RTK-INF", "EXT-INF", "UAV-PREFLT"]);
+    }),
     trial: None,
     mutants: &[
         Mutant {

@@ -28,7 +28,7 @@ pub(super) struct Line {
 }
 
 /// Server lines that are not complete messages. A line is either part of a message that spans several lines, or an
-/// unrelated line. Sometimes only the next message shows which.
+/// unrelated line. Sometimes, only the next message shows which case applies.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
     /// Undecided lines, by connection index.

@@ -1,8 +1,8 @@
 //! Checks UAV-INF against the UAVs in UAV-LIST.
 //!
-//! UAVs come and go. A UAV therefore counts as missing from UAV-INF only if the lists before and after UAV-INF contain
-//! the UAV. In addition, no OBJ-DEL in between may name the UAV. A repeated id in the request may also cause a missing
-//! UAV. In that case, `FW-UAV-INF-07` reports the missing UAV instead of `FW-UAV-LIST-03`.
+//! UAVs come and go. A UAV therefore counts as missing from UAV-INF only under two conditions. The lists before and
+//! after UAV-INF contain the UAV, and no OBJ-DEL in between names the UAV. A UAV may also be missing because the
+//! request repeats an id. In that case, `FW-UAV-INF-07` reports the missing UAV instead of `FW-UAV-LIST-03`.
 
 use std::collections::BTreeSet;
 
@@ -65,7 +65,7 @@ impl SessionCheck for Unknown {
                 context.violation("UAV-INF", location, || {
                     let id = body::quoted(&id);
                     Detail::new(format!(
-                        "UAV-INF reports {id} as unknown, but UAV-LIST contains this UAV both before and after"
+                        "UAV-INF reports {id} as unknown, but the UAV-LIST before and the one after contain it"
                     ))
                     .expected("a state")
                     .actual("an error")

@@ -39,8 +39,8 @@ pub(super) fn all(id: &str) -> Vec<Malformed> {
         ("ids that are a string", envelope(json!({ "type": "UAV-INF", "ids": "all" }))),
         ("ids that are an object", envelope(json!({ "type": "UAV-INF", "ids": { "id": 1 } }))),
         ("ids that are numbers", envelope(json!({ "type": "UAV-INF", "ids": [1, 2.5, -3] }))),
-        ("a list in a list of ids", envelope(json!({ "type": "UAV-INF", "ids": [["uav"]] }))),
-        ("an empty id in a list of ids", envelope(json!({ "type": "UAV-INF", "ids": [""] }))),
+        ("a list nested in the list of ids", envelope(json!({ "type": "UAV-INF", "ids": [["uav"]] }))),
+        ("an empty id in the list of ids", envelope(json!({ "type": "UAV-INF", "ids": [""] }))),
         ("a filter that is a string", envelope(json!({ "type": "OBJ-LIST", "filter": "uav" }))),
         (
             "both a body and an error",

@@ -58,7 +58,7 @@ impl SessionCheck for Listed {
             return;
         }
         if exchange.notification("OBJ-DEL").is_some() {
-            // A new object with the id of a deleted one may have another type.
+            // A new object may have the id of a deleted object, but a different type.
             let deleted = reply::listed(exchange);
             let is_present = |id: &String| deleted.as_ref().is_some_and(|deleted| !deleted.contains(id));
             self.0.get(exchange).values_mut().for_each(|list| list.retain(is_present));

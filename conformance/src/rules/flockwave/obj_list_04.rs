@@ -1,7 +1,8 @@
 //! `FW-OBJ-LIST-04`.
 //!
-//! Objects come and go. An object therefore counts as missing from a filtered list only if the unfiltered lists before
-//! and after it are equal. In addition, no notification in between may report the object as deleted.
+//! Objects come and go. An object therefore counts as missing from a filtered list only under two conditions. The
+//! unfiltered lists before and after the filtered list are equal, and no notification in between reports the object as
+//! deleted.
 
 use std::collections::BTreeSet;
 

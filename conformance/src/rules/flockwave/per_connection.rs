@@ -1,16 +1,16 @@
-//! Check state for each connection.
+//! The state of a check, stored separately for each connection.
 
 use std::collections::BTreeMap;
 
 use super::{Exchange, Role};
 use crate::flockwave::session::ConnectionId;
 
-/// The maximum number of connections with a state. If there are more, the state of the connection with the lowest index
-/// is dropped.
+/// The maximum number of connections with a state. If there are more connections, the state of the connection with the
+/// lowest index is dropped.
 const MAX_CONNECTIONS: usize = 16;
 
-/// A state for each connection. The state is reset when the connection is reopened, or when some of its records may be
-/// missing.
+/// A state for each connection. The state is reset when the connection is reopened, or when some of the connection's
+/// records may be missing.
 #[derive(Debug)]
 pub(super) struct PerConnection<T>(BTreeMap<usize, (u64, T)>);
 

@@ -13,7 +13,7 @@ const START: f64 = 1_790_000_000.0;
 /// The time between messages, in seconds.
 const STEP: f64 = 0.05;
 
-/// The number of status reports at the end, and the time between two reports in seconds.
+/// The number of status reports at the end, and the time between reports, in seconds.
 const REPORTS: (u32, f64) = (12, 5.0);
 
 /// A recorded session.
@@ -251,7 +251,7 @@ impl Session {
         })
     }
 
-    /// Adds long operations.
+    /// Adds long-running operations.
     fn operations(&mut self) {
         let answer = json!({
             "receipt": { "kite": "rcpt-1" }, "result": { "swift": true }, "error": { "owl": "No such glider" },

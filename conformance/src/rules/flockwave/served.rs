@@ -100,8 +100,8 @@ fn refusal<'t>(exchange: &Exchange<'t>) -> Option<(&'static str, Option<&'t str>
     Some(("an error", error.get("message").and_then(Tree::as_str)))
 }
 
-/// Checks that the response to a request that tests the rule lists the requested object in `error`. If the response
-/// omits the object, other rules report that.
+/// Checks the response to a request that tests the rule: the response must list the requested object in `error`. If the
+/// response omits the object, other rules report that.
 pub(super) fn in_error(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     if !served(exchange, context) {
         return;

@@ -16,7 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "After SYS-CLOSE, the server sends no more messages and closes the connection.",
         source: source::DERIVED,
         applies_to: "SYS-CLOSE over time",
-        why: "Clients close the connection or stop reading when SYS-CLOSE arrives. Clients lose all later messages.",
+        why: "Clients close the connection or stop reading when SYS-CLOSE arrives, so they lose all later messages.",
         example: r#"← {"type":"SYS-CLOSE","reason":"Restart"}
 ← {"type":"OBJ-DEL","ids":["uav-1"]}"#,
         fix: "Send SYS-CLOSE as the last message, then close the connection.",

@@ -16,7 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-PORTS-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "If SYS-PORTS lists the transport of the connection, it lists the port of the connection too.",
+        statement: "If SYS-PORTS lists a port for the transport of the connection, it is the port of the connection.",
         source: source::DERIVED,
         applies_to: "SYS-PORTS on connections with a known URL",
         why: "Clients use these ports for further connections. With a wrong port, the connection fails or reaches a \

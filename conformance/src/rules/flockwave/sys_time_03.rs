@@ -1,7 +1,7 @@
 //! `FW-SYS-TIME-03`.
 //!
-//! The rule compares the server times before and after the adjustment. A stopped or drifting clock deviates from the
-//! recording clock by at most the elapsed time. `FW-SYS-TIME-02` reports such a clock.
+//! The rule compares the server times before and after the adjustment. A stopped or drifting clock may deviate from the
+//! recording clock by up to the elapsed time, so this rule accepts such a deviation. `FW-SYS-TIME-02` reports it.
 
 use serde_json::json;
 

@@ -1,6 +1,6 @@
 //! `FW-TCP-01`.
 //!
-//! Lines that form a message only when joined are one message with line breaks, which this rule reports. `FW-ENV-01`
+//! If lines form a message only when joined, this rule reports them as a single message with line breaks. `FW-ENV-01`
 //! reports all other lines that are not messages.
 
 use super::{

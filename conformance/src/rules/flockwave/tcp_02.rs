@@ -44,9 +44,6 @@ fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
         Attempt::new("a message in two segments", [Step::Pieces(one(), 2, SHORT_PAUSE)]),
         Attempt::new("a message in many segments", [Step::Pieces(one(), 12, SHORT_PAUSE / 4)]),
         Attempt::new("two messages in one segment", [Step::Together(vec![one(), two()])]),
-        Attempt::new(
-            "a message and a line that is not JSON in one segment",
-            [Step::Together(vec![one(), noise])],
-        ),
+        Attempt::new("a segment with a message and a non-JSON line", [Step::Together(vec![one(), noise])]),
     ]
 }

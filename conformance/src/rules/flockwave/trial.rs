@@ -143,7 +143,7 @@ pub(super) fn after_noise(before: &str, ids: &[&str]) -> Vec<Attempt> {
     INVALID_TEXTS.into_iter().map(attempt).collect()
 }
 
-/// All requests on the survey's connection that test rules.
+/// All requests that test rules on the survey's connection.
 pub(crate) fn requests(uavs: &[String]) -> Vec<(&'static Rule, Request)> {
     let mut all = Vec::new();
     for flockwave in RULES {

@@ -12,7 +12,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Each requested UAV is in exactly one of `status` and `error` of the response.",
         source: source::MESSAGES,
         applies_to: "UAV-INF",
-        why: "The client does not know whether a missing UAV is unknown or was left out by mistake. The map keeps \
+        why: "The client does not know whether the UAV is unknown or was omitted by mistake. The map keeps \
               showing an old position.",
         example: r#"→ {"type":"UAV-INF","ids":["uav-1","uav-2"]}
 ← {"type":"UAV-INF","error":{"uav-1":"Unknown UAV"}}"#,

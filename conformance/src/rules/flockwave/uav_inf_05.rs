@@ -16,7 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A UAV-INF notification has no fields other than `type` and `status`.",
         source: source::MESSAGES,
         applies_to: "UAV-INF",
-        why: "Clients do not expect errors without a request, and drop them. The operator never learns about the \
+        why: "Clients do not expect errors in a notification, and drop them. The operator never learns about the \
               problem.",
         example: r#"{"type":"UAV-INF","status":{},"error":{"uav-9":"Connection lost"}}"#,
         fix: "Send only `status`. Report problems in the `errors` of a UAV. Report lost UAVs with OBJ-DEL.",

@@ -28,7 +28,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[
         Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant {
-            name: "an unknown UAV has a state",
+            name: "the response has a state for an unknown UAV",
             make: || {
                 let request = json!({ "type": "UAV-INF", "ids": ["nobody"] });
                 let status = json!({ "nobody": { "id": "nobody", "timestamp": 1_790_000_000_000_u64 } });

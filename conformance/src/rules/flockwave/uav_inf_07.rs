@@ -18,7 +18,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
               refused, the operator sees an error for no reason.",
         example: r#"→ {"type":"UAV-INF","ids":[]}
 ← {"type":"ACK-NAK","reason":"No ids"}"#,
-        fix: "Answer an empty list with an empty `status`, and handle a repeated id once.",
+        fix: "Answer an empty list with an empty `status`, and handle a repeated id only once.",
     },
     checks: &[Check::Session(|| Box::new(listed_uavs::Unknown::to_repeated_ids()))],
     covers: &[],
@@ -27,7 +27,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[
         Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant {
-            name: "a repeated id is unknown",
+            name: "a repeated id is reported as unknown",
             make: || {
                 let request = json!({ "type": "UAV-INF", "ids": ["kite", "kite"] });
                 let error = json!({ "type": "UAV-INF", "error": { "kite": "Again" } });

@@ -3,7 +3,8 @@
 //! Datagrams may be lost. A probe therefore sends several requests for each trial, and the trial fails only if all of
 //! them are unanswered when the connection closes.
 //!
-//! If nothing from the server ever arrives over UDP, a missing response does not prove that the service ended.
+//! If nothing from the server ever arrives over UDP, a missing response does not prove that the server stopped serving
+//! requests.
 
 use std::collections::BTreeMap;
 

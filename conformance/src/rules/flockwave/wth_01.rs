@@ -40,7 +40,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "WTH-INF in fractional seconds",
+            name: "a WTH-INF timestamp in fractional seconds",
             make: || {
                 mutant::reply("WTH-INF", |body| {
                     body["status"]["ridge"]["timestamp"] = 1_790_000_000.25.into();
@@ -49,7 +49,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "WTH-AT in fractional seconds",
+            name: "a WTH-AT timestamp in fractional seconds",
             make: || mutant::reply("WTH-AT", |body| body["weather"]["timestamp"] = 1_790_000_000.25.into()),
             also: &[],
         },

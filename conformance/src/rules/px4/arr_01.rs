@@ -18,7 +18,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         example: "definition: float32[14] voltage_cell_v\n\
             message:    {…, \"voltage_cell_v\": [4.1, 4.1, 4.0], …}",
         fix: "Write all elements of an array, and fill unused elements with the value for missing \
-            data. Shorten sequences and text to their bound.",
+            data. Shorten sequences and text to their bounds.",
     },
     check: Check::Value,
     mutants: &[

@@ -272,7 +272,7 @@ impl Requests {
     }
 }
 
-/// Replies waiting for the next request. If there are too many, the oldest are dropped.
+/// Replies waiting for the next request. If there are too many replies, the oldest are dropped.
 #[derive(Default)]
 pub(super) struct Waiting(VecDeque<Reply>);
 
@@ -284,7 +284,7 @@ impl Waiting {
         self.0.push_back(reply);
     }
 
-    /// Removes and returns all replies.
+    /// Removes all replies and returns them.
     pub(super) fn take(&mut self) -> VecDeque<Reply> {
         std::mem::take(&mut self.0)
     }

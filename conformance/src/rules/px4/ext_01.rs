@@ -2,9 +2,9 @@
 //!
 //! A capture may lack requests: a logger may record only some of them, and a file may be truncated. A reply that
 //! matches no known request therefore waits for the next request. If the ids of the requests are consecutive, no
-//! request is missing. In that case, the reply is wrong unless it answers the new request and merely precedes that
-//! request in the file. A reply that is older than all known requests is not checked, because a log starts with the
-//! latest message of each topic.
+//! request is missing. In that case, the reply is wrong, unless it answers the new request and was only recorded before
+//! that request. A reply that is older than all known requests is not checked, because a log starts with the latest
+//! message of each topic.
 
 use super::ext::{Listener, Reply, Request, Requests, Talk, Waiting};
 use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};

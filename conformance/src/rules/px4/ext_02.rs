@@ -6,9 +6,10 @@
 //! [`STARTUP_TIME`], and the request's mask contains no other ids. The mask alone proves nothing, because it omits slow
 //! components. An old registration proves nothing either, because a log starts with the latest message of each topic.
 //!
-//! A reply must not contain a released id if its request was sent after the release. A reply to an earlier request may
-//! have been sent before the release. If the mask of a later request contains the id, the id was assigned again.
-//! Without masks, a component that continues to reply is assumed to be registered again ([`REQUESTS_TO_WAIT`]).
+//! If a request was sent after the release of an id, replies to the request must not contain that id. A reply to an
+//! earlier request may have been sent before the release. If the mask of a later request contains the id, the id was
+//! assigned again. Without masks, a component that continues to reply is assumed to be registered again
+//! ([`REQUESTS_TO_WAIT`]).
 
 use super::ext::{Ids, Listener, Reply, Request, TOLERANCE, Talk, Waiting, is_later};
 use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
@@ -78,7 +79,7 @@ enum Whole {
     /// No message has been received yet.
     #[default]
     Open,
-    /// The first message was a registration, at this time.
+    /// The first message was a registration. Contains the time of the registration.
     Likely(u64),
     Yes,
     No,
@@ -206,7 +207,7 @@ impl Registrations {
         };
     }
 
-    /// Updates the ids from the mask of a request.
+    /// Updates the state of each id from a request's mask.
     fn learn(&mut self, request: &Request) {
         let mask = Ids::from_mask(request.mask.unwrap_or_default());
         for id in 0..=u8::MAX {
@@ -259,7 +260,7 @@ impl Registrations {
     }
 }
 
-/// The message for a reply from a released component.
+/// The error message for a reply from a released component.
 const RELEASED: &str = "was released before the request";
 
 fn report_violation(reply: &Reply, what: &str, context: &mut RuleContext<'_>) {

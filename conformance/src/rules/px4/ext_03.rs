@@ -7,8 +7,8 @@
 //! for slow components. Without masks, the registrations in the capture decide.
 //!
 //! A request is checked two requests later, because its replies may appear late in the file. Many ROS 2 nodes send
-//! replies without a time. For these, only the order in the file shows whether a reply was late. A single reply after
-//! the next request may still have been in time, but several in a row were late.
+//! replies without a time. For such replies, only the order in the file shows whether a reply was late. A single reply
+//! after the next request may still have been on time. If several in a row follow the next request, they were late.
 
 use std::collections::VecDeque;
 
@@ -21,7 +21,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-EXT-03",
         level: Level::Should,
         status: Status::Normative,
-        statement: "Each registered component replies to each ArmingCheckRequest before the next request.",
+        statement: "Each registered component replies to each ArmingCheckRequest before the next request arrives.",
         source: "ArmingCheckRequest",
         applies_to: "message sequences",
         why: "The flight controller needs the replies to know which external modes can run. A component that does not \
@@ -60,9 +60,9 @@ struct Silence {
     waiting: Waiting,
     /// The components that are registered according to the capture.
     registered: Ids,
-    /// For each id, the number of consecutive requests that it answered.
+    /// For each id, the number of consecutive requests that the component answered.
     in_a_row: [u8; 256],
-    /// For each id, the number of consecutive requests that it answered after the next request in the file.
+    /// For each id, the number of consecutive requests whose reply follows the next request in the file.
     behind_in_a_row: [u8; 256],
 }
 
@@ -88,7 +88,7 @@ impl Listener for Silence {
         let [answered, late, behind] = [Ids::default(); 3];
         let mut sent = SentRequest { request, required, answered, late, behind };
         for reply in self.waiting.take() {
-            // The reply precedes the request in the file, but not in time.
+            // The reply precedes the request in the file, but its timestamp is not earlier.
             if reply.request_id == request.id && !is_later(request.time, reply.time) {
                 sent.answered.insert(reply.registration_id);
             }

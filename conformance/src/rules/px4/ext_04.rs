@@ -18,8 +18,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
                     Later entries are ignored.",
         source: "`num_events` and `events` of ArmingCheckReply, `id` of Event",
         applies_to: "message values",
-        why: "Ground stations look up the text of an event by its id, and 0 means no event. The \
-            operator can't see why the vehicle doesn't arm.",
+        why: "Ground stations look up the text of an event by its id, and 0 means no event. If the \
+            id is 0, the operator can't see why the vehicle doesn't arm.",
         example: "{…, \"num_events\": 2, \"events\": [{\"id\": 1011, …}, {\"id\": 0, …}, …], …}",
         fix: "Set `num_events` to the number of events that you write. Set the `id` of each event to an id from the \
               event metadata.",
@@ -46,7 +46,7 @@ impl Checker for Reasons {
             context.covered();
             if id == 0 {
                 context.violation_in_field(channel, "events", message.location, || {
-                    Detail::new(format!("one of the {in_use} used events has no id"))
+                    Detail::new(format!("an entry among the first {in_use} has no id"))
                         .at(format!("events[{index}].id"))
                         .expected("an id other than 0")
                         .actual("0")

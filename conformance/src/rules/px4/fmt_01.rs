@@ -8,13 +8,13 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         id: "PX-FMT-01",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A format in a capture matches the definition in fields, order, types, array lengths and padding. \
-                    Formats differ between firmware versions, so uavspec reports differences as violations only if \
-                    `--strict-formats` is set.",
+        statement: "A format in a capture has the same fields as the definition, with the same order, types, array \
+                    lengths and padding. Formats differ between firmware versions, so uavspec reports differences as \
+                    violations only if `--strict-formats` is set.",
         source: "the definition",
         applies_to: "logs and MCAP schemas",
-        why: "If the formats differ, software built from the definition reads wrong values or none, unless the \
-              software uses the format in the capture.",
+        why: "If the format differs, software built from the definition reads wrong values or no values, unless it \
+              uses the format in the capture.",
         example: "definition: float32 remaining\n\
             format:     …uint8_t remaining;…",
         fix: "Use the definitions of the firmware that wrote the capture, or update the firmware. A capture from a \

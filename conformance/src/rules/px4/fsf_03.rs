@@ -23,11 +23,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
                     mask for the flag is not 0.",
         source: "FailsafeFlags",
         applies_to: "message values",
-        why: "A flag without a matching requirement doesn't prevent any mode from running. The flag may be meant to \
-              have no requirement, or a mode may lack one.",
+        why: "A flag without a matching requirement doesn't prevent any mode from running. Either the flag is not \
+              meant to block any mode, or a mode lacks a requirement.",
         example: "{…, \"mode_req_attitude\": 0, \"attitude_invalid\": true, …}",
-        fix: "Check which modes need the value, and set their bits in the mask. If no mode needs it, \
-            no change is necessary.",
+        fix: "Check which modes can't run while the flag is set, and set their bits in the mask. If all modes can \
+              run, no change is necessary.",
     },
     check: Check::State(|| Box::new(Flags::default())),
     mutants: &[Mutant {
@@ -42,7 +42,7 @@ const REQUIREMENT: &str = "mode_req_";
 /// Words that appear in flag names but not in the names of their requirements.
 const STATES: [&str; 6] = ["invalid", "lost", "missing", "auto", "control", "signal"];
 
-/// Pairs of a flag and its requirement that can't be matched by name.
+/// The flags and requirements that belong together but can't be matched by name.
 const RENAMED_REQUIREMENTS: [(&str, &str); 2] = [
     ("wind_limit_exceeded", "wind_and_flight_time_compliance"),
     ("flight_time_limit_exceeded", "wind_and_flight_time_compliance"),

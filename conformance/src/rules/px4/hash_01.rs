@@ -9,7 +9,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         status: Status::Normative,
         statement: "The type hash in a capture matches the definition. If the schema in the capture differs from the \
                     definition, the hash differs as well, and only `PX-FMT-01` is reported.",
-        source: "ROS 2's REP 2016 (RIHS01)",
+        source: "ROS 2 REP 2016 (RIHS01)",
         applies_to: "type hashes in MCAP files",
         why: "ROS 2 tools compare hashes to detect incompatible types. With a wrong hash, the tools warn about \
               compatible data or reject it.",

@@ -11,8 +11,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "The count of used array entries does not exceed the array length.",
         source: "`@count` in the definition, or the field names `num_x` and `x_count`",
         applies_to: "message values",
-        why: "A reader that trusts the count reads beyond the end of the array. In C++, this is \
-            undefined behavior.",
+        why: "If the count is too large, a reader that trusts it reads beyond the end of the array. In C++, this is \
+              undefined behavior.",
         example: "definition: uint8 num_events  # [@count events]\n\
             \x20           Event[5] events\n\
             message:    {…, \"num_events\": 7, …}",

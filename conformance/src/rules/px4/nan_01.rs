@@ -9,13 +9,13 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         level: Level::Should,
         status: Status::Advisory,
         statement: "A restricted field may be NaN only if its definition says what NaN means.",
-        source: "`@invalid NaN` in the definition, or its description",
+        source: "`@invalid NaN` in the definition, or the description of the field",
         applies_to: "message values",
         why: "Comparisons such as `x < 10` are false for NaN, so limit checks and failsafes may not \
             trigger.",
         example: "definition: float32 remaining  # [-] [@range 0, 1] [@invalid -1]\n\
             message:    {…, \"remaining\": null, …}",
-        fix: "Send the value for missing data, here `-1`. If NaN is intended, add `[@invalid NaN]` to \
+        fix: "Send the value for missing data (`-1` in the example). If NaN is intended, add `[@invalid NaN]` to \
             the definition.",
     },
     check: Check::Value,

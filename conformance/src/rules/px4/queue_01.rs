@@ -13,10 +13,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-QUEUE-01",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "For each topic, all messages with the same timestamp fit into the queue.",
+        statement: "All messages with the same timestamp on a topic fit into the topic's queue.",
         source: "`ORB_QUEUE_LENGTH` in the definition",
         applies_to: "message sequences",
-        why: "A full queue overwrites its oldest message. A subscriber that runs after the burst misses that message.",
+        why: "If the queue is full, a new message overwrites the oldest one. A subscriber that runs after the burst \
+              misses the overwritten messages.",
         example: "definition: uint8 ORB_QUEUE_LENGTH = 4\n\
             log:        5 messages on the topic, all with timestamp 1000000",
         fix: "Increase `ORB_QUEUE_LENGTH` to a power of two that is large enough for the burst, or publish fewer \
@@ -24,7 +25,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     },
     check: Check::State(|| Box::new(Bursts::default())),
     mutants: &[Mutant {
-        name: "more messages with the same timestamp than the queue holds",
+        name: "more messages with the same timestamp than fit into the queue",
         change: Change::Flight(burst),
         also: &[],
     }],
@@ -68,7 +69,7 @@ impl Checker for Bursts {
             let definition = context.defined(channel.definition);
             context.violation_of(channel.topic, message.location, definition, || {
                 Detail::new(format!(
-                    "more than {length} messages with timestamp {timestamp} µs, but the queue holds {length}"
+                    "more than {length} messages with timestamp {timestamp} µs, but the queue holds only {length}"
                 ))
                 .expected(format!("at most {length} messages"))
                 .actual(format!("{} or more", length.saturating_add(1)))

@@ -8,14 +8,14 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-RANGE-01",
         level: Level::Should,
         status: Status::Normative,
-        statement: "A value is within its range, unless it is the value for missing data.",
+        statement: "Each value is within the range of its field, or is the field's value for missing data.",
         source: "`@range` and `@invalid` in the definition",
         applies_to: "message values",
         why: "Readers rely on the range for scaling, limits and display. A value outside the range is often in the \
               wrong unit.",
         example: "definition: float32 remaining  # [-] [@range 0, 1] [@invalid -1]\n\
             message:    {…, \"remaining\": 87.5, …}",
-        fix: "Check the unit and the scale of the value; here, a percentage was sent instead of a fraction. If the \
+        fix: "Check the unit and the scale of the value. The example has a percentage instead of a fraction. If the \
               value is valid, extend the range in the definition.",
     },
     check: Check::Value,

@@ -20,11 +20,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         example: "battery_status {\"timestamp\": 2000000, …}\n\
             battery_status {\"timestamp\": 1000000, …}",
         fix: "Set `timestamp` from the monotonic system clock when you publish the message. Check \
-            that only one module publishes each instance.",
+            that only one module publishes each topic instance.",
     },
     check: Check::State(|| Box::new(Times::default())),
     mutants: &[Mutant {
-        name: "a last message that is older than the previous messages",
+        name: "a final message with an earlier timestamp than the ones before it",
         change: Change::Flight(back),
         also: &[],
     }],
@@ -55,8 +55,8 @@ impl Checker for Times {
             });
         }
         context.covered();
-        // Later messages are compared with this message. Otherwise, a single wrong time or a restart would make all
-        // later messages wrong.
+        // Later messages are compared with this message, even if its time is wrong. Otherwise, a single wrong time or a
+        // restart would make all later messages wrong.
         if timestamp != 0 {
             *latest = timestamp;
         }

@@ -15,7 +15,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
                     the pause.",
         source: "derived: PX4's logger records a dropout when it loses data",
         applies_to: "message sequences",
-        why: "Either the publisher stopped, or data was lost without a dropout record. Tools interpolate over the gap.",
+        why: "If there is no dropout record, either the publisher stopped or the loss was not recorded. Tools \
+              interpolate over the gap.",
         example: "battery_status, every 20 ms: … 1.00 s, 1.02 s, 1.04 s, 2.51 s, 2.53 s …\n\
             \x20                            (no dropout near 1.04 s)",
         fix: "Check the publisher, and check the load of the logger during the pause. If the topic is meant to pause, \
@@ -31,7 +32,7 @@ const LEARNING_PERIODS: usize = 32;
 /// The maximum pause, in periods.
 const PAUSE: u64 = 10;
 
-/// The period after a dropout in which pauses are excused, in µs. The lost data was published shortly before the
+/// The time after a dropout during which pauses are excused, in µs. The lost data was published shortly before the
 /// dropout.
 const DROPOUT_MARGIN: u64 = 1_000_000;
 
@@ -40,7 +41,7 @@ struct Gaps {
     channels: PerChannel<Rhythm>,
     /// The time of the latest message of any channel.
     now: u64,
-    /// The time until which a dropout excuses pauses.
+    /// A dropout excuses pauses that start before this time.
     excused_until: u64,
 }
 
@@ -49,7 +50,7 @@ struct Gaps {
 #[derive(Clone, Default)]
 struct Rhythm {
     latest: u64,
-    /// `None` until it is learned.
+    /// `None` until the period has been learned.
     period: Option<u64>,
     first: Vec<u64>,
 }

@@ -10,14 +10,14 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         level: Level::Must,
         status: Status::Normative,
         statement: "The version suffix of a topic name (`_vN`) matches the version of the topic's message type.",
-        source: "`MESSAGE_VERSION` in the capture's schema; if absent, in the definition",
+        source: "`MESSAGE_VERSION` in the capture's schema, or in the definition if the schema has none",
         applies_to: "topic names",
         why: "Subscribers select a message version by the topic name. With a wrong suffix, subscribers decode the \
               message with a different definition.",
         example: "topic:      /fmu/out/arming_check_request_v2\n\
             definition: uint32 MESSAGE_VERSION = 1",
-        fix: "Use the topic suffix of the message version, or build the publisher with the definition of the version \
-            in the topic name.",
+        fix: "Change the topic suffix to the version of the message, or build the publisher with the message version \
+              that the suffix states.",
     },
     check: Check::State(|| Box::new(Versions)),
     mutants: &[Mutant {

@@ -55,7 +55,7 @@ impl Log {
         log
     }
 
-    /// Adds the format of a type and of its nested types.
+    /// Adds the formats of a type and its nested types.
     fn format(&mut self, name: &str, ty: MessageType<'_>, named: &mut BTreeSet<String>) {
         if !named.insert(name.to_owned()) {
             return;
@@ -97,7 +97,7 @@ impl Log {
         let mut bytes = [&ULOG_MAGIC[..], &[1], &START.to_le_bytes()].concat();
         for entry in &self.entries {
             let (kind, payload) = entry.to_bytes();
-            // No definition results in an entry that exceeds the maximum length of the format.
+            // No definition leads to an entry that is longer than the format allows.
             bytes.extend(u16::try_from(payload.len()).unwrap_or(u16::MAX).to_le_bytes());
             bytes.push(kind);
             bytes.extend(payload);

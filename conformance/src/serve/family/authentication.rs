@@ -34,7 +34,7 @@ fn log_in(hub: &mut Hub, session: SessionId, request: &auth_req::Request) -> aut
         return failed("this server requires no login");
     };
     if request.method != AuthenticationMethod::Basic {
-        return failed("unsupported method, expected basic");
+        return failed("unsupported method; expected basic");
     }
     let given = BASE64.decode(request.data.as_bytes()).unwrap_or_default();
     if given != format!("{name}:{password}").into_bytes() {

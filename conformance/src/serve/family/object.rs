@@ -85,6 +85,6 @@ fn obey(uav: &mut Uav, command: &str, arguments: &[Value]) -> Result<String, Str
             uav.set_charge(percent);
             Ok(format!("charged to {} %", uav.percentage()))
         }
-        _ => Err("unknown command, expected error, battery or lose".to_owned()),
+        _ => Err("unknown command; expected error, battery or lose".to_owned()),
     }
 }

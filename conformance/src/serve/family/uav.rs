@@ -30,7 +30,7 @@ const DEFAULT_SIGNAL: f64 = 5.0;
 /// The result of a command for each UAV, usually `true` on success.
 type CommandResults<T = bool> = Result<Outcomes<Outcome<T>>, String>;
 
-/// Builds the response to a command. All these responses have the same three maps.
+/// Builds the response to a command. All responses to commands have the same three maps.
 macro_rules! respond {
     ($body:ident, $outcomes:expr) => {{
         let (result, error, receipt) = $outcomes?.into_maps_with_receipts();

@@ -22,7 +22,7 @@ use crate::serve::outbox::Taken;
 /// The maximum number of concurrent sessions.
 const SESSION_LIMIT: usize = 1024;
 
-/// The maximum number of packets per poll response, since some clients accept no more.
+/// The maximum number of packets per poll response. Some clients accept only this many.
 const PACKETS_AT_ONCE: usize = 16;
 
 /// The maximum duration of a poll without packets. Pings are more frequent.
@@ -88,7 +88,7 @@ fn session(shared: &Shared, request: &Request) -> Result<Arc<Session>, Response>
         Some(sid) => {
             let session = shared.sessions.find(sid).ok_or_else(|| refused("unknown session"))?;
             let is_same = session.revision() == revision;
-            if is_same { Ok(session) } else { Err(refused("the session uses a different revision")) }
+            if is_same { Ok(session) } else { Err(refused("the session was opened with a different EIO")) }
         }
         None if request.method == "GET" => {
             let opened = shared.sessions.open(shared, revision);

@@ -80,7 +80,7 @@ fn write(mut stream: TcpStream, outbox: &Outbox) {
     let _ = stream.shutdown(Shutdown::Both);
 }
 
-/// Reads until the client closes the connection, or until nothing more can be sent to it.
+/// Reads until the client closes the connection, or until nothing more can be sent to the client.
 fn read(
     shared: &Shared,
     id: SessionId,

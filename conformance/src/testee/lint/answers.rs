@@ -6,7 +6,7 @@ use super::{Bench, Check, CheckOutcome};
 use crate::testee::case::{Case, Input};
 use crate::testee::wire::to_base64;
 
-/// The number of requests in checks that send several.
+/// The number of requests in checks that send more than one.
 const NUM_CASES: usize = 16;
 
 /// The length of a long request in bytes. A mission or a list of all firmware parameters has a similar length. The
@@ -91,7 +91,7 @@ fn answers_have_ids(bench: &mut Bench<'_>) -> CheckOutcome {
         let _ = session.finish();
         match session.received().foreign {
             Some(id) => Err(format!("unexpected response with id {id}")),
-            // A response without an id leaves its request unanswered, so this is a failure too.
+            // A response without an id leaves its request unanswered, so such a response causes a failure here too.
             None => received,
         }
     })
@@ -159,7 +159,9 @@ fn question_in_many_writes(bench: &mut Bench<'_>) -> CheckOutcome {
 
 fn long_question(bench: &mut Bench<'_>) -> CheckOutcome {
     let Some(case) = bench.known_case(|case| case.input != Input::Nothing).cloned() else {
-        return CheckOutcome::NotApplicable("no supported op can be tested with a supported type".to_owned());
+        return CheckOutcome::NotApplicable(
+            "no test case for the supported ops and types has an input".to_owned(),
+        );
     };
     bench.run(|bench, session| {
         let (id, mut request) = session.request(&case);

@@ -19,14 +19,14 @@ pub(super) const INTRODUCTION: Check = Check {
 pub(super) const HELLO_MEMBERS: Check = Check {
     id: "hello-members",
     statement: "the hello has a name, a version, known ops and formats, and types such as px4/Event",
-    help: "send for example {\"op\":\"hello\",\"protocol\":1,\"name\":\"my-codec\",\"version\":\"1.2\",\
+    help: "send, for example, {\"op\":\"hello\",\"protocol\":1,\"name\":\"my-codec\",\"version\":\"1.2\",\
            \"ops\":[\"decode\"],\"formats\":[\"uorb\"],\"types\":[\"px4/Event\"]}",
     attempt: hello_members,
 };
 
 pub(super) const SECOND_HELLO: Check = Check {
     id: "second-hello",
-    statement: "a second hello gets the same response or an error, and requests still work",
+    statement: "a second hello gets an error or the same response as the first, and later requests still work",
     help: "respond to every hello in the same way",
     attempt: second_hello,
 };

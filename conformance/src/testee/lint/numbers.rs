@@ -19,14 +19,14 @@ const NUM_CASES: usize = 16;
 pub(super) const TAGGED_INTEGERS: Check = Check {
     id: "tagged-integers",
     statement: "integers outside ±2^53 are read and written as {\"$u64\":\"…\"} or {\"$i64\":\"…\"}",
-    help: "read and write these integers as strings with a tag; many JSON parsers round large integers",
+    help: "read and write large integers as tagged strings; many JSON parsers round large integers",
     attempt: |bench| tagged(bench, INTEGERS),
 };
 
 pub(super) const TAGGED_FLOATS: Check = Check {
     id: "tagged-floats",
-    statement: "NaN and the infinities are read and written as {\"$f\":\"NaN\"}, \"inf\" or \"-inf\"",
-    help: "read and write {\"$f\":\"NaN\"} for NaN; JSON has no such number",
+    statement: "NaN and infinities are read and written as {\"$f\":\"NaN\"}, {\"$f\":\"inf\"} and {\"$f\":\"-inf\"}",
+    help: "read and write {\"$f\":\"NaN\"} for NaN; JSON has no NaN",
     attempt: |bench| tagged(bench, FLOATS),
 };
 
@@ -50,7 +50,9 @@ fn tagged(bench: &mut Bench<'_>, tags: &[&str]) -> CheckOutcome {
     let sent: Vec<Case> =
         bench.known_cases().filter(is_right).filter(sends).take(NUM_CASES).cloned().collect();
     if decoded.is_empty() && sent.is_empty() {
-        return CheckOutcome::NotApplicable("no supported type contains such numbers".to_owned());
+        return CheckOutcome::NotApplicable(
+            "no test case of a supported type contains these numbers".to_owned(),
+        );
     }
     bench.run(|_, session| {
         for (case, wanted) in &decoded {

@@ -197,7 +197,7 @@ impl<'o> Session<'o> {
         self.received.responses.get(&id)
     }
 
-    /// The requests without a response. If there are many, only the first few are listed.
+    /// The requests without a response. If many requests have no response, only the first few are listed.
     pub(super) fn missing(&self) -> String {
         let ids: Vec<String> = self.received.pending.iter().take(3).map(ToString::to_string).collect();
         let more = self.received.pending.len() - ids.len();

@@ -54,7 +54,9 @@ fn unknown_type(bench: &mut Bench<'_>) -> CheckOutcome {
 
 fn unknown_format(bench: &mut Bench<'_>) -> CheckOutcome {
     let Some(case) = bench.known_case(|case| case.format.is_some()).cloned() else {
-        return CheckOutcome::NotApplicable("no supported op uses a format with a supported type".to_owned());
+        return CheckOutcome::NotApplicable(
+            "no test case for the supported ops and types uses a format".to_owned(),
+        );
     };
     bench.run(|_, session| refuses(session, &case, &["format"], Some(&"morse".into())))
 }

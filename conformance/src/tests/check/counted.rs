@@ -21,7 +21,7 @@ fn glider_of(marks: usize, num_marks: u8) -> Writer {
     log
 }
 
-/// An array of the firmware may be longer or shorter than in the definition.
+/// An array in the log may be longer or shorter than in the definition.
 #[test]
 fn checks_counts_against_the_array_in_the_log() {
     for (marks, num_marks, is_violating) in

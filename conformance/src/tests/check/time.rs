@@ -146,7 +146,7 @@ fn reports_one_finding_per_wrong_time() {
     assert_eq!(count(&[FIRST, 0, second]), 0);
 }
 
-/// A new subscription with the same id starts over, even for the same topic.
+/// After a new subscription with the same id, timing checks start over, even for the same topic.
 #[test]
 fn a_new_subscription_starts_over() {
     let (mut log, last) = regular(40);

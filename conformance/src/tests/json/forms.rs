@@ -70,7 +70,7 @@ fn uses_the_advertised_type_of_a_topic() {
     assert_eq!(source(&result).skipped, 5);
 }
 
-/// As in MCAP, a topic name with an instance number refers to the same type.
+/// As in MCAP, adding an instance number to a topic name does not change the type.
 #[test]
 fn instances_of_a_topic_have_its_type() {
     let lines: Vec<String> = ["/fmu/out/glider/1", "/glider_1", "/glider.01", "/glider_v2_0", "/glider/"]

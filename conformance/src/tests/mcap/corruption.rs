@@ -24,8 +24,8 @@ fn gliders(numbers: std::ops::RangeInclusive<u64>) -> Vec<u8> {
     numbers.flat_map(glider).collect()
 }
 
-/// Asserts, for a file with these parts, the reported corruption and the number of checked messages. `{}` in an
-/// expected text is replaced by the offset of the part with that number.
+/// Asserts the reported corruption and the number of checked messages for a file with these parts. `{}` in an expected
+/// text is replaced by the offset of the part with that number.
 fn assert_corruption(parts: &[Vec<u8>], expected: &[(usize, &str)], checked_count: u64) {
     let result = checked(&parts.concat());
     let offset = |part: usize| parts[..part].iter().map(|part| part.len() as u64).sum();
@@ -46,14 +46,14 @@ fn skips_invalid_records() {
         (vec![0; 50], "a record of unknown kind 0x00 can't be 0 bytes long; skipped 50 bytes"),
         (huge(5), "a message can't be 1,152,921,504,606,846,976 bytes long; skipped 39 bytes"),
         (huge(3), "a schema can't be 1,152,921,504,606,846,976 bytes long; skipped 39 bytes"),
-        (huge(6), "the parts of a chunk don't match its length; skipped 39 bytes"),
-        (huge(9), "the parts of an attachment don't match its length; skipped 39 bytes"),
+        (huge(6), "the field lengths in a chunk don't match its length; skipped 39 bytes"),
+        (huge(9), "the field lengths in an attachment don't match its length; skipped 39 bytes"),
         (
             huge(0x99),
             "a record of unknown kind 0x99 can't be 1,152,921,504,606,846,976 bytes long; skipped 39 bytes",
         ),
-        (record(2, &[&[0; 20]]), "the parts of a footer don't match its length; skipped 29 bytes"),
-        (record(4, &[&[9; 40]]), "the parts of a channel don't match its length; skipped 49 bytes"),
+        (record(2, &[&[0; 20]]), "the field lengths in a footer don't match its length; skipped 29 bytes"),
+        (record(4, &[&[9; 40]]), "the field lengths in a channel don't match its length; skipped 49 bytes"),
         (
             [&[5][..], &5_000_u64.to_le_bytes(), &[3, 0, 1, 1]].concat(),
             "a message of 5,000 bytes is longer than the rest of the file; skipped 13 bytes",
@@ -118,12 +118,12 @@ fn skips_corrupt_chunks() {
         (chunk(Form::Lz4, &spoiled), "a chunk has an invalid record after 321 bytes", 6),
         (
             raw_chunk("zstd", length, checksum, whole.0 + 5, whole.1),
-            "the parts of a chunk don't match its length; ",
+            "the field lengths in a chunk don't match its length; ",
             3,
         ),
         (
             raw_chunk("", length + 1, checksum, length, &inner),
-            "the parts of a chunk don't match its length; ",
+            "the field lengths in a chunk don't match its length; ",
             6,
         ),
     ] {
@@ -231,7 +231,8 @@ fn reports_missing_headers_and_footers() {
     assert_corruption(&[MAGIC.to_vec(), header("")], &[(2, ends_early)], 0);
 }
 
-/// The messages before any truncation are checked. In a compressed chunk, the messages in complete blocks are checked.
+/// Wherever a file is truncated, all messages before that point are checked. In a compressed chunk, the messages in
+/// complete blocks are checked.
 #[test]
 fn checks_truncated_files_to_their_end() {
     for form in FORMS {
@@ -254,8 +255,8 @@ fn checks_truncated_files_to_their_end() {
     }
 }
 
-/// A flipped bit loses at most a few messages or a chunk. If a checksum covers the bit, the corruption is always
-/// reported.
+/// A flipped bit causes the loss of at most a few messages or one chunk. If a checksum covers the bit, the corruption
+/// is always reported.
 #[test]
 fn flipped_bits_lose_few_messages_and_fail_checksums() {
     let mut random = Random(11);

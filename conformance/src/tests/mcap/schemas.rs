@@ -1,4 +1,4 @@
-//! Tests of schemas in files that differ from the definitions.
+//! Tests of files whose schemas differ from the definitions.
 
 use std::fs;
 

@@ -42,7 +42,7 @@ fn reads_a_truncated_log_to_its_end() {
             (None, 0) => {}
             (Some(Problem::EndsInHeader { found }), 1..3) => assert_eq!(*found as u64, left),
             (Some(Problem::EndsInPayload { found, .. }), _) => assert_eq!(*found as u64 + 3, left),
-            // Without flag bits, only the first message itself shows where messages start.
+            // If the cut is in the first message, the reader reports missing flag bits.
             (Some(Problem::NoFlagBits { .. }), _) if complete == 0 => {}
             other => panic!("cut at {cut}: {other:?}"),
         }

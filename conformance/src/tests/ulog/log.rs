@@ -100,7 +100,7 @@ fn stores_a_bounded_number_of_formats() {
     }
     let more = log.format(&format!("more:uint8_t {text}"));
     let topic = log.subscribe(1, 0, &text);
-    let problem = "ignored a format or topic: the limit for all formats and topics is 1048576 bytes";
+    let problem = "ignored a format or topic: the limit for all formats and topics together is 1048576 bytes";
     check(&log.bytes, &[(more, problem), (topic, problem)]);
 
     let mut log = Writer::with_flags();

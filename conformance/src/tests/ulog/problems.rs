@@ -13,7 +13,7 @@ pub(crate) fn definitions() -> Writer {
     log
 }
 
-/// Asserts the problems of a log: their offsets and texts.
+/// Asserts that a log has exactly these problems, given by offset and text.
 #[track_caller]
 pub(crate) fn check(bytes: &[u8], expected: &[(u64, &str)]) {
     read(bytes);
@@ -141,7 +141,7 @@ fn reads_appended_data() {
         (log, straddling, first, second)
     };
     let (log, straddling, first, second) = write([0; 3], 0);
-    // Without an offset of appended data, the size counts as wrong.
+    // Without an offset of appended data, the message's size counts as wrong.
     check(
         &log.bytes,
         &[(straddling, &format!("no valid messages up to byte {first}, where valid messages follow"))],
@@ -198,7 +198,7 @@ fn reports_unknown_kinds_once_with_a_count() {
     log.message(b'x', &[b"at the end"]);
     check(
         &log.bytes,
-        &[(first, "`x` messages are of an unknown kind"), (other, "`\\xc4` messages are of an unknown kind")],
+        &[(first, "`x` is an unknown message kind"), (other, "`\\xc4` is an unknown message kind")],
     );
     assert_eq!(problems(&log.bytes).1, 4);
     let mut reader = Reader::new(&log.bytes[..]);

@@ -1,4 +1,4 @@
-//! Owned copies of the items of a log, for comparisons.
+//! Owned copies of log items, for comparisons.
 
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::io::Read;

@@ -12,7 +12,7 @@ fuzz_target!(|data: &[u8]| {
 });
 
 /// Checks that a decoded message survives encoding and decoding in both byte orders, and that strict decoding differs
-/// only for invalid bools.
+/// only for messages with an invalid `bool`.
 fn check<T: Message>(payload: &[u8]) {
     match T::from_cdr(payload) {
         Err(error) => {

@@ -10,8 +10,8 @@ fuzz_target!(|data: &[u8]| {
     dispatch!(data, check; ArmingCheckReply, BatteryStatus, FailsafeFlags, RegisterExtComponentReply);
 });
 
-/// Checks that the view and strict decoding agree with lenient decoding. Strict decoding may fail for invalid bools
-/// only.
+/// Checks that the view and strict decoding agree with lenient decoding. Strict decoding may fail only if a `bool` is
+/// invalid.
 fn check<T: UorbMessage>(payload: &[u8]) {
     match T::from_uorb(payload) {
         Err(error) => {

@@ -166,7 +166,8 @@ impl Draw {
     }
 }
 
-/// Splits a fault index. Returns the index among the next `count` faults, or the index among the faults after them.
+/// Splits a fault index. Returns either the index among the next `count` faults, or the index among the faults that
+/// follow these.
 fn split(fault: Option<usize>, count: impl FnOnce() -> usize) -> (Option<usize>, Option<usize>) {
     let Some(fault) = fault else { return (None, None) };
     match fault.checked_sub(count()) {

@@ -4,8 +4,8 @@ use proptest::num::u64::ANY;
 use proptest::strategy::{Strategy as _, ValueTree as _};
 use proptest::test_runner::{Reason, TestRunner};
 
-/// `SplitMix64`, seeded by the runner once per case. It is faster than proptest's generator, which matters because a
-/// message may need thousands of numbers.
+/// `SplitMix64`, seeded by the runner once per case. A message may need thousands of numbers, and `SplitMix64` is
+/// faster than proptest's generator.
 pub(super) struct Random(u64);
 
 impl Random {
@@ -34,7 +34,7 @@ impl Random {
         self.below(times) == 0
     }
 
-    /// An integer from `low` to `high`. Both must fit a signed or unsigned 64-bit integer.
+    /// An integer from `low` to `high`. Both bounds must fit in a signed or unsigned 64-bit integer.
     pub(super) fn between(&mut self, low: i128, high: i128) -> i128 {
         let span = u128::try_from(high - low).unwrap_or_default() + 1;
         let (upper, lower) = (span >> 64, span & u128::from(u64::MAX));

@@ -16,7 +16,7 @@ pub(super) struct Script {
     pub(super) strings: Vec<String>,
 }
 
-/// Reads a message from a [`Script`]. Unlike codecs, it doesn't enforce bounds.
+/// Reads a message from a [`Script`], without enforcing bounds as codecs do.
 pub(super) struct Replay {
     /// The message whose fields are read.
     message: &'static MessageDescriptor,

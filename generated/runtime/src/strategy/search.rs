@@ -34,8 +34,7 @@ impl Floats {
         }
     }
 
-    /// The count of whole numbers, and the first whole number. The count is 0 for large floats, because all large
-    /// floats are whole.
+    /// The count of whole numbers, and the first whole number. For large floats, which are all whole, the count is 0.
     fn whole(&self) -> (u64, f64) {
         let limit = if self.is_single { 1_u64 << 24 } else { 1 << 53 };
         let first = self.simplest.floor() + 1.0;
@@ -100,10 +99,10 @@ impl Domain {
     }
 }
 
-/// A binary search by rank. It tries the simplest value first.
+/// A binary search by rank, which tries the simplest value first.
 pub(super) struct Search {
     domain: Domain,
-    /// All ranks below this one pass, or are assumed to pass.
+    /// All ranks below this rank pass, or are assumed to pass.
     low: u64,
     /// A rank that is known to fail.
     high: u64,

@@ -61,13 +61,13 @@ impl From<Leaf> for Node {
 }
 
 impl Node {
-    /// A message or an array. A fault in a part is a fault of the node.
+    /// A message or an array. A fault in a part is also a fault of the node.
     pub(super) fn group(parts: Vec<Self>) -> Self {
         let fault = parts.iter().find_map(|part| part.fault);
         Self { fault, kind: Kind::Group(Group { parts, at: 0 }) }
     }
 
-    /// A list. A fault in a part is a fault of the node.
+    /// A list. A fault in a part is also a fault of the node.
     pub(super) fn list(parts: Vec<Self>, kind: ListKind, least: usize) -> Self {
         let fault = parts.iter().find_map(|part| part.fault);
         let (chunk_size, end) = (parts.len(), parts.len());

@@ -4,16 +4,16 @@ use std::ops::Range;
 
 use crate::schema::Slot;
 
-/// Number of bytes per row. It is the maximum alignment of a layout.
+/// Number of bytes per row, which is also the maximum alignment of a layout.
 pub(super) const ROW: usize = 8;
 
-/// If a scalar field fills more than `MAX_ROWS + 1` complete rows, only the first and the last of them are drawn.
+/// If a scalar field fills more than `MAX_ROWS + 1` complete rows, only the first and the last of these rows are drawn.
 const MAX_ROWS: usize = 7;
 
-/// Maximum number of lines of a picture. The longest PX4 message needs fewer than 100.
+/// Maximum number of lines of a picture. The longest PX4 message needs fewer than 100 lines.
 const MAX_LINES: usize = 256;
 
-/// The colour of a box. It depends on the element size.
+/// The colour of a box, which depends on the element size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Tint {
     Eight,
@@ -73,8 +73,8 @@ pub(super) enum Line {
     Break {
         /// The omitted bytes.
         bytes: Range<usize>,
-        /// True if the gap has torn edges. A gap in a nested message has none, because another page shows the fields of
-        /// the nested message.
+        /// True if the gap has torn edges. A gap in a nested message has no torn edges, because another page shows the
+        /// fields of the nested message.
         is_torn: bool,
     },
 }
@@ -147,7 +147,7 @@ fn lines(members: &[Member<'_>], size: usize) -> Vec<Line> {
     shortened(lines)
 }
 
-/// If there are too many lines, omits the middle ones.
+/// If there are too many lines, omits the lines in the middle.
 fn shortened(mut lines: Vec<Line>) -> Vec<Line> {
     if lines.len() <= MAX_LINES {
         return lines;

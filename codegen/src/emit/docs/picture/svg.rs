@@ -301,8 +301,8 @@ impl Svg {
         self.put(format_args!("\"/>"));
     }
 
-    /// Draws a run of segments. Only the first segment may start in the middle of a line, and only the last one may end
-    /// there.
+    /// Draws a run of segments. Only the first segment may start in the middle of a line, and only the last segment may
+    /// end in the middle of a line.
     fn polygon(&mut self, run: &[Segment], rows: &Rows, is_torn_above: bool, is_torn_below: bool) {
         let (Some(first), Some(last)) = (run.first(), run.last()) else { return };
         let (top, bottom) = (rows.top(first.line), rows.below(last.line));

@@ -59,7 +59,7 @@ impl Listing {
     }
 }
 
-/// The path of a rule page. [`report::rule_url`](crate::report::rule_url) points to it.
+/// The path of a rule page, to which [`report::rule_url`](crate::report::rule_url) points.
 pub(super) fn rule_path(id: &str) -> String {
     format!("rules/{id}.md")
 }

@@ -1,4 +1,4 @@
-//! The parser errors. These errors are not rules: if a definition has errors, nothing is generated.
+//! The parser errors. Parser errors are not rules: if a definition has errors, nothing is generated.
 
 use std::fmt::Write as _;
 

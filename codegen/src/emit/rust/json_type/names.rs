@@ -85,10 +85,10 @@ fn contained(definition: &Definition) -> BTreeSet<u32> {
     found
 }
 
-/// Numbers the groups of types that contain each other directly or indirectly.
+/// Assigns a number to each group of types that contain each other directly or indirectly.
 ///
 /// This is Kosaraju's algorithm. The first search numbers the types in post-order. The second search starts from the
-/// types in descending order and follows reversed edges. Each start that was not visited before yields one group.
+/// types in descending order and follows reversed edges. Each search from an unvisited type yields one group.
 fn groups(contains: &[BTreeSet<u32>], first: u32) -> Vec<usize> {
     let index = |id: &u32| (*id - first) as usize;
     let inner: Vec<Vec<usize>> =
@@ -161,7 +161,7 @@ pub(super) fn text(docs: &crate::schema::Docs, what: &str, name: &str) -> String
     text
 }
 
-/// True if a body field is also a field of the struct. Only `type` is not.
+/// True if a body field is also a field of the struct, as all fields except `type` are.
 pub(super) fn is_struct_field(member: &Member) -> bool {
     member.name != TYPE_FIELD
 }

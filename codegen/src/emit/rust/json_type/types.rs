@@ -92,7 +92,7 @@ impl<'c> Definitions<'c> {
         quote!(#tokens #(#inner)*)
     }
 
-    /// Takes the inner types of the last written definition.
+    /// Removes and returns the inner types of the definition that was written last.
     pub(super) fn take_inner(&mut self) -> Vec<TokenStream> {
         std::mem::take(&mut self.inner)
     }
@@ -396,7 +396,7 @@ fn declarations<'v, T: ToString>(
     })
 }
 
-/// Unique variant names. They also differ from the name of the variant for unnamed values.
+/// Unique variant names, which also differ from the name of the variant for unnamed values.
 fn variant_names(names: impl Iterator<Item = String>, is_open: bool) -> Vec<Ident> {
     let mut scope = Scope::default();
     if is_open {

@@ -1,6 +1,6 @@
 //! Ids of rules about body schemas.
 
-/// A value must have the declared type. It may be `null` only if the page allows this.
+/// A value must have the declared type. A value may be `null` only if the page allows `null`.
 pub(super) const TYPE: &str = "SHAPE-TYPE";
 /// An object must have all required fields.
 pub(super) const REQUIRED: &str = "SHAPE-REQUIRED";

@@ -17,7 +17,7 @@ const MAX_DEPTH: usize = 16;
 /// Maximum length of lists and strings.
 const MAX_LENGTH: usize = 1_000;
 
-/// Maximum total number of values. This limits the size of nested types with many fields.
+/// Maximum total number of values, which limits the size of nested types with many fields.
 const MAX_PARTS: usize = 2_000;
 
 /// A source of values with distinct numbers and texts.
@@ -194,7 +194,7 @@ fn number(range: Option<&Range>, count: i64) -> Json {
     })
 }
 
-/// The intersection of two limits. For patterns and formats, the second takes precedence.
+/// The intersection of two limits. For patterns and formats, the second limit takes precedence.
 fn narrower(own: &Limits, place: &Limits) -> Limits {
     let range = |own: &Option<Range>, place: &Option<Range>| match (own, place) {
         (Some(own), Some(place)) => Some(Range {

@@ -1,4 +1,4 @@
-//! The check results for status reports, by the properties that determine the results.
+//! The check results for status reports, keyed by the properties that determine the results.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use crate::model::{Findings, Location, Rule};
 use crate::rules::RuleContext;
 use crate::rules::flockwave::{Check, Message, RULES};
 
-/// The maximum number of versions, and of state kinds. Hostile input may contain any number of them.
+/// The maximum number of versions, and also of state kinds. Hostile input may contain any number of both.
 const MAX_KNOWN: usize = 256;
 
 /// The maximum length, in bytes, of stored versions and stored lists of error codes.
@@ -44,7 +44,7 @@ struct Entry<K> {
     key: K,
     /// The results; `None` if they are unknown.
     outcome: Option<Outcome>,
-    /// True if the entry's findings have enough examples and only need counting.
+    /// True if the entry's findings have enough examples, so further findings are only counted.
     is_settled: bool,
     /// The UAVs whose findings have been reported since the entry was settled. Finding messages name the UAV, so each
     /// UAV's first report is checked in full.
@@ -53,7 +53,7 @@ struct Entry<K> {
     times: u64,
 }
 
-/// The results of all checks that see only the message.
+/// The results of all checks that receive only the message.
 struct Outcome {
     /// The number of times each rule is covered.
     covered: Vec<(&'static Rule, u64)>,
@@ -66,7 +66,7 @@ impl<K> Entry<K> {
         Self { key, outcome, is_settled: false, reported_uavs: BTreeSet::new(), times: 0 }
     }
 
-    /// The number of the entry's findings, if they only need counting for this UAV.
+    /// The number of the entry's findings, if they only need to be counted for this UAV.
     fn settled(&mut self, uav: &str, findings: &Findings) -> Option<u64> {
         let violations = &self.outcome.as_ref()?.violations;
         if violations.is_empty() {
@@ -92,7 +92,7 @@ impl<'d> Known<'d> {
         Self { definitions, versions: Vec::new(), kinds: Vec::new(), latest: 0 }
     }
 
-    /// The index of a version, if its findings only need counting.
+    /// The index of a version, if its findings only need to be counted.
     pub(super) fn version(&mut self, version: &str, findings: &Findings) -> Option<usize> {
         let found = self.versions.iter().position(|known| *known.key == *version);
         let at = found.unwrap_or(self.versions.len());
@@ -106,7 +106,7 @@ impl<'d> Known<'d> {
         self.versions[at].settled("", findings).map(|_| at)
     }
 
-    /// The index of a kind and its number of findings, if the findings only need counting for this UAV.
+    /// The index of a kind and its number of findings, if the findings only need to be counted for this UAV.
     pub(super) fn kind(
         &mut self,
         kind: Kind<'_>,
@@ -138,7 +138,7 @@ impl<'d> Known<'d> {
         Some(self.kinds.len() - 1)
     }
 
-    /// Checks a report with all checks that see only the message.
+    /// Runs all checks that receive only the message.
     fn check(&self, version: &str, states: &str) -> Option<Outcome> {
         let text = format!(
             "{{\"$fw.version\":\"{version}\",\"id\":\"1\",\"body\":{{\"type\":\"{}\",\"status\":{{{states}}}}}}}",

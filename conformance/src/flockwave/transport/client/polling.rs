@@ -158,7 +158,7 @@ impl Polling {
         let url = format!("http://{address}{SOCKET_IO_PATH}?EIO={number}&transport=polling");
         let limit = until.saturating_duration_since(Instant::now());
         if limit.is_zero() {
-            return Err(timed_out("no session was opened"));
+            return Err(timed_out("the server didn't open a session in time"));
         }
         let opened = body(agent(limit).get(&url).call())?;
         let (mut heartbeat, mut opening) = (Heartbeat::new(revision), Opening::new(revision));
@@ -169,7 +169,7 @@ impl Polling {
         {
             answers.extend(opening.take(&packet, &mut heartbeat)?);
         }
-        let sid = opening.sid.as_deref().ok_or_else(|| invalid("the server opened no session"))?;
+        let sid = opening.sid.as_deref().ok_or_else(|| invalid("the server didn't open a session"))?;
         let url = format!("{url}&sid={sid}");
         let (sender, polled) = sync_channel(WAITING_LIMIT);
         let poll_url = url.clone();
@@ -177,7 +177,9 @@ impl Polling {
         let mut client = Self { agent: agent(limit), url, revision, heartbeat, polled, packets };
         client.send_packets(&answers)?;
         while !opening.is_done() {
-            let packet = client.packet(until)?.ok_or_else(|| timed_out("the namespace wasn't joined"))?;
+            let packet = client
+                .packet(until)?
+                .ok_or_else(|| timed_out("the server didn't accept the namespace in time"))?;
             let answer = opening.take(&packet, &mut client.heartbeat)?;
             client.send_packets(answer.as_slice())?;
         }
@@ -261,7 +263,7 @@ fn poll(url: &str, payloads: &SyncSender<io::Result<Vec<u8>>>) {
 mod tests {
     use super::*;
 
-    /// The sent packets, the packets to return later, and true if the handshake is complete.
+    /// The sent packets, the packets to return later, and a flag that is true if the handshake is complete.
     fn opened(revision: Revision, packets: &[&str]) -> io::Result<(Vec<String>, Vec<String>, bool)> {
         let (mut opening, mut heartbeat) = (Opening::new(revision), Heartbeat::new(revision));
         let mut sent = Vec::new();

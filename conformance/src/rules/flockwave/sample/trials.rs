@@ -106,7 +106,7 @@ impl Session {
         for _ in 0..2 {
             self.tries_with(
                 &env_19::RULE.rule,
-                "an id that was answered",
+                "the id of an answered request",
                 ("id", "again".into()),
                 acknowledged(),
             );

@@ -177,7 +177,7 @@ impl Session {
             Some(socketio::Packet::Connect { namespace }) if namespace == "/" => {
                 let answer = match self.revision {
                     Revision::Three => "0".to_owned(),
-                    // A new id, since the session id must stay secret.
+                    // Send a new id, since the session id must stay secret.
                     Revision::Four => {
                         format!("0{}", json!({ "sid": format!("{:016x}", RandomState::new().hash_one(2)) }))
                     }
