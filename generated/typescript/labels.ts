@@ -29,7 +29,7 @@ export interface Labels extends Language {
   text(key: string): string | null;
 }
 
-/** All languages: first English, the language of the definitions, then the others sorted by tag. */
+/** All languages: English (the language of the definitions) first, then the others sorted by tag. */
 export const languages: readonly Language[] = [
   { tag: "en", name: "English", isRightToLeft: false },
   { tag: "uk", name: "Українська", isRightToLeft: false },

@@ -87,7 +87,7 @@ languages: Final[tuple[Language, ...]] = (
     Language("en", "English", False),
     Language("uk", "Українська", False),
 )
-"""All languages: first English, the language of the definitions, then the others sorted by tag."""
+"""All languages: English (the language of the definitions) first, then the others sorted by tag."""
 
 
 def language(*tags: str) -> Labels:

@@ -177,7 +177,7 @@ impl ErrorCode {
         self.entry().map_or(&[], |entry| entry.see_also)
     }
 
-    /// Codes for the same condition at other severities. Only one of them is used at a time.
+    /// Codes for the same condition at other severities. Only one of these codes is used at a time.
     pub fn alternatives(self) -> &'static [Self] {
         self.entry().map_or(&[], |entry| entry.alternatives)
     }
