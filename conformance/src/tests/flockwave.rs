@@ -314,6 +314,21 @@ fn a_rejection_is_not_an_incomplete_answer() {
     assert_eq!(violated_by(&session), []);
 }
 
+/// The ids in a request must be unique, so a server may refuse a repeated id in any way.
+#[test]
+fn accepts_a_refused_repeated_id() {
+    for answer in [
+        json!({ "type": "ACK-NAK", "reason": "Repeated id" }),
+        json!({ "type": "UAV-INF", "error": { "kite": "Repeated id" } }),
+    ] {
+        let mut session = Session::opened();
+        session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite"] }));
+        session.exchange_with(json!({ "type": "UAV-INF", "ids": ["kite", "kite"] }), answer);
+        session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite"] }));
+        assert_eq!(violated_by(&session), []);
+    }
+}
+
 /// Unknown types are only counted, since their messages have no definition.
 #[test]
 fn counts_unknown_types_as_unsupported() {

@@ -1,17 +1,13 @@
 //! Checks UAV-INF against the UAVs in UAV-LIST.
 //!
 //! UAVs come and go. A UAV therefore counts as missing from UAV-INF only under two conditions. The lists before and
-//! after UAV-INF contain the UAV, and no OBJ-DEL in between names the UAV. A UAV may also be missing because the
-//! request repeats an id. In that case, `FW-UAV-INF-07` reports the missing UAV instead of `FW-UAV-LIST-03`.
+//! after UAV-INF contain the UAV, and no OBJ-DEL in between names the UAV.
 
 use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
 
-use super::{
-    Detail, Exchange, Location, PerConnection, RuleContext, Session, SessionCheck, body, reply, served,
-    uav_inf_07,
-};
+use super::{Detail, Exchange, Location, PerConnection, RuleContext, Session, SessionCheck, body, reply};
 
 /// Adds records between two UAV-LIST exchanges with the same UAVs.
 pub(super) fn listed_twice(session: &mut Session, add: impl FnOnce(&mut Session)) {
@@ -29,8 +25,6 @@ const MAX_UNKNOWN: usize = 1_000;
 /// UAVs that UAV-INF reports as unknown, by connection.
 #[derive(Default)]
 pub(super) struct Unknown {
-    /// True to check only trials with a repeated id, false to check all other requests.
-    checks_repeated: bool,
     connections: PerConnection<Listed>,
 }
 
@@ -45,9 +39,6 @@ struct Listed {
 
 impl SessionCheck for Unknown {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if self.checks_repeated {
-            served::served(exchange, context);
-        }
         if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
@@ -81,16 +72,11 @@ impl SessionCheck for Unknown {
 }
 
 impl Unknown {
-    /// Checks UAVs that UAV-INF reports as unknown, if the request contains their id twice.
-    pub(super) fn to_repeated_ids() -> Self {
-        Self { checks_repeated: true, ..Self::default() }
-    }
-
     /// Processes a UAV-INF response.
     fn uav_inf(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         let Some(request) = exchange.same_type_request() else { return };
-        let is_repeated = request.repeated.is_some() && exchange.tried(&uav_inf_07::RULE.rule).is_some();
-        if is_repeated != self.checks_repeated {
+        // The ids must be unique, so a server may report a repeated id as an error.
+        if request.repeated.is_some() {
             return;
         }
         let listed = self.connections.get(exchange);

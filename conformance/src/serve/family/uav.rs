@@ -16,7 +16,6 @@ use crate::rules::flockwave::{uav_inf_06, uav_inf_07};
 use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::{Outcome, Outcomes};
 use crate::serve::operation::Operation;
-use crate::serve::request::each_once;
 use crate::serve::uav::{Altitude, Command, Target, Uav};
 
 /// The durations of operations, in seconds.
@@ -139,8 +138,8 @@ fn no_such() -> String {
 }
 
 fn state(hub: &mut Hub, ids: Vec<ObjectId>) -> Answer {
-    if hub.has_bug(&uav_inf_07::RULE) && (ids.is_empty() || each_once(ids.clone())?.len() != ids.len()) {
-        return Err("the ids must be unique and not empty".to_owned());
+    if hub.has_bug(&uav_inf_07::RULE) && ids.is_empty() {
+        return Err("there must be at least one id".to_owned());
     }
     if hub.has_bug(&uav_inf_06::RULE) && ids.iter().any(|id| hub.uav(&id.0).is_none()) {
         return Err(no_such());

@@ -144,11 +144,6 @@ impl Session {
             nothing,
             json!({ "type": "UAV-INF", "status": {} }),
         );
-        let kite = json!({ "kite": self.kite() });
-        let twice = json!({ "type": "UAV-INF", "ids": ["kite", "kite"] });
-        let status = json!({ "type": "UAV-INF", "status": kite });
-        self.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] }));
-        self.tries_and_receives(&uav_inf_07::RULE.rule, "an id twice", twice, status);
         for kind in ["ASYNC-CANCEL", "ASYNC-RESUME"] {
             let error = json!({ "type": kind, "error": { "rcpt-none": "No such receipt" } });
             let unknown = json!({ "type": kind, "ids": ["rcpt-none"] });
