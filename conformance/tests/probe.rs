@@ -114,6 +114,44 @@ fn segments(stream: &TcpStream, mut take: impl FnMut(&[u8]) -> bool) {
     }
 }
 
+/// Answers HTTP POST requests with bare message bodies, without an envelope. A malformed message is taken for a ping.
+fn post_bare(stream: &TcpStream) -> Option<()> {
+    let (mut reader, mut writer) = (BufReader::new(stream), stream);
+    loop {
+        let mut length = 0;
+        for line in reader.by_ref().lines() {
+            let line = line.ok()?.to_ascii_lowercase();
+            if let Some(value) = line.strip_prefix("content-length:") {
+                length = value.trim().parse().ok()?;
+            }
+            if line.is_empty() {
+                break;
+            }
+        }
+        let mut content = vec![0; length];
+        reader.read_exact(&mut content).ok()?;
+        let body = answer(&content, &mut 0).map_or(json!({ "type": "ACK-ACK" }), |text| {
+            let answer: Value = serde_json::from_str(&text).expect("JSON");
+            answer["body"].clone()
+        });
+        let body = body.to_string();
+        write!(writer, "HTTP/1.1 200 OK\r\nContent-Length: {}\r\n\r\n{body}", body.len()).ok()?;
+    }
+}
+
+/// Some trials send a message without an id before a request. Over HTTP, each message has a separate answer.
+#[test]
+fn matches_http_answers_without_envelopes_to_their_requests() {
+    let url = serve(|stream, _| {
+        let _ = post_bare(&stream);
+    })
+    .replace("tcp://", "http://");
+    let probed = probed(&url, &Options { limit: Duration::from_secs(60), ..short_options() });
+    assert_eq!(probed.failure, None);
+    let found = rules(&probed);
+    assert!(!found.contains("FW-ENV-16"), "{found:?}");
+}
+
 #[test]
 fn reports_a_refused_connection() {
     let free = TcpListener::bind("127.0.0.1:0").expect("a free port").local_addr().expect("an address");

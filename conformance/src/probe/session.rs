@@ -1,6 +1,6 @@
 //! A probe's connection. All of its messages are recorded.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
@@ -29,8 +29,8 @@ pub(super) struct Session {
     is_stream: bool,
     client: Box<dyn Client>,
     waiting: BTreeSet<String>,
-    /// The id of the last request.
-    last_request: Option<String>,
+    /// The ids of the HTTP requests whose responses have not been read, in order. A message without an id has `None`.
+    unread: VecDeque<Option<String>>,
     /// The number of answers without an envelope.
     bare: u64,
     is_over: bool,
@@ -55,7 +55,7 @@ impl Session {
             is_stream,
             client,
             waiting: BTreeSet::new(),
-            last_request: None,
+            unread: VecDeque::new(),
             bare: 0,
             is_over: false,
         })
@@ -101,8 +101,10 @@ impl Session {
                 self.waiting.retain(|waiting| Some(waiting.as_str()) != id);
             }
             sent => {
+                if sent.is_ok() && self.is_one_shot {
+                    self.unread.push_back(id.map(str::to_owned));
+                }
                 self.handle_send(tape, sent);
-                self.last_request = id.map(str::to_owned);
             }
         }
     }
@@ -191,10 +193,11 @@ impl Session {
     /// servers answer with only the body, since each HTTP response belongs to a known request. If the request has no
     /// id, an answer without an envelope is an error.
     fn enveloped(&mut self, bytes: Vec<u8>) -> Result<Vec<u8>, Vec<u8>> {
+        let request = self.unread.pop_front().flatten();
         let Some(body) = bare(&bytes).filter(|_| self.is_one_shot) else { return Ok(bytes) };
-        let Some(last_request) = &self.last_request else { return Err(bytes) };
+        let Some(request) = request else { return Err(bytes) };
         self.bare += 1;
-        let (id, refs) = (format!("bare-{}", self.bare), Value::from(last_request.as_str()));
+        let (id, refs) = (format!("bare-{}", self.bare), Value::from(request));
         Ok(format!(r#"{{"$fw.version":"1.0","id":"{id}","refs":{refs},"body":{}}}"#, body.get()).into_bytes())
     }
 
