@@ -1,5 +1,5 @@
-//! Benchmarks for reading all 261 PX4 messages and generating code from them. Runs with 4 and 16 times as many messages
-//! show how the run time scales.
+//! Benchmarks for reading all 261 PX4 messages and generating code from them. Benchmarks are repeated with 4 and 16
+//! times as many messages to show how the run time scales.
 //!
 //! Run with `cargo bench -p uavspec-codegen` or `cargo xtask bench codegen`. Requires the corpus.
 

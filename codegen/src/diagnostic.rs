@@ -214,7 +214,7 @@ problems! {
     UnterminatedString = Error "unterminated-string"
         "the string has no closing quote", "close it on the same line";
     UnknownEscape { escape: String } = Warning "unknown-escape"
-        "unknown escape sequence `{escape}`", "the sequence stays unchanged; write `\\\\` for a backslash";
+        "unknown escape sequence `{escape}`", "the sequence is kept as it is; write `\\\\` for a backslash";
     ArrayDefault { found: usize, length: usize } = Error "array-default"
         "{found} default values for an array of length {length}", "give exactly {length}";
     MisplacedSeparator = Error "misplaced-separator"
@@ -233,7 +233,7 @@ problems! {
     AnnotationNearMiss { found: String, expected: String } = Warning "annotation-near-miss"
         "`{found}` is read as `{expected}`", "write `{expected}`";
     AnnotationAfterText { found: String, expected: String, head: Option<Span> } = Warning "annotation-after-text"
-        "`{found}` appears after the text", "put annotations first: `# [unit] [@…] text`";
+        "the annotation `{found}` follows the text", "put annotations first: `# [unit] [@…] text`";
     UnknownUnit { unit: String } = Warning "unknown-unit"
         "unknown unit `{unit}`", "write a unit such as `m/s`, `deg` or `us`, or `-` for a number without a unit";
 
@@ -266,7 +266,7 @@ problems! {
         "no constant of {place} starts with `{prefix}_`", "correct the prefix; until then the field is \
             treated as a plain number";
     TooManyMembers { max: usize } = Error "too-many-members"
-        "the enums have more than {max} members in total", "use the same group of constants in fewer fields";
+        "the enums have more than {max} members in total", "refer to large groups of constants from fewer fields";
     UnknownConstant { name: String } = Warning "unknown-constant"
         "this message has no constant `{name}`",
         "write a number or the name of a constant; until then the annotation is ignored";
@@ -320,7 +320,7 @@ problems! {
         "code {code} is not defined", "correct the reference, or define the code";
     OneSidedAlternative { code: u32, other: u32 } = Warning "one-sided-alternative"
         "code {code} lists {other} as its alternative, but {other} does not list {code}",
-        "both are treated as alternatives of each other";
+        "uavspec treats each as an alternative of the other";
     TooManyAlternatives { code: u32, max: usize } = Error "too-many-alternatives"
         "code {code} lists more than {max} alternatives", "list only codes for the same event";
     OverlappingBlock { block: String } = Error "overlapping-block"

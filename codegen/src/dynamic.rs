@@ -28,10 +28,10 @@
 //! contains their offset and count. For CDR, a type is compiled to a list of steps. Most steps copy numbers that are
 //! contiguous in both forms.
 //!
-//! No input causes a panic, and memory use is bounded. A message takes at most eight times as many bytes as its CDR
-//! payload or JSON text. The worst case is an array of messages that contain one `uint8` each. The limit also applies
-//! to rejected payloads. The JSON reader allocates the fixed-size part of each message when it reads the start of the
-//! message. The capacity of the vectors may be up to twice the limit. Messages nest at most 32 levels deep.
+//! No input causes a panic, and memory use is bounded. In memory, a message takes at most eight times as many bytes as
+//! its CDR payload or JSON text. The worst case is an array of messages that contain one `uint8` each. The limit also
+//! applies to rejected payloads. The JSON reader allocates the fixed-size part of each message when it reads the start
+//! of the message. The capacity of the vectors may be up to twice the limit. Messages nest at most 32 levels deep.
 
 mod bytes;
 mod cdr;

@@ -32,7 +32,7 @@ pub struct Formatted {
 ///
 /// In pages, it aligns the columns of error-code tables and removes trailing white space, but changes nothing else.
 ///
-/// A source with errors is not formatted. For such a source, the result contains the diagnostics of the parser.
+/// A source with errors is not formatted. The result for a source with errors contains the diagnostics of the parser.
 ///
 /// ```
 /// use uavspec_codegen::{SourceMap, format::format, msg::Dialect, schema::Form};

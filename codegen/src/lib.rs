@@ -65,8 +65,9 @@
 //! The following figures compare [`dynamic`] with generated types on the same bytes; the figures in parentheses are for
 //! generated types. Each range covers the medians for three messages of 88 to 232 bytes in one run. Reading takes 24 to
 //! 26 ns (9 to 17) for uORB, 8 ns (3) for uORB in place, and 28 to 51 ns (8 to 18) for CDR. Allocation accounts for 20
-//! ns of each read. Big-endian CDR takes 46 to 132 ns (9 to 111). Converting uORB takes 48 to 62 ns (33 to 54) to CDR,
-//! and 1.9 to 2.4 µs (1.0 to 1.6) to JSON text. `cargo bench -p uavspec-codegen --bench dynamic` prints these figures.
+//! ns of each read. Big-endian CDR takes 46 to 132 ns (9 to 111). Converting uORB to CDR takes 48 to 62 ns (33 to 54).
+//! Converting it to JSON text takes 1.9 to 2.4 µs (1.0 to 1.6). `cargo bench -p uavspec-codegen --bench dynamic` prints
+//! these figures.
 //!
 //! The documentation of `uavspec-runtime` lists the compile times and the speed of the generated crate.
 

@@ -1,5 +1,5 @@
-//! Tests that each attribute reaches all outputs. To support a new attribute, adding a row to the list of attributes
-//! must be sufficient.
+//! Tests that each attribute reaches all outputs. Adding a row to the list of attributes must be enough to support a
+//! new attribute.
 
 use uavspec_codegen::emit::{docs, inspect, json_schema, python, rust, typescript};
 use uavspec_codegen::msg::Dialect;

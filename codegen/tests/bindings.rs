@@ -102,7 +102,7 @@ fn python_names(module: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// The name directly after the prefix, on each line that starts with one of the prefixes `starts`.
+/// The names that directly follow one of the prefixes in `starts` at the beginning of a line.
 fn names_after(module: &str, starts: &[&str]) -> BTreeSet<String> {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let after = |line: &str| {

@@ -1,8 +1,8 @@
 //! Tests of the `breaking` rules, with the rules' examples and with real edits to PX4 messages.
 //!
 //! `fixtures/breaking/<rule>.txt` contains the expected findings for a rule's examples. Each folder
-//! `fixtures/breaking/<case>/` is a further case, with the definitions in `old/` and `new/`, and all expected findings
-//! in `expected.txt`. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen breaking::`.
+//! `fixtures/breaking/<case>/` contains another case: definitions in `old/` and `new/`, and all expected findings in
+//! `expected.txt`. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen breaking::`.
 
 use crate::support;
 
@@ -113,7 +113,7 @@ fn each_further_case_has_the_expected_findings() {
     );
 }
 
-/// The names quoted in findings of these rules, without leading message names.
+/// The names that findings of these rules put in backticks. `Message.field` is shortened to `field`.
 fn named(findings: &[Finding], rules: &[&str]) -> BTreeSet<String> {
     let of_rules = findings.iter().filter(|finding| rules.contains(&finding.rule));
     let words =
@@ -168,8 +168,8 @@ fn real_edits_have_the_expected_findings() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Compares two sets in both directions. An item added in one direction must be removed in the other. All other changes
-/// must be found in both directions.
+/// Compares two sets in both directions. An item reported as added in one direction must be reported as removed in the
+/// other. All other changes must be found in both directions.
 fn check_reverse(old: &Files, new: &Files) {
     let (_, forth) = compare(old, new, Between::Releases);
     let (_, back) = compare(new, old, Between::Releases);

@@ -1,5 +1,5 @@
-//! Tests that each constraint reaches all outputs. To support a new constraint, adding a row to the list of constraints
-//! must be sufficient.
+//! Tests that each constraint reaches all outputs. Adding a row to the list of constraints must be enough to support a
+//! new constraint.
 
 use uavspec_codegen::breaking::{Between, breaking};
 use uavspec_codegen::emit::{docs, inspect, json_schema, python, rust, typescript, vectors};
@@ -11,7 +11,7 @@ use uavspec_codegen::{PackageInput, SourceMap, read};
 
 use crate::support::layout::laid_out;
 
-/// Two arguments of a constraint, and the output text for the first argument.
+/// Two sample arguments of a constraint, and the words that outputs use for the first argument.
 fn arguments(kind: &ConstraintKind) -> (&'static str, &'static str, &'static str) {
     match kind.name {
         "range" => ("0, 60", "0, 50", "0 to 60"),

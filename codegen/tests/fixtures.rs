@@ -5,7 +5,8 @@
 //! for `<code>`.
 //!
 //! Markdown, `AsciiDoc` and text files are pages, and `.po` files are translation catalogues. Other files are PX4
-//! definitions. If a `dialect` file contains `ros2`, they are ROS 2 definitions, and each subfolder is a package.
+//! definitions, unless a `dialect` file contains `ros2`. In that case, the case contains ROS 2 definitions, and each
+//! subfolder is a package.
 //!
 //! To update: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen fixtures::`.
 

@@ -1,8 +1,8 @@
 //! Tests of the formatter: the meaning is preserved, the result matches the fixtures, and a second run changes nothing.
 //!
-//! Each folder in `fixtures/format` is a case. Its `out.*` file contains the expected result of formatting its `in.*`
-//! file. A `dialect` file selects `ros2` instead of `px4`. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo
-//! test -p uavspec-codegen format::`.
+//! Each folder in `fixtures/format` is a case: an `in.*` file to format, and an `out.*` file with the expected result.
+//! A `dialect` file selects `ros2` instead of `px4`. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test
+//! -p uavspec-codegen format::`.
 
 use crate::support;
 

@@ -2,7 +2,7 @@
 //!
 //! `fixtures/lint/<rule>.txt` contains the expected findings for a rule's bad example. The rule must have no findings
 //! in the good example. If the rule has a fix, the fix must turn the bad example into the good one. Each folder
-//! `fixtures/lint/<rule>-<case>/` contains the definitions of a further case, and the rule's expected findings in
+//! `fixtures/lint/<rule>-<case>/` contains the definitions of another case, and the rule's expected findings in
 //! `expected.txt`. If any of the findings can be fixed, `mended.txt` contains the fixed text. To accept intended
 //! changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen lint::`.
 
@@ -279,7 +279,7 @@ fn fixes_preserve_the_meaning_of_real_definitions() {
     }
 }
 
-/// Unrealistic definitions, composed of pieces that rules look for.
+/// Random definitions, composed of fragments that rules react to.
 fn odd_definitions() -> impl Strategy<Value = String> {
     let pieces = vec![
         "[@range 1, 0]",

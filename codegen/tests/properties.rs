@@ -508,7 +508,7 @@ proptest! {
     }
 }
 
-/// Headings, with the first code and the number of codes.
+/// The headings of error-code tables, each with its first code and the number of codes.
 const HEADINGS: [(&str, u32, u32); 5] = [
     ("Informational messages (codes 1-63)", 1, 63),
     ("Warnings (codes 64-127)", 64, 64),
@@ -533,7 +533,8 @@ fn page() -> impl Strategy<Value = Vec<(usize, Vec<PageRow>)>> {
         .prop_map(|(tables, rows)| tables.into_iter().zip(rows).collect())
 }
 
-/// The page in Markdown, in `AsciiDoc` and as flattened text. Each form ends with a table of the codes 998 and 999.
+/// The page in Markdown, in `AsciiDoc` and as flattened text. In each format, the text ends with a table of the error
+/// codes 998 and 999.
 fn printed(page: &[(usize, Vec<PageRow>)]) -> [(&'static str, String); 3] {
     let mut forms = ["md", "adoc", "txt"].map(|extension| (extension, String::new()));
     let [(_, markdown), (_, asciidoc), (_, flattened)] = &mut forms;

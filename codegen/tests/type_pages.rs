@@ -88,7 +88,7 @@ fn types() -> impl Strategy<Value = Vec<Type>> {
         .prop_map(|(first, second, third, fourth)| vec![first, second, third, fourth])
 }
 
-/// A page with the types, and a message with the last type in each direction.
+/// A page that defines the types, and a message with a field of the last type in each direction.
 fn page(types: &[Type]) -> String {
     let yes = |is_required: bool| if is_required { "yes" } else { "no" };
     let mut page = String::from("# Winds\n");
@@ -164,7 +164,8 @@ proptest! {
         prop_assert_eq!(&model["json_messages"]["WIND-INF"]["request"]["answers"], &json!(["WIND-INF"]));
     }
 
-    /// The verdicts of vectors come from the model; the JSON Schema validator is independent of the model.
+    /// Compares the verdicts in vectors, which come from the model, with the verdicts of an independent JSON Schema
+    /// validator.
     #[test]
     fn schemas_and_vectors_agree(types in types()) {
         let (_, schema) = read_page(&page(&types));

@@ -117,7 +117,7 @@ fn compare(title: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
     }
 }
 
-/// True if an argument is part of this title, or if there are no arguments.
+/// True if this title contains a command-line argument, or if there are no arguments.
 fn is_selected(title: &str) -> bool {
     let mut words = std::env::args().skip(1).filter(|word| !word.starts_with('-')).peekable();
     words.peek().is_none() || words.any(|word| title.contains(&word))

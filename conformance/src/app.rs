@@ -49,7 +49,7 @@ const STATUS: &str = "Exit status:
   0  conforms, or success
   1  does not conform
   2  invalid usage, unreadable definitions, or unreadable lists
-  3  an input, a report, a testee or a server failed
+  3  an input, report, testee or server failed
   4  an entry in a list of known failures no longer applies
   5  nothing was checked
 

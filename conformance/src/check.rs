@@ -60,7 +60,7 @@ use crate::text::Grouped;
 /// The number of bytes used to detect the kind of a capture.
 const START: usize = MCAP_MAGIC.len();
 
-/// The minimum number of magic bytes that identify a capture, if the capture is truncated within its magic.
+/// The minimum number of magic bytes by which a capture can be identified if it is cut off within its magic.
 const MIN_MAGIC: usize = 4;
 
 /// The maximum number of distinct corrupt parts to report.
@@ -122,7 +122,7 @@ pub struct CaptureResult {
     pub checked: u64,
     /// The distinct corrupt parts in order of appearance, each with its first location.
     pub corruption: Vec<(Location, String)>,
-    /// The number of further corrupt parts, which aren't listed.
+    /// The number of additional corrupt parts that aren't listed.
     pub more_corruption: u64,
     /// The extent to which the capture could be read.
     pub extent: Extent,
@@ -201,7 +201,7 @@ struct Follower {
 /// The rules that check the messages of a channel.
 #[derive(Default)]
 struct Subscribers {
-    /// The indices of the followers that receive the channel's messages.
+    /// The indices of the [`Follower`]s that receive the channel's messages.
     followers: Vec<usize>,
     /// The highest [`Interest`] among these followers.
     interest: Interest,

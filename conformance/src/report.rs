@@ -451,7 +451,7 @@ pub struct Unreadable {
 }
 
 impl Report {
-    /// Creates a report. `reasons` are reasons for failure other than findings.
+    /// Creates a report. `reasons` contains the reasons for failure other than findings.
     pub fn new(
         action: Action,
         command: String,

@@ -103,7 +103,7 @@ pub(crate) fn checked_by(rule: &Rule) -> &'static str {
         }
     });
     let px4 = px4::RULES.iter().find(|entry| entry.rule.id == rule.id).map(|entry| match entry.check {
-        px4::Check::Value => "one value at a time, using a plan compiled once per format",
+        px4::Check::Value => "one value at a time, with checks compiled once per message format",
         px4::Check::Source => "while reading, because data that violates the rule can't be read",
         px4::Check::State(_) => BY_STATE,
     });

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The server follows the specification, so client authors can test against it. The server is also used to test
-//! uavspec: a check has findings only if the server runs with a bug that violates a rule.
+//! uavspec: checks must have findings if it runs with a bug that violates a rule, and no findings otherwise.
 //!
 //! The hub uses neither sockets nor the system time, so the same calls always produce the same messages.
 //!
@@ -107,7 +107,7 @@ pub struct Options {
     pub charge: f64,
     /// Initial error codes of UAVs (see [`error`]).
     pub errors: Vec<(String, u16)>,
-    /// UAVs that get lost, each with the time from the start to the loss (see [`loss`]).
+    /// UAVs that get lost, each with the time of its loss, measured from the start of the server (see [`loss`]).
     pub losses: Vec<(String, Duration)>,
     /// The maximum duration of a connection, after which the server sends SYS-CLOSE and disconnects.
     pub stay: Option<Duration>,

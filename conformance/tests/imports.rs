@@ -29,7 +29,7 @@ fn modules_import_only_lower_layers() {
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
-/// Files of rules may form cycles: rules that are always violated together refer to each other.
+/// The module whose files may import each other in cycles: rules that are always violated together refer to each other.
 const RULES: &str = "rules::flockwave::";
 
 #[test]

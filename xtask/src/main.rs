@@ -1,4 +1,4 @@
-//! The tasks of this repository: the commands of uavspec-codegen, and further commands.
+//! The tasks of this repository: all commands of uavspec-codegen, and commands that only this repository needs.
 //!
 //! Exit status, as for uavspec-codegen: 0 success; 1 findings or outdated files; 2 the command failed.
 

@@ -277,7 +277,7 @@ impl<'c> Program<'c> {
 }
 
 /// Reads and writes each instance of the CDR oracle, as JSON and as CDR in both byte orders. PX4 messages are also
-/// tested in memory form, which has no oracle, and as views.
+/// tested as views and in their memory layout, for which there is no oracle.
 fn instances_are_those_of_other_tools(program: &Program<'_>, cases: &[Json]) {
     let input: String = cases.iter().fold(String::new(), |mut input, case| {
         let [name, little, big] = ["type", "cdr_le_hex", "cdr_be_hex"].map(|member| text(case, member));
@@ -292,7 +292,7 @@ fn instances_are_those_of_other_tools(program: &Program<'_>, cases: &[Json]) {
     }
 }
 
-/// Compares the schemas derived with schemars with the published schemas, keyword by keyword.
+/// Compares the schemas that schemars derives with the published schemas, keyword by keyword.
 fn schemas_are_the_published_ones(program: &Program<'_>, types: &[&str]) {
     let written = program.run("schemas", "");
     assert_eq!(written.lines().count(), types.len());

@@ -1,4 +1,5 @@
-//! Shared code of the fuzz targets. It reads arbitrary bytes as a package, renders the diagnostics and emits output.
+//! Shared code of the fuzz targets. These functions read arbitrary bytes as a package, render the diagnostics and emit
+//! output.
 
 use uavspec_codegen::diagnostic::has_errors;
 use uavspec_codegen::emit::{self, inspect};

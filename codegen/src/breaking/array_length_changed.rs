@@ -66,7 +66,7 @@ fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     }
 }
 
-/// Describes the number of elements of a shape.
+/// Describes how many elements a field of this shape has.
 fn elements(shape: Shape) -> String {
     match shape {
         Shape::Single => "one value".to_owned(),

@@ -85,8 +85,8 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Pairs of packages with the same name. If exactly one package is left in each version, and both have the same form,
-/// these two packages are also paired.
+/// Pairs of packages with the same name. If exactly one unpaired package remains in each version, and both use the same
+/// definition format, these two are also paired.
 fn packages<'a>(old: &'a Schema, new: &'a Schema) -> Vec<(Option<&'a Package>, Option<&'a Package>)> {
     let find = |among: &'a Schema, name: &str| among.packages.iter().find(|package| package.name == name);
     let mut pairs: Vec<(Option<&Package>, Option<&Package>)> = Vec::new();

@@ -11,7 +11,7 @@ pub(super) const RULE: Rule = Rule {
     id: "constant-type-changed",
     statement: "The type of a constant changed.",
     why: "The value is the same, but programs that compare it with a field of the old type may no longer compile.",
-    fix: "Keep the type of the field that holds the constant.",
+    fix: "Keep the old type, which should match the fields that use the constant.",
     breaks: &[(Category::Source, Level::Warning)],
     old: &[Example {
         path: "Glider.msg",

@@ -44,7 +44,7 @@ fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
         Some(successor) => change.breaks(
             Category::Semantic,
             format!(
-                "existing programs confuse the constant with `{}`, which now has the value {before}",
+                "existing programs read {before} as this constant, but {before} is now `{}`",
                 successor.name
             ),
         ),

@@ -11,7 +11,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "error-code-meaning-changed",
     statement: "The meaning of an error code changed: its description or its alternatives are different.",
-    why: "Existing programs react to the old meaning.",
+    why: "Existing programs still act on the old meaning.",
     fix: "Check that the meaning is the same. For a different condition, use a new code.",
     breaks: &[(Category::Semantic, Level::Warning)],
     old: &[Example {
@@ -50,7 +50,7 @@ fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
         let message = format!("the alternatives of error code {} changed", name(new));
         sink.change(new.span, both(old.span, new.span), message).breaks(
             Category::Semantic,
-            "a previously valid list of codes may now contain two codes for the same condition",
+            "a list of codes that used to be valid may now contain two codes for the same condition",
         );
     }
 }

@@ -11,7 +11,7 @@ use crate::schema::Field;
 pub(super) const RULE: Rule = Rule {
     id: "field-frame-changed",
     statement: "The coordinate frame of a field changed.",
-    why: "The same numbers mean a different direction or position, and only the definition shows the change.",
+    why: "The same numbers now mean a different direction or position, and nothing in the data reveals the change.",
     fix: "Keep the frame, or add a new field with the new frame.",
     breaks: &[(Category::Semantic, Level::Error)],
     old: &[Example {

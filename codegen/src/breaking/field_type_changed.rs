@@ -68,7 +68,7 @@ fn is_same_string(old: Element, new: Element) -> bool {
     wide(old).is_some() && wide(old) == wide(new)
 }
 
-/// True if both types have the same JSON form, as all float types do.
+/// True if both types are float types, which all have the same JSON form.
 fn is_same_json(old: Element, new: Element) -> bool {
     let is_float = |element| matches!(element, Element::Scalar(scalar) if scalar.is_float());
     is_float(old) && is_float(new)

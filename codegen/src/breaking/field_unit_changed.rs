@@ -10,7 +10,7 @@ use crate::schema::Field;
 pub(super) const RULE: Rule = Rule {
     id: "field-unit-changed",
     statement: "The unit of a field changed. Adding a unit to a field that had none is not reported.",
-    why: "The same number means a different quantity, and only the definition shows the change.",
+    why: "The same number now means a different quantity, and nothing in the data reveals the change.",
     fix: "Keep the unit, or add a new field with the new unit in its name.",
     breaks: &[(Category::Semantic, Level::Error)],
     old: &[Example {

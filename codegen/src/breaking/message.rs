@@ -9,7 +9,7 @@ use crate::finding::Sides;
 use crate::schema::{Constant, Dialect, Element, Field, Form, Kind, Message, MessageId, Schema, Type};
 use crate::source::Span;
 
-/// The kind of the compared versions, which determines how `MESSAGE_VERSION` may change.
+/// The kind of versions compared (commits or releases), which determines how `MESSAGE_VERSION` may change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Between {
     /// Between commits, the version of a changed message must increase by exactly one.
@@ -301,11 +301,11 @@ fn constants<'a>(old: &'a Message, new: &'a Message) -> Vec<ConstantChange<'a>> 
     changes
 }
 
-/// Removes and returns the most similar of `candidates`, which all have the same value. The returned flag is true if
-/// the candidate is the same constant under a different name. Candidates with a dissimilar name and a different first
-/// word are ignored.
+/// Removes and returns the candidate that is most similar to `constant`. All `candidates` have its value. The returned
+/// flag is true if the candidate is the same constant under a different name. Candidates with a dissimilar name and a
+/// different first word are ignored.
 fn take_twin<'a>(constant: &Constant, candidates: &mut Vec<&'a Constant>) -> Option<(&'a Constant, bool)> {
-    /// The maximum number of compared candidates, which is more than the number of aliases in any real enum.
+    /// The maximum number of compared candidates; real enums have fewer aliases than this.
     const MAX_CANDIDATES: usize = 100;
     let similarity = |other: &Constant| {
         let shared = common_words(&constant.name, &other.name);

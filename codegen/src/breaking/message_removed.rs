@@ -10,8 +10,7 @@ use crate::schema::Kind;
 pub(super) const RULE: Rule = Rule {
     id: "message-removed",
     statement: "A message, service or action was removed.",
-    why: "Programs that use the message no longer compile, and peers that send or expect the message have no \
-        counterpart.",
+    why: "Programs that use the message no longer compile, and updated peers no longer send or accept it.",
     fix: "Keep the message until no program uses it.",
     breaks: &[
         (Category::Source, Level::Error),
@@ -43,7 +42,7 @@ fn check(change: &MessageChange<'_>, sink: &mut Sink<'_>) {
     change
         .breaks(Category::Source, "programs that use this type no longer compile")
         .breaks(Category::Json, "programs no longer recognize JSON messages of this type")
-        .breaks(Category::Cdr, "peers that send or expect messages of this type have no counterpart");
+        .breaks(Category::Cdr, "updated peers no longer send or accept messages of this type");
     if old.kind == Kind::Message {
         change.breaks(Category::Uorb, "the message's topics no longer exist, and are missing from new logs");
     }

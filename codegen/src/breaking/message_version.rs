@@ -12,7 +12,7 @@ pub(super) const RULE: Rule = Rule {
     id: "message-version",
     statement: "A versioned PX4 message changed, but MESSAGE_VERSION did not increase by exactly one. \
         Between releases, the version may increase by more than one.",
-    why: "Two different messages have the same version, so peers and PX4's translation node can't \
+    why: "Two different definitions of the message have the same version, so peers and PX4's translation node can't \
         distinguish them.",
     fix: "Raise `MESSAGE_VERSION` by one, and never lower it.",
     breaks: &[(Category::Version, Level::Error)],
@@ -51,7 +51,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         (
             message,
             format!(
-                "a change must raise {VERSION} by one, to {next}; to compare releases, use `--between releases`"
+                "raise {VERSION} by exactly one, to {next}; `--between releases` allows larger increases"
             ),
         )
     } else {

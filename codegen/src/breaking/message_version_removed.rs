@@ -9,7 +9,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "message-version-removed",
     statement: "MESSAGE_VERSION was removed.",
-    why: "Peers can't detect later changes, and PX4's translation node omits the message.",
+    why: "Peers can't detect later changes, and PX4's translation node ignores the message.",
     fix: "Keep `MESSAGE_VERSION`.",
     breaks: &[(Category::Version, Level::Warning)],
     old: &[Example {

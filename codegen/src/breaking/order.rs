@@ -24,8 +24,8 @@ pub(super) fn moved(positions: &[usize]) -> Vec<bool> {
     moved
 }
 
-/// The maximum number of name comparisons for all gaps in a message. Beyond this limit, fields are matched by their
-/// order.
+/// The maximum number of name comparisons per message, for all runs of unmatched fields together. Beyond this limit,
+/// fields are matched by their order.
 pub(super) const MAX_COMPARISONS: usize = 20_000;
 
 /// Matches two sequences without crossing pairs. Maximizes the number of pairs that satisfy `can_match`, and then their

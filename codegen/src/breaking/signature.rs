@@ -1,4 +1,4 @@
-//! Detects whether messages, including their nested messages, have the same bytes in two versions.
+//! Detects whether messages, including their nested messages, are encoded to the same bytes in two versions.
 
 use std::collections::HashMap;
 
@@ -40,8 +40,8 @@ impl SchemaSignatures {
 }
 
 impl Signatures {
-    /// Computes the signatures of all messages of `schema`. The signatures can be compared with the signatures of
-    /// another version.
+    /// Computes the signatures of all messages of `schema`. Signatures of different versions can be compared if the
+    /// same `Signatures` computed them.
     pub(super) fn of(&mut self, schema: &Schema) -> SchemaSignatures {
         let count = schema.messages.len();
         let mut found = SchemaSignatures { cdr: vec![0; count], uorb: vec![0; count] };

@@ -111,7 +111,7 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
     Ok(succeeded)
 }
 
-/// The plan for the earlier version, with a checkout if that version is a Git revision.
+/// The plan for the earlier version, along with its checkout if that version is a Git revision.
 fn old_plan(args: &BreakingArgs, new: &Plan) -> Result<(Plan, Option<Checkout>), Failure> {
     let against = Path::new(&args.against);
     if against.exists() {

@@ -26,7 +26,7 @@ use crate::source::{SourceId, SourceMap};
   cargo xtask fmt --package px4 --dialect px4 --input msg srv/Arm.srv
 
 Formatting changes white space, the order and spelling of annotations, and the columns of tables. Formatting never \
-changes the meaning of a definition. A file with errors stays unchanged.")]
+changes the meaning of a definition. Files with errors are left unchanged.")]
 pub struct FmtArgs {
     /// Print the changes as a patch instead of writing; fail if there are any
     #[arg(long)]

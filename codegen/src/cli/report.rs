@@ -11,7 +11,7 @@ use crate::render;
 use crate::report::{Entry, Format, Report, RuleInfo};
 use crate::source::SourceMap;
 
-/// The report format, and the level from which findings make a command fail.
+/// The report format, and the lowest level of finding that makes a command fail.
 #[derive(Args, Clone, Copy, Debug)]
 pub(super) struct ReportArgs {
     /// Fail if a finding is at this level or above

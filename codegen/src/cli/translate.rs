@@ -210,7 +210,7 @@ fn path_of(tag: &str, plan: &Plan) -> Result<PathBuf, Failure> {
         return Err(Failure::new(format!(
             "cannot derive the path of the catalogue for `{tag}` from the pattern `{pattern}`"
         ))
-        .with_hint("put \"i18n/*.po\" or a similar pattern first"));
+        .with_hint("start `translations.include` with \"i18n/*.po\" or a similar pattern"));
     }
     Ok(normalise(&folder.join(base)).join(format!("{tag}.po")))
 }

@@ -343,8 +343,8 @@ fn sequence(element: Element) -> Sequence {
     }
 }
 
-/// The copy operations for a type with these steps. Returns `None` if the type's size varies or the type needs too many
-/// copies.
+/// The copy operations for a type with these steps. Returns `None` if the type's size varies or if too many copy
+/// operations would be needed.
 fn packed(steps: &[Step], padded: usize, plans: &[Plan]) -> Option<Packed> {
     let mut moves = Vec::new();
     let mut size = 0;

@@ -42,7 +42,7 @@ pub enum Defect {
     TooDeep(usize),
     /// The size exceeds this number of bytes.
     TooLarge(u64),
-    /// The type contains an unusable type with this name.
+    /// The type contains an unusable nested type with this name.
     Holds(String),
     /// The definition is unreadable.
     Unreadable,

@@ -37,7 +37,8 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Adds the field with this `index`, out of `count` fields. Returns false if the set already contains it.
+    /// Marks the field with this `index` as read; the message has `count` fields. Returns false if it is already
+    /// marked.
     pub fn insert(&mut self, index: usize, count: usize) -> bool {
         if self.contains(index) {
             return false;

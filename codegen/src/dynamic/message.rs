@@ -5,7 +5,7 @@ use std::fmt;
 use super::types::MessageType;
 use super::view::{DynamicView, Value};
 
-/// A message of a type that is known at run time.
+/// A message whose type is known only at run time.
 #[derive(Clone)]
 pub struct DynamicMessage<'t> {
     pub(super) ty: MessageType<'t>,

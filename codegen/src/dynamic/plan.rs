@@ -59,7 +59,7 @@ impl Named for Field {
 }
 
 impl Field {
-    /// The number of elements stored among the fields, which is 0 for a sequence, because its elements follow the
+    /// The number of elements stored among the fields. This is 0 for a sequence, because its elements follow the
     /// fields.
     pub(super) fn count(&self) -> usize {
         match self.shape {

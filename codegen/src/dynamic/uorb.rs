@@ -15,7 +15,7 @@ use super::types::{MessageType, Types};
 use super::view::DynamicView;
 use super::walk::{Stop, Walk, walk};
 
-/// Rejects a payload unless it has the full size, or the size without the padding at its end.
+/// Rejects a payload unless it has the full size, with or without the padding at its end.
 #[inline]
 pub(super) fn check_size(ty: MessageType<'_>, payload: &[u8]) -> Result<(), Error> {
     let Size { padded, no_padding } = ty.plan.size;

@@ -21,7 +21,7 @@ pub(super) enum Stop<'v> {
     Length(usize),
 }
 
-/// A visitor of the values of a message.
+/// Visits the values of a message.
 pub(super) trait Walk<'v> {
     /// True if the field needs to be visited.
     fn enters(&self, plans: &[Plan], field: &Field) -> bool;

@@ -20,7 +20,8 @@ impl Scope {
         self.numbered(name, "")
     }
 
-    /// Returns the first unused type name in `names`. If all names are used, appends a number to the last name.
+    /// Returns the first unused type name in `names`. If all of them are already used, appends a number to the last
+    /// name.
     #[cfg(feature = "rust")]
     pub(crate) fn first_free_type(&mut self, names: &[String]) -> String {
         let free = names.iter().find(|name| !self.0.contains(*name));

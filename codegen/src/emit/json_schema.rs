@@ -146,7 +146,7 @@ pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<T
 struct Emitter<'s> {
     schema: &'s Schema,
     options: &'s Options,
-    /// The members of each schema, except the members that depend on the file.
+    /// The members of each schema, except those that depend on the output file.
     definitions: BTreeMap<Target, Vec<Member<'s>>>,
 }
 
@@ -188,7 +188,8 @@ impl<'s> Emitter<'s> {
 
     /// Creates the bundle of a package, with everything its messages refer to. The bundle itself accepts instances of
     /// any definition in the package; without this assertion, it would accept any value. If the package has messages
-    /// defined on pages, the bundle accepts only these messages, because some types are plain strings or numbers.
+    /// defined on pages, the bundle accepts only these. Some page types are plain strings or numbers, which would
+    /// accept unrelated values.
     fn bundle(&self, package: &Package, own: Vec<Target>) -> Option<OutputFile> {
         if own.is_empty() {
             return None;

@@ -165,7 +165,7 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
     modules
 }
 
-/// Sets the location of a message, and names its enums. `scope` is the scope of the module.
+/// Stores where the type of a message is generated, and names the message's enums. `scope` is the scope of the module.
 fn set_place(context: &mut Context<'_>, id: MessageId, place: Place, scope: &mut Scope) {
     let message = context.schema.message(id);
     let names: Vec<String> = message

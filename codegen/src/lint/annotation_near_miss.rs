@@ -10,7 +10,8 @@ use crate::source::SourceMap;
 pub(super) const RULE: Rule = Rule {
     id: "annotation-near-miss",
     statement: "Text that resembles an annotation but deviates from the standard form.",
-    why: "uavspec treats this text as the annotation. Other tools treat it as plain text or as a unit.",
+    why: "uavspec treats this text as the annotation that it resembles. Other tools treat it as plain text or as \
+        a unit.",
     fix: "Write the annotation in its standard form, such as `[@enum PREFIX]`, `[@range low, high]` \
         or `[@frame NED]`.",
     levels: Levels::both(Level::Warning),

@@ -10,8 +10,8 @@ use crate::source::Span;
 pub(super) const RULE: Rule = Rule {
     id: "blank-start",
     statement: "An empty line at the start of a file.",
-    why: "A comment after an empty line describes the next declaration, so it isn't used as the \
-        description of the message.",
+    why: "If an empty line precedes the first comment, the comment describes the next declaration and not \
+        the message.",
     fix: "Remove the empty line.",
     levels: Levels::both(Level::Note),
     bad: Example { path: "Glider.msg", text: "\nuint64 timestamp  # [us] Time since system start\n" },

@@ -60,7 +60,7 @@ struct Block {
     place: Option<Span>,
     /// True if the previous line is a declaration, or continues a declaration's comment.
     is_after_item: bool,
-    /// True if one of the comments is a list of topics. In this case, the other comments may describe the topics.
+    /// True if one of the comments is a list of topics. If so, the other comments in the block may describe the topics.
     is_of_topics: bool,
 }
 

@@ -34,7 +34,7 @@ pub(super) const RULE: Rule = Rule {
 /// Constants with a special meaning in PX4.
 pub(super) const KNOWN_BY_NAME: [&str; 2] = ["MESSAGE_VERSION", "ORB_QUEUE_LENGTH"];
 
-/// First and last words of constants that are limits, counts or versions rather than field values.
+/// First and last words in the names of constants that are limits, counts or versions rather than field values.
 const LIMIT_STARTS: [&str; 4] = ["MAX_", "MIN_", "NUM_", "LATEST_"];
 const LIMIT_ENDS: [&str; 6] = ["_MIN", "_MAX", "_LENGTH", "_SIZE", "_DIM", "_VERSION"];
 

@@ -9,7 +9,7 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-alias",
-    statement: "Two constants of an enum with the same value.",
+    statement: "Two constants of one enum that have the same value.",
     why: "Tools can show only the first name, and one of the two values may be a mistake.",
     fix: "Give each constant a unique value, or remove one of them.",
     levels: Levels::both(Level::Note),

@@ -14,8 +14,8 @@ use crate::schema::{Constant, Element, EnumRef, Schema};
 pub(super) const RULE: Rule = Rule {
     id: "enum-type",
     statement: "An enum whose constants have a wider type than the field.",
-    why: "Code that assigns a constant to the field truncates it without a warning. One of the two \
-        types is a mistake.",
+    why: "Code that assigns a constant to the field truncates the value without a warning, so one of \
+        the two types must be wrong.",
     fix: "Use the same type for the field and its constants.",
     levels: Levels::both(Level::Note),
     bad: Example {

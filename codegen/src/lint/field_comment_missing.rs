@@ -8,7 +8,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "field-comment-missing",
     statement: "A field without a comment.",
-    why: "The name doesn't say what true means, who sets the field or what the value is relative to.",
+    why: "The name alone doesn't say what `true` means, who sets the field or what the value is relative to.",
     fix: "Describe the field in a comment.",
     levels: Levels { px4: Some(Level::Note), strict: Some(Level::Warning) },
     bad: Example {

@@ -19,7 +19,7 @@ use crate::source::{SourceId, SourceMap, Span};
 pub(super) const INVALID: Rule = Rule {
     id: "invalid-ignore",
     statement: "An ignore comment without a known rule or without a reason.",
-    why: "A comment with an unknown rule has no effect. Without a reason, nobody can tell when the \
+    why: "An ignore comment that names an unknown rule has no effect. Without a reason, nobody can tell when the \
         comment becomes obsolete. Parser errors can't be ignored.",
     fix: "Name a rule and give a reason.",
     levels: Levels::both(Level::Warning),
@@ -65,7 +65,7 @@ struct Request<'s> {
     reason: &'s str,
     span: Span,
     scope: Scope,
-    /// The span to delete in order to remove the request: its comment, or its whole line.
+    /// The span to delete when the request to ignore findings is removed: its comment, or its whole line.
     removal: Option<Span>,
 }
 
@@ -236,7 +236,7 @@ fn similar(id: &str, rules: &[&Rule]) -> Option<&'static str> {
 
 /// Requests, indexed by scope.
 struct Index<'s> {
-    /// The requests that apply to one line, by rule and start of the line.
+    /// The requests to ignore findings on one line, by rule and the start of the line.
     lines: BTreeMap<(&'s str, u32), usize>,
     sources: BTreeMap<(&'s str, SourceId), usize>,
     /// The few requests in the configuration.

@@ -7,7 +7,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "invisible-character",
     statement: "A zero-width character, or a character that changes the text direction.",
-    why: "A name or number may look different from its content, and searches may not find it.",
+    why: "A name or number may look different from the text that tools read, and searches may not find it.",
     fix: "Remove the character.",
     levels: Levels::both(Level::Warning),
     bad: Example {

@@ -7,7 +7,8 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "message-name-style",
     statement: "A message file whose name is not in PascalCase.",
-    why: "Tools derive the topic and type names from the file name, and ROS 2 rejects other names.",
+    why: "Tools derive the topic and type names from the file name, and ROS 2 rejects names that are not in \
+        PascalCase.",
     fix: "Rename the file.",
     levels: Levels::both(Level::Warning),
     bad: Example {

@@ -7,8 +7,8 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "name-style",
     statement: "A field that is not in lower_snake_case, or a constant that is not in UPPER_SNAKE_CASE.",
-    why: "ROS 2 rejects other names, and also names that contain `__` or end with `_`, so the message can't be \
-        bridged.",
+    why: "ROS 2 rejects names in other styles, and also names that contain `__` or end with `_`. A message with such \
+        a name can't be bridged to ROS 2.",
     fix: "Rename the field or the constant.",
     levels: Levels::both(Level::Warning),
     bad: Example {

@@ -9,7 +9,7 @@ pub(super) const RULE: Rule = Rule {
     statement: "An error code that lists an alternative, but is not listed by that alternative.",
     why: "Only one of the two codes may be reported for an event. A developer who reads only the \
         alternative's description may report both codes.",
-    fix: "Name the alternative in both descriptions.",
+    fix: "Mention each code in the description of the other.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "winch.md",

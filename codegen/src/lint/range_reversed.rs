@@ -27,7 +27,8 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Reader(fix),
 };
 
-/// Swaps the bounds, including their labels. If the annotation is a near miss, `annotation-near-miss` fixes it first.
+/// Swaps the bounds, including their labels. Returns no edit if the annotation is malformed, because
+/// `annotation-near-miss` fixes that first.
 fn fix(diagnostic: &Diagnostic, sources: &SourceMap) -> Vec<Edit> {
     let inner = |text: &str| -> Option<String> {
         let bounds = text.strip_prefix("[@range ")?.strip_suffix(']')?;

@@ -33,8 +33,8 @@ pub(super) fn words<'a>(line: &'a Line<'_>) -> impl Iterator<Item = (&'a str, Sp
 }
 
 /// The span to delete in order to remove the topic at `word`. The span contains the word with the spaces around it, or
-/// the whole line if there is no other topic. `None` if a comment below the line would then belong to another
-/// declaration.
+/// the whole line if there is no other topic. `None` if deleting the line would make a comment below it belong to
+/// another declaration.
 ///
 /// The search is limited to the neighbouring text, because a line may list any number of topics.
 pub(super) fn removal(word: Span, sources: &SourceMap) -> Option<Span> {

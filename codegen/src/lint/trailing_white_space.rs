@@ -9,7 +9,7 @@ use crate::schema::Form;
 pub(super) const RULE: Rule = Rule {
     id: "trailing-white-space",
     statement: "White space at the end of a line.",
-    why: "Many editors remove it automatically, which adds unrelated lines to a change.",
+    why: "Many editors remove such white space automatically, which adds unrelated lines to a commit.",
     fix: "Remove the white space.",
     levels: Levels::both(Level::Note),
     bad: Example {

@@ -7,7 +7,7 @@ use crate::example::Example;
 pub(super) const RULE: Rule = Rule {
     id: "translation-missing",
     statement: "A missing translation in a partly translated message, service, action or list of error codes.",
-    why: "The page mixes two languages. Items without any translation stay in English and are not reported.",
+    why: "The page mixes two languages. Items with no translations at all are shown in English and not reported.",
     fix: "Translate the remaining texts.",
     levels: Levels::both(Level::Warning),
     bad: Example {

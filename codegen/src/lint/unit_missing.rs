@@ -9,7 +9,7 @@ use crate::schema::{Element, Field};
 pub(super) const RULE: Rule = Rule {
     id: "unit-missing",
     statement: "A float field without a unit.",
-    why: "Readers have to guess between degrees and radians, and nobody can check the guess.",
+    why: "Readers have to guess the unit, such as degrees or radians, and no tool can detect a wrong guess.",
     fix: "Write the unit at the start of the comment, or `[-]` for a number without a unit. If the unit is not known, \
         write `no unit is defined`.",
     levels: Levels::both(Level::Warning),

@@ -8,7 +8,7 @@ pub(super) const RULE: Rule = Rule {
     id: "unknown-constant",
     statement: "An annotation that refers to an unknown constant.",
     why: "The annotation has no effect.",
-    fix: "Name a constant of the message, or a limit such as `UINT8_MAX`.",
+    fix: "Use the name of a constant in the message, or a limit such as `UINT8_MAX`.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::render;
 use crate::source::SourceMap;
 
-/// A failure for an error at a location of the configuration file.
+/// A failure caused by an error at a location in the configuration file.
 pub(super) fn failure_at(path: &str, text: &str, range: std::ops::Range<usize>, message: &str) -> Failure {
     let mut sources = SourceMap::default();
     match sources.add(path, text.as_bytes().to_vec()) {

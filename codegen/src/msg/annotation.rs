@@ -139,7 +139,7 @@ impl<'s> Reader<'s, '_> {
         }
     }
 
-    /// Reports a regular expression with unbalanced brackets, because its end is unknown.
+    /// Reports a regular expression with unbalanced brackets, whose end can't be determined.
     fn report_open_pattern(&mut self, start: usize) {
         if self.vocabulary == Vocabulary::Page && self.text[start..].starts_with(PATTERN) {
             let text = self.text[start + 1..].chars().take(MAX_UNIT_LEN).collect();

@@ -34,7 +34,7 @@ pub(crate) fn parse_scalar(text: &str, scalar: Scalar) -> Result<Value, LiteralE
     }
 }
 
-/// The syntax of literals of type `scalar`, as a hint.
+/// A hint that describes the syntax of literals of type `scalar`.
 pub(crate) fn form(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::Bool => "write `True` or `False`",
@@ -126,7 +126,7 @@ pub(crate) struct Quoted {
     pub value: String,
     /// The length in bytes, including quotes.
     pub len: usize,
-    /// Ranges of unknown escapes, which are kept unchanged.
+    /// The ranges of unknown escape sequences, which are left unchanged.
     pub unknown_escapes: Vec<std::ops::Range<usize>>,
 }
 

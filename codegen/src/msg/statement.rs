@@ -20,23 +20,23 @@ pub enum Statement<'s> {
     Attribute(&'static Attribute, &'s str),
     /// `[@count field]`: the value is the number of used elements in the array `field`.
     Count(&'s str),
-    /// `[@length least, most]`, on pages: the length of a string in characters, or of a list in elements.
+    /// The length of a string (in characters) or list (in elements) on a page, from `[@length least, most]`.
     Length {
         /// The minimum, if bounded.
         least: Option<u32>,
         /// The maximum, if bounded.
         most: Option<u32>,
     },
-    /// `[@unique]`, on pages: the elements of a list are distinct.
+    /// A requirement that the elements of a list on a page are distinct, from `[@unique]`.
     Unique,
-    /// `[@pattern REGEX]`, on pages: the regular expression that a string must match.
+    /// The regular expression that a string on a page must match, from `[@pattern REGEX]`.
     Pattern(&'s str),
-    /// `[@format base64]`, on pages: the encoding of a string.
+    /// The encoding of a string on a page, from `[@format base64]`.
     Format(&'s str),
 }
 
 impl Statement<'_> {
-    /// The position in the order of annotations. Annotations of the same rank exclude each other; the last one applies.
+    /// The position in the order of annotations. Of several annotations with the same rank, only the last one applies.
     pub(crate) fn rank(&self) -> (u8, Option<usize>) {
         match self {
             Self::Unit(_) => (0, None),

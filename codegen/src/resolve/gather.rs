@@ -76,7 +76,7 @@ impl ByPrefix {
 }
 
 /// True if the constants of a mask are bit numbers (`0, 1, 2, 3`) rather than masks (`1, 2, 4`). The constants are bit
-/// numbers if not all of them are powers of two, and each is a valid bit number of the type.
+/// numbers if each is a valid bit number of the type and at least one has several bits set.
 fn are_bit_numbers(members: &[Member], scalar: Scalar) -> bool {
     let bits = 8 * i128::try_from(scalar.size()).unwrap_or(0);
     members.iter().all(|member| (0..bits).contains(&member.value))

@@ -31,10 +31,11 @@ const OPEN: &str = "further fields are allowed";
 /// The maximum number of elements of a tuple.
 const MAX_ELEMENTS: usize = 64;
 
-/// The maximum number of errors with a suggestion. The limit saves time, because each suggestion compares all names.
+/// The maximum number of errors that include a suggestion. The limit saves time, because each suggestion compares all
+/// names.
 const MAX_SUGGESTIONS: usize = 100;
 
-/// The maximum length of a name with a suggestion.
+/// The maximum length of an unknown name for which a similar name is suggested.
 const MAX_SUGGESTION_LEN: usize = 100;
 
 /// The types and messages of a package.

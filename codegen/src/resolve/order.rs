@@ -36,7 +36,7 @@ impl Resolver<'_> {
     }
 
     /// Reports each cycle once. For each message, `missing` is the number of nested messages without a position in the
-    /// order. Following the nested messages that have no position always leads to a cycle.
+    /// order. If this number is not 0, following nested messages without a position always leads to a cycle.
     fn report_cycles(&mut self, missing: &[usize]) {
         let mut is_done = vec![false; missing.len()];
         for start in 0..missing.len() {

@@ -7,7 +7,8 @@ use crate::diagnostic::{Diagnostic, Problem};
 use crate::schema::{Dialect, Form, MessageId};
 use crate::source::Span;
 
-/// The maximum number of errors with a suggestion. The limit saves time, because each suggestion compares all names.
+/// The maximum number of errors that include a suggestion. The limit saves time, because each suggestion compares all
+/// names.
 const MAX_SUGGESTIONS: usize = 100;
 
 /// Names that ROS 2 accepts without a package, and their definitions.
@@ -27,8 +28,8 @@ const FOREIGN: [(&str, &str); 6] = [
     ("duration", "uint64"),
 ];
 
-/// The maximum length of a name with a suggestion. Comparing two names takes time and memory proportional to the
-/// product of their lengths.
+/// The maximum length of an unknown name for which a similar name is suggested. Comparing two names takes time and
+/// memory proportional to the product of their lengths.
 const MAX_SUGGESTION_LEN: usize = 100;
 
 impl<'s> Resolver<'s> {

@@ -22,7 +22,7 @@ pub(super) struct PendingEnum {
     pub(super) span: Span,
 }
 
-/// The owner, the prefixes, the type, and true if values are masks.
+/// The owner, the prefixes, the type, and whether the values are masks.
 type EnumKey = (MessageId, Vec<String>, Scalar, bool);
 
 #[derive(Default)]
@@ -61,8 +61,8 @@ impl Resolver<'_> {
     }
 }
 
-/// The id of the message at `index` in [`Schema::messages`]. The index fits, because there are fewer messages than
-/// source bytes.
+/// The id of the message at `index` in [`Schema::messages`]. The index fits into a `u32`, because there are fewer
+/// messages than source bytes.
 pub(super) fn id(index: usize) -> MessageId {
     MessageId(offset(index))
 }

@@ -32,8 +32,8 @@ pub struct ErrorCode {
     pub class: ErrorClass,
     /// The codes that the description refers to, sorted.
     pub see_also: Vec<u32>,
-    /// Alternative codes for the same event: `use … only if …; otherwise use code N`. Sorted and symmetric: if code A
-    /// lists code B, then code B also lists code A.
+    /// Alternative codes for the same event: `use … only if …; otherwise use code N`. The list is sorted and symmetric:
+    /// if code A lists code B, then code B also lists code A.
     pub alternatives: Vec<u32>,
     /// The description.
     pub description: String,

@@ -242,8 +242,8 @@ impl<'s> Body<'s> {
         self.cells.push(Cell { text, is_merged: self.is_merged });
     }
 
-    /// All cells, and the number of columns. The attributes specify the number of columns; otherwise, it is the number
-    /// of cells on the first line. If the first line has only one cell, the header extends over several lines.
+    /// All cells, and the number of columns. If the attributes don't specify the number of columns, it is the number of
+    /// cells on the first line. If the first line has only one cell, the header extends over several lines.
     fn finish(mut self, columns: Option<usize>) -> (Vec<Cell>, usize) {
         self.close();
         let on_first_line = self.on_first_line.filter(|cells| *cells > 1);

@@ -18,7 +18,7 @@ pub(crate) struct ErrorCodeTable<'p> {
     pub block: Option<Block>,
     /// The valid rows.
     pub rows: Vec<ErrorCodeRow<'p>>,
-    /// Codes of invalid rows, which are valid targets of references.
+    /// The codes of invalid rows. References to these codes are still valid.
     pub unread: Vec<u32>,
 }
 
@@ -33,11 +33,11 @@ pub(crate) struct ErrorCodeRow<'p> {
     pub abbreviation: &'p Text,
     /// The description.
     pub description: &'p Text,
-    /// The version of the specification that introduced the code, if the table has this column.
+    /// The version of the specification that introduced the code, if the table has a column for it.
     pub since: Option<&'p Text>,
 }
 
-/// Reads all error-code tables of a page. All tables under one heading form one table.
+/// Reads all error-code tables of a page. All tables under one heading are combined into one.
 pub(crate) fn read(page: &Page) -> (Vec<ErrorCodeTable<'_>>, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let mut tables: Vec<ErrorCodeTable<'_>> = Vec::new();

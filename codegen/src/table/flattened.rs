@@ -65,7 +65,7 @@ pub(super) fn parse(text: &str, span: Span) -> Page {
     page
 }
 
-/// The line numbers of the start of a table.
+/// The line numbers of a table's heading and header row.
 struct Head {
     heading: Option<usize>,
     header: usize,

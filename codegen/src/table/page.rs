@@ -31,7 +31,7 @@ impl Page {
 /// A heading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heading {
-    /// 1 for the title of a page, 2 for sections, and so on. Always 1 in the flattened form.
+    /// The level: 1 for the title of a page, 2 for sections, and so on. Always 1 in the flattened form.
     pub level: usize,
     /// The text.
     pub text: Text,
@@ -111,8 +111,9 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 
 /// Splits a sequence of cells into rows of `columns` cells.
 ///
-/// A missing or extra cell would shift all following rows. If the first cell is a number and the rows don't fit, each
-/// number starts a new row instead. In this way, only the invalid row has the wrong number of cells.
+/// A missing or extra cell would shift all following rows. If the first cell is a number, but some row would be
+/// incomplete or not start with a number, each number starts a new row instead. In this way, only the invalid row has
+/// the wrong number of cells.
 pub(super) fn into_rows(cells: Vec<Cell>, columns: usize, page: Span) -> Vec<Row> {
     let columns = columns.max(1);
     let is_numbered = cells.first().is_some_and(Cell::is_number);
@@ -128,8 +129,8 @@ pub(super) fn into_rows(cells: Vec<Cell>, columns: usize, page: Span) -> Vec<Row
     groups.into_iter().flat_map(|group| cut(group, columns, page)).collect()
 }
 
-/// Splits `cells` into rows. If the cells fill less than two rows, but not exactly one row, they stay together as one
-/// invalid row.
+/// Splits `cells` into rows. Cells that would fill less than two rows, but not exactly one row, form a single invalid
+/// row.
 fn cut(cells: Vec<Cell>, columns: usize, page: Span) -> Vec<Row> {
     let is_one_bad_row = !cells.len().is_multiple_of(columns) && cells.len() < 2 * columns;
     let size = if is_one_bad_row { cells.len() } else { columns };

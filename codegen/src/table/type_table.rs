@@ -6,7 +6,7 @@
 //! | `Index`, `Element`, `Required`, `Type`, `Description` | a JSON array with a meaning for each position |
 //! | `Value`, `Description` | a set of strings or integers |
 //!
-//! A heading without such a table, followed by a paragraph that starts with a built-in type, defines a named type:
+//! A heading defines a named type if it has none of these tables and its first paragraph starts with a built-in type:
 //! `integer, [ms] Milliseconds since the epoch`. A heading with the subheadings `Request`, `Response` and
 //! `Notification` defines a message.
 

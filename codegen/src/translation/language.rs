@@ -55,7 +55,8 @@ const NAMES: &[(&str, &str)] = &[
 /// Languages and scripts that are written from right to left.
 const RIGHT_TO_LEFT: &[&str] = &["ar", "arab", "ckb", "dv", "fa", "he", "hebr", "ps", "sd", "ug", "ur", "yi"];
 
-/// The native name of a language. An unknown tag falls back to its shorter forms, then to the tag itself.
+/// The native name of a language. If the tag is unknown, its shorter forms are tried. If these are unknown too, the tag
+/// itself is returned.
 pub(crate) fn name(tag: &str) -> &str {
     shorter(tag)
         .find_map(|tag| NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(tag)))

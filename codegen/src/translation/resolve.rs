@@ -1,4 +1,4 @@
-//! Matching of catalogues with the texts of the definitions.
+//! Matches the entries of catalogues with the texts of the definitions.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -85,7 +85,7 @@ fn check_header(
     }
 }
 
-/// The line of the header that contains a field, or the whole header.
+/// The location of a field in a catalogue's header, or of the whole header if the field is missing.
 fn line_of(sources: &SourceMap, header: Span, name: &str) -> Span {
     let text = sources.slice(header);
     let Some(start) = text.find(&format!("{name}:")) else { return header };

@@ -216,7 +216,7 @@ mod tests {
         codes.filter(|code| !matches!(*code, "translation-fuzzy" | "translation-missing")).collect()
     }
 
-    /// Definitions with a few fields that have different texts.
+    /// Successive versions of a definition, which add, remove and reword a few fields.
     fn states() -> impl Strategy<Value = Vec<String>> {
         let field = (0..4_usize, 0..3_usize);
         let fields = prop::collection::btree_map(0..4_usize, field, 0..4);

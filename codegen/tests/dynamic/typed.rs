@@ -17,7 +17,7 @@ use uavspec_runtime::{Definition, Message, UorbMessage, record};
 use super::values::Draw;
 use crate::support;
 
-/// A message of varying size with all kinds of fields, written like generated code.
+/// A hand-written message type of variable size, which mirrors what the generator emits.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Leaf {
     on: bool,

@@ -236,7 +236,8 @@ fn reports_unusable_formats_and_keeps_the_others() {
     assert_eq!(error.to_string(), "self: contains itself");
 }
 
-/// The subset of a log that the tests need: <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>.
+/// The parts of a log that the tests need. The format is documented at
+/// <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>.
 #[derive(Default)]
 struct Log<'l> {
     formats: Vec<(&'l str, &'l str)>,

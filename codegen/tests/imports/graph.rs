@@ -91,7 +91,7 @@ impl Imports {
         reached
     }
 
-    /// The imports between the entries of each folder. A file and the folder of the same name are one entry.
+    /// The imports between the entries of each folder. A file and the folder of the same name count as a single entry.
     pub(crate) fn between_siblings(&self) -> Vec<Self> {
         let folders: BTreeSet<&[String]> =
             self.0.keys().filter_map(|module| module.split_last()).map(|(_, folder)| folder).collect();

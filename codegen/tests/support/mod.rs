@@ -36,8 +36,8 @@ pub(crate) fn extent<T>(full: T, quick: T) -> T {
     if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
 }
 
-/// The configuration of a property test with this number of cases, or a quarter of this number in a quick run. Failures
-/// are not stored in files, because each failure becomes a test or a fixture.
+/// The configuration of a property test with this number of cases, or a quarter of this number in a quick run. Proptest
+/// doesn't save failing cases to files, because developers turn each of them into a test or a fixture.
 pub(crate) fn config(cases: u32) -> Config {
     Config { failure_persistence: None, cases: extent(cases, cases / 4), ..Config::default() }
 }

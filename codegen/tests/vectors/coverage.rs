@@ -1,4 +1,4 @@
-//! Checks that the cases cover all important values. It derives these values from the definitions alone, independently
+//! Checks that the cases cover all important values. These values are derived from the definitions alone, independently
 //! of the emitter.
 
 use std::collections::BTreeSet;
@@ -12,8 +12,8 @@ use uavspec_runtime::Scalar;
 
 use super::{ALL, Emitted, PX4};
 
-/// The values of one field, each with the violated rule. The values come from cases in which all other fields are as in
-/// the case `zero`.
+/// The values of one field, each with the violated rule. Cases are included only if all other fields have the same
+/// values as in the `zero` case.
 struct FieldCases {
     values: Vec<(Json, Option<String>)>,
 }

@@ -31,12 +31,12 @@ const EXAMPLES: &str = "Examples:
   uavspec check --schema schemas/ session.jsonl";
 
 const DETAILS: &str = "\
-JSON input is one object per line, or an array of objects. Without --type, each object names its type or its topic:
+JSON input is one object per line, or an array of objects. Without --type, each object must name its type or topic:
   {\"type\": \"px4/FailsafeFlags\", \"message\": {…}}
   {\"op\": \"publish\", \"topic\": \"/fmu/out/failsafe_flags\", \"msg\": {…}}
 
-A recorded Flockwave session has one object per line. \"in\" and \"out\" are from the client's point of view. Lines \
-may also be bare messages. If a message is not JSON, its text is in \"raw\". For example:
+A recorded Flockwave session has one JSON object per line. \"in\" and \"out\" are from the client's point of view. A \
+line may also be just a message. If a message is not JSON, its text is in \"raw\". For example:
   {\"t\": 1790000000.20, \"conn\": \"tcp#1\", \"dir\": \"event\", \"event\": \"connect\"}
   {\"t\": 1790000000.25, \"conn\": \"tcp#1\", \"dir\": \"in\", \"msg\": {…}}
   {\"t\": 1790000000.30, \"conn\": \"tcp#1\", \"dir\": \"out\", \"msg\": {…}}

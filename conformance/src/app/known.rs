@@ -31,7 +31,7 @@ pub(super) struct KnownArgs {
 pub(super) struct Known {
     /// The lists; updated by `--fix-known`.
     pub(super) lists: Lists,
-    /// One reason for each entry that no longer applies after the run.
+    /// The entries that the run showed to be outdated, each as a reason for failure.
     pub(super) stale: Vec<Reason>,
     today: Date,
     is_fixing: bool,

@@ -28,7 +28,7 @@ pub(super) struct ReportArgs {
     /// path `-` means standard output.
     #[arg(long, value_name = "KIND=PATH", value_delimiter = ',')]
     report: Vec<Target>,
-    /// The first printing error. It is reported together with the errors from writing report files.
+    /// The first printing error, which is reported together with the errors from writing report files.
     #[arg(skip)]
     unprinted: OnceLock<String>,
 }

@@ -94,7 +94,7 @@ pub(super) struct TestArgs {
     timeout: Duration,
     /// Maximum time to start.
     ///
-    /// This includes the wait for the hello response. With --attach, it also includes the time to connect.
+    /// This includes the wait for the hello response and, with --attach, the time to connect.
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds)]
     start_timeout: Duration,
     /// Number of pending requests per process.

@@ -66,9 +66,9 @@ pub(super) struct WatchArgs {
 
 /// An input of the screen.
 enum Input {
-    /// An event of the connection, with its time.
+    /// A connection event, with its time.
     Server(Event, Instant),
-    /// An event of the terminal. No events follow an error.
+    /// A terminal event. No events follow an error.
     Terminal(io::Result<event::Event>),
     /// A request to quit.
     End,

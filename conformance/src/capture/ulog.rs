@@ -47,8 +47,8 @@
 //!
 //! - If a valid run of messages starts within the message, the message has a wrong size. The reader skips to that run,
 //!   so a wrong size doesn't hide the messages that follow.
-//! - Otherwise, the message is accepted if its kind is known and its size is large enough. The bytes after it are
-//!   checked next.
+//! - Otherwise, the message is accepted if its kind is known and its size is large enough. The reader then checks the
+//!   bytes after the message.
 //! - Otherwise, if a valid message or the end of the log follows, only the rejected message is reported. The message is
 //!   too short or of an unknown kind.
 //! - Otherwise, the reader searches for the next valid run.
@@ -56,7 +56,7 @@
 //! A run is valid if it starts with four valid messages or with a sync message, whose header and magic are 11 fixed
 //! bytes. A message is valid if its kind is known and its first bytes are plausible: keys and names must be ASCII, log
 //! levels must exist, and data must have a subscribed id and the usual size. Between valid messages, a run may contain
-//! data that isn't valid in this sense, and messages whose kind is an unknown letter. Sixteen consecutive messages,
+//! data with an unknown id or unusual size, and messages whose kind is an unknown letter. Sixteen consecutive messages,
 //! valid or not, also form a run. At the end of the log or of a section, two valid messages suffice. Each byte is tried
 //! as a start at most once, and each check takes at most a few thousand steps. The total time is therefore linear in
 //! the size of the log.

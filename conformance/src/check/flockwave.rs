@@ -108,8 +108,8 @@ impl<'d> FlockwaveChecker<'d> {
         Self { run, source, reports, connections: HashMap::new(), names: Vec::new(), latest: 0 }
     }
 
-    /// Disables the fast path for status reports. The result is the same but takes several times as long to compute.
-    /// Tests compare both paths.
+    /// Disables the fast path for status reports. The result of a check stays the same, but the check takes several
+    /// times as long. Tests compare both paths.
     #[must_use]
     pub fn thorough(self) -> Self {
         Self { reports: Reports::disabled(self.run.definitions), ..self }

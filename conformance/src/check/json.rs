@@ -40,7 +40,7 @@ pub(super) const KIND: Kind = Kind {
 };
 
 /// True if the start of a capture is neither JSON nor other text. One invalid character is accepted, since it may be
-/// corruption.
+/// the result of corruption.
 fn is_binary(start: &[u8]) -> bool {
     let text = String::from_utf8_lossy(start);
     if text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '[']) {
@@ -100,8 +100,8 @@ pub(crate) fn check_json(
     check_with(input, message_id, JsonChecker::new(message_id, definitions))
 }
 
-/// Like `check_json`, but without templates. The result is the same but takes several times as long to compute. Tests
-/// and benchmarks compare both.
+/// Like `check_json`, but without templates. The result of a check stays the same, but the check takes several times as
+/// long. Tests and benchmarks compare both.
 pub fn check_json_thoroughly(
     input: impl Read,
     message_id: Option<MessageId>,

@@ -244,7 +244,7 @@ impl<'d> LogChecker<'d> {
         }
     }
 
-    /// Closes a topic whose new subscription wasn't stored, and clears the topic's name.
+    /// Closes the topic of an id whose new subscription wasn't stored, and clears the topic's name.
     fn drop_topic(&mut self, id: u16) {
         if let Some(Some(open)) = self.open.get_mut(usize::from(id)) {
             self.run.closed(&open.channel());
@@ -299,7 +299,7 @@ impl<'d> LogChecker<'d> {
                 self.drop_data(*id, &px4::DATA_01.rule, detail, location);
             }
             LogProblem::UnknownId { id } | LogProblem::Unsubscribed { id } if is_whole => {
-                let detail = detail.expected("an id with a subscription").actual(format!("id {id}"));
+                let detail = detail.expected("a subscribed id").actual(format!("id {id}"));
                 self.drop_data(*id, &px4::DATA_02.rule, detail, location);
             }
             LogProblem::Format { name, problem: FormatProblem::UnknownType { ty, .. } } if is_whole => {

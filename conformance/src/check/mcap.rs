@@ -36,7 +36,7 @@ use crate::rules::px4;
 /// The maximum length of a topic or schema name, in bytes. ROS 2 has the same limit.
 const MAX_NAME: usize = 256;
 
-/// The maximum total number of steps in the plans of all channels. A thousand PX4 topics need a quarter of these steps.
+/// The maximum total number of steps in the plans of all channels. A thousand PX4 topics need a quarter of this number.
 const MAX_STEPS: usize = 1 << 18;
 
 /// The metadata key for the type hash of a channel, as written by `rosbag2`.

@@ -80,7 +80,7 @@ impl Line {
         Self { label, text: text.into(), lists: Vec::new(), details: Vec::new() }
     }
 
-    /// Adds a list. An item is a subject with its description.
+    /// Adds a list. Each item consists of a subject and its description.
     #[must_use]
     pub(crate) fn list<'i>(
         mut self,

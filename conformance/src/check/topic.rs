@@ -24,7 +24,8 @@ pub(super) fn topic_of(topic: &str) -> &str {
 /// Finds the definition of a topic from its name, and from the name and encoding of its schema.
 ///
 /// For ROS 2, only the schema name counts: a type from another package is a different type, even if the topic's name is
-/// defined. For other encodings, schema names are arbitrary. If such a name matches nothing, the topic name decides.
+/// defined. For other encodings, schema names are arbitrary. If the schema name matches no definition, the topic name
+/// decides.
 pub(super) fn definition_of(
     topic: &str,
     schema: Option<(&str, &str)>,

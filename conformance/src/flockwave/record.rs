@@ -51,8 +51,8 @@ pub(crate) struct SessionRecord<'e> {
     pub value: Option<&'e Tree<'e>>,
     /// The rule test to which the record belongs.
     pub trial: Option<Trial<'e>>,
-    /// Details of an event. For the start of a connection, this is the URL of the server. For the end of a connection
-    /// or a failure to connect, it is the reason.
+    /// Details of an event. When a connection starts, the note is the server's URL. When a connection ends or fails,
+    /// the note is the reason.
     pub note: Option<&'e str>,
     /// The location in the capture.
     pub location: Location,

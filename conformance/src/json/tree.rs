@@ -134,7 +134,7 @@ pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Parses a value. Adds the number of values in it to `count`.
+/// Parses a value. Increases `count` by one for this value and for each nested value.
 fn value<'t>(tokens: &mut Tokens<'t>, count: &mut usize) -> Result<Tree<'t>, SyntaxError> {
     let first = tokens.peek();
     *count += 1;

@@ -40,7 +40,7 @@ const UAVS: [&str; 2] = ["glider-1", "glider-2"];
 /// User name and password.
 const LOGIN: (&str, &str) = ("pilot", "soar");
 
-/// The transports for servers without a bug, each with the query of its URL.
+/// The transports for servers without a bug, each with its URL query.
 const TRANSPORTS: [(Transport, &str); 7] = [
     (Transport::Tcp, ""),
     (Transport::Udp, ""),

@@ -53,14 +53,15 @@ impl Detail {
         Self { actual: actual.into(), ..self }
     }
 
-    /// Sets the path in the record, and uses it as the part of the subject.
+    /// Sets both the path in the record and the part of the subject to `path`.
     #[must_use]
     pub(crate) fn at(self, path: impl Into<String>) -> Self {
         let path = path.into();
         Self { part: path.clone(), path, ..self }
     }
 
-    /// Sets only the path in the record, for details whose subject or part describes the location differently.
+    /// Sets the path in the record but not the part of the subject. Use this if the subject or part describes the
+    /// location in other words.
     #[must_use]
     pub(crate) fn located(self, path: impl Into<String>) -> Self {
         Self { path: path.into(), ..self }

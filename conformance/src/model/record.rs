@@ -55,7 +55,7 @@ pub(crate) struct Channel<'c> {
     pub index: usize,
     /// The topic.
     pub topic: &'c str,
-    /// The instance of the topic, from 0, if the format distinguishes instances.
+    /// The instance of the topic, counted from 0, if the format distinguishes instances.
     pub multi_id: Option<u8>,
     /// The definition of the messages, if known.
     pub definition: Option<MessageId>,

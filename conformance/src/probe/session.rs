@@ -86,7 +86,7 @@ impl Session {
         self.waiting.contains(id)
     }
 
-    /// Sends a message, which may be invalid. If it has an id, an answer is expected.
+    /// Sends a message, which may be invalid. If the message has an id, an answer is expected.
     pub(super) fn send(
         &mut self,
         tape: &mut Tape<'_>,
@@ -238,7 +238,7 @@ impl Session {
     }
 }
 
-/// The name of a connection. It starts with the transport, because some rules depend on the transport.
+/// The name of a connection. The name starts with the transport, because some rules depend on the transport.
 pub(super) fn name(endpoint: &Endpoint, number: usize) -> String {
     format!("{}#{number}", endpoint.scheme())
 }

@@ -124,7 +124,7 @@ impl Probe<'_, '_> {
         self.devices(uavs);
     }
 
-    /// Requests the devices of UAVs, and one channel.
+    /// Requests the device trees of UAVs, and the values of one channel in these trees.
     fn devices(&mut self, uavs: &[String]) {
         let ids = with_unknown_id(&uavs[..uavs.len().min(2)]);
         let trees = self.query_for_trial(&env_24::RULE, json!({ "type": "DEV-LIST", "ids": ids }));

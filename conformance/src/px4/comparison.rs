@@ -101,7 +101,7 @@ fn compare_in(order: Order, format: MessageType<'_>, defined: MessageType<'_>) -
 }
 
 impl Order {
-    /// The fields, sorted by this kind of position. The formats in logs list fields in memory order, but definitions
+    /// The fields of a message type in this order. The formats in logs list fields in memory order, but definitions
     /// list them in any order.
     fn fields(self, message_type: MessageType<'_>) -> Vec<Placed<'_>> {
         let mut fields: Vec<Placed<'_>> = message_type.layout().collect();

@@ -6,7 +6,8 @@
 //!
 //! Everything else is parsed into a [`Tree`]. A tree preserves repeated keys, the text of numbers, and non-JSON tokens
 //! such as `NaN`. All findings come from the tree ([`Plans::explain`]). The fast path and the tree use the same checks
-//! of single values (`value.rs`). A test with random changes compares the results of both.
+//! of single values (`value.rs`). A test with randomly changed messages compares the results of the fast path with
+//! those of the tree.
 
 mod clean;
 mod dialect;

@@ -1,4 +1,4 @@
-//! Reports as an HTML page that requires neither a network nor scripts.
+//! Renders reports as an HTML page that requires neither a network nor scripts.
 //!
 //! The template macro escapes all text, and invisible characters are shown as escapes. As an additional protection, the
 //! page has a content security policy that forbids loading or running anything.
@@ -227,7 +227,7 @@ fn class(outcome: OutcomeKind) -> &'static str {
     }
 }
 
-/// Renders a text that is part of uavspec. Text between backticks becomes code.
+/// Renders one of uavspec's own texts, which never come from the input. Text between backticks becomes code.
 fn with_code(text: &str) -> Markup {
     html! {
         @for (index, part) in text.split('`').enumerate() {

@@ -1,4 +1,4 @@
-//! Reports as JSON.
+//! Renders reports as JSON.
 //!
 //! The schema is `generated/schemas/uavspec/report.schema.json`, which is generated from the same types.
 

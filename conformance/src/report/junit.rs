@@ -1,4 +1,5 @@
-//! Reports as `JUnit` XML: one suite per subject. A capture has one case per rule, and a testee has one per test case.
+//! Renders reports as `JUnit` XML: one suite per subject. A capture has one case per rule, and a testee has one per
+//! test case.
 //!
 //! CI systems identify a case by class and name, so the class and the name don't depend on the findings.
 

@@ -1,4 +1,4 @@
-//! Reports as Markdown, short enough for pull requests and CI summaries. Text from the input is escaped.
+//! Renders reports as Markdown, short enough for pull requests and CI summaries. Text from the input is escaped.
 
 use uavspec_codegen::emit::docs::markdown::{
     Page, Table, code, inline, link, number_column, plural, text_column, thousands, with_code,

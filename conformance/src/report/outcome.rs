@@ -99,7 +99,7 @@ impl Outcome {
         }
     }
 
-    /// The last line of a terminal report: the text with a lower-case first letter.
+    /// The last line of a terminal report: the outcome's text, starting with a lower-case letter.
     pub(super) fn last_line(&self) -> String {
         let mut characters = self.text.chars();
         let first = characters.next().map(|first| first.to_ascii_lowercase());
@@ -241,7 +241,7 @@ mod tests {
     use crate::report::{About, RuleVerdict};
     use crate::rules::RULES;
 
-    /// A capture with this number of checked messages and these verdicts.
+    /// A capture of which this number of messages was checked, with these verdicts.
     fn capture(checked: u64, verdicts: &[Verdict]) -> Subject {
         let rule = |(verdict, rule): (&Verdict, &&'static crate::model::Rule)| RuleVerdict {
             id: rule.id,

@@ -1,4 +1,4 @@
-//! Reports as SARIF: one result per group of findings, at the location of the group's first finding.
+//! Renders reports as SARIF: one result per group of findings, at the location of the group's first finding.
 
 use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::report::{self as shared, Entry, Place, Region, RuleInfo};

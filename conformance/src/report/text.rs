@@ -1,4 +1,4 @@
-//! Reports as text for a terminal.
+//! Renders reports as text for a terminal.
 
 mod testee;
 

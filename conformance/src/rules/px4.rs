@@ -108,7 +108,7 @@ pub(crate) struct Px4Rule {
 pub(crate) enum Check {
     /// A plan that is compiled for the format checks each value.
     Value,
-    /// The capture reader reports violations, because the affected data can't be read.
+    /// The capture reader itself reports violations, because a violation makes the data unreadable for other checks.
     Source,
     /// A stateful checker receives the records of a capture.
     State(fn() -> Box<dyn Checker>),

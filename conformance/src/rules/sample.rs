@@ -112,7 +112,7 @@ impl<'d> Flight<'d> {
         self.definitions.types().get(self.topics[topic].message)
     }
 
-    /// A message in its memory layout. `None` if its values don't fit its type.
+    /// A message in its memory layout. `None` if a value doesn't fit its field's type.
     pub(crate) fn message(&self, sent: &Sent) -> Option<DynamicMessage<'d>> {
         self.type_of(sent.topic).from_json(&sent.value).ok()
     }

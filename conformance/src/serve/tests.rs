@@ -15,8 +15,8 @@ use crate::rules::flockwave::{
     udp_02, udp_03,
 };
 
-/// Rules with a bug that can't be observed by a single client sending one request at a time. `tests/live_matrix.rs`
-/// covers the bugs of transports and concurrent requests. Another test in this file covers the login bug.
+/// Rules whose bug can't be observed by a single client that sends one request at a time. `tests/live_matrix.rs` covers
+/// the bugs of transports and concurrent requests. Another test in this file covers the login bug.
 static NOT_OBSERVABLE: [&Rule; 12] = [
     &ack_06::RULE.rule,
     &env_25::RULE.rule,

@@ -93,7 +93,7 @@ pub(super) struct Uav {
     heading: f64,
     activity: Activity,
     charge: f64,
-    /// Codes that were set by a client or stay until a restart.
+    /// Codes that a client has set, and codes that remain until the UAV restarts.
     errors: Vec<ErrorCode>,
     signal: f64,
     random: Random,
@@ -289,7 +289,7 @@ impl Uav {
     fn position_of(&self, target: Target) -> Position {
         #[expect(
             clippy::cast_precision_loss,
-            reason = "the loss is far below the precision of the simulation"
+            reason = "the rounding error is far below the precision of the simulation"
         )]
         let [latitude, longitude] = [target.latitude, target.longitude].map(|value| value as f64 / 1e7);
         let north = (latitude - ORIGIN[0]) * DEGREE;

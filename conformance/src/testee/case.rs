@@ -154,7 +154,7 @@ impl CaseBuilder<'_, '_> {
     /// The cases about the type itself: its hashes and memory layout.
     fn type_cases(&self, file: &Value) -> Vec<Case> {
         let fact = |op: Op, format, value| {
-            let head = json!({ "id": op.name(), "description": "a property of the type" });
+            let head = json!({ "id": op.name(), "description": "the hash or memory layout of the type" });
             self.case(&head, op, Some(format), Input::Nothing, Expected::ok(ExpectedResponse::Exactly(value)))
         };
         let mut cases = Vec::new();
@@ -262,8 +262,8 @@ fn decoded(rule: Option<&str>, wanted: Option<&Value>) -> Expected {
     }
 }
 
-/// True if parsing changed a number in the vector. Integers below the smallest `int64` become floats that equal the
-/// smallest `int64`. Some testees read these floats as integers.
+/// True if parsing changed a number in the vector. Some integers below the smallest `int64` are parsed as floats and
+/// rounded to exactly the smallest `int64`. Some testees read these floats as integers.
 #[allow(clippy::float_cmp, clippy::cast_precision_loss)] // an exact comparison is intended
 fn is_lossy(value: &Value) -> bool {
     match value {

@@ -48,8 +48,9 @@ fn expected(case: &Case, types: &Types) -> Value {
     expected
 }
 
-/// Checks the responses in a file, one per line, with the same line limit as for a process. If the file has a hello,
-/// supported cases without a response count as not run. Otherwise, all cases without a response count as unsupported.
+/// Checks the responses in a file, one per line. The maximum line length is the same as for a process. If the file
+/// contains a hello, supported cases without a response count as not run. Otherwise, all cases without a response count
+/// as unsupported.
 pub(crate) fn replay<'c>(
     cases: &'c [Case],
     selected: &[usize],

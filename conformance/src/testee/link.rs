@@ -83,7 +83,7 @@ impl Link {
         Ok(Self { peer, to: Some(to), from })
     }
 
-    /// Requests a hello, and returns it with its line.
+    /// Requests a hello, and returns it together with the line that contained it.
     pub(super) fn introduction(&mut self, options: &Options) -> Result<(Hello, Vec<u8>), String> {
         self.send(Hello::request());
         let until = Instant::now() + options.start_timeout;
@@ -100,7 +100,8 @@ impl Link {
         Err(wrong + &remaining_stderr(&self.kill()))
     }
 
-    /// Queues a line to be sent. If it can't be sent, the testee has ended, which `receive` reports.
+    /// Queues a line to be sent. A failure to send is ignored here: it means that the testee has ended, which `receive`
+    /// reports.
     pub(super) fn send(&self, line: String) {
         self.send_bytes((line + "\n").into_bytes());
     }

@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, Once, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The maximum number of stored bytes at the end of standard error.
+/// The maximum number of bytes that are kept from the end of standard error.
 const MAX_STDERR: usize = 8 << 10;
 
 /// The time limit for standard error to close after the process has ended.
@@ -97,8 +97,8 @@ impl Process {
         let _ = self.child.wait();
     }
 
-    /// Kills the remaining processes of the group. This happens only once, since another group may get the same number
-    /// later.
+    /// Kills the remaining processes of the group. Does this only once, because the operating system may later assign
+    /// the same id to another group.
     fn kill_group(&self) {
         if groups(|groups| groups.remove(&self.child.id())) {
             kill_group(self.child.id());

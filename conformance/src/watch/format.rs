@@ -67,7 +67,7 @@ pub(super) fn volts(tenths: i64) -> String {
     fixed(tenths, 1, 1)
 }
 
-/// The charge of a battery, with a plus while it is charging.
+/// The charge of a battery, followed by a plus sign while the battery is charging.
 pub(super) fn charge(battery: Option<&Field<Battery>>) -> String {
     let percent = part(battery, |battery| &battery.percent, |percent| format!("{percent}%"));
     let is_charging = battery.and_then(Field::known).map(|battery| &battery.is_charging);

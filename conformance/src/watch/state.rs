@@ -1,4 +1,5 @@
-//! The reported state of a UAV (`UAVStatusInfo`). A value of the wrong type is invalid, but not an error.
+//! The reported state of a UAV (`UAVStatusInfo`). A value of the wrong type is stored as invalid and does not cause an
+//! error.
 
 use super::words::truncated;
 use crate::json::Tree;
@@ -12,13 +13,13 @@ const VALUE_LIMIT: usize = 16;
 /// The maximum number of unknown fields.
 const OTHER_LIMIT: usize = 8;
 
-/// A value that may be missing or of a wrong type.
+/// A value that may be missing or have the wrong type.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Field<T> {
     /// The value is missing, or marked as unknown.
     #[default]
     Absent,
-    /// The value has a wrong type.
+    /// The value has the wrong type.
     Invalid,
     /// The value is valid.
     Known(T),

@@ -5,7 +5,7 @@ use crate::text::shown;
 /// The maximum length of a text, in characters.
 const TEXT_LIMIT: usize = 80;
 
-/// Truncates a text, and escapes it for the terminal, on one line.
+/// Truncates a text, and escapes its special characters, so that the terminal shows it on one line.
 pub(super) fn truncated(text: &str) -> String {
     match text.char_indices().nth(TEXT_LIMIT) {
         None => shown(text),

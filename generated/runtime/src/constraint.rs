@@ -205,8 +205,8 @@ impl Constraint<'_> {
 
 /// The minimum and maximum of a type in JSON, or `None` for `bool`.
 const fn json_bounds(scalar: Scalar) -> Option<(Number, Number)> {
-    /// The shortest decimal that reads back as `f32::MAX`. Most programs write this decimal, which is slightly greater
-    /// than the exact value.
+    /// The shortest decimal that reads back as `f32::MAX`. Most programs write `f32::MAX` as this decimal, which is
+    /// slightly greater than the exact value.
     const MAX_FLOAT32: f64 = 3.402_823_5e38;
     match (scalar, scalar.integer_bounds()) {
         (_, Some((least, most))) => Some((Number::Int(least), Number::Int(most))),
@@ -230,7 +230,7 @@ pub enum Rule {
     Enum,
     /// A value must be within its `@range`, unless it is a special value such as `@invalid`.
     Range,
-    /// A restricted field may be NaN only if its definition says what NaN means.
+    /// A field with restricted values may be NaN only if its definition says what NaN means.
     Nan,
 }
 

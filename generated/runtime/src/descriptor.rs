@@ -65,7 +65,7 @@ pub struct FieldDescriptor {
 pub enum Element {
     /// A number, a `bool`, a `byte` or a `char`.
     Scalar(Scalar),
-    /// Text: PX4's `char[N]`. The size of the text in bytes is the array length in the shape.
+    /// Text: PX4's `char[N]`. The array length in the shape of the field is the size of the text in bytes.
     Text,
     /// A string.
     String {

@@ -563,7 +563,7 @@ macro_rules! __json_integers {
 
 /// Implements reading and writing of a newtype as its inner value: `json_named! { Instant value; }`.
 ///
-/// For a newtype over a string, use `text` instead of `value`, which adds conversions from and to strings.
+/// For a newtype over a string, use `text` instead of `value` to also implement conversions from and to strings.
 #[macro_export]
 macro_rules! json_named {
     ($type:ident value;) => {

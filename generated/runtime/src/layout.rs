@@ -17,7 +17,7 @@
 
 use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 
-/// Alignment of nested messages and of the end of each message, in bytes.
+/// The alignment of nested messages, in bytes. Messages are padded to a multiple of this size.
 pub const ALIGNMENT: usize = 8;
 
 /// The layout properties of a field.

@@ -71,7 +71,7 @@ impl Definition {
 /// # Ok::<(), uavspec_runtime::EncodeError>(())
 /// ```
 pub trait Message: Record + Clone + Default + PartialEq {
-    /// All constants of the message in one value.
+    /// A struct with all constants of the message.
     const DEFINITION: Definition;
     /// The name of the package.
     const PACKAGE: &'static str = Self::DEFINITION.package;

@@ -133,8 +133,8 @@ fn number(scalar: Scalar, constraint: &Constraint<'_>) -> Schema {
     schema
 }
 
-/// True if the special values differ from the ordinary values and from each other, even for parsers that read all
-/// numbers as 64-bit floats and therefore round large integers.
+/// True if the special values differ from the ordinary values and from each other. This must also hold for parsers that
+/// read all numbers as 64-bit floats, which rounds large integers.
 fn are_disjoint(used: &Constraint<'static>, outside: &[Number], scalar: Scalar) -> bool {
     let exact = outside.iter().map(|value| bounds_of(*value, scalar));
     let all: Vec<Constraint<'_>> = core::iter::once(*used).chain(exact).collect();

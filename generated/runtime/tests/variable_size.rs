@@ -1,5 +1,6 @@
 //! Codecs for variable-size messages: strings, sequences, bounds, and messages without fields. The definitions in this
-//! repository have no such messages, so the messages here are written like generated code.
+//! repository have no such messages. The message types in this file are hand-written and mirror what the generator
+//! emits.
 
 use proptest::collection::vec;
 use proptest::prelude::*;

@@ -18,7 +18,7 @@ const LONGEST_LINE: u64 = 1 << 16;
 /// The maximum number of buffered lines.
 const WAITING_LINES: usize = 1024;
 
-/// The interval between checks of whether a process with closed output has exited.
+/// The interval at which a process that has closed its output is checked, to find out whether it has exited.
 const PAUSE: Duration = Duration::from_millis(10);
 
 /// The output of an adapter.

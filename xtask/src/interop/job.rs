@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 pub(super) enum Form {
     /// By its own URL. The schema refers to other files.
     Files,
-    /// By its location in the package's bundle, which doesn't refer to other files.
+    /// By its location in the package's bundle. The bundle doesn't refer to other files.
     Bundle,
 }
 

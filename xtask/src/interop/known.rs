@@ -126,12 +126,12 @@ impl Known {
                 .map(|(tool, _)| tool.as_str())
                 .collect();
             classification.stale.extend(
-                unused.iter().map(|tool| format!("`{}` explains no disagreement of {tool}", entry.id)),
+                unused.iter().map(|tool| format!("`{}` matches no disagreement of {tool}", entry.id)),
             );
             let unused = entry.places.iter().enumerate();
             let unused = unused.filter(|(index, _)| !used_patterns.contains(&(entry.id.as_str(), *index)));
             classification.stale.extend(
-                unused.map(|(_, place)| format!("`{}`: `{place}` explains no disagreement", entry.id)),
+                unused.map(|(_, place)| format!("`{}`: `{place}` matches no disagreement", entry.id)),
             );
         }
         classification

@@ -41,7 +41,7 @@ impl Record {
 
     /// The text of the file.
     pub(super) fn text(&self) -> String {
-        let text = serde_json::to_string_pretty(self).expect("maps with string keys, and numbers");
+        let text = serde_json::to_string_pretty(self).expect("records contain only string keys and numbers");
         format!("{text}\n")
     }
 

@@ -19,7 +19,7 @@ pub(super) struct Tally {
     pub(super) disagreements: Vec<Disagreement>,
 }
 
-/// The results for the cases of a package in one form.
+/// A tool's results for the cases of one package, whose schemas are referred to in one form.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
 pub(super) struct Count {
     /// The number of schemas that the tool could use. For generators, the generated code must compile.

@@ -201,10 +201,10 @@ fn an_unused_explanation_is_an_error() {
     let unused = entry("speed", r#"["fake"]"#, "refuses", r#"["demo/*#speed-*"]"#);
     assert_eq!(
         classify(&unused).stale,
-        ["`speed` explains no disagreement of fake", "`speed`: `demo/*#speed-*` explains no disagreement"]
+        ["`speed` matches no disagreement of fake", "`speed`: `demo/*#speed-*` matches no disagreement"]
     );
     let wide = entry("speed", r#"["fake"]"#, "takes", r#"["demo/*#speed-*", "demo/*#height-*"]"#);
-    assert_eq!(classify(&wide).stale, ["`speed`: `demo/*#height-*` explains no disagreement"]);
+    assert_eq!(classify(&wide).stale, ["`speed`: `demo/*#height-*` matches no disagreement"]);
     // The first entry hides the second one.
     let second = entry("again", r#"["fake"]"#, "takes", r#"["demo/Wind#*"]"#);
     assert_eq!(classify(&[wide.replace(", \"demo/*#height-*\"", ""), second].concat()).stale.len(), 2);

@@ -25,7 +25,7 @@ pub(super) struct File {
 }
 
 impl File {
-    /// Creates a file with LF line endings, independent of the checkout.
+    /// Creates a file with LF line endings, even if the checkout has others.
     pub(super) fn new(path: impl Into<String>, text: &str) -> Self {
         Self { path: path.into(), text: text.replace("\r\n", "\n") }
     }

@@ -34,7 +34,7 @@ fn bytes(hex: &str) -> Vec<u8> {
     (0..hex.len()).step_by(2).map(digits).collect()
 }
 
-/// Checks that JSON and CDR, in both byte orders, convert to each other. Returns the written JSON.
+/// Checks that JSON can be converted to CDR and back, in both byte orders. Returns the written JSON.
 fn convert<T: Message + Serialize + DeserializeOwned>(text: &str, bytes: [&[u8]; 2]) -> String {
     let value: T = serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"));
     let text = serde_json::to_string(&value).expect("JSON");

@@ -193,8 +193,8 @@ mod tests {
     use crate::schema::Form;
     use crate::{PackageInput, SourceMap};
 
-    /// Each nested sequence has a length that would take up about the whole rest of the payload. The payload ends after
-    /// these lengths.
+    /// Each nested sequence claims a length that would take up nearly all of the remaining payload. The payload ends
+    /// after these lengths.
     #[test]
     fn bounds_the_allocation_for_nested_sequences_with_false_lengths() {
         let mut sources = SourceMap::default();

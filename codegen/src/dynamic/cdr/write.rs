@@ -37,7 +37,7 @@ fn write<const BIG: bool>(view: DynamicView<'_>, order: ByteOrder) -> Option<Vec
 struct Writer<'b, const BIG: bool> {
     types: &'b Types,
     bytes: &'b [u8],
-    /// The payload, preceded by its four-byte header, which doesn't count for alignment.
+    /// The payload, preceded by its four-byte header, which is not counted when values are aligned.
     out: Vec<u8>,
 }
 

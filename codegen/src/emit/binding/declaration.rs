@@ -108,7 +108,7 @@ pub(in crate::emit) struct KnownCode {
     pub(in crate::emit) see_also: Vec<u32>,
 }
 
-/// Name of the error-code type, in a package with error codes.
+/// Name of the error-code type, which is declared for packages with error codes.
 pub(in crate::emit) const ERROR_CODE: &str = "ErrorCode";
 
 /// Name of the type that describes an error code.

@@ -72,7 +72,7 @@ fn directions(schema: &Schema, names: &mut Names, index: usize, package: &Packag
         let union = Type::Either(bodies.iter().map(|(_, ty)| ty.clone()).collect());
         declarations.push(Declaration {
             name: names.extra(index, &format!("{}s", direction.title())),
-            text: format!("Bodies of {plural}, by message type."),
+            text: format!("Body types of {plural}, by message type."),
             kind: Kind::Messages(bodies),
         });
         declarations.push(Declaration {
@@ -101,7 +101,7 @@ fn all_messages(schema: &Schema, names: &mut Names, index: usize, package: &Pack
     vec![
         Declaration {
             name: names.extra(index, "Messages"),
-            text: "All messages, by name.".to_owned(),
+            text: "All message types, by name.".to_owned(),
             kind: Kind::Messages(entries),
         },
         Declaration {

@@ -107,7 +107,7 @@ pub(super) struct Names {
     pub(super) json_types: Vec<String>,
     /// By message and direction.
     pub(super) parts: BTreeMap<(JsonMessageId, Direction), String>,
-    /// Scopes by package, for names that are not in the definitions, such as the names of message unions.
+    /// For each package, the names in use, so that added names, such as those of message unions, are unique.
     scopes: Vec<Scope>,
 }
 

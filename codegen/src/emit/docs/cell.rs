@@ -18,7 +18,7 @@ pub(super) fn unit(symbol: Option<&str>) -> String {
     inline(symbol.filter(|symbol| *symbol != unit::NONE).unwrap_or_default())
 }
 
-/// Formats a range. Returns `None` if it has no finite bound.
+/// Formats a range. Returns `None` if neither bound is finite.
 pub(super) fn range(words: Words, range: &Range) -> Option<String> {
     let finite = |bound: &Option<Value>| {
         bound
@@ -90,7 +90,7 @@ pub(super) fn constant_type(scope: Scope<'_, '_>, message: &Message, element: El
     code(&scope.site.schema.type_text(message, Type { element, shape: Shape::Single }))
 }
 
-/// A link to a field of the same or another message.
+/// A link to a field of the same message or another one.
 pub(super) fn field_link(scope: Scope<'_, '_>, own: MessageId, (id, index): FieldRef) -> String {
     let schema = scope.site.schema;
     let message = schema.message(id);

@@ -36,7 +36,7 @@ pub(super) struct ParameterEnum {
 /// The constants of a message, grouped by the section that shows them.
 #[derive(Debug, Default)]
 pub(super) struct Constants<'s> {
-    /// Constants with parameters, and constants whose names start with the common prefix of all commands.
+    /// Command constants: those with parameters, and those whose names start with the common prefix of all commands.
     pub(super) commands: Vec<usize>,
     /// Values of command parameters, by prefix.
     pub(super) parameter_enums: BTreeMap<&'s str, ParameterEnum>,

@@ -103,7 +103,8 @@ impl<'p, 's> Scope<'p, 's> {
     }
 }
 
-/// True if a name can't be an ordinary word. False for names such as `Event`, which may start a sentence.
+/// True if a name can't be an ordinary word. False for names such as `Event`, because a sentence may start with such a
+/// word.
 pub(super) fn is_compound(name: &str) -> bool {
     let capitals = name.chars().filter(char::is_ascii_uppercase).count();
     capitals > 1 && capitals < name.len()

@@ -195,7 +195,8 @@ pub(super) struct Words {
 pub(super) const ENGLISH: Words = Words { translations: None };
 
 impl Words {
-    /// The fixed strings for a language tag, or for the longest known prefix of the tag, or otherwise in English.
+    /// The fixed strings for a language tag or for its longest known prefix, or the English strings if neither is
+    /// known.
     pub(super) fn of(tag: &str) -> Self {
         let known = known();
         Self { translations: shorter(tag).find_map(|tag| known.get(tag)) }

@@ -43,7 +43,8 @@ pub(super) fn prefixes(prefixes: &[String]) -> Option<String> {
     (!prefixes.is_empty()).then(|| prefixes.join(" "))
 }
 
-/// The values of a constraint. `instance` converts a single value; its argument is `None` for the empty value.
+/// The values of a constraint. `instance` converts a single value; its argument is `None` if the constraint states the
+/// empty value.
 pub(super) fn stated<'s>(
     stated: &'s Stated,
     instance: impl Fn(Option<&'s Value>) -> Option<Node<'s>>,

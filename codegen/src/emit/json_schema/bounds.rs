@@ -39,7 +39,7 @@ pub(super) fn stored(value: &Value, scalar: Scalar) -> Value {
     }
 }
 
-/// The keywords that allow only `value` of type `scalar`.
+/// The schema keywords that allow only the number `value`, in a field of type `scalar`.
 pub(super) fn only<'s>(value: Number, scalar: Scalar) -> Vec<Member<'s>> {
     let bounds = exactly(value, scalar);
     if bounds.low == bounds.high {

@@ -233,7 +233,7 @@ impl Parts<'_> {
         quote!(&number() #(#demands)* #special #count #known #nan)
     }
 
-    /// The defmt format string. It is one literal, so only the host stores this text.
+    /// The defmt format string. Because the string is a single literal, it is stored only on the host.
     fn format(&self) -> TokenStream {
         let Self { context, id, message, name, fields } = self;
         let dialect = types::dialect(context, *id);
@@ -374,8 +374,8 @@ fn wrapped(words: &[String]) -> proc_macro2::Literal {
     literal.parse().unwrap_or_else(|_| plain())
 }
 
-/// The defmt placeholder of a field. If defmt supports the field's type, the placeholder names this type, so the device
-/// doesn't send the type.
+/// The defmt placeholder of a field. If defmt supports the field's type, the placeholder names it, so the device
+/// doesn't need to send it.
 fn placeholder(field: &Field, dialect: Dialect) -> String {
     let primitive = match field.ty.element {
         Element::Scalar(scalar) if field.enumeration.is_none() => types::primitive(scalar).to_string(),

@@ -6,7 +6,7 @@ use super::types::{any_other, is_exact, key, ty, type_of_value, value};
 use crate::emit::binding::{Declaration, Kind, Named, Property, Type};
 use crate::value::Value;
 
-/// Formats a declaration, or returns an empty string if files in this language don't contain it.
+/// Formats a declaration, or returns an empty string if files in `language` omit it.
 pub(super) fn declaration(declaration: &Declaration, language: Language) -> String {
     let Declaration { name, text, kind } = declaration;
     let documentation = comment::block(text, "");
@@ -82,7 +82,7 @@ fn messages(name: &str, entries: &[(String, Type)]) -> String {
     format!("export interface {name} {{\n{entries}}}\n")
 }
 
-/// The union of the members that a `number` represents exactly.
+/// The union of those members that a `number` can represent exactly.
 fn literals(name: &str, members: &[Named]) -> String {
     if members.iter().all(has_literal) {
         return format!("(typeof {name})[keyof typeof {name}] | ");

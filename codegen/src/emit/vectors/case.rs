@@ -148,9 +148,9 @@ pub(super) struct Case {
     pub(super) description: String,
     /// The violated rule, or `None` for a valid case.
     pub(super) rule: Option<&'static str>,
-    /// The message as JSON, if it encodes to the bytes and the bytes decode to it.
+    /// The message as JSON. Absent if it doesn't encode to the bytes, or if the bytes don't decode to it.
     pub(super) json: Option<String>,
-    /// The decoded value as JSON, if re-encoding it produces different bytes.
+    /// The decoded value as JSON. Present only if re-encoding it produces different bytes.
     pub(super) decoded: Option<String>,
     pub(super) uorb: Option<Vec<u8>>,
     pub(super) cdr: Option<Vec<u8>>,

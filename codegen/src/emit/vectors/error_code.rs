@@ -1,4 +1,4 @@
-//! Cases of error codes and lists of error codes.
+//! Test cases for error codes and for lists of error codes.
 //!
 //! Every 32-bit integer is a valid code, because later versions of a specification may define it. A valid case may
 //! therefore contain an unlisted code. The class and severity of an unlisted code are also defined.
@@ -23,7 +23,7 @@ mod rule {
     pub(super) const LIST: &str = "FW-UST-ERRORS";
 }
 
-/// Cases of single codes: all listed codes, and the bounds of each class.
+/// Test cases for single codes: all listed codes, and the first and last code of each class.
 pub(super) fn codes(package: &Package) -> Vec<Case> {
     let mut known: BTreeMap<u32, String> = BTreeMap::new();
     for class in ErrorClass::ALL {

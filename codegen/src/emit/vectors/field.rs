@@ -153,7 +153,7 @@ impl<'s> FieldSamples<'s> {
         samples
     }
 
-    /// Samples that contain another type of value in place of an array.
+    /// Samples that contain a value of another type instead of an array.
     fn no_list(self, element: String) -> impl Iterator<Item = Sample> {
         let is_bytes = matches!(self.field.ty.element, Element::Scalar(scalar) if scalar.size() == 1);
         let base64 = Sample::mistyped("base64", "bytes in base64", "\"AAAA\"");

@@ -26,8 +26,9 @@ pub(super) fn file(options: &Options) -> OutputFile {
             "rule": text("Id of the violated rule."),
             "class": text("Class of an error code."),
             "severity": text("Severity of an error code."),
-            "json": {"description": "The value as JSON. If the case has bytes, the value encodes to them, and the bytes decode to the value."},
-            "decoded": {"description": "The decoded value as JSON, if re-encoding it produces different bytes."},
+            "json": {"description": "The value as JSON. If the case has bytes, encoding the value produces them, and decoding them produces the value."},
+            "decoded": {"description": "The decoded value as JSON. Present only if re-encoding \
+                it produces different bytes."},
             "uorb": hex("The uORB payload in hexadecimal."),
             "cdr": hex("The CDR payload with its header in hexadecimal. The payload is little-endian unless \
                 the header declares otherwise."),

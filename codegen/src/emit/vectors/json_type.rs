@@ -60,7 +60,7 @@ pub(super) fn of_type(schema: &Schema, id: JsonTypeId) -> Vec<Case> {
     writer.finish(|judge, value| judge.type_violations(id, value))
 }
 
-/// Cases of a message body in one direction.
+/// Test cases for a message body that is sent in one direction.
 pub(super) fn of_object(schema: &Schema, object: &Object) -> Vec<Case> {
     let mut writer = Writer::new(schema);
     writer.object(object);

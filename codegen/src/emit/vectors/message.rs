@@ -196,7 +196,7 @@ fn payload(id: &str, words: &str, rule: Option<&'static str>, typical: &str) -> 
     Case { id: id.to_owned(), description: words.to_owned(), rule, decoded, ..Case::default() }
 }
 
-/// True if the message has a uORB payload. A message in another dialect than PX4's has no uORB payload, even if its
+/// True if the message has a uORB payload. A message in a dialect other than PX4's has no uORB payload, even if its
 /// size is fixed.
 pub(super) fn is_uorb(package: &Package, message: &Message) -> bool {
     package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message

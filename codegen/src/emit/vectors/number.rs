@@ -213,7 +213,7 @@ impl<'s> NumberSamples<'s> {
         Verdict::of(&self.restriction.constraint(), number)
     }
 
-    /// True if the type contains this value and JSON can represent it.
+    /// True if this value is in the range of the type and can be represented in JSON.
     fn is_representable(&self, number: Number) -> bool {
         match (number, self.scalar.integer_bounds()) {
             (Number::Int(value), Some((least, greatest))) => (least..=greatest).contains(&value),

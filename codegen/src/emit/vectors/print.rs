@@ -18,7 +18,7 @@ pub(super) struct Head {
     pub(super) schema: String,
 }
 
-/// Prints cases in the format of this crate.
+/// Prints cases in this crate's own format.
 pub(super) fn vectors(head: &Head, cases: &[Case]) -> String {
     let mut text = String::with_capacity(cases.len() * 1_024);
     let _ = write!(

@@ -81,7 +81,7 @@ impl<'s> MessageSamples<'s> {
         self.json(None, |_| None)
     }
 
-    /// The message with another value in one field.
+    /// The message with the value of one field replaced.
     pub(super) fn with(&self, field: usize, json: &str) -> String {
         self.json(None, |index| (index == field).then_some(json))
     }

@@ -3,7 +3,8 @@
 //! Each warning or error is a failed case with the class `command.rule`, and each note is a passed case. Jenkins groups
 //! cases by class, and GitLab displays the class as the suite. The name of a case consists of the file and the message.
 //! Both tools identify a case by class and name. The name omits the line number, so a finding that moves to another
-//! line is not shown as new. A rule without findings is also a passed case, so there is always at least one case.
+//! line is not shown as new. A rule without findings also counts as a passed case, so there is always at least one
+//! case.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -40,7 +41,8 @@ fn found(report: &Report) -> Vec<Case> {
     cases
 }
 
-/// One case for each rule without findings, or one case for the command if there are no others.
+/// One passed case for each rule without findings. If the report has no rules and no findings, the only case is for the
+/// command itself.
 fn passed(report: &Report) -> Vec<Case> {
     let found: BTreeSet<&str> = report.entries.iter().map(|entry| &*entry.rule).collect();
     if report.rules.is_empty() && found.is_empty() {

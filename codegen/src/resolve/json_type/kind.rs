@@ -16,7 +16,7 @@ pub(super) struct Kinds {
 /// The types of a package, by name.
 pub(super) type ByName<'t, 'p> = HashMap<&'p str, &'t TypeDefinition<'p>>;
 
-/// The kinds of the values of an expression. With `is_within`, includes the elements of lists and maps.
+/// The kinds of the values of an expression. If `is_within` is true, also includes the elements of lists and maps.
 pub(super) fn kinds(expression: &Expression, by_name: &ByName<'_, '_>, is_within: bool) -> Kinds {
     let mut kinds = Kinds::default();
     let mut seen = HashSet::new();

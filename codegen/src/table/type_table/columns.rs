@@ -8,7 +8,7 @@ const OBJECT: [&str; 4] = ["Field", "Required", "Type", "Description"];
 /// The columns of a tuple.
 const TUPLE: [&str; 5] = ["Index", "Element", "Required", "Type", "Description"];
 
-/// The only columns of a set. Many tables in prose contain these and other columns.
+/// The columns of a set. No other columns are allowed, because many tables in prose contain these two and others.
 const SET: [&str; 2] = ["Value", "Description"];
 
 /// The positions of the columns of a type table. The columns of objects and tuples may be in any order, with other
@@ -48,7 +48,8 @@ pub(super) fn header_of(table: &Table) -> Option<Header> {
     near(table).map(Header::Near)
 }
 
-/// The intended columns, if at most one column of an object or a tuple is missing. Misspelled columns count as present.
+/// The columns that were probably intended, if at most one column of an object or tuple table is missing. Misspelled
+/// columns count as present.
 fn near(table: &Table) -> Option<&'static [&'static str]> {
     let is_near = |column: &str, name: &str| {
         // Longer texts are not misspelled names, and comparing them takes time proportional to both lengths.

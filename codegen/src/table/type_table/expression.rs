@@ -17,7 +17,8 @@ use crate::table::text::Text;
 /// The maximum nesting depth.
 const MAX_DEPTH: usize = 16;
 
-/// The maximum number of alternatives of a type, because each alternative is compared with the others.
+/// The maximum number of alternatives in a type. A limit is needed because each alternative is compared with all
+/// others.
 const MAX_ALTERNATIVES: usize = 32;
 
 /// A parsed type expression.

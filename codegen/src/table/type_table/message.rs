@@ -107,8 +107,8 @@ impl Headings {
 }
 
 /// The headings of all messages of a page. A heading defines a message only if one of its subheadings has a table of
-/// fields, or a paragraph saying that there are no fields. This condition is needed because other pages use the same
-/// subheadings for other purposes.
+/// fields, or a paragraph saying that there are no fields. The subheadings alone don't suffice, because other pages use
+/// the same subheadings for other purposes.
 pub(super) fn headings(page: &Page) -> Vec<Headings> {
     let mut messages: Vec<Headings> = Vec::new();
     // The enclosing headings, from the outermost.

@@ -41,7 +41,7 @@ struct Parser {
     diagnostics: Vec<Diagnostic>,
     entry: Entry,
     place: Places,
-    /// The current part. A line that contains only a string continues this part.
+    /// The current part, which continues on lines that contain only a string.
     part: Option<Part>,
     /// True if the entry has its `msgid`.
     has_id: bool,

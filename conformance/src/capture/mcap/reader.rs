@@ -248,7 +248,7 @@ impl<R: Read> Reader<R> {
         Ok(is_wanted.then_some(Found { offset, opcode, length, is_packed: false }))
     }
 
-    /// Verifies the checksum of everything before the end of the data. A stored value of 0 means that there is no
+    /// Verifies the checksum of all bytes before the Data End record. A stored value of 0 means that there is no
     /// checksum.
     fn check_data(&mut self, offset: u64) {
         let stated = self.file.ahead()[HEAD..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));

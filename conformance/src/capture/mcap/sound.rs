@@ -16,7 +16,7 @@ const CHUNK_FIXED: (usize, usize) = (28, 8);
 /// The maximum plausible length of a compression name, in bytes.
 const MAX_PACKING: usize = 64;
 
-/// The maximum number of bytes after the records of a chunk. Later versions of the format may add such bytes.
+/// The maximum number of bytes after the records of a chunk, for parts that later versions of the format may add.
 const MAX_ADDED: u64 = 4_096;
 
 /// The size in bytes of the fixed part of a message, which precedes the payload.

@@ -11,9 +11,9 @@ pub(super) const SYNC: [u8; 8] = [0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12
 
 /// The known kinds, each with the minimum and the largest usual size of its payload.
 ///
-/// Minimum: a format consists of at least a one-character name and a colon. An entry consists of at least a key length
-/// and the key `t k`. Other messages consist of a fixed part and a text, which may be empty. Shorter messages are
-/// invalid.
+/// Minimum: a format consists of at least a one-character name and a colon. An information or parameter message
+/// consists of at least a key length and the key `t k`. Other messages consist of a fixed part and a text, which may be
+/// empty. Shorter messages are invalid.
 ///
 /// Usual: sizes that PX4 writes, with a margin. Larger messages are accepted after closer inspection. Flag bits are
 /// expected only at the start of a log, where sizes aren't compared with the usual size.

@@ -71,7 +71,7 @@ pub struct Subscription {
 /// The type of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Binding {
-    /// No type was found when the log had these numbers of formats and types.
+    /// No type was found at the time when the log had `formats` formats and `known` types.
     None {
         formats: usize,
         known: usize,

@@ -43,7 +43,7 @@ pub enum LogProblem {
         /// The id.
         id: u16,
     },
-    /// An id is subscribed again to another topic, which is used from here on.
+    /// An id is subscribed to a different topic than before. From here on, the id refers to the new topic.
     Redefined {
         /// The id.
         id: u16,

@@ -38,7 +38,8 @@ pub enum Event<'b> {
         key: &'b str,
         /// The type of the value, e.g. `char[8]`.
         ty: &'b str,
-        /// The value, in little-endian order. The size of the value matches the type, unless a problem follows.
+        /// The value, in little-endian order. The size of the value matches the type, unless a problem is returned with
+        /// the message.
         value: &'b [u8],
     },
     /// `M`: one of several values of a key, or a part of a value.

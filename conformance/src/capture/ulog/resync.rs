@@ -19,14 +19,14 @@ const RUN_AFTER_MESSAGE: usize = 1;
 /// start position in five looks possible by chance.
 const LONG_RUN: usize = 16;
 
-/// The maximum size, in bytes, of a run's first message if it is only [possible](Plausibility::Possible). In noise, one
-/// start position in 256 looks like data of up to 64 KiB. Some of these apparent messages end where a real message
-/// starts. Without this limit, such apparent messages would form a run and hide the messages in between. PX4 data
-/// messages are smaller than this limit.
+/// The maximum size, in bytes, of a run's first message if it is only [possible](Plausibility::Possible). In random
+/// bytes, one position in 256 looks like the start of a data message of up to 64 KiB. Some of these apparent messages
+/// end where a real message starts. Without this limit, such apparent messages would form a run and hide the messages
+/// in between. PX4 data messages are smaller than this limit.
 const LARGEST_POSSIBLE_START: usize = 1_024;
 
-/// The maximum number of characters to check in a string. Names are shorter, and the running time must not depend on
-/// sizes that may be wrong.
+/// The maximum number of characters to check in a string. Real names are shorter. Without this limit, the running time
+/// would depend on sizes that may be wrong.
 const TEXT: usize = 64;
 
 /// The number of bytes to examine, sufficient for a message and the run after it if all messages have the maximum size.
@@ -99,7 +99,8 @@ impl Ids {
         payload.first_chunk().map_or(UNSUBSCRIBED, |id| self.sizes[usize::from(u16::from_le_bytes(*id))])
     }
 
-    /// True if a message with this id is possible: the id has no known size, and either this id or no id is subscribed.
+    /// True if a message with this id is possible: the id is subscribed but its size is unknown, or no ids are
+    /// subscribed.
     fn allow(&self, payload: &[u8]) -> bool {
         self.is_empty || self.size(payload) == UNSEEN
     }
@@ -133,9 +134,9 @@ enum Walk {
 /// The plausibility of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Plausibility {
-    /// The kind is known and the content is valid. By chance, fewer than one in 100,000 start positions are sound.
+    /// The kind is known and the content is valid. In random bytes, fewer than one start position in 100,000 is sound.
     Sound,
-    /// Data with an unknown id or a new size. Also a message of a kind that a future version may define.
+    /// Data with an unknown id or a new size, or a message of a kind that a future version may define.
     Possible,
     Wrong,
 }
@@ -214,7 +215,7 @@ impl Look<'_> {
         is_run.then_some(Resync::Messages)
     }
 
-    /// True if messages follow at this position, where another message ends.
+    /// True if a run of messages starts at this position, which is the end of another message.
     fn follows(&self, at: usize) -> bool {
         match self.walk(at, RUN_AFTER_MESSAGE) {
             Walk::Enough | Walk::End { .. } => true,

@@ -4,11 +4,11 @@
 //! these comparisons, only a few properties determine the findings in a report. These properties are the report's
 //! version and, for each state, the present fields, the null fields, and the text of the error codes ([`Kind`]).
 //!
-//! The first state of each kind is passed to all message checks ([`Check::Message`](crate::rules::flockwave::Check)),
-//! in a report that contains no other state. The signature of these checks guarantees that nothing else affects them,
-//! so the results apply to all states of that kind. A line takes the general path as long as its findings need examples
-//! or would name a new UAV. Later lines are only counted. The other checks still receive each report as a
-//! [`StatusReport`](crate::rules::flockwave::StatusReport).
+//! When a state of a new kind appears, all message checks ([`Check::Message`](crate::rules::flockwave::Check)) run on a
+//! report that contains only this state. The signature of these checks guarantees that nothing else affects them, so
+//! the results apply to all states of that kind. A line takes the general path if its findings are still needed as
+//! examples, or if they name a UAV for the first time. Later lines are only counted. The other checks still receive
+//! each report as a [`StatusReport`](crate::rules::flockwave::StatusReport).
 //!
 //! Lines in an unusual form, and other messages, take the general path.
 
@@ -31,7 +31,7 @@ const TYPE: &str = "UAV-INF";
 /// values in a tree.
 const MAX_LINE: usize = 1 << 20;
 
-/// The maximum length of a message id, in bytes. A longer id may still be within the character limit, but this is rare.
+/// The maximum length of a message id, in bytes. Lines with longer ids are rare, and take the general path.
 const MAX_ID: usize = 36;
 
 /// The maximum number of findings in a report on this path. The general path limits the number of findings in each
@@ -71,8 +71,8 @@ struct Fields<'d> {
     id: usize,
     timestamp: usize,
     errors: usize,
-    /// For each field, the field that most recently followed it. The last item is the field that most recently started
-    /// a state.
+    /// For each field, the field that most recently followed it. The last item is the field that most recently came
+    /// first in a state.
     next: Vec<usize>,
 }
 

@@ -32,8 +32,8 @@ pub struct FlockwaveSummary {
     #[serde(rename = "unsupported", serialize_with = "rows_of_server")]
     #[cfg_attr(test, schemars(with = "Vec<Row>"))]
     pub unknown: Types,
-    /// The number of messages from the server whose unknown type isn't listed by name, because the name is too long or
-    /// there are too many types.
+    /// The number of server messages of unknown types that are counted but not listed by name. These types have too
+    /// long a name, or exceed the maximum number of types.
     pub uncounted: u64,
 }
 

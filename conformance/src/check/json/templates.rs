@@ -9,8 +9,8 @@ const MAX_TEMPLATES: usize = 64;
 /// The maximum length of a template's text, in bytes.
 const MAX_TEXT: usize = 64 * 1024;
 
-/// The number of consecutive misses after which no more templates are created. So many misses suggest that the form of
-/// the messages varies, for example because the producer numbers the messages.
+/// The number of consecutive misses after which no more templates are created. This many misses suggest that the form
+/// of the messages varies, for example because the producer numbers the messages.
 const MAX_MISSES: usize = 256;
 
 /// The templates of a capture.

@@ -41,8 +41,8 @@ pub(crate) enum Name<'r> {
 /// The result of a case or rule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// Passed. A rule counts as passed in a file if it checked anything there. The rule's violations in that file are
-    /// separate results.
+    /// Passed. A rule gets this result for each file in which it checked anything. The rule's violations in that file
+    /// are separate results.
     Passed,
     /// Failed, with these messages.
     Failed(Vec<String>),

@@ -50,11 +50,11 @@ pub enum Basis {
     NoSchema,
     /// The encoding of the schema isn't supported, e.g. `ros2idl`.
     Encoding(String),
-    /// The schema is invalid, for this reason.
+    /// The schema is invalid; contains the reason.
     Unreadable(String),
     /// The schema is too long.
     TooLong,
-    /// Messages of the defined type aren't supported, for this reason. The channel wasn't checked.
+    /// Messages of the defined type aren't supported; contains the reason. The channel wasn't checked.
     Unusable(String),
     /// There are too many channels. This channel wasn't checked.
     TooMany,

@@ -11,7 +11,7 @@ use crate::definitions::Definitions;
 use crate::px4::comparison::{Comparison, compare_declared};
 
 /// The maximum total size of stored schemas, in bytes. Five hundred ROS 2 types with their nested types take up half of
-/// this size.
+/// this space.
 const MAX_SCHEMAS: usize = 8 << 20;
 
 /// The maximum size of a stored schema, in bytes.

@@ -25,7 +25,7 @@ pub struct McapSummary {
     pub dialects: Dialects,
 }
 
-/// An MCAP channel, with the comparison of its schema.
+/// An MCAP channel, with the result of comparing its schema with the definition.
 #[derive(Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "McapChannel"))]
 struct Row<'c> {

@@ -13,8 +13,8 @@ use crate::json::{Tree, base64, pointer};
 /// The maximum number of deviations in a body. Hostile input may contain any number.
 const MAX_DEVIATIONS: usize = 10_000;
 
-/// The maximum number of values to visit in a body. A body has at most a million values, but alternatives multiply
-/// the visits at each level of nesting.
+/// The maximum number of values to visit in a body. A body has at most a million values, but nested alternatives can
+/// cause each value to be visited many times.
 const MAX_VISITS: usize = 1 << 21;
 
 /// The cost of reporting a deviation, in visits per path step.

@@ -11,7 +11,7 @@ use hashbrown::{DefaultHashBuilder, HashTable};
 
 use super::remembered::OVERHEAD;
 
-/// The maximum number of gaps from removed entries, in addition to one gap per remaining entry.
+/// The maximum number by which gaps left by removed entries may outnumber the remaining entries.
 const MAX_GAPS: usize = 64;
 
 /// Values by connection serial and id. The oldest values are removed when the size limit is reached.

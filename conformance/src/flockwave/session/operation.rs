@@ -34,7 +34,7 @@ pub(crate) struct Named {
     pub receipt: String,
     /// The previous state of the operation, if it was known.
     pub before: Option<Operation>,
-    /// True if the session would remember any earlier operation with this receipt.
+    /// False if the session may have missed or forgotten an earlier operation with this receipt.
     pub is_known: bool,
 }
 

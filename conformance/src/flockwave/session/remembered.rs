@@ -74,8 +74,8 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
         Some(entry.value)
     }
 
-    /// Removes the values of consecutive keys, from `first` up to but excluding the first unwanted key. Returns the
-    /// values in order of insertion.
+    /// Removes the values of consecutive keys, from `first` up to but excluding the first key that `is_wanted` rejects.
+    /// Returns the values in order of insertion.
     pub(crate) fn take(&mut self, first: &K, mut is_wanted: impl FnMut(&K) -> bool) -> Vec<V> {
         let mut wanted: Vec<(u64, K)> = self
             .values

@@ -44,8 +44,9 @@ const RECEIPTS: Parts = Parts { request_field: "ids", reply_fields: &["success",
 
 const SUBSCRIPTIONS: Parts = Parts { request_field: "paths", reply_fields: &["success", "error"] };
 
-/// The other types whose response reports on each object. Each object must appear in exactly one part. The
-/// specification states this only in its text, so the tables in the definitions don't contain this requirement.
+/// The types whose response reports on each object, except those in [`OPERATIONS`]. Each object must appear in exactly
+/// one part. The specification states this only in its text, so the tables in the definitions don't contain this
+/// requirement.
 pub(crate) const PARTS: [(&str, Parts); 14] = [
     ("ASYNC-CANCEL", RECEIPTS),
     ("ASYNC-RESUME", RECEIPTS),
@@ -63,7 +64,7 @@ pub(crate) const PARTS: [(&str, Parts); 14] = [
     ("WTH-INF", STATUS),
 ];
 
-/// The fields that report on each object in responses of this type, if there are such responses.
+/// The fields that report on each requested object in responses of this type. `None` if there are no such fields.
 pub(crate) fn parts(type_name: &str) -> Option<Parts> {
     if OPERATIONS.contains(&type_name) {
         return Some(OPERATION);

@@ -9,9 +9,9 @@ const SEPARATOR: char = '\u{1e}';
 /// The supported revisions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Revision {
-    /// Engine.IO 3 below Socket.IO 4, for clients up to version 2 of the JavaScript library.
+    /// Engine.IO 3, which carries Socket.IO 4: for clients up to version 2 of the JavaScript library.
     Three,
-    /// Engine.IO 4 below Socket.IO 5, for clients from version 3 on.
+    /// Engine.IO 4, which carries Socket.IO 5: for clients from version 3 on.
     Four,
 }
 
@@ -74,7 +74,7 @@ impl Packet {
         Self { kind, data: data.into() }
     }
 
-    /// Parses a packet. Returns `None` if it is invalid or binary.
+    /// Parses a packet. Returns `None` if the packet is invalid or binary.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let kind = match text.as_bytes().first()? {
             b'0' => Kind::Open,
@@ -181,8 +181,8 @@ fn text_lengths(mut text: &str, length_of: fn(char) -> usize) -> Result<Vec<Stri
     Ok(packets)
 }
 
-/// Splits text packets in binary form. Each packet is preceded by a byte 0, the length in bytes as decimal digits (one
-/// byte per digit), and a byte 255.
+/// Splits text packets in binary form. Each packet is preceded by a 0 byte, the decimal digits of its length (one byte
+/// per digit), and a 255 byte.
 fn binary_lengths(mut payload: &[u8]) -> Result<Vec<String>, String> {
     let mut packets = Vec::new();
     while let Some((kind, rest)) = payload.split_first() {

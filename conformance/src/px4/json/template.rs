@@ -77,8 +77,8 @@ impl Template {
         read.ok().map(|()| learner.template)
     }
 
-    /// Compares a text with the template. If only values differ and all values are valid, returns the results for the
-    /// text, which becomes the template's text.
+    /// Compares a text with the template. If only values differ and all of them are valid, stores the text as the
+    /// template's new text, and returns its results.
     pub(crate) fn read(&mut self, plans: &Plans, text: &str) -> Option<Clean> {
         self.compare(plans, text)?;
         self.advance(plans, text);

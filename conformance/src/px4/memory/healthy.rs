@@ -23,8 +23,8 @@ pub(super) enum Healthy {
 }
 
 impl Healthy {
-    /// Derives the fast check from a constraint, and verifies the ends of the derived ranges with the constraint.
-    /// `None` if nothing is constrained.
+    /// Derives the fast check from a constraint. To verify the derived ranges, their ends are checked against the
+    /// constraint. `None` if nothing is constrained.
     pub(super) fn new(constraint: Constraint<'_>) -> Option<Self> {
         let scalar = match constraint.element {
             Element::Scalar(Scalar::Bool) => return Some(Self::Bool),

@@ -110,7 +110,8 @@ fn overview(rows: &[Row]) -> OutputFile {
     let mut page = Page::with_notice(NOTICE, OVERVIEW, "Conformance");
     page.block(
         "`uavspec check` checks captures with these rules, and `uavspec test` checks codecs. Data that violates a MUST \
-         does not conform. A violation of a SHOULD is a warning. An INFO is informational and never affects the result.",
+         does not conform. A violation of a SHOULD is a warning. A violation of an INFO rule is informational and \
+         never affects the result.",
     );
     page.heading(2, "Rules");
     let columns = ["Rule", "Level", "Statement", "Applies to"].map(text_column);
@@ -126,8 +127,8 @@ fn overview(rows: &[Row]) -> OutputFile {
     page.table(&table);
     page.heading(2, "Mutants");
     page.block(
-        "A mutant is a conforming capture with one change that violates a rule. Tests check that each rule finds its \
-         mutants, that no unlisted rule finds them, and that no rule finds anything in the unchanged capture.",
+        "A mutant is a conforming capture with one change that violates a rule. Tests check that exactly the listed \
+         rules find each mutant, and that no rule finds anything in the unchanged capture.",
     );
     page.table(&matrix(rows));
     page.finish()

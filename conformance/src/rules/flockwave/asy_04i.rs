@@ -14,7 +14,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Advisory,
         statement: "No two pending operations on a connection have the same receipt.",
         source: source::DERIVED,
-        applies_to: "responses with `receipt` over time",
+        applies_to: "all responses with `receipt` on a connection",
         why: "When a notification with a shared receipt arrives, the client does not know which operation the \
               notification belongs to.",
         example: r#"→ {"type":"UAV-RTH","ids":["uav-1","uav-2"]}

@@ -20,7 +20,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
               client, that client never gets its result.",
         example: r#"(no response on this connection contained the receipt r99)
 ← {"type":"ASYNC-RESP","id":"r99","result":true}"#,
-        fix: "Store the connection of each operation, and send the operation's notifications only on that connection.",
+        fix: "Remember which connection started each operation, and send the operation's notifications only on that \
+              connection.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

@@ -1,9 +1,9 @@
 //! `FW-ASY-17`.
 //!
-//! An operation that ends before the ASYNC-CANCEL response may have ended normally. Progress after that response does
-//! not prove that the operation continues. The rule therefore checks only operations that are still pending when the
-//! response arrives. Each of these operations must end with the correct message, and within [`MAX_SECONDS`] if the
-//! server sends other messages.
+//! An operation that ends before the ASYNC-CANCEL response may have ended normally. A progress message that arrives
+//! after that response does not prove that the operation is still running. The rule therefore checks only operations
+//! that are still pending when the response arrives. Each of these operations must end with the correct message, and
+//! within [`MAX_SECONDS`] if the server sends other messages.
 
 use std::collections::{BTreeMap, VecDeque};
 

@@ -25,7 +25,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         served::in_error(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"]);
     })],
     covers: &[],
-    bug: Bug::behaviour("Unknown operations can be cancelled."),
+    bug: Bug::behaviour("ASYNC-CANCEL accepts unknown receipts."),
     trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
         Mutant {

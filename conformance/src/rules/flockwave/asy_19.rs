@@ -1,7 +1,7 @@
 //! `FW-ASY-19`.
 //!
-//! An operation may become suspended just before the request. The rule therefore accepts the resumption if the server
-//! reported the operation as suspended.
+//! An operation may become suspended just before the request. The rule therefore accepts that the operation is resumed
+//! if the server has reported it as suspended.
 
 use serde_json::json;
 

@@ -88,7 +88,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     }
 }
 
-/// A message type, a description of its results, and a predicate for them.
+/// A message type, a description of its valid results, and a function that returns true for valid results.
 type ResultSpec = (&'static str, &'static str, fn(&Tree<'_>) -> bool);
 
 /// The result specification of a command, if the definitions have one.

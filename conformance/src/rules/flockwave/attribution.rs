@@ -1,4 +1,4 @@
-//! Attribution: the body schema violations that a rule reports in place of `FW-ENV-18`.
+//! Attributions: which body schema violations a specific rule reports instead of `FW-ENV-18`.
 //!
 //! Some rules accept null in place of an absent field, because the specification contradicts itself about null. Body
 //! schemas do not accept null, so `FW-ENV-18` reports it.
@@ -18,7 +18,7 @@ pub(crate) struct Attribution {
     faults: &'static [Fault],
 }
 
-/// An invalid value of the right kind, or a value of any other kind except null.
+/// A value of the right kind that is invalid, or a value of the wrong kind other than null.
 pub(super) const WRONG: &[Fault] = &[Fault::Kind, Fault::Value];
 
 /// A missing value, null, or a value of another kind.

@@ -123,7 +123,7 @@ pub(super) fn exactly_one(
     }
 }
 
-/// True if a value is present and not null. The guidelines for authors of the specification allow null in optional
+/// True if a value is present and not null. The specification's guidelines for its authors allow null in optional
 /// members.
 pub(super) fn is_present(value: Option<&Tree<'_>>) -> bool {
     value.is_some_and(|value| *value != Tree::Null)

@@ -57,7 +57,7 @@ impl Bug {
         Self { description, also: &[], needs: Needs::Nothing, change: Change::Behaviour }
     }
 
-    /// Sets the other rules that the bug violates.
+    /// Sets the rules that the bug violates in addition to its own rule.
     pub(super) const fn with(self, also: &'static [&'static Rule]) -> Self {
         Self { also, ..self }
     }
@@ -75,7 +75,7 @@ impl Bug {
     }
 }
 
-/// A server message before it is sent, and the messages that a bug adds.
+/// A server message that is about to be sent, with any messages that a bug adds before or after it.
 pub(crate) struct Outgoing<'r> {
     /// Messages to send before this message.
     before: Vec<Value>,

@@ -14,7 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-DEV-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each requested object or path is in exactly one part of the response.",
+        statement: "Each requested object or path appears exactly once in the response: in `devices` or `success`, or \
+                    in `error`.",
         source: source::MESSAGES,
         applies_to: "DEV-LIST, DEV-SUB, DEV-UNSUB",
         why: "The client does not know whether it is subscribed to a path that the response omits. The client may \
@@ -37,7 +38,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "a path in both parts",
+            name: "a path in both `success` and `error`",
             make: || mutant::reply("DEV-SUB", |body| body["error"]["/kite/vario"] = "Busy".into()),
             also: &[],
         },

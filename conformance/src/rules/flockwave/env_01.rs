@@ -1,7 +1,7 @@
 //! `FW-ENV-01`.
 //!
-//! Other rules report a TCP message that spans several lines, and several messages in one line or datagram. A line that
-//! could be the start of a message is reported only after later lines show that it isn't.
+//! Other rules report TCP messages that span several lines, and lines or datagrams that contain several messages. A
+//! line that could be the start of a message is reported only after later lines show that it isn't.
 
 use serde_json::json;
 

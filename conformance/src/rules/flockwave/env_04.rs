@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Normative,
         statement: "No two responses or notifications on a connection have the same id.",
         source: source::GENERAL,
-        applies_to: "messages from the server over time",
+        applies_to: "all messages from the server on a connection",
         why: "Clients that detect duplicates by id drop the second message, so a response or a state change is lost.",
         example: r#"← {"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}
 ← {"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-2"]}}"#,

@@ -54,7 +54,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The maximum time until a response, in seconds. For a request that takes longer, a server responds with a receipt.
+/// The maximum time until a response, in seconds. If a server needs longer to process a request, it responds with a
+/// receipt instead.
 const MAX_SECONDS: f64 = 30.0;
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

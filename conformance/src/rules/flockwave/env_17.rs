@@ -15,13 +15,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Disputed(
             "The specification text allows UAV-INF, CONN-INF, DEV-INF, CLK-INF and UAV-PREFLT as notifications; the \
-             published JSON Schema of notifications does not. This rule allows these notifications.",
+             published JSON Schema for notifications does not. This rule allows these notifications.",
         ),
         statement: "If a message from the server has no `refs`, its type is SYS-PING or a type that is allowed for \
                     notifications.",
         source: source::GENERAL,
         applies_to: "messages from the server",
-        why: "If a message of another type has no `refs`, it is usually a response that lacks `refs` by mistake. The \
+        why: "A message of any other type without `refs` is usually a response whose `refs` is missing by mistake. The \
               client cannot match the response to a request, and the request times out.",
         example: r#"{"$fw.version":"1.0","id":"s1","body":{"type":"UAV-LIST","ids":["uav-1"]}}"#,
         fix: "Add `refs` if the message answers a request. Otherwise, do not send the message: only some types may be \

@@ -84,7 +84,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             also: &[],
         },
         Mutant {
-            name: "an additional field in a nested object that forbids it",
+            name: "an unknown field in a nested object that allows no unknown fields",
             make: || mutant::reply("DEV-LIST", |body| body["devices"]["kite"]["colour"] = "red".into()),
             also: &[],
         },

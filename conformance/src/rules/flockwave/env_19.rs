@@ -15,8 +15,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-19",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A client does not reuse the id of a request before the request is answered. After that, the \
-                    server accepts the id again.",
+        statement: "A client does not reuse the id of a request until the request has been answered. The server then \
+                    accepts the id again.",
         source: source::GENERAL,
         applies_to: "requests over time",
         why: "If two open requests have the same id, neither side can tell which response belongs to which request.",

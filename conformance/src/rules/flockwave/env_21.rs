@@ -16,7 +16,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                     contains spaces or non-ASCII letters.",
         source: source::DERIVED,
         applies_to: served::APPLIES_TO,
-        why: "Unusual ids are valid as well. If the server changes an id, the client cannot match the response to its \
+        why: "Unusual ids are valid too. If the server changes an id, the client cannot match the response to its \
               request.",
         example: r#"→ {"$fw.version":"1.0","id":"Höhe 1","body":{"type":"SYS-PING"}}
 ← {"$fw.version":"1.0","id":"s1","refs":"Hhe1","body":{"type":"ACK-ACK"}}"#,
@@ -25,7 +25,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Exchange(served::check)],
     covers: &[],
     bug: Bug::message(
-        "The id in `refs` has lost every character except ASCII letters, digits, - and _.",
+        "All characters except ASCII letters, digits, - and _ are removed from the id in `refs`.",
         |out| {
             if let Some(refs) = out.message()["refs"].as_str() {
                 let is_plain =
@@ -47,7 +47,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 /// An attempt for each unusual id.
 fn attempts() -> Vec<Attempt> {
     let ids = [
-        ("an id of 36 characters", "c0ffee00-1234-4abc-9def-0123456789ab"),
+        ("a 36-character id", "c0ffee00-1234-4abc-9def-0123456789ab"),
         ("an id with spaces", " two words "),
         ("a non-ASCII id", "Höhe 高度 \u{1fa82}"),
         ("an id with characters that must be escaped in JSON", "\"\\/\u{7}\t<&>"),

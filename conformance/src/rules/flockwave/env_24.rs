@@ -31,8 +31,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 ← {"type":"ACK-NAK","reason":"No handler for UAV-SOAR"}
 → {"type":"DEV-LIST","ids":["uav-1"]}
 ← {"type":"ACK-NAK","reason":"No handler for DEV-LIST"}"#,
-        fix: "Add handlers for the family. If the server has no objects of this family, return empty lists, and an \
-              `error` entry for each unknown id.",
+        fix: "Add handlers for the family. If the server has no objects of this family, return empty lists and report \
+              each unknown id in `error`.",
     },
     checks: &[Check::Session(|| Box::new(Families::default()))],
     covers: &[],
@@ -187,7 +187,7 @@ impl Families {
     }
 }
 
-/// The reason in an ACK-NAK, with the request type replaced; empty if there is no reason.
+/// The reason in an ACK-NAK, with each occurrence of the request type replaced by `…`; empty if there is no reason.
 fn reason(exchange: &Exchange<'_>, type_name: &str) -> Option<String> {
     let body = exchange.response("ACK-NAK")?;
     let reason = body.get("reason").and_then(Tree::as_str).unwrap_or_default();

@@ -44,7 +44,7 @@ struct Order(PerConnection<Answered>);
 /// The answered requests of a connection.
 #[derive(Default)]
 struct Answered {
-    /// The location of the answered request that was sent last.
+    /// Of all answered requests, the location of the one that was sent last.
     latest: Option<Location>,
     is_reported: bool,
 }

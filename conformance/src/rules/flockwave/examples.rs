@@ -21,7 +21,7 @@ const MAX_LINE: usize = 100;
 /// The maximum number of lines.
 const MAX_LINES: usize = 6;
 
-/// The start of a Socket.IO packet with a message.
+/// The prefix of a Socket.IO packet that carries a Flockwave message.
 const EVENT: &str = r#"42["fw","#;
 
 #[test]

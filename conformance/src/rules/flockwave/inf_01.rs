@@ -11,11 +11,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-INF-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Each requested id or path is in exactly one map of the response.",
+        statement: "Each requested id or path is in exactly one of the maps in the response.",
         source: source::MESSAGES,
         applies_to: "BCN-INF, CLK-INF, DEV-INF, EXT-INF, RTK-INF, UAV-PREFLT, WTH-INF",
-        why: "The client does not know whether the object is unknown or was omitted by mistake. The client \
-              keeps showing old data.",
+        why: "If an object is missing, the client cannot tell whether it is unknown or was forgotten, and keeps \
+              showing old data.",
         example: r#"→ {"type":"WTH-INF","ids":["mast-1","mast-2"]}
 ← {"type":"WTH-INF","error":{"mast-1":"No data yet"}}"#,
         fix: "Add an entry for every requested id or path: its data, or a reason in `error`.",

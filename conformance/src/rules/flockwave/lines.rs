@@ -13,7 +13,7 @@ const MAX_TEXT: usize = 1 << 20;
 /// The maximum number of lines in a message.
 const MAX_LINES: usize = 10_000;
 
-/// The maximum number of connections with open lines.
+/// The maximum number of connections for which undecided lines are stored.
 const MAX_CONNECTIONS: usize = 16;
 
 /// A line that is not a message.
@@ -62,14 +62,14 @@ impl Lines {
         }
     }
 
-    /// Moves all open lines to `other`, because the rest may be missing or the session has ended.
+    /// Moves all undecided lines to `other`, because the rest may be missing or the session has ended.
     pub(super) fn discard_open(&mut self) {
         while let Some((_, open)) = self.open.pop_first() {
             self.other.extend(open.lines);
         }
     }
 
-    /// Moves the open lines of a connection to `other`, because another message follows.
+    /// Moves the undecided lines of a connection to `other`, because they are not part of a message.
     pub(super) fn end_of(&mut self, index: usize) {
         if let Some(open) = self.open.remove(&index) {
             self.other.extend(open.lines);

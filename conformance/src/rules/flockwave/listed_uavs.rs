@@ -56,7 +56,7 @@ impl SessionCheck for Unknown {
                 context.violation("UAV-INF", location, || {
                     let id = body::quoted(&id);
                     Detail::new(format!(
-                        "UAV-INF reports {id} as unknown, but the UAV-LIST before and the one after contain it"
+                        "UAV-INF reports {id} as unknown, but the UAV-LIST responses before and after it contain {id}"
                     ))
                     .expected("a state")
                     .actual("an error")

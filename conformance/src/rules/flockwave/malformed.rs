@@ -3,7 +3,7 @@
 
 use serde_json::{Value, json};
 
-/// The length of an oversized string that is still easy to process.
+/// The length of a string that is unreasonably long but still easy to process.
 const LONG_LENGTH: usize = 10_000;
 
 /// A nesting depth at which recursive JSON parsers fail.
@@ -78,7 +78,7 @@ pub(super) fn all(id: &str) -> Vec<Malformed> {
     kinds.extend(
         [
             ("an empty type", envelope(json!({ "type": "" }))),
-            ("a type of ten thousand characters", envelope(json!({ "type": "X".repeat(LONG_LENGTH) }))),
+            ("a type with ten thousand characters", envelope(json!({ "type": "X".repeat(LONG_LENGTH) }))),
             ("no id", json!({ "$fw.version": "1.0", "body": { "type": "SYS-PING" } })),
             ("an empty object", json!({})),
             ("an empty list", json!([])),

@@ -41,14 +41,14 @@ pub(super) fn then(add: impl FnOnce(&mut Session)) -> Option<Vec<u8>> {
     Some(Session::new().then(add).to_bytes())
 }
 
-/// The conforming session with an unanswered trial of a rule.
+/// The conforming session, extended by a trial of a rule in which the server does not respond.
 pub(super) fn unanswered(connection: &'static str, rule: &Rule) -> Option<Vec<u8>> {
     over(connection, |session| {
         session.tries(rule, "without a response", json!({ "type": "SYS-PING" }));
     })
 }
 
-/// The conforming session with a refused trial of a rule.
+/// The conforming session, extended by a trial of a rule in which the server refuses the request.
 pub(super) fn refused(connection: &'static str, rule: &Rule) -> Option<Vec<u8>> {
     let refusal = json!({ "type": "ACK-NAK", "reason": "Too windy" });
     over(connection, |session| {

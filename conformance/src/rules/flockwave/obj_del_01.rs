@@ -24,7 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["OBJ-DEL"], "ids", attribution::MISSING),
         Attribution::new(&["OBJ-DEL"], "ids.*", attribution::MISSING),
     ],
-    bug: Bug::message("The `ids` of OBJ-DEL is a string.", |out| {
+    bug: Bug::message("The `ids` field of OBJ-DEL is a string.", |out| {
         if let Some(body) = out.body_of("OBJ-DEL") {
             body["ids"] = body["ids"][0].take();
         }

@@ -13,8 +13,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-OBJ-DEL-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "After OBJ-DEL names an object, the object is not listed until the server reports the object's \
-                    state again.",
+        statement: "Once OBJ-DEL has reported an object as deleted, no list contains the object until the server \
+                    reports its state again.",
         source: source::DERIVED,
         applies_to: "OBJ-DEL, OBJ-LIST and UAV-LIST over time",
         why: "Clients remove the object after OBJ-DEL. If the object appears in the next list, the operator sees a UAV \
@@ -74,7 +74,7 @@ impl SessionCheck for Gone {
                 let mut ids = ids;
                 if let Some(id) = ids.find(|id| self.0.contains(exchange.serial, id)) {
                     exchange.violates(context, || {
-                        Detail::new(format!("{} is listed after OBJ-DEL named it", body::quoted(id)))
+                        Detail::new(format!("{} is listed although it was deleted", body::quoted(id)))
                             .at("/body/ids")
                     });
                 }

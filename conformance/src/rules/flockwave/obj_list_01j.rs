@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         source: source::SCHEMA,
         applies_to: "OBJ-LIST",
         why: "Device paths start with the object id and use `/` as a separator, so an id with a slash cannot be \
-              addressed. Clients may list a duplicate id twice.",
+              addressed. If an id is repeated, clients may show the object twice.",
         example: r#"{"type":"OBJ-LIST","ids":["fleet/uav-1"]}"#,
         fix: "Replace slashes in ids, shorten long ids, and remove duplicates.",
     },

@@ -14,7 +14,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-OBJ-LIST-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A filtered OBJ-LIST contains only objects of the requested types, so no object is listed for two \
+        statement: "A filtered OBJ-LIST contains only objects of the requested types, so no object is listed under two \
                     types.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",

@@ -15,8 +15,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "For an unknown object type in `filter`, OBJ-LIST returns an empty list.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST requests from a probe that tests this rule",
-        why: "Extensions add object types, so clients ask for types that this server does not know. A refusal looks \
-              like a failure, and a full list looks like a match.",
+        why: "Extensions add object types, so clients ask for types that this server does not know. To them, a refusal \
+              looks like a failure, and a list of all objects looks like a match.",
         example: r#"→ {"type":"OBJ-LIST","filter":["cloud"]}
 ← {"type":"ACK-NAK","reason":"Unknown object type: cloud"}"#,
         fix: "Do not validate the types in `filter`. Return the matching objects, or an empty list if the type is \

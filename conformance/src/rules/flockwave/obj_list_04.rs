@@ -21,7 +21,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "OBJ-LIST without a filter lists all objects.",
         source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
-        why: "Clients load the initial state of the fleet with this request. Clients never show an object that is \
+        why: "Clients use this request to load the initial state of the fleet. They never show an object that is \
               missing from the response.",
         example: r#"→ {"type":"OBJ-LIST"}
 ← {"type":"OBJ-LIST","ids":["uav-1"]}

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::{Exchange, Role};
 use crate::flockwave::session::ConnectionId;
 
-/// The maximum number of connections with a state. If there are more connections, the state of the connection with the
-/// lowest index is dropped.
+/// The maximum number of connections whose state is stored. If there are more connections, the state of the connection
+/// with the lowest index is dropped.
 const MAX_CONNECTIONS: usize = 16;
 
 /// A state for each connection. The state is reset when the connection is reopened, or when some of the connection's

@@ -16,11 +16,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "If `success` is true, `failed` is empty or absent.",
         source: source::MESSAGES,
         applies_to: "results of PRM-SET-MANY",
-        why: "The client reports that all parameters were set. The operator flies with parameters that still have \
-              their old values.",
+        why: "The client reports that all parameters were set, so the operator flies without noticing that some still \
+              have their old values.",
         example: r#"{"type":"PRM-SET-MANY","result":{"uav-1":{"success":true,"failed":["CRUISE_SPEED"]}}}"#,
-        fix: "Set `success` to true only if all parameters were set. Otherwise, send false and list the remaining \
-              parameters in `failed`.",
+        fix: "Set `success` to true only if all parameters were set. Otherwise, set it to false and list the \
+              parameters that were not set in `failed`.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

@@ -49,7 +49,7 @@ pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, 
             }
             let reported = reported.join(", ");
             Detail::new(format!(
-                "requested objects: {reported}; each must be in exactly one of {}",
+                "each requested object must be in exactly one of {}, found {reported}",
                 parts.join(", ")
             ))
             .at("/body")

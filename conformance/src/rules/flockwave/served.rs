@@ -1,4 +1,5 @@
-//! Shared checks of trials: probe requests that test a rule and that a server must serve.
+//! Checks that several rules use for trials. Trials are requests from a probe that test a rule, and that a server must
+//! serve.
 //!
 //! Trials are marked in the session. A refused request counts as not served, so trials use only requests that a server
 //! has no other reason to refuse.
@@ -100,8 +101,8 @@ fn refusal<'t>(exchange: &Exchange<'t>) -> Option<(&'static str, Option<&'t str>
     Some(("an error", error.get("message").and_then(Tree::as_str)))
 }
 
-/// Checks the response to a request that tests the rule: the response must list the requested object in `error`. If the
-/// response omits the object, other rules report that.
+/// Checks the response to a request that tests the rule: the response must list the requested object in `error`. Other
+/// rules report a response that omits the object.
 pub(super) fn in_error(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     if !served(exchange, context) {
         return;

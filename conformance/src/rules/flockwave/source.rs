@@ -1,4 +1,4 @@
-//! Sources of the rules: parts of the specification.
+//! The sources that rules cite: parts of the specification.
 
 pub(super) const GENERAL: &str = "Flockwave 2.10, general description of messages";
 pub(super) const SCHEMA: &str = "Flockwave 2.10, published JSON Schema";

@@ -15,7 +15,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The `severity` of an item is `debug`, `info`, `warning`, `error` or `critical`.",
         source: source::MESSAGES,
         applies_to: "SYS-MSG",
-        why: "Clients choose colour, sound and filter by severity. An unknown severity may hide a critical message.",
+        why: "Clients use the severity to choose a colour and a sound, and to filter messages. An unknown severity may \
+              hide a critical message.",
         example: r#"{"type":"SYS-MSG","items":[{"message":"Battery low","severity":"fatal"}]}"#,
         fix: "Map internal log levels to the five severities, or omit `severity` if it is `info`.",
     },

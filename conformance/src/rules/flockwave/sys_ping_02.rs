@@ -15,8 +15,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "SYS-PING is not answered with SYS-PING.",
         source: source::MESSAGES,
         applies_to: "SYS-PING",
-        why: "Both sides may send SYS-PING as a request. A client that answers a SYS-PING response may start an \
-              endless exchange of pings.",
+        why: "Either side may send SYS-PING as a request. A client that mistakes a SYS-PING response for a request and \
+              answers it may start an endless exchange.",
         example: r#"→ {"type":"SYS-PING"}
 ← {"type":"SYS-PING"}"#,
         fix: "Answer with ACK-ACK instead of copying the type of the request.",

@@ -12,13 +12,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-PORTS-01",
         level: Level::Must,
         status: Status::Disputed(
-            "In the specification text, a port is a TCP or UDP port and therefore from 1 to 65535; the published JSON \
-             Schema allows any number.",
+            "In the specification text, ports are TCP or UDP ports, so the valid range is 1 to 65535. The published \
+             JSON Schema allows any number.",
         ),
         statement: "`ports` maps service names to port numbers from 1 to 65535.",
         source: source::MESSAGES,
         applies_to: "SYS-PORTS",
-        why: "Clients connect to these ports. With a string or an invalid number, clients cannot reach the service.",
+        why: "Clients connect to these ports. If a port is a string or an invalid number, clients cannot reach the \
+              service.",
         example: r#"{"type":"SYS-PORTS","ports":{"tcp":"5001"}}"#,
         fix: "Send port numbers as integers, and omit services that are not available.",
     },

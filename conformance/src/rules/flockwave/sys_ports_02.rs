@@ -16,10 +16,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-PORTS-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "If SYS-PORTS lists a port for the transport of the connection, it is the port of the connection.",
+        statement: "If SYS-PORTS lists a port for the transport of the current connection, it is the port that this \
+                    connection uses.",
         source: source::DERIVED,
         applies_to: "SYS-PORTS on connections with a known URL",
-        why: "Clients use these ports for further connections. With a wrong port, the connection fails or reaches a \
+        why: "Clients use these ports for further connections. If a port is wrong, the connection fails or reaches a \
               different service.",
         example: r#"(connected to tcp://localhost:5001)
 → {"type":"SYS-PORTS"}

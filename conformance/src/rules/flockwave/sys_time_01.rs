@@ -15,8 +15,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`timestamp` is an integer number of milliseconds.",
         source: source::MESSAGES,
         applies_to: "SYS-TIME",
-        why: "Clients compute the clock offset from the timestamp. With seconds instead of milliseconds, the offset is \
-              wrong by decades.",
+        why: "Clients compute the clock offset from the timestamp. If the timestamp is in seconds, the offset is wrong \
+              by decades.",
         example: r#"{"type":"SYS-TIME","timestamp":1790000000.25}"#,
         fix: "Send the Unix time in milliseconds as an integer.",
     },

@@ -14,8 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-TIME-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "Apart from a constant offset, the server time is between the time of the request and the time of \
-                    the response.",
+        statement: "From one SYS-TIME response to the next, the server clock advances by the time that has passed, \
+                    without jumping or stopping.",
         source: source::DERIVED,
         applies_to: "SYS-TIME over time",
         why: "Clients use the offset to compare timestamps with their own clock. If the offset changes, the age of all \
@@ -74,7 +74,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if found.by > TOLERANCE && !sys_time_03::is_adjusted(&found) {
         exchange.violates(context, || {
             let by = found.by;
-            Detail::new(format!("the server clock moved by {by:.1} s relative to the clock of the capture"))
+            Detail::new(format!("the server clock moved by {by:.1} s relative to the capture's clock"))
                 .at("/body/timestamp")
         });
     }

@@ -1,7 +1,8 @@
 //! `FW-SYS-TIME-03`.
 //!
-//! The rule compares the server times before and after the adjustment. A stopped or drifting clock may deviate from the
-//! recording clock by up to the elapsed time, so this rule accepts such a deviation. `FW-SYS-TIME-02` reports it.
+//! The rule compares the server times before and after the adjustment. If the clock has stopped or drifts, it may
+//! deviate from the recording clock by up to the elapsed time. This rule accepts such a deviation, which
+//! `FW-SYS-TIME-02` reports.
 
 use serde_json::json;
 
@@ -19,13 +20,13 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "An `adjustment` of 0 does not change the server clock.",
         source: source::MESSAGES,
         applies_to: "SYS-TIME over time",
-        why: "Clients send 0 to find out whether the clock can be adjusted. If the request changes the clock, the \
-              timestamps of a flight in progress become wrong.",
+        why: "Clients send 0 just to ask whether the clock can be adjusted. If that query changes the clock, it \
+              corrupts the timestamps of a flight in progress.",
         example: r#"→ {"type":"SYS-TIME"}
 ← {"type":"SYS-TIME","timestamp":1790000000000}
 → {"type":"SYS-TIME","adjustment":0}
 ← {"type":"SYS-TIME","timestamp":1790003600000}"#,
-        fix: "For an adjustment of 0, check the permission to set the clock and return the current time.",
+        fix: "If the adjustment is 0, only check whether the client may set the clock, and return the current time.",
     },
     checks: &[Check::Exchange(check)],
     covers: &[],

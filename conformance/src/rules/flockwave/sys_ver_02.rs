@@ -15,8 +15,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`version` is a string of one to three numbers separated by dots.",
         source: source::MESSAGES,
         applies_to: "SYS-VER",
-        why: "Clients compare the numbers of a version one by one to decide which features to use. Clients cannot \
-              compare a version in a different form.",
+        why: "Clients compare versions number by number to decide which features to use. They cannot compare versions \
+              in any other form.",
         example: r#"{"type":"SYS-VER","software":"Example","version":"3.1-rc1"}"#,
         fix: "Send only the numbers in `version`, and move suffixes such as `rc1` to `revision`.",
     },

@@ -11,7 +11,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-TCP-02",
         level: Level::Must,
         status: Status::Normative,
-        statement: "Over TCP, the server accepts a message in several segments, and several messages in one segment.",
+        statement: "Over TCP, the server accepts a message that is split into several segments, and several messages \
+                    in one segment.",
         source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,
         why: "TCP does not preserve message boundaries. A server that handles each segment as one message fails \

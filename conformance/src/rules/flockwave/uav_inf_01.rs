@@ -12,8 +12,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "Each requested UAV is in exactly one of `status` and `error` of the response.",
         source: source::MESSAGES,
         applies_to: "UAV-INF",
-        why: "The client does not know whether the UAV is unknown or was omitted by mistake. The map keeps \
-              showing an old position.",
+        why: "If a UAV is missing, the client cannot tell whether it is unknown or was forgotten, and keeps showing \
+              its old position.",
         example: r#"→ {"type":"UAV-INF","ids":["uav-1","uav-2"]}
 ← {"type":"UAV-INF","error":{"uav-1":"Unknown UAV"}}"#,
         fix: "Add an entry for every requested id: its state in `status`, or a reason in `error`.",

@@ -25,7 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Session(|| Box::new(Latest::default()))],
     covers: &[],
-    bug: Bug::message("Every second timestamp of a UAV is ten seconds too early.", |out| {
+    bug: Bug::message("Every other timestamp of a UAV is ten seconds too early.", |out| {
         let is_odd = out.number % 2 == 1;
         out.shift_timestamps(|time| if is_odd { time - 10_000 } else { time });
     }),

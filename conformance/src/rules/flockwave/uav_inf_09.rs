@@ -1,6 +1,6 @@
 //! `FW-UAV-INF-09`.
 //!
-//! The server time is known from SYS-TIME, with an uncertainty of up to the response time of that request.
+//! The server time is known from SYS-TIME. Its uncertainty is at most the response time of that request.
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, StatusReport,

@@ -21,7 +21,7 @@ pub(super) const APPLIES_TO: &str = "probe requests over UDP that test this rule
 /// The request ids of a trial. Datagrams may be lost, so one response is sufficient.
 pub(super) const REQUESTS: [&str; 3] = ["one", "two", "three"];
 
-/// The conforming session with unanswered trials of a rule.
+/// The conforming session, extended by a trial of a rule in which the server does not respond to any request.
 pub(super) fn unanswered(rule: &Rule) -> Option<Vec<u8>> {
     mutant::over("udp#9", |session| {
         for _ in 0..3 {
@@ -51,12 +51,14 @@ struct Outcome {
 }
 
 impl Trials {
-    /// Creates trials that fail if none of their requests is answered.
+    /// Creates trials that fail if none of their requests is answered, even if the server never sends anything over
+    /// UDP.
     pub(super) fn new() -> Self {
         Self { is_silence_reported: true, ..Self::default() }
     }
 
-    /// Creates trials that fail only if the server sends anything over UDP.
+    /// Creates trials that fail if none of their requests is answered, but only if the server has sent something over
+    /// UDP.
     pub(super) fn if_server_sends() -> Self {
         Self::default()
     }

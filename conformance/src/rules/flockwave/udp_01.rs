@@ -17,7 +17,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         example: r#"(one datagram)
 ← {"$fw.version":"1.0","id":"s1","body":{"type":"OBJ-DEL","ids":["uav-1"]}}
   {"$fw.version":"1.0","id":"s2","body":{"type":"OBJ-DEL","ids":["uav-2"]}}"#,
-        fix: "Send each message in a separate datagram, and do not buffer datagrams.",
+        fix: "Send each message in its own datagram. Do not collect several messages into one datagram.",
     },
     checks: &[Check::Exchange(check), Check::StatusReport(check_status_report)],
     covers: &[],

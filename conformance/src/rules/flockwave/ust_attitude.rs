@@ -10,8 +10,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: ust::NULL,
         statement: "`attitude` is a list of three integers in tenths of a degree: roll and pitch from -1800 to 1799, \
                     and yaw from 0 to 3599.",
-        why: "Clients draw the attitude from these values. With radians or whole degrees, a steeply tilted UAV seems \
-              to be level.",
+        why: "Clients draw the attitude from these values. If they are in radians or whole degrees, a steeply tilted \
+              UAV seems to be level.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "attitude":[0,0,3600]}}}"#,
         fix: "Send three integers in tenths of a degree. Wrap yaw to the range 0 to 3599, and roll and pitch to the \

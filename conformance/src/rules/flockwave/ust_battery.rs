@@ -17,8 +17,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: NULL_AND_NEGATIVE,
         statement: "`battery` is a list: the voltage in tenths of a volt (integer, 0 or more), and optionally the \
                     percentage (integer, at most 100) and a boolean that is true while charging.",
-        why: "Operators use the battery level to decide when a UAV has to land. With a wrong unit or value, a nearly \
-              empty battery may look full.",
+        why: "Operators use the battery level to decide when a UAV has to land. If the value or its unit is wrong, a \
+              nearly empty battery may look full.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "battery":[11.8,84]}}}"#,
         fix: "Send the voltage as an integer in tenths of a volt (11.8 V is 118). Send a percentage of at most 100, or \

@@ -9,8 +9,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-ERRORS",
         status: ust::NULL,
         statement: "`errors` is a list of integers.",
-        why: "Clients show the error codes of a UAV from this list. If the list has a different form, a fatal error \
-              may stay hidden.",
+        why: "Clients read the error codes of a UAV from this list. If the field is not a list of integers, a fatal \
+              error may stay hidden.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "errors":"none"}}}"#,
         fix: "Send a list of integer codes. If there are no errors, send an empty list or omit the field.",
@@ -21,7 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["UAV-INF"], "status.*.errors", attribution::ALL),
         Attribution::new(&["UAV-INF"], "status.*.errors.*", attribution::MISSING),
     ],
-    bug: Bug::message("The `errors` of a UAV is a string.", |out| out.set_in_state("errors", json!("none"))),
+    bug: Bug::message("A UAV's `errors` field is a string.", |out| out.set_in_state("errors", json!("none"))),
     trial: None,
     mutants: &[
         Mutant { name: "a code instead of a list", make: || ust::with("errors", json!(1)), also: &[] },

@@ -10,8 +10,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: ust::NULL,
         statement: "`gps` is a list: the fix type (0 to 7), and optionally the number of satellites and the horizontal \
                     and vertical accuracy in mm. Each optional element is an integer or null.",
-        why: "Operators use the GPS fix to decide whether a UAV is ready for takeoff. With a wrong fix type, an unsafe \
-              UAV may look ready.",
+        why: "Operators use the GPS fix to decide whether a UAV is ready for takeoff. If the fix type is wrong, a UAV \
+              without a good fix may look ready.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "gps":[8,12]}}}"#,
         fix: "Map the fix type of the receiver to 0–7. Always send a list of integers, with null for unknown values.",

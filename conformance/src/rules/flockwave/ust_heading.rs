@@ -9,8 +9,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-HEADING",
         status: ust::NULL,
         statement: "`heading` is an integer from 0 to 3599, in tenths of a degree.",
-        why: "Clients rotate the symbol of the UAV by this value. With degrees or radians, the symbol points in the \
-              wrong direction.",
+        why: "Clients rotate the symbol of the UAV by this value. If it is in degrees or radians, the symbol points in \
+              the wrong direction.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "heading":3600}}}"#,
         fix: "Multiply degrees by 10, round to an integer, and take the result modulo 3600.",

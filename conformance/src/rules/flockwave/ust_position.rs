@@ -10,8 +10,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: ust::NULL,
         statement: "`position` is a list: latitude and longitude as integers in 1e-7 degrees, then up to three \
                     altitudes in mm. Each altitude is an integer or null.",
-        why: "Clients use these values to place the UAV on the map. With degrees instead of 1e-7 degrees, the UAV \
-              appears near latitude 0, longitude 0.",
+        why: "Clients use these values to place the UAV on the map. If they are in degrees instead of 1e-7 degrees, \
+              the UAV appears near latitude 0, longitude 0.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "position":[46.541,11.552]}}}"#,
         fix: "Multiply degrees by 10,000,000 and metres by 1,000, and round to integers. If there is no position, \

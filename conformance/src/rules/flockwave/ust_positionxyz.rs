@@ -9,8 +9,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-POSITIONXYZ",
         status: ust::NULL,
         statement: "`positionXYZ` is a list of three integers in mm.",
-        why: "Clients use these coordinates to place indoor UAVs. With metres instead of millimetres, all UAVs appear \
-              at the origin.",
+        why: "Clients use these coordinates to place indoor UAVs. If they are in metres instead of millimetres, all \
+              UAVs appear near the origin.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "positionXYZ":[1.5,0,0]}}}"#,
         fix: "Send X, Y and Z in millimetres as integers. If there is no position, omit the field.",

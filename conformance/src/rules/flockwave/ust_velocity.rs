@@ -9,8 +9,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-VELOCITY",
         status: ust::NULL,
         statement: "`velocity` is a list of three integers in mm/s: north, east and down.",
-        why: "Clients show speed and climb rate, and predict the path of the UAV. With m/s instead of mm/s, a fast UAV \
-              seems to hover.",
+        why: "Clients show speed and climb rate, and predict the path of the UAV. If the values are in m/s instead of \
+              mm/s, a fast UAV seems to hover.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "velocity":[0.5,0.5,0.5]}}}"#,
         fix: "Send north, east and down in mm/s as integers. Down is negative while the UAV climbs.",

@@ -9,8 +9,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-UST-VELOCITYXYZ",
         status: ust::NULL,
         statement: "`velocityXYZ` is a list of three integers in mm/s.",
-        why: "Clients predict the path of indoor UAVs from this velocity. With m/s instead of mm/s, a moving UAV seems \
-              to hover.",
+        why: "Clients predict the path of indoor UAVs from this velocity. If it is in m/s instead of mm/s, a moving \
+              UAV seems to hover.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
   "velocityXYZ":[1.5,0,0]}}}"#,
         fix: "Send X, Y and Z in mm/s as integers. If there is no velocity, omit the field.",

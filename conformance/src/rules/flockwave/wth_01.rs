@@ -18,8 +18,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The `timestamp` of weather data is an integer number of milliseconds.",
         source: source::TYPES,
         applies_to: "WTH-AT, WTH-INF",
-        why: "Clients compute the age of the weather data from this timestamp. With seconds instead of milliseconds, \
-              current wind data looks decades old.",
+        why: "Clients compute the age of the weather data from this timestamp. If it is in seconds instead of \
+              milliseconds, current wind data looks decades old.",
         example: r#"{"type":"WTH-AT","weather":{"position":[475000000,190000000],
   "timestamp":1790000000.25}}"#,
         fix: "Send the Unix time in milliseconds as an integer.",

@@ -13,8 +13,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
                     not exceed their bounds.",
         source: "field type in the definition: `T[N]`, `T[<=N]`, `string<=N`, `char[N]`",
         applies_to: "JSON messages",
-        why: "A reader with a fixed-size array can't store the message. The reader rejects the message, drops elements \
-              or adds elements.",
+        why: "A reader with fixed-size arrays can't store an array of a different length. It rejects the message, \
+              drops elements or adds elements.",
         example: "definition: float32[14] voltage_cell_v\n\
             message:    {…, \"voltage_cell_v\": [4.1, 4.1, 4.0], …}",
         fix: "Write all elements of an array, and fill unused elements with the value for missing \

@@ -12,12 +12,12 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             contains only documented bits.",
         source: "`@enum` and `@flags` in the definition",
         applies_to: "message values",
-        why: "Readers don't know the meaning of an undocumented value. Readers show an unknown state, or treat the \
-              value as a known state.",
+        why: "Readers don't know the meaning of an undocumented value. They show an unknown state or mistake the value \
+              for a known state.",
         example: "definition: uint8 source  # [@enum BATTERY_SOURCE], constants: 0, 1, 2\n\
             message:    {…, \"source\": 7, …}",
-        fix: "Send a documented constant. If the value is intended, add a constant with a comment to \
-            the definition.",
+        fix: "Send a documented constant. If the value is intentional, add a constant with a comment to the \
+            definition.",
     },
     check: Check::Value,
     mutants: &[Mutant {

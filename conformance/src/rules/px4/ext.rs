@@ -53,7 +53,8 @@ pub(super) struct Request {
     pub(super) id: u8,
     /// The time in µs, if known.
     pub(super) time: Option<u64>,
-    /// The mask of the registrations that exist and respond. `None` if the PX4 release lacks this field.
+    /// A bit mask: bit N is set if registration id N exists and its component responds. `None` if the PX4 release lacks
+    /// this field.
     pub(super) mask: Option<u32>,
     pub(super) definition: Option<MessageId>,
     pub(super) location: Location,
@@ -244,7 +245,8 @@ pub(super) fn is_later(time: Option<u64>, than: Option<u64>) -> bool {
 pub(super) struct Requests(VecDeque<Request>);
 
 impl Requests {
-    /// Adds a request. Returns true if its id follows the latest id. Otherwise, removes the earlier requests.
+    /// Adds a request. Returns true if the id of the request directly follows the latest id. Otherwise, removes the
+    /// earlier requests.
     pub(super) fn push(&mut self, request: Request) -> bool {
         let is_next = self.latest().is_some_and(|latest| latest.id.wrapping_add(1) == request.id);
         if !is_next {

@@ -102,7 +102,7 @@ fn report_violation(reply: &Reply, latest: u8, context: &mut RuleContext<'_>) {
     });
 }
 
-/// Adds a reply to an earlier request, whose id is lower by `behind`.
+/// Changes a reply so that it answers the request whose id is `behind` lower.
 fn stray<'d>(flight: &Flight<'d>, behind: u8) -> Option<Flight<'d>> {
     flight.with_reply(|reply| {
         let id = reply["request_id"].as_u64().and_then(|id| u8::try_from(id).ok());

@@ -2,9 +2,10 @@
 //!
 //! An id may have been assigned before the capture started. An unknown id is therefore wrong only if the capture
 //! contains all registrations. A flight controller sends requests at regular intervals while at least one component is
-//! registered. All registrations are therefore known if a registration precedes the first request by at most
-//! [`STARTUP_TIME`], and the request's mask contains no other ids. The mask alone proves nothing, because it omits slow
-//! components. An old registration proves nothing either, because a log starts with the latest message of each topic.
+//! registered. All registrations are therefore known under two conditions. A registration precedes the first request by
+//! at most [`STARTUP_TIME`], and the request's mask contains only ids whose registration is in the capture. The mask
+//! alone proves nothing, because it omits slow components. An old registration proves nothing either, because a log
+//! starts with the latest message of each topic.
 //!
 //! If a request was sent after the release of an id, replies to the request must not contain that id. A reply to an
 //! earlier request may have been sent before the release. If the mask of a later request contains the id, the id was
@@ -56,7 +57,7 @@ const MAX_REGISTRATION_ID: u8 = 127;
 /// The maximum time from the first registration to the first request, in µs: twice PX4's request interval.
 const STARTUP_TIME: u64 = 600_000;
 
-/// After this many requests without another reply, a released component counts as gone.
+/// If a component whose id was released sends no further reply during this many requests, it counts as gone.
 const REQUESTS_TO_WAIT: u8 = 3;
 
 /// The state of an id.
@@ -95,7 +96,7 @@ struct Registrations {
     /// True if the latest request has a mask.
     is_masked: bool,
     waiting: Waiting,
-    /// One reply from each component that appears to be released. Only used if requests have no masks.
+    /// One reply from each component whose id appears to have been released. Only used if requests have no masks.
     suspects: Vec<Reply>,
 }
 

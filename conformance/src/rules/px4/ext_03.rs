@@ -6,9 +6,10 @@
 //! mask is needed because a component may be unregistered at any time, and because the flight controller doesn't wait
 //! for slow components. Without masks, the registrations in the capture decide.
 //!
-//! A request is checked two requests later, because its replies may appear late in the file. Many ROS 2 nodes send
-//! replies without a time. For such replies, only the order in the file shows whether a reply was late. A single reply
-//! after the next request may still have been on time. If several in a row follow the next request, they were late.
+//! Each request is checked only after two more requests, because its replies may appear late in the file. Many ROS 2
+//! nodes send replies without a time. For such replies, only the order in the file shows whether a reply was late. A
+//! single reply after the next request may still have been on time. If several replies in a row follow the next
+//! request, these replies were late.
 
 use std::collections::VecDeque;
 

@@ -11,7 +11,8 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         statement: "Each nested type in a format has its own format in the same log.",
         source: "ULog file format, section on format messages",
         applies_to: "logs",
-        why: "Readers can't compute the size of the nested type, so they can't read any record of the topic.",
+        why: "Without the format of the nested type, readers can't compute the type's size, so they can't read any \
+              record of the topic.",
         example: "format tow: uint64_t timestamp;rope[2] ropes;\n\
             \x20           (the log has no format `rope`)",
         fix: "Write the formats of all nested types to the header of the log.",

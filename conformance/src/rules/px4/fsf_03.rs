@@ -31,7 +31,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     },
     check: Check::State(|| Box::new(Flags::default())),
     mutants: &[Mutant {
-        name: "a set flag without a matching requirement",
+        name: "a flag that is set but has no matching requirement",
         change: Change::Flight(not_required),
         also: &[],
     }],

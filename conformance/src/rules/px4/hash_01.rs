@@ -11,7 +11,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
                     definition, the hash differs as well, and only `PX-FMT-01` is reported.",
         source: "ROS 2 REP 2016 (RIHS01)",
         applies_to: "type hashes in MCAP files",
-        why: "ROS 2 tools compare hashes to detect incompatible types. With a wrong hash, the tools warn about \
+        why: "ROS 2 tools compare hashes to detect incompatible types. If the hash is wrong, the tools warn about \
               compatible data or reject it.",
         example: "schema:          same fields as the definition\n\
             topic_type_hash: RIHS01_00000000… (64 digits)",

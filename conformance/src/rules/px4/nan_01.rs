@@ -8,7 +8,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-NAN-01",
         level: Level::Should,
         status: Status::Advisory,
-        statement: "A restricted field may be NaN only if its definition says what NaN means.",
+        statement: "A field with restricted values may be NaN only if its definition says what NaN means.",
         source: "`@invalid NaN` in the definition, or the description of the field",
         applies_to: "message values",
         why: "Comparisons such as `x < 10` are false for NaN, so limit checks and failsafes may not \

@@ -21,7 +21,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         example: "definition: uint8 ORB_QUEUE_LENGTH = 4\n\
             log:        5 messages on the topic, all with timestamp 1000000",
         fix: "Increase `ORB_QUEUE_LENGTH` to a power of two that is large enough for the burst, or publish fewer \
-              messages in a row.",
+              messages at a time.",
     },
     check: Check::State(|| Box::new(Bursts::default())),
     mutants: &[Mutant {

@@ -11,8 +11,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         id: "PX-TIME-02",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "If a regular topic pauses for more than ten of its periods, the capture contains a dropout near \
-                    the pause.",
+        statement: "If a topic with a regular period pauses for more than ten periods, the capture contains a dropout \
+                    record near the pause.",
         source: "derived: PX4's logger records a dropout when it loses data",
         applies_to: "message sequences",
         why: "If there is no dropout record, either the publisher stopped or the loss was not recorded. Tools \
@@ -23,7 +23,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
               no change is necessary.",
     },
     check: Check::State(|| Box::new(Gaps::default())),
-    mutants: &[Mutant { name: "a pause of a regular topic", change: Change::Flight(pause), also: &[] }],
+    mutants: &[Mutant {
+        name: "a pause of a topic with a regular period",
+        change: Change::Flight(pause),
+        also: &[],
+    }],
 };
 
 /// The number of pauses from which the period of a channel is learned.
@@ -80,7 +84,7 @@ impl Checker for Gaps {
                 let (pause, most) = (time_text(pause), time_text(period.saturating_mul(PAUSE)));
                 let period = time_text(period);
                 Detail::new(format!("no message for {pause}, but the period is {period}"))
-                    .expected(format!("at most {most}, or a dropout"))
+                    .expected(format!("at most {most}, or a dropout record"))
                     .actual(pause)
             });
         }

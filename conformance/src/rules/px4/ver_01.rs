@@ -12,7 +12,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "The version suffix of a topic name (`_vN`) matches the version of the topic's message type.",
         source: "`MESSAGE_VERSION` in the capture's schema, or in the definition if the schema has none",
         applies_to: "topic names",
-        why: "Subscribers select a message version by the topic name. With a wrong suffix, subscribers decode the \
+        why: "Subscribers select a message version by the topic name. If the suffix is wrong, subscribers decode the \
               message with a different definition.",
         example: "topic:      /fmu/out/arming_check_request_v2\n\
             definition: uint32 MESSAGE_VERSION = 1",

@@ -31,7 +31,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
 /// The state of the server's clock.
 pub(super) fn system(hub: &Hub) -> ClockInfo {
     let now = hub.timestamp();
-    #[expect(clippy::cast_precision_loss, reason = "times stay exact for longer than the server runs")]
+    #[expect(clippy::cast_precision_loss, reason = "no server runs long enough for times to lose precision")]
     let ticks = now.0 as f64;
     ClockInfo {
         id: SYSTEM.into(),

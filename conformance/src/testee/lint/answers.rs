@@ -69,8 +69,8 @@ pub(super) const QUESTION_IN_MANY_WRITES: Check = Check {
 
 pub(super) const LONG_QUESTION: Check = Check {
     id: "long-question",
-    statement: "a request of 1 MiB gets a response",
-    help: "accept lines of up to 16 MiB; \"rejected\" is a valid response",
+    statement: "a 1 MiB request gets a response",
+    help: "accept lines of up to 16 MiB; the response may be \"rejected\"",
     attempt: long_question,
 };
 
@@ -160,7 +160,7 @@ fn question_in_many_writes(bench: &mut Bench<'_>) -> CheckOutcome {
 fn long_question(bench: &mut Bench<'_>) -> CheckOutcome {
     let Some(case) = bench.known_case(|case| case.input != Input::Nothing).cloned() else {
         return CheckOutcome::NotApplicable(
-            "no test case for the supported ops and types has an input".to_owned(),
+            "none of the test cases for the supported ops and types has an input".to_owned(),
         );
     };
     bench.run(|bench, session| {
@@ -181,7 +181,7 @@ fn only_answers(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.strays.summary().map_or(CheckOutcome::Pass, CheckOutcome::Fail)
 }
 
-/// Several cases: supported cases if there are any, repeated until there are enough.
+/// `NUM_CASES` cases: the supported cases, or another case if none is supported, repeated if there are too few.
 fn several<'b>(bench: &'b Bench<'_>) -> Result<impl Iterator<Item = &'b Case>, String> {
     let plain = bench.plain_case()?;
     let mut known: Vec<&Case> = bench.known_cases().take(NUM_CASES).collect();

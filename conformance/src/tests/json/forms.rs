@@ -1,4 +1,4 @@
-//! Tests of the forms of JSON messages and numbers.
+//! Tests of the different forms in which JSON messages and numbers can be written.
 
 use crate::check::Summary;
 use serde_json::{Value, json};

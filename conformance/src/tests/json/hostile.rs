@@ -98,7 +98,7 @@ impl Read for Slow<'_> {
     }
 }
 
-/// The events and the line count for input that arrives in pieces.
+/// The events that the reader returns and the number of lines, for input that arrives in pieces of this size.
 fn events(bytes: &[u8], piece: usize) -> (Vec<String>, u64) {
     let mut reader = Reader::new(Slow(bytes, piece));
     let mut events = Vec::new();

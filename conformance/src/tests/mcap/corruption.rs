@@ -24,8 +24,8 @@ fn gliders(numbers: std::ops::RangeInclusive<u64>) -> Vec<u8> {
     numbers.flat_map(glider).collect()
 }
 
-/// Asserts the reported corruption and the number of checked messages for a file with these parts. `{}` in an expected
-/// text is replaced by the offset of the part with that number.
+/// Asserts the reported corruption and the number of checked messages for a file with these parts. Each expected
+/// problem is given by the index of the part at whose offset it must be reported, and by its text.
 fn assert_corruption(parts: &[Vec<u8>], expected: &[(usize, &str)], checked_count: u64) {
     let result = checked(&parts.concat());
     let offset = |part: usize| parts[..part].iter().map(|part| part.len() as u64).sum();

@@ -53,7 +53,7 @@ pub(crate) enum Form {
 
 pub(crate) const FORMS: [Form; 4] = [Form::Unchunked, Form::Plain, Form::Zstd, Form::Lz4];
 
-/// Stores records in this form, with one chunk per element of `chunks`.
+/// Writes records in this form. Each element of `chunks` contains the records of one chunk.
 pub(crate) fn chunked(form: Form, chunks: &[Vec<u8>]) -> Vec<u8> {
     chunks
         .iter()

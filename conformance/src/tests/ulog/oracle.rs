@@ -39,7 +39,7 @@ struct Content {
     flags: Option<([u8; 8], [u8; 8])>,
     dropout_ms: u64,
     information: Map<String, Json>,
-    /// The number of parts of each value, by key.
+    /// For each key of a multi-information message, the number of parts of each of its values.
     multi: BTreeMap<String, Vec<u64>>,
     initial: Map<String, Json>,
     changed: u64,

@@ -61,7 +61,7 @@ pub(crate) fn read_from(input: impl Read) -> Vec<Seen> {
     seen
 }
 
-/// The problems of both layers as texts with offsets, and the number of typed records.
+/// The problems that the reader and the log report, as texts with offsets, and the number of typed records.
 pub(crate) fn problems(bytes: &[u8]) -> (Vec<String>, usize) {
     let (mut reader, mut log) = (Reader::new(bytes), Log::default());
     let (mut found, mut records) = (Vec::new(), 0);

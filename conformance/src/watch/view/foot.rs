@@ -20,9 +20,9 @@ const KEYS: [(&str, &str); 8] = [
         "",
         "A dash means that the UAV doesn't report the value; ? means that the value has the wrong type. A plus after \
           the charge means that the battery is charging. AMSL, AHL and AGL are altitudes in metres above mean sea \
-          level, the home position and the ground. AGE is the time since the last state; UAVs are dimmed after 10 \
-          seconds. F, E, W and i are the severity of the most severe error code: fatal, error, warning or info. \
-          The description of this code is shown after the list of codes.",
+          level, the home position and the ground. AGE is the time since the last state; UAVs with an age of 10 \
+          seconds or more are dimmed. F, E, W and i show the severity of the most severe error code: fatal, error, \
+          warning or info. The description of this code is shown after the list of codes.",
     ),
 ];
 

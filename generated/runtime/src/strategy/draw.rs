@@ -166,8 +166,8 @@ impl Draw {
     }
 }
 
-/// Splits a fault index. Returns either the index among the next `count` faults, or the index among the faults that
-/// follow these.
+/// Splits a fault index. If the fault is one of the next `count` faults, the first value is its index among them.
+/// Otherwise, the second value is its index among the later faults.
 fn split(fault: Option<usize>, count: impl FnOnce() -> usize) -> (Option<usize>, Option<usize>) {
     let Some(fault) = fault else { return (None, None) };
     match fault.checked_sub(count()) {

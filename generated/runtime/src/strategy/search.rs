@@ -14,7 +14,8 @@ pub(super) enum Domain {
     Floats(Floats),
 }
 
-/// The whole numbers between two magnitudes, followed by all floats from the last whole number to the drawn float.
+/// A search order for floats: the whole numbers between two magnitudes, then all floats from the last whole number to
+/// the drawn float.
 pub(super) struct Floats {
     /// The magnitude of the simplest float.
     simplest: f64,
@@ -44,7 +45,7 @@ impl Floats {
         if count >= 1.0 && self.drawn < limit as f64 { (count as u64, first) } else { (0, self.simplest) }
     }
 
-    /// The last whole number, which precedes the sequence of all floats.
+    /// The magnitude from which the search continues with all floats: the last whole number.
     fn base(&self) -> f64 {
         if self.whole().0 == 0 { self.simplest } else { self.drawn.trunc() }
     }

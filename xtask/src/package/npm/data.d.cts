@@ -48,7 +48,7 @@ export interface Vector {
   readonly severity?: string;
   /** The value as JSON. Integers beyond 2^53 are rounded, as by `JSON.parse`. */
   readonly json?: unknown;
-  /** The decoded value as JSON, if re-encoding it produces different bytes. */
+  /** The decoded value as JSON. Present only if re-encoding it produces different bytes. */
   readonly decoded?: unknown;
   /** The uORB payload, hexadecimal. */
   readonly uorb?: string;

@@ -54,7 +54,7 @@ class Vector(_OfErrorCode):
     """The value as JSON."""
 
     decoded: NotRequired[Any]
-    """The decoded value as JSON, if re-encoding it produces different bytes."""
+    """The decoded value as JSON. Present only if re-encoding it produces different bytes."""
 
     uorb: NotRequired[str]
     """The uORB payload, hexadecimal."""

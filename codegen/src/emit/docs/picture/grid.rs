@@ -88,7 +88,7 @@ impl Line {
     }
 }
 
-/// The bytes of a member on one line.
+/// The bytes of one member that are on the same line of the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Segment {
     /// Index of the line.

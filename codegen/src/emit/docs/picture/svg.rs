@@ -390,7 +390,7 @@ fn touch(above: &Segment, below: &Segment) -> bool {
     above.columns.start < below.columns.end
 }
 
-/// True if there is a break between two runs of a member.
+/// True if a break separates two runs of a member's segments.
 fn is_interrupted(run: &[Segment], next: &[Segment]) -> bool {
     matches!((run.last(), next.first()), (Some(last), Some(first)) if last.line + 1 < first.line)
 }

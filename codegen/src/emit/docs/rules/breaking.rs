@@ -12,10 +12,10 @@ use crate::source::SourceMap;
 
 /// The text above the table.
 const ABOUT: &str = "\
-`cargo xtask breaking --against REV` compares the definitions with an earlier version. Each rule is one kind of \
-change. The columns show who is affected. `source` means programs built from the definitions. `json`, `cdr` (DDS and \
-ROS 2) and `uorb` (memory and logs) mean peers that exchange messages in these formats. `version` means programs \
-that use MESSAGE_VERSION. `semantic` means programs that depend on the meaning of a value.";
+`cargo xtask breaking --against REV` compares the definitions with an earlier version. Each rule covers one \
+kind of change. The columns show who is affected. `source` means programs built from the definitions. `json`, `cdr` \
+(DDS and ROS 2) and `uorb` (memory and logs) mean peers that exchange messages in these formats. `version` means \
+programs that use MESSAGE_VERSION. `semantic` means programs that depend on the meaning of a value.";
 
 pub(super) fn chapter() -> Chapter {
     Chapter {
@@ -38,7 +38,7 @@ fn table() -> Table {
     table
 }
 
-/// The level of a change in a category. `None` if the change doesn't break that category.
+/// The level of a change in a category. `None` if no change that the rule reports breaks that category.
 fn level(rule: &Rule, category: Category) -> Option<Level> {
     rule.breaks.iter().find(|(broken, _)| *broken == category).map(|(_, level)| *level)
 }

@@ -22,7 +22,7 @@ pub(super) fn page() -> OutputFile {
     let rules = link("rules", &href(&path, OVERVIEW, ""));
     page.block(&format!(
         "uavspec generates no output from a definition with one of these errors. The errors can't be \
-         ignored. Words in braces are placeholders. Parser warnings are {rules}."
+         ignored. Words in braces are placeholders. Parser warnings are listed among the {rules}."
     ));
     // Only codes that are also rules have a separate page.
     let (rules, others): (Vec<&ProblemKind>, Vec<&ProblemKind>) =

@@ -1,5 +1,5 @@
-//! Decides which types implement `Default`. A type doesn't implement it if the default would have to be chosen from
-//! several values.
+//! Decides which types implement `Default`. A type doesn't implement `Default` if the default would have to be chosen
+//! from several values.
 
 use crate::schema::json_type::{Definition, Expression, Member};
 use crate::schema::{JsonTypeId, Schema};

@@ -161,7 +161,7 @@ pub(super) fn text(docs: &crate::schema::Docs, what: &str, name: &str) -> String
     text
 }
 
-/// True if a body field is also a field of the struct, as all fields except `type` are.
+/// True if a body field becomes a field of the struct. Only the `type` field doesn't.
 pub(super) fn is_struct_field(member: &Member) -> bool {
     member.name != TYPE_FIELD
 }

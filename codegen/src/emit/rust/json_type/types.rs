@@ -261,7 +261,7 @@ impl<'c> Definitions<'c> {
         let name = self.new_name(site);
         let value = |constant: &String| SetValue { value: constant.clone(), description: String::new() };
         let values = SetValues::Strings(constants.iter().map(value).collect());
-        let doc = documentation("The only values allowed in a field.");
+        let doc = documentation("The values that the field allows; all others are invalid.");
         let tokens = set_body(&doc, &name, &Set { values, is_open: false });
         self.inner.push(tokens);
         quote!(#name)
@@ -333,7 +333,7 @@ fn set_tokens(found: &JsonType, name: &Ident, set: &Set) -> TokenStream {
 
 fn set_body(doc: &TokenStream, name: &Ident, set: &Set) -> TokenStream {
     let openness = ident(if set.is_open { "open" } else { "closed" });
-    let other_doc = documentation("A value without a name.");
+    let other_doc = documentation("Any value other than the named ones.");
     match &set.values {
         SetValues::Integers(values) => {
             let names = variant_names(values.iter().map(|found| number_name(found.value)), set.is_open);

@@ -7,7 +7,7 @@ use crate::schema::json_type::{Expression, Limits, Set, SetValues};
 use crate::schema::{Range, Schema};
 use crate::value::Value;
 
-/// From this magnitude on, adjacent integers may be equal as 64-bit floats.
+/// From this magnitude on, 64-bit floats can't represent every integer.
 const EXACT_WITHIN: u128 = 1 << 53;
 
 /// Maximum length of strings and lists in cases.

@@ -113,8 +113,8 @@ impl Judge<'_> {
     }
 
     /// The rules that a value violates if several alternatives are allowed. Empty if any alternative accepts the value.
-    /// If exactly one alternative has the JSON type of the value, the result contains the rules of this alternative
-    /// that the value violates. Otherwise, the type rule is the only violated rule.
+    /// If exactly one alternative has the value's JSON type, the result contains the rules of that alternative that the
+    /// value violates. Otherwise, the type rule is the only violated rule.
     fn either_violations(&self, alternatives: &[Expression], limits: &Limits, value: &Json) -> Rules {
         let all: Vec<Rules> =
             alternatives.iter().map(|inner| self.violations(inner, limits, value)).collect();

@@ -20,7 +20,7 @@ const MAX_LENGTH: usize = 1_000;
 /// Maximum total number of values, which limits the size of nested types with many fields.
 const MAX_PARTS: usize = 2_000;
 
-/// A source of values with distinct numbers and texts.
+/// A generator of values with distinct numbers and texts.
 pub(super) struct Typical<'s> {
     schema: &'s Schema,
     depth: usize,

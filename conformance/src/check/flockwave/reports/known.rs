@@ -46,8 +46,8 @@ struct Entry<K> {
     outcome: Option<Outcome>,
     /// True if the entry's findings have enough examples, so further findings are only counted.
     is_settled: bool,
-    /// The UAVs whose findings have been reported since the entry was settled. Finding messages name the UAV, so each
-    /// UAV's first report is checked in full.
+    /// The UAVs whose findings have been reported since `is_settled` became true. Finding messages name the UAV, so
+    /// each UAV's first report is checked in full.
     reported_uavs: BTreeSet<Box<str>>,
     /// The number of counted reports or states.
     times: u64,
@@ -205,9 +205,9 @@ impl<'d> Known<'d> {
 }
 
 impl Outcome {
-    /// The results that a state adds to the results for a report without states. `None` if the report without states
-    /// has findings, or covers a rule more often than the report with the state. Every state of this kind is then
-    /// checked in full.
+    /// The results that a state adds to the results for a report without states. `None` if this difference can't be
+    /// used: the report without states has findings, or covers a rule more often than the report with the state. Every
+    /// state of this kind is then checked in full.
     fn beyond(self, without: Self) -> Option<Self> {
         let is_sound = without.violations.is_empty();
         let counts = self.covered.into_iter().zip(without.covered);

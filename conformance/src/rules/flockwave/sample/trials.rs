@@ -9,7 +9,7 @@ use crate::rules::flockwave::{
     sio_02, sio_03, sys_ping_01, tcp_02, tcp_03, tcp_04, uav_inf_06, uav_inf_07, udp_02, udp_03,
 };
 
-/// Trials over TCP that work with any request.
+/// Trials over TCP that can use any type of request.
 static TCP_TRIALS: [(&Rule, &str); 4] = [
     (&tcp_02::RULE.rule, "a message in two segments"),
     (&tcp_02::RULE.rule, "two messages in a segment"),

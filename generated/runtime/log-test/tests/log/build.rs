@@ -1,4 +1,4 @@
-//! Links the section of defmt at fixed addresses, because defmt truncates addresses to 16 bits.
+//! Links defmt's section at fixed addresses, because defmt truncates addresses to 16 bits.
 
 fn main() {
     println!("cargo:rerun-if-changed=host.x");

@@ -103,7 +103,7 @@ json_object! {
     note "note" optional;
 }
 
-/// The only values allowed in a field.
+/// The values that the field allows; all others are invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum GliderWinch {
     /// `north`.
@@ -223,7 +223,7 @@ pub enum Phase {
     Thermal,
     /// `final glide`: On the way home
     FinalGlide,
-    /// A value without a name.
+    /// Any value other than the named ones.
     Unnamed(String),
 }
 

@@ -21,7 +21,7 @@ json_object! {
     request "request" optional;
 }
 
-/// The only values allowed in a field.
+/// The values that the field allows; all others are invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ResponseRequest {
     /// `Request`.

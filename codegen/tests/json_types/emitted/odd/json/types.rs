@@ -48,7 +48,7 @@ json_object! {
     many "many" optional;
 }
 
-/// The only values allowed in a field.
+/// The values that the field allows; all others are invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum A2 {
     /// `x`.
@@ -87,7 +87,7 @@ json_either! {
     List;
 }
 
-/// The only values allowed in a field.
+/// The values that the field allows; all others are invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum AMany {
     /// `Other`.
@@ -128,7 +128,7 @@ pub enum D {
     Value0,
     /// `9007199254740993`: Beyond what doubles tell apart
     Value9007199254740993,
-    /// A value without a name.
+    /// Any value other than the named ones.
     Unnamed(i64),
 }
 
@@ -237,7 +237,7 @@ pub enum Visitor {
     AB,
     /// `A-B`: With a hyphen
     AB2,
-    /// A value without a name.
+    /// Any value other than the named ones.
     Unnamed(String),
 }
 
