@@ -4047,7 +4047,7 @@ export interface WthListResponse {
   ids: ObjectId[];
 }
 
-/** Bodies of requests, by message type. */
+/** Body types of requests, by message type. */
 export interface Requests {
   "ASYNC-CANCEL": AsyncCancelRequest;
   "ASYNC-RESUME": AsyncResumeRequest;
@@ -4126,7 +4126,7 @@ export interface Requests {
 /** Body of a message from a client that expects a response, discriminated by \`type\`. */
 export type Request = AsyncCancelRequest | AsyncResumeRequest | AuthInfRequest | AuthReqRequest | AuthWhoamiRequest | BcnInfRequest | BcnPropsRequest | ClkInfRequest | ClkListRequest | ConnInfRequest | ConnListRequest | DevInfRequest | DevListRequest | DevListsubRequest | DevSubRequest | DevUnsubRequest | DockInfRequest | ExtCfgRequest | ExtInfRequest | ExtListRequest | ExtLoadRequest | ExtReloadRequest | ExtSetcfgRequest | ExtUnloadRequest | FwObjectListRequest | FwTargetInfRequest | FwTargetListRequest | FwUploadRequest | LcnInfRequest | LogDataRequest | LogInfRequest | ObjCmdRequest | ObjListRequest | PrmGetRequest | PrmSetRequest | PrmSetManyRequest | RtkInfRequest | RtkListRequest | RtkSourceRequest | RtkStatRequest | RtkSurveyRequest | ShowCfgRequest | ShowCrthPlanRequest | ShowCrthStartRequest | ShowLightsRequest | ShowSetcfgRequest | ShowSetlightsRequest | SysPingRequest | SysPortsRequest | SysTimeRequest | SysVerRequest | TimesyncStatusRequest | UavCalibRequest | UavFlyRequest | UavHaltRequest | UavHoverRequest | UavInfRequest | UavLandRequest | UavListRequest | UavMotorRequest | UavPrefltRequest | UavRstRequest | UavRthRequest | UavSignalRequest | UavSleepRequest | UavTakeoffRequest | UavTestRequest | UavVerRequest | UavWakeupRequest | WthAtRequest | WthInfRequest | WthListRequest;
 
-/** Bodies of responses, by message type. */
+/** Body types of responses, by message type. */
 export interface Responses {
   "ACK-ACK": AckAckResponse;
   "ACK-NAK": AckNakResponse;
@@ -4204,7 +4204,7 @@ export interface Responses {
 /** Body of a response to a request, discriminated by \`type\`. */
 export type Response = AckAckResponse | AckNakResponse | AsyncCancelResponse | AsyncResumeResponse | AuthInfResponse | AuthRespResponse | AuthWhoamiResponse | BcnInfResponse | BcnPropsResponse | ClkInfResponse | ClkListResponse | ConnInfResponse | ConnListResponse | DevInfResponse | DevListResponse | DevListsubResponse | DevSubResponse | DevUnsubResponse | DockInfResponse | ExtCfgResponse | ExtInfResponse | ExtListResponse | ExtLoadResponse | ExtReloadResponse | ExtSetcfgResponse | ExtUnloadResponse | FwObjectListResponse | FwTargetInfResponse | FwTargetListResponse | FwUploadResponse | LcnInfResponse | LogDataResponse | LogInfResponse | ObjCmdResponse | ObjListResponse | PrmGetResponse | PrmSetResponse | PrmSetManyResponse | RtkInfResponse | RtkListResponse | RtkSourceResponse | RtkStatResponse | RtkSurveyResponse | ShowCfgResponse | ShowCrthPlanResponse | ShowCrthStartResponse | ShowLightsResponse | SysPortsResponse | SysTimeResponse | SysVerResponse | TimesyncStatusResponse | UavCalibResponse | UavFlyResponse | UavHaltResponse | UavHoverResponse | UavInfResponse | UavLandResponse | UavListResponse | UavMotorResponse | UavPrefltResponse | UavRstResponse | UavRthResponse | UavSignalResponse | UavSleepResponse | UavTakeoffResponse | UavTestResponse | UavVerResponse | UavWakeupResponse | WthAtResponse | WthInfResponse | WthListResponse;
 
-/** Bodies of notifications, by message type. */
+/** Body types of notifications, by message type. */
 export interface Notifications {
   "ASYNC-RESP": AsyncRespNotification;
   "ASYNC-ST": AsyncStNotification;
@@ -4224,7 +4224,7 @@ export interface Notifications {
 /** Body of an unsolicited message from a server, discriminated by \`type\`. */
 export type Notification = AsyncRespNotification | AsyncStNotification | AsyncTimeoutNotification | ClkInfNotification | ConnDelNotification | ConnInfNotification | DevInfNotification | ObjDelNotification | SysCloseNotification | SysMsgNotification | TimesyncStatusNotification | UavInfNotification | UavPrefltNotification;
 
-/** All messages, by name. */
+/** All message types, by name. */
 export interface Messages {
   "ACK-ACK": AckAckResponse;
   "ACK-NAK": AckNakResponse;

@@ -1073,7 +1073,7 @@ export const UnregisterExtComponentConstants = {
   MESSAGE_VERSION: 0,
 } as const;
 
-/** All messages, by name. */
+/** All message types, by name. */
 export interface Messages {
   ArmingCheckReply: ArmingCheckReply;
   ArmingCheckRequest: ArmingCheckRequest;

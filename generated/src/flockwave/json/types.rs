@@ -40,7 +40,7 @@ pub enum AuthenticationMethod {
     Basic,
     /// `jwt`: JSON Web Token.
     Jwt,
-    /// A value without a name.
+    /// Any value other than the named ones.
     Unnamed(String),
 }
 
@@ -189,7 +189,7 @@ pub enum CalibrationComponent {
     Gyro,
     /// `rc`: Remote control.
     Rc,
-    /// A value without a name.
+    /// Any value other than the named ones.
     Unnamed(String),
 }
 
@@ -462,7 +462,7 @@ pub enum CommandResponseType {
     Preformatted,
     /// `markdown`: Markdown text.
     Markdown,
-    /// A value without a name.
+    /// Any value other than the named ones.
     Unnamed(String),
 }
 
@@ -1049,7 +1049,7 @@ pub enum FlightMode {
     Takeoff,
     /// `unknown`: Unknown mode.
     Unknown,
-    /// A value without a name.
+    /// Any value other than the named ones.
     Unnamed(String),
 }
 
@@ -1339,7 +1339,7 @@ pub enum LicenseRestrictionType {
     Hwid,
     /// `drones`: Maximum number of UAVs at a time, given by the parameter maxCount.
     Drones,
-    /// A value without a name.
+    /// Any value other than the named ones.
     Unnamed(String),
 }
 
@@ -1361,7 +1361,7 @@ pub enum LightEffect {
     Off,
     /// `solid`: Steady light of one colour.
     Solid,
-    /// A value without a name.
+    /// Any value other than the named ones.
     Unnamed(String),
 }
 
@@ -1537,7 +1537,7 @@ pub enum ObjectType {
     Uav,
     /// `weatherStation`: Weather station.
     WeatherStation,
-    /// A value without a name.
+    /// Any value other than the named ones.
     Unnamed(String),
 }
 
@@ -2115,7 +2115,7 @@ pub enum TestComponent {
     Led,
     /// `motor`: Motors.
     Motor,
-    /// A value without a name.
+    /// Any value other than the named ones.
     Unnamed(String),
 }
 
@@ -2148,7 +2148,7 @@ json_object! {
     params "params" optional;
 }
 
-/// The only values allowed in a field.
+/// The values that the field allows; all others are invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum TimeAxisScheduleSegmentEndMsConstant {
     /// `auto`.
@@ -2304,7 +2304,7 @@ pub enum UAVSignal {
     Light,
     /// `sound`: Sound signal.
     Sound,
-    /// A value without a name.
+    /// Any value other than the named ones.
     Unnamed(String),
 }
 
