@@ -198,7 +198,9 @@ fn selected(names: &[String], texts: &[Text<'_>]) -> Result<BTreeSet<String>, Fa
 fn path_of(tag: &str, plan: &Plan) -> Result<PathBuf, Failure> {
     if !is_tag(tag) || tag == SOURCE_LANGUAGE {
         return Err(Failure::new(format!("`{tag}` is not a valid language tag for a translation"))
-            .with_hint("write a BCP 47 tag such as `uk` or `pt-BR`; definitions are in English"));
+            .with_hint(
+                "write a BCP 47 tag such as `uk` or `pt-BR`, but not `en`: the definitions are in English",
+            ));
     }
     let (folder, patterns) = &plan.catalogues;
     let Some(pattern) = patterns.first() else {

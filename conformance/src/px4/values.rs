@@ -135,7 +135,7 @@ impl Coverage {
         }
     }
 
-    /// Adds the coverage of this many messages.
+    /// Counts this many messages as covered.
     pub(super) fn count(&self, messages: u64, findings: &mut Findings) {
         for (rule, values) in &self.0 {
             findings.cover(rule, values.saturating_mul(messages));
@@ -258,7 +258,7 @@ impl Plans {
         &self.messages[id.0 as usize]
     }
 
-    /// Adds the coverage of this many JSON messages.
+    /// Counts this many JSON messages as covered.
     pub(crate) fn count(&self, id: MessageId, messages: u64, findings: &mut Findings) {
         self.get(id).coverage.count(messages, findings);
     }

@@ -15,8 +15,8 @@ const RUN_AT_END: usize = 2;
 /// Like [`SOUND_RUN`], for a run directly after the end of a message.
 const RUN_AFTER_MESSAGE: usize = 1;
 
-/// The number of consecutive messages that form a run even if most are only [possible](Plausibility::Possible). One
-/// start position in five looks possible by chance.
+/// The number of consecutive messages that form a run even if most are only [possible](Plausibility::Possible). By
+/// chance alone, one position in five looks like the start of a possible message.
 const LONG_RUN: usize = 16;
 
 /// The maximum size, in bytes, of a run's first message if it is only [possible](Plausibility::Possible). In random

@@ -19,8 +19,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
               merge their samples or drop some, so samples seem to be duplicated, out of order or missing.",
         example: "subscription: id 0, battery_status, instance 0\n\
             subscription: id 9, battery_status, instance 0",
-        fix: "Give each instance of a topic a unique number. Unsubscribe an instance before you \
-            subscribe it again.",
+        fix: "Give each instance of a topic a unique number. Unsubscribe from an instance before you \
+            subscribe to it again.",
     },
     check: Check::State(|| Box::new(Instances::default())),
     mutants: &[Mutant {

@@ -8,8 +8,8 @@
 //!
 //! Each request is checked only after two more requests, because its replies may appear late in the file. Many ROS 2
 //! nodes send replies without a time. For such replies, only the order in the file shows whether a reply was late. A
-//! single reply after the next request may still have been on time. If several replies in a row follow the next
-//! request, these replies were late.
+//! single reply after the next request may still have been on time. If several consecutive replies come after the next
+//! request, they count as late.
 
 use std::collections::VecDeque;
 

@@ -11,7 +11,7 @@ use super::tree::Node;
 use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 use crate::{Constraint, Number, Path, Rule, Scalar};
 
-/// The largest bound that a fault may exceed. More elements would take too long to generate.
+/// Faults exceed a bound only if it is at most this large. More elements would take too long to generate.
 const GREATEST_BOUND: u32 = 4096;
 
 /// The number of faults in a message.
