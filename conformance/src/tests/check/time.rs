@@ -50,7 +50,7 @@ fn reports_gaps_of_more_than_ten_periods() {
     let group = result.findings.groups().next().expect("a finding");
     let detail = &group.examples[0].1;
     assert_eq!(detail.message, "no message for 220 ms, but the period is 20 ms");
-    assert_eq!((&*detail.expected, &*detail.actual), ("at most 200 ms, or a dropout", "220 ms"));
+    assert_eq!((&*detail.expected, &*detail.actual), ("at most 200 ms, or a dropout record", "220 ms"));
 }
 
 #[test]
