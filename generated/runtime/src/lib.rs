@@ -40,13 +40,13 @@
 //!
 //! | features | generated | derives |
 //! |---|---|---|
-//! | none | 1.27 | 0.42 |
-//! | `defmt` | 1.66 | 1.07 |
-//! | `proptest` | 1.61 | 0.98 |
-//! | `schemars` | 1.55 | 0.93 |
-//! | `serde` | 1.87 | 5.32 |
-//! | `views` | 1.87 | 0.42 |
-//! | all five | 4.03 | 9.08 |
+//! | none | 1.07 | 0.34 |
+//! | `defmt` | 1.42 | 0.90 |
+//! | `proptest` | 1.33 | 0.82 |
+//! | `schemars` | 1.35 | 0.87 |
+//! | `serde` | 1.68 | 4.62 |
+//! | `views` | 1.63 | 0.33 |
+//! | all five | 3.09 | 6.80 |
 
 #![no_std]
 #![cfg_attr(docsrs, feature(doc_cfg))]
