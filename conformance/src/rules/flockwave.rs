@@ -72,7 +72,6 @@ mod err_10;
 mod examples;
 mod inf_01;
 mod lines;
-mod listed_uavs;
 mod malformed;
 mod mutant;
 mod obj_del_01;
