@@ -55,6 +55,19 @@ const STATUS: &str = "Exit status:
 
 If several statuses apply, the exit status is the first of 2, 3, 1, 4 and 5 that applies.";
 
+/// The exit statuses of a command that reports an outcome. `failure` is the meaning of status 3.
+fn outcome_statuses(failure: &str) -> String {
+    format!(
+        "Exit status:
+  0  conforms
+  1  does not conform
+  2  invalid usage, unreadable definitions, or unreadable lists
+  3  {failure}
+  4  an entry in a list of known failures no longer applies
+  5  nothing was checked"
+    )
+}
+
 /// Checks drone software against its interface specifications.
 #[derive(Debug, Parser)]
 #[command(name = "uavspec", version, max_term_width = 80)]

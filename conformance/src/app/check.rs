@@ -13,7 +13,7 @@ use super::known::KnownArgs;
 use super::progress::Progress;
 use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
-use super::{Status, deliver};
+use super::{Status, deliver, outcome_statuses};
 use crate::capture::input;
 use crate::check::{self, parallel};
 use crate::definitions::Definitions;
@@ -54,19 +54,14 @@ A list of known failures is a TOML file. Only rule and reason are required:
   message = \"0 is outside the\"    # start of the message
   reason = \"firmware 1.11 leaves it 0\"
   link = \"https://example.org/issues/7\"
-  expires = 2027-06-30
+  expires = 2027-06-30";
 
-Exit status:
-  0  conforms
-  1  does not conform
-  2  invalid usage, unreadable definitions, or unreadable lists
-  3  an input can't be read completely, or a report can't be written
-  4  an entry in a list of known failures no longer applies
-  5  nothing was checked";
+/// The meaning of exit status 3.
+const FAILURE: &str = "an input can't be read completely, or a report can't be written";
 
 /// Arguments of `check`.
 #[derive(Args, Debug)]
-#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}\n\n{}", outcome_statuses(FAILURE)))]
 pub(super) struct CheckArgs {
     /// Files, folders or glob patterns; `-` means standard input.
     ///

@@ -13,7 +13,7 @@ use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
 use super::serve::login;
 use super::test::seconds;
-use super::{Status, deliver};
+use super::{Status, deliver, outcome_statuses};
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::probe::{Options, probe};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
@@ -26,17 +26,12 @@ const EXAMPLES: &str = "Examples:
   uavspec probe --allow-commands --uav 00 --uav 01 tcp://localhost:5001
   uavspec probe --login pilot:secret udp://localhost:5001";
 
-const STATUS: &str = "Exit status:
-  0  conforms
-  1  does not conform
-  2  invalid usage, unreadable definitions, or unreadable lists
-  3  the server doesn't respond, or a file can't be written
-  4  an entry in a list of known failures no longer applies
-  5  nothing was checked";
+/// The meaning of exit status 3.
+const FAILURE: &str = "the server doesn't respond, or a file can't be written";
 
 /// Arguments of `probe`.
 #[derive(Args, Debug)]
-#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{STATUS}"))]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", outcome_statuses(FAILURE)))]
 pub(super) struct ProbeArgs {
     /// Server URL: tcp://, udp://, http:// or socketio://.
     ///

@@ -13,7 +13,7 @@ use uavspec_codegen::dynamic::Types;
 use super::known::KnownArgs;
 use super::progress::Progress;
 use super::report::ReportArgs;
-use super::{Status, deliver};
+use super::{Status, deliver, outcome_statuses};
 use crate::check::known::Scope;
 use crate::net::Address;
 use crate::report::{Action, Report, Subject};
@@ -54,19 +54,14 @@ A list of known failures is a TOML file. Only case and reason are required:
   message = \"/id: expected\"       # start of the message
   reason = \"big-endian CDR is not supported yet\"
   link = \"https://example.org/issues/7\"
-  expires = 2027-06-30
+  expires = 2027-06-30";
 
-Exit status:
-  0  conforms
-  1  does not conform
-  2  invalid usage, unreadable definitions, or unreadable lists
-  3  the testee failed, or a report can't be written
-  4  an entry in a list of known failures no longer applies
-  5  nothing was checked";
+/// The meaning of exit status 3.
+const FAILURE: &str = "the testee failed, or a report can't be written";
 
 /// Arguments of `test`.
 #[derive(Args, Debug)]
-#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}\n\n{}", outcome_statuses(FAILURE)))]
 pub(super) struct TestArgs {
     /// Testee and its arguments.
     ///
