@@ -117,14 +117,14 @@ impl Describe for FlockwaveSummary {
         let unsupported = from_server(&self.unknown);
         if !unsupported.is_empty() || self.uncounted > 0 {
             let messages = unsupported.iter().map(Row::total).sum::<u64>() + self.uncounted;
-            let named = names(unsupported.iter().map(|row| row.name));
-            let others = (self.uncounted > 0).then(|| "types not listed by name".to_owned());
-            let reported = [named]
-                .into_iter()
-                .filter(|named| !named.is_empty())
-                .chain(others)
-                .collect::<Vec<_>>()
-                .join(", ");
+            let mut reported = Vec::new();
+            if !unsupported.is_empty() {
+                reported.push(names(unsupported.iter().map(|row| row.name)));
+            }
+            if self.uncounted > 0 {
+                reported.push("types not listed by name".to_owned());
+            }
+            let reported = reported.join(", ");
             let text = format!("{} without a definition: {reported}", plural(messages, "message"));
             let details = unsupported.iter().map(Row::text).collect();
             lines.push(Line { details, ..Line::new("unsupported", text) });
