@@ -3,7 +3,7 @@
 //! `fixtures/lint/<rule>.txt` contains the expected findings for a rule's bad example. The rule must have no findings
 //! in the good example. If the rule has a fix, the fix must turn the bad example into the good one. Each folder
 //! `fixtures/lint/<rule>-<case>/` contains the definitions of another case, and the rule's expected findings in
-//! `expected.txt`. If any of the findings can be fixed, `mended.txt` contains the fixed text. To accept intended
+//! `expected.txt`. If any of the findings can be fixed, `fixed.txt` contains the fixed text. To accept intended
 //! changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen lint::`.
 
 use crate::support;
@@ -64,9 +64,9 @@ fn check_examples(rule: &Rule) -> Vec<String> {
     let found = render::findings(&findings, &sources, false);
     failures.extend(differs(&fixtures().join(format!("{}.txt", rule.id)), &found));
     if findings.iter().any(|finding| !finding.fix.is_empty()) {
-        let mended: Vec<String> = apply(&findings, &sources).into_values().collect();
-        if mended != [rule.good.text] {
-            failures.push(format!("{}: the fix results in\n{}", rule.id, mended.concat()));
+        let fixed: Vec<String> = apply(&findings, &sources).into_values().collect();
+        if fixed != [rule.good.text] {
+            failures.push(format!("{}: the fix results in\n{}", rule.id, fixed.concat()));
         }
     }
     let (sources, findings) = judge_example(rule.good);
@@ -118,12 +118,12 @@ fn each_further_case_has_the_expected_findings() {
         let (sources, findings) = judge(&files);
         let findings = of_rule(findings, rule.id);
         let found = render::findings(&findings, &sources, false);
-        let mended: String = apply(&findings, &sources)
+        let fixed: String = apply(&findings, &sources)
             .iter()
             .map(|(source, text)| format!("== {}\n{text}", sources.path(*source)))
             .collect();
-        let mended = (!mended.is_empty()).then(|| differs(&folder.join("mended.txt"), &mended)).flatten();
-        for failure in differs(&folder.join("expected.txt"), &found).into_iter().chain(mended) {
+        let fixed = (!fixed.is_empty()).then(|| differs(&folder.join("fixed.txt"), &fixed)).flatten();
+        for failure in differs(&folder.join("expected.txt"), &found).into_iter().chain(fixed) {
             writeln!(failures, "{failure}").expect("a string");
         }
     }
@@ -208,16 +208,16 @@ impl Definitions {
     }
 
     /// Applies all automatic fixes once. Returns `None` if there are none.
-    fn mended(&self) -> Option<Self> {
+    fn fixed(&self) -> Option<Self> {
         let (sources, packages) = self.load();
-        let mended = apply(&lint(&sources, &packages, &[], &all()), &sources);
-        if mended.is_empty() {
+        let fixed = apply(&lint(&sources, &packages, &[], &all()), &sources);
+        if fixed.is_empty() {
             return None;
         }
         let mut definitions = self.clone();
         for ((_, _, files), package) in definitions.packages.iter_mut().zip(&packages) {
             for ((_, text), source) in files.iter_mut().zip(&package.sources) {
-                if let Some(new) = mended.get(source) {
+                if let Some(new) = fixed.get(source) {
                     assert_ne!(text, new, "a fix must change the text");
                     text.clone_from(new);
                 }
@@ -241,11 +241,11 @@ fn check_mending(name: &str, definitions: &Definitions) {
     let model = definitions.model();
     let mut current = definitions.clone();
     for _ in 0..MAX_PASSES {
-        let Some(mended) = current.mended() else { return };
-        current = mended;
+        let Some(fixed) = current.fixed() else { return };
+        current = fixed;
         assert!(current.model() == model, "{name}: a fix changes the meaning");
     }
-    assert!(current.mended().is_none(), "{name}: fixes remain after {MAX_PASSES} passes");
+    assert!(current.fixed().is_none(), "{name}: fixes remain after {MAX_PASSES} passes");
 }
 
 #[test]

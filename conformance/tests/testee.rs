@@ -421,13 +421,13 @@ fn check_testee(command: &[&str], script: &str) {
 }
 
 #[test]
-#[ignore = "needs python3"]
+#[ignore = "requires Python"]
 fn the_python_testee_passes() {
     check_testee(&["python3", "-B"], "python/testee.py");
 }
 
 #[test]
-#[ignore = "needs node"]
+#[ignore = "requires Node"]
 fn the_javascript_testee_passes() {
     check_testee(&["node"], "node/testee.js");
 }

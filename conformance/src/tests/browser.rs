@@ -40,7 +40,7 @@ fn measure(name: &str, report: &Report, folder: &Path) -> Vec<Value> {
 }
 
 #[test]
-#[ignore = "needs Chromium and Python"]
+#[ignore = "requires Chromium and Python"]
 fn reports_fit_every_screen_in_both_schemes() {
     let temporary = tempfile::tempdir().expect("a folder");
     let folder =
