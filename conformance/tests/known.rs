@@ -237,6 +237,26 @@ fn keeps_entries_that_an_unreadable_part_may_match() {
 }
 
 #[test]
+fn writes_the_first_list() {
+    let folder = folder();
+    let run = |arguments: &[&str]| {
+        let always = ["check", "--definitions", "msg", "--type", "px4/Glider", "logs/odd.jsonl"];
+        uavspec(folder.path(), &[&always, arguments].concat())
+    };
+    let (status, _, errors) = run(&["--init-known", "known.toml"]);
+    assert_eq!(status, Some(1));
+    assert!(errors.contains("known.toml: 2 failures"), "{errors}");
+    let list = list_of(&folder);
+    assert!(list.contains("rule = \"PX-JSON-02\"\nsubject = \"Glider.mark\""), "{list}");
+    let (status, printed, _) = run(&["--known", "known.toml"]);
+    assert_eq!(status, Some(0), "{printed}");
+    let (status, _, errors) = run(&["--init-known", "known.toml"]);
+    assert_eq!(status, Some(2));
+    assert!(errors.contains("the file exists"), "{errors}");
+    assert_eq!(list_of(&folder), list);
+}
+
+#[test]
 fn rejects_invalid_lists() {
     let folder = folder();
     let (status, printed, output) = check(&folder, "[[known]]\nrule = \"PX-NONE-01\"\n", &["logs"]);

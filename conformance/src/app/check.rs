@@ -160,7 +160,8 @@ pub(super) fn check(args: &CheckArgs) -> Status {
     checked.into_iter().for_each(take);
     let reasons = uncovered(&required, &subjects);
     let report = Report::new(Action::Check, super::command(), &definitions, subjects, unreadable, reasons);
-    deliver(&args.report, &report.with_stale(known.stale)).max(known_status)
+    let report = report.with_stale(known.stale);
+    deliver(&args.report, &report).max(known_status).max(args.known.init(&report))
 }
 
 /// The settings that affect reports.

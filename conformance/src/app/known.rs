@@ -1,15 +1,21 @@
 //! Lists of known failures on the command line.
 
+use std::collections::BTreeSet;
 use std::error::Error;
+use std::fs::File;
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
 use uavspec_codegen::diagnostic::Level;
+use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::Status;
-use crate::check::known::{Checked, Lists, Scope, Stale, excuse_findings, rule_outcomes, unread_outcome};
+use crate::check::known::{
+    Checked, Lists, NewEntry, Scope, Stale, excuse_findings, new_list, rule_outcomes, unread_outcome,
+};
 use crate::model::{Date, Extent, Reason};
-use crate::report::{CheckedCapture, Unreadable};
+use crate::report::{About, CheckedCapture, Report, Unreadable, Verdict};
 
 /// Arguments of commands that read lists of known failures.
 #[derive(Args, Debug)]
@@ -25,6 +31,11 @@ pub(super) struct KnownArgs {
     /// hand. Until then, the run fails.
     #[arg(long, requires = "known")]
     fix_known: bool,
+    /// Write a new list of all failures that are not known yet.
+    ///
+    /// The file must not exist. State the reason for each entry, then pass the list with --known.
+    #[arg(long, value_name = "FILE")]
+    init_known: Option<PathBuf>,
 }
 
 /// The lists of a run.
@@ -45,9 +56,52 @@ impl KnownArgs {
             Status::Usage
         };
         let lists = Lists::read(&self.known).map_err(|error| print_error(error.to_string()))?;
+        if let Some(path) = self.init_known.as_deref().filter(|path| path.exists()) {
+            let help = "use --known and --fix-known to update a list, or choose another name";
+            return Err(print_error(format!("error: {}: the file exists\n  help: {help}", path.display())));
+        }
         let today = Date::today().map_err(|error| print_error(format!("error: {error}")))?;
         Ok(Known { lists, stale: Vec::new(), today, is_fixing: self.fix_known })
     }
+}
+
+impl KnownArgs {
+    /// Writes the list for `--init-known`. Errors are printed.
+    pub(super) fn init(&self, report: &Report) -> Status {
+        let Some(path) = &self.init_known else { return Status::Conforms };
+        let entries = new_entries(report);
+        let text = new_list(&entries, &report.command);
+        let written = File::create_new(path).and_then(|mut file| file.write_all(text.as_bytes()));
+        match written {
+            Ok(()) => {
+                let failures = plural(entries.len() as u64, "failure");
+                anstream::eprintln!("{}: {failures}; state the reason for each one", path.display());
+                Status::Conforms
+            }
+            Err(error) => {
+                anstream::eprintln!("error: {}: can't write the list: {error}", path.display());
+                Status::Unreadable
+            }
+        }
+    }
+}
+
+/// An entry for each failure and warning that no list names.
+fn new_entries(report: &Report) -> BTreeSet<NewEntry> {
+    let mut entries = BTreeSet::new();
+    for subject in &report.subjects {
+        let findings = subject.findings.iter();
+        entries.extend(
+            findings
+                .filter(|found| matches!(found.verdict, Verdict::Fail | Verdict::Warn))
+                .map(|found| NewEntry::Rule { rule: found.rule.to_owned(), subject: found.subject.clone() }),
+        );
+        if let About::Testee(testee) = &subject.about {
+            let failed = testee.cases.iter().filter(|case| case.verdict.is_failure() && case.known.is_none());
+            entries.extend(failed.map(|case| NewEntry::Case(case.name.clone())));
+        }
+    }
+    entries
 }
 
 impl Known {

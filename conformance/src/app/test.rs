@@ -182,7 +182,8 @@ pub(super) fn test(args: &TestArgs) -> Status {
     args.report.print_subject(&subject);
     let subjects = vec![subject];
     let report = Report::new(Action::Test, super::command(), &definitions, subjects, Vec::new(), Vec::new());
-    deliver(&args.report, &report.with_stale(known.stale)).max(known_status)
+    let report = report.with_stale(known.stale);
+    deliver(&args.report, &report).max(known_status).max(args.known.init(&report))
 }
 
 /// The command that runs one case.

@@ -35,6 +35,7 @@
 //! ```
 
 mod fix;
+mod new;
 mod pattern;
 mod read;
 mod run;
@@ -54,6 +55,7 @@ use uavspec_codegen::rewrite::{self, Change};
 use uavspec_codegen::source::{SourceId, Span};
 use uavspec_codegen::{Failure, SourceMap, render};
 
+pub(crate) use self::new::{NewEntry, list as new_list};
 use self::pattern::Pattern;
 pub(crate) use self::run::{excuse_findings, rule_outcomes, unread_outcome};
 pub(crate) use self::stale::{Checked, Name, Outcome, Scope, Stale, StaleReason};

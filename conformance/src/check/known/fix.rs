@@ -65,7 +65,8 @@ fn quoted_start(message: &str) -> String {
     quote(message[..end].to_owned())
 }
 
-fn quote(text: String) -> String {
+/// A text as a TOML string.
+pub(super) fn quote(text: String) -> String {
     toml::Value::String(text).to_string()
 }
 
