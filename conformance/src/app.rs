@@ -91,13 +91,13 @@ enum Command {
     Testee(testee::TesteeCommand),
     /// Test a live Flockwave server.
     ///
-    /// The probe sends requests that change nothing, and listens for notifications. Then it tests how the server
-    /// handles split messages, invalid JSON and about thirty malformed requests, each on a new connection.
+    /// The probe sends each type of request that changes nothing, and listens for notifications. Then it tests how the
+    /// server handles split messages, invalid JSON and about forty malformed requests, each on a new connection.
     ///
     /// The probe may crash a server that has bugs. Never probe a server that is controlling flying UAVs.
     ///
-    /// With --allow-commands, the given UAVs take off, fly at 10 m above home, return and land. The UAVs are also
-    /// tested, calibrated, put to sleep and woken up. The probe also adjusts the server's clock by zero seconds.
+    /// With --allow-commands, the given UAVs are calibrated and tested, put to sleep and woken up. They take off, fly
+    /// at 10 m above home, return and land. After the landing, they are halted and restarted.
     Probe(probe::ProbeArgs),
     /// Run a reference Flockwave server with a simulated fleet.
     ///

@@ -32,17 +32,24 @@
 //! ```
 
 mod commands;
+mod coverage;
+mod selection;
 mod session;
 mod survey;
 mod tape;
+mod trials;
 
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
+use uavspec_codegen::emit::docs::markdown::plural;
 
-use self::session::Session;
+use self::coverage::Coverage;
+pub use self::coverage::RequestType;
+pub use self::selection::Selection;
+use self::session::{PATIENCE, Session};
 use self::tape::Tape;
 use crate::check::CaptureResult;
 use crate::definitions::Definitions;
@@ -50,35 +57,47 @@ use crate::flockwave::record::Trial;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::base64;
 use crate::model::Rule;
-use crate::rules::flockwave::trial::{self, Attempt, Request, Sent, Step};
-use crate::rules::flockwave::{FlockwaveRule, env_07, sio_01, udp_02};
+use crate::rules::flockwave::trial::Request;
+use crate::rules::flockwave::{FlockwaveRule, env_07, env_26, sio_01, udp_02};
 
 /// The time limit of a probe without commands, excluding the listening period.
 const TIME_LIMIT: Duration = Duration::from_secs(45);
 
-/// The time limit for connecting, and for the answer to the first request.
+/// The time limit for connecting. Until then, refused connections are retried, because the server may be starting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The delay between attempts to connect.
 const PAUSE: Duration = Duration::from_millis(250);
 
-/// The timeout of a request. After the timeout, the next request is sent, but the answer may still arrive.
-const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
+/// The minimum time to wait for an answer before the next request is sent. The answer may still arrive later: only a
+/// request without an answer after [`PATIENCE`] counts as unanswered.
+const PACE: Duration = Duration::from_secs(2);
 
-/// The number of unanswered requests after which a reduced timeout applies, and the reduced timeout.
-const REDUCED_TIMEOUT: (u32, Duration) = (3, Duration::from_millis(300));
+/// The number of unanswered requests after which a reduced pace applies, and the reduced pace.
+const REDUCED_PACE: (u32, Duration) = (3, Duration::from_millis(300));
 
-/// The time limit for late answers.
-const LATE_ANSWER_TIME: Duration = Duration::from_millis(400);
+/// The number of times that a request is sent again over UDP, which may lose it or its answer, and the minimum
+/// interval.
+const MAX_RESENDS: u32 = 3;
+const RESEND_INTERVAL: Duration = Duration::from_millis(100);
 
-/// The delay between messages. The delay ensures that each message is sent in a separate segment.
-const SEND_INTERVAL: Duration = Duration::from_millis(20);
+/// The time to wait until a server that stopped serving serves again.
+const RESTART_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// The number of times that a server may stop serving before the probe ends.
+const MAX_STOPS: u32 = 3;
 
 /// The maximum number of reconnections to a server that closes its connections.
 const MAX_RECONNECTS: u32 = 20;
 
+/// The maximum number of connections that wait for late answers.
+const MAX_LINGERING: usize = 16;
+
 /// The maximum number of notes.
 const MAX_NOTES: usize = 50;
+
+/// The reason for requests that were not sent because the time limit was reached.
+const OUT_OF_TIME: &str = "out of time";
 
 /// Options of a probe.
 #[derive(Clone, Debug)]
@@ -89,15 +108,17 @@ pub struct Options {
     pub login: Option<(String, String)>,
     /// The UAVs that may receive commands; empty if commands aren't allowed.
     pub uavs: Vec<String>,
-    /// The time limit of the probe, excluding [`observe`](Self::observe).
+    /// The time after which no further requests are sent, excluding [`observe`](Self::observe).
     pub limit: Duration,
+    /// The rules, trials and message types to use.
+    pub selection: Selection,
 }
 
 impl Options {
     /// Options with the default time limit.
     pub fn new(observe: Duration, login: Option<(String, String)>, uavs: Vec<String>) -> Self {
         let limit = if uavs.is_empty() { TIME_LIMIT } else { TIME_LIMIT + commands::EXTRA_TIME };
-        Self { observe, login, uavs, limit }
+        Self { observe, login, uavs, limit, selection: Selection::default() }
     }
 }
 
@@ -106,10 +127,14 @@ impl Options {
 pub struct Probed {
     /// The findings in the session.
     pub result: CaptureResult,
+    /// All request types of the definitions, sorted by name.
+    pub requests: Vec<RequestType>,
     /// Notable events during the probe, in order.
     pub notes: Vec<String>,
-    /// The reason why the probe ended early.
+    /// The reason why the server couldn't be probed.
     pub failure: Option<String>,
+    /// The reason why the probe ended early.
+    pub cut_short: Option<String>,
     /// The reason why the recording is incomplete.
     pub unrecorded: Option<io::Error>,
 }
@@ -123,21 +148,28 @@ pub fn probe<'d>(
     record: Option<Box<dyn Write + 'd>>,
     on_progress: &dyn Fn(usize, usize),
 ) -> Probed {
-    let attempts = trial::attempts(endpoint);
+    let attempts = trials::selected(endpoint, &options.selection);
     let commands = if options.uavs.is_empty() { 0 } else { commands::STEPS };
     let mut probe = Probe {
         endpoint,
         options,
         tape: Tape::new(definitions, record),
+        coverage: Coverage::new(definitions),
         session: None,
+        witness: None,
+        lingering: Vec::new(),
         connections: 0,
         reconnects: 0,
         requests: 0,
         silences: 0,
+        stops: 0,
         slowest: Duration::ZERO,
         end: Instant::now() + options.limit + options.observe,
         notes: Vec::new(),
         failure: None,
+        cut_short: None,
+        unsent: (0, 0),
+        has_login: options.login.is_some(),
         is_bare: false,
         steps: (0, survey::STEPS + commands + attempts.len()),
         on_progress,
@@ -145,12 +177,8 @@ pub fn probe<'d>(
     if probe.begin() {
         probe.survey();
         probe.leave();
-        probe.reset_steps(survey::STEPS + commands);
-        for (rule, attempt) in &attempts {
-            if probe.failure.is_some() || !probe.attempt(rule, attempt) {
-                break;
-            }
-        }
+        probe.steps.0 = survey::STEPS + commands;
+        probe.run_trials(&attempts);
     }
     probe.finish()
 }
@@ -160,19 +188,31 @@ struct Probe<'p, 'd> {
     endpoint: &'p Endpoint,
     options: &'p Options,
     tape: Tape<'d>,
+    coverage: Coverage,
     /// The connection used for the survey.
     session: Option<Session>,
+    /// A connection that stays open during the trials, to show whether they affect other clients.
+    witness: Option<Session>,
+    /// Connections that wait for late answers.
+    lingering: Vec<Session>,
     connections: usize,
     reconnects: u32,
     requests: u64,
     /// The number of requests that weren't answered in time.
     silences: u32,
+    /// The number of times that the server stopped serving.
+    stops: u32,
     /// The longest time that the server has taken to answer.
     slowest: Duration,
-    /// The time limit of the probe.
+    /// The time after which no further requests are sent.
     end: Instant,
     notes: Vec<String>,
     failure: Option<String>,
+    cut_short: Option<String>,
+    /// The numbers of requests and trials that were not sent because the time limit was reached.
+    unsent: (u64, usize),
+    /// True if each new connection logs in.
+    has_login: bool,
     /// True if answers have no envelope.
     is_bare: bool,
     steps: (usize, usize),
@@ -180,107 +220,152 @@ struct Probe<'p, 'd> {
 }
 
 impl Probe<'_, '_> {
-    /// Connects to the server, and waits for its first answer.
+    /// Connects to the server, and waits for its first answer. Returns false if this isn't a Flockwave server.
     fn begin(&mut self) -> bool {
-        let until = Instant::now() + CONNECT_TIMEOUT;
-        loop {
-            match self.open(None) {
-                Ok(session) => {
-                    self.session = Some(session);
-                    break;
-                }
-                Err(error) if Instant::now() + PAUSE >= until => {
-                    self.refused(self.endpoint, &error, None);
-                    self.fail(format!("can't connect: {error}"));
-                    return false;
-                }
-                Err(_) => thread::sleep(PAUSE),
+        match self.connect(None) {
+            Ok(session) => self.session = Some(session),
+            Err(error) => {
+                self.refused(None, &error, None);
+                self.failure = Some(format!("can't connect: {error}"));
+                return false;
             }
         }
-        let tried = match self.endpoint {
+        let tested = match self.endpoint {
             Endpoint::Udp(_) => &udp_02::RULE,
             Endpoint::SocketIo { .. } => &sio_01::RULE,
             Endpoint::Tcp(_) | Endpoint::Http { .. } => &env_07::RULE,
         };
-        let trial = Some(Trial { rule: &tried.rule, how: "" });
-        let until = until.max(Instant::now() + ANSWER_TIMEOUT);
-        let answer = self.post(&json!({ "type": "SYS-VER" }), trial, until);
-        if answer.is_none() {
-            self.fail("the server doesn't answer".to_owned());
+        let trial = Some(Trial { rule: &tested.rule, how: "" });
+        if self.post(&json!({ "type": "SYS-VER" }), trial, PATIENCE).is_some() {
+            return true;
         }
-        answer.is_some()
+        self.failure = Some(if self.tape.is_identified() {
+            "the server doesn't answer".to_owned()
+        } else {
+            format!("this is not a Flockwave server: {}", self.why_unknown())
+        });
+        false
+    }
+
+    /// The behaviour of a server that isn't a Flockwave server, with a guess at what it is.
+    fn why_unknown(&self) -> String {
+        let other = self.session.as_ref().and_then(Session::trouble);
+        match (self.tape.unknown(), other) {
+            (Some(data), _) if data.starts_with("HTTP/") || data.starts_with('<') => {
+                format!("it sent {data:?}; for an HTTP server, use an http:// or socketio:// URL")
+            }
+            (Some(data), _) if data.starts_with('\u{15}') => {
+                "it sent a TLS alert; for a server with TLS, use a tcps:// or https:// URL".to_owned()
+            }
+            (Some(data), _) => format!("it sent {data:?}"),
+            (None, Some(trouble)) => trouble,
+            (None, None) => format!("no answer to SYS-VER within {} s", PATIENCE.as_secs()),
+        }
     }
 
     fn finish(mut self) -> Probed {
         self.leave();
-        let (result, unrecorded) = self.tape.finish();
-        Probed { result, notes: self.notes, failure: self.failure, unrecorded }
+        if let Some(witness) = self.witness.take() {
+            self.close(witness);
+        }
+        while !self.lingering.is_empty() {
+            self.catch_up();
+        }
+        if self.unsent != (0, 0) {
+            let (requests, trials) = self.unsent;
+            let unsent = format!("{} and {}", plural(requests, "request"), plural(trials as u64, "trial"));
+            self.cut_short(format!("{OUT_OF_TIME}: {unsent} were not sent"));
+        }
+        let (mut result, unrecorded) = self.tape.finish();
+        result.findings.retain(|rule| self.options.selection.has_rule(rule));
+        let rest = self.cut_short.as_deref().or(self.failure.as_deref()).unwrap_or("not selected");
+        let requests = self.coverage.finish(rest);
+        let (notes, failure, cut_short) = (self.notes, self.failure, self.cut_short);
+        Probed { result, requests, notes, failure, cut_short, unrecorded }
     }
 
-    /// Opens a new connection.
-    fn open(&mut self, endpoint: Option<&Endpoint>) -> io::Result<Session> {
-        self.connections += 1;
-        let limit = CONNECT_TIMEOUT.min(self.left()).max(PAUSE);
-        Session::open(endpoint.unwrap_or(self.endpoint), self.connections, &mut self.tape, limit)
-    }
-
-    /// Records that a connection was refused.
-    fn refused(&mut self, endpoint: &Endpoint, error: &io::Error, trial: Option<Trial<'_>>) {
-        self.tape.refused(&session::name(endpoint, self.connections), &error.to_string(), trial);
-    }
-
-    /// Makes sure that the survey has an open connection. Reconnects if the server closed it.
-    fn ensure_connected(&mut self) -> bool {
-        if self.session.as_ref().is_some_and(|session| !session.is_over()) {
-            return true;
-        }
-        if self.failure.is_some() || self.is_late() {
-            return false;
-        }
-        if self.reconnects >= MAX_RECONNECTS {
-            self.fail(format!("the server closed the connection {MAX_RECONNECTS} times"));
-            return false;
-        }
-        self.reconnects += 1;
-        self.session = self.reopen(None);
-        if self.session.is_some() {
-            self.note(format!(
-                "the server closed connection {}; the probe connected again",
-                self.connections - 1
-            ));
-            self.log_in();
-        }
-        self.session.is_some()
-    }
-
-    /// Opens a new connection to a server that may be restarting.
-    fn reopen(&mut self, endpoint: Option<&Endpoint>) -> Option<Session> {
+    /// Opens a new connection. Retries if the server may be starting.
+    fn connect(&mut self, endpoint: Option<&Endpoint>) -> io::Result<Session> {
+        let endpoint = endpoint.unwrap_or(self.endpoint);
         let until = Instant::now() + CONNECT_TIMEOUT;
+        self.connections += 1;
         loop {
-            match self.open(endpoint) {
-                Ok(session) => return Some(session),
-                Err(_) if Instant::now() + PAUSE < until.min(self.end) => thread::sleep(PAUSE),
-                Err(error) => {
-                    self.refused(endpoint.unwrap_or(self.endpoint), &error, None);
-                    self.fail(format!("can't reconnect: {error}"));
-                    return None;
-                }
+            match Session::open(endpoint, self.connections, &mut self.tape, CONNECT_TIMEOUT) {
+                Err(error) if is_transient(&error) && Instant::now() + PAUSE < until => thread::sleep(PAUSE),
+                opened => return opened,
             }
         }
     }
 
-    /// Closes the survey's connection after waiting for late answers.
-    fn leave(&mut self) {
-        let Some(mut session) = self.session.take() else { return };
-        let until =
-            Instant::now() + if session.is_waiting() { self.answer_timeout() } else { Duration::ZERO };
-        if session.is_waiting() {
-            session.settle(&mut self.tape, until);
+    /// Records that a connection was refused.
+    fn refused(&mut self, endpoint: Option<&Endpoint>, error: &io::Error, trial: Option<Trial<'_>>) {
+        let name = session::name(endpoint.unwrap_or(self.endpoint), self.connections);
+        self.tape.refused(&name, &error.to_string(), trial);
+    }
+
+    /// Makes sure that the survey has an open connection. Reconnects if the connection ended.
+    fn ensure_connected(&mut self) -> bool {
+        if self.session.as_ref().is_some_and(|session| !session.is_over()) {
+            return true;
         }
+        if self.failure.is_some() || self.cut_short.is_some() {
+            return false;
+        }
+        let why = self.session.as_ref().map(Session::why_over);
+        self.leave();
+        if self.reconnects >= MAX_RECONNECTS {
+            self.cut_short(format!("{MAX_RECONNECTS} connections ended"));
+            return false;
+        }
+        self.reconnects += 1;
+        match self.connect(None) {
+            Ok(session) => self.session = Some(session),
+            Err(error) => {
+                self.refused(None, &error, None);
+                self.cut_short(format!("can't reconnect: {error}"));
+                return false;
+            }
+        }
+        if let Some(why) = why {
+            self.note(format!("{why}; the probe connected again"));
+        }
+        self.log_in();
+        true
+    }
+
+    /// Ends the survey's connection.
+    fn leave(&mut self) {
+        let Some(session) = self.session.take() else { return };
         if session.bare_answers() > 0 && !std::mem::replace(&mut self.is_bare, true) {
             self.note("HTTP responses have no envelope; uavspec adds one before checking them".to_owned());
         }
-        session.close(&mut self.tape);
+        self.close(session);
+    }
+
+    /// Closes a connection, but keeps it open while answers may still arrive.
+    fn close(&mut self, session: Session) {
+        if !session.is_pending() {
+            return session.close(&mut self.tape);
+        }
+        while self.lingering.len() >= MAX_LINGERING {
+            self.catch_up();
+        }
+        self.lingering.push(session);
+    }
+
+    /// Reads late answers, and closes the connections for which no more can arrive.
+    fn catch_up(&mut self) {
+        if let Some(witness) = &mut self.witness {
+            witness.catch_up(&mut self.tape);
+        }
+        for mut session in std::mem::take(&mut self.lingering) {
+            session.catch_up(&mut self.tape);
+            if session.is_pending() {
+                self.lingering.push(session);
+            } else {
+                session.close(&mut self.tape);
+            }
+        }
     }
 
     /// Sends a request on the survey's connection, and waits for the answer. A missing answer violates a rule.
@@ -292,39 +377,134 @@ impl Probe<'_, '_> {
     /// Like [`query`](Self::query), for a request that tests a rule.
     #[allow(clippy::needless_pass_by_value)] // as above
     fn query_for_trial(&mut self, rule: &'static FlockwaveRule, body: Value) -> Option<Value> {
-        self.request(&rule.rule, Request::new("", body))
+        let is_selected = self.options.selection.has_request(body["type"].as_str().unwrap_or_default());
+        if is_selected { self.request(&rule.rule, Request::new("", body)) } else { None }
     }
 
     /// Sends a request that tests a rule, and waits for the answer.
     fn request(&mut self, rule: &'static Rule, request: Request) -> Option<Value> {
         self.step();
-        if self.is_late() || !self.ensure_connected() {
+        self.catch_up();
+        let Request { how, body, member, is_repeated } = request;
+        let type_name = body["type"].as_str().unwrap_or_default().to_owned();
+        if self.is_late() {
+            self.coverage.not_sent(&[&type_name], OUT_OF_TIME);
+            self.unsent.0 += 1;
             return None;
         }
-        let Request { how, body, member, is_repeated } = request;
-        let (id, sent_at) = (self.next_id(), Instant::now());
-        let until = sent_at + self.answer_timeout();
+        if !self.ensure_connected() {
+            return None;
+        }
+        let id = self.next_id();
         let mut message = json!({ "$fw.version": "1.0", "id": id });
         if let Some((key, value)) = member {
             message[key] = value;
         }
         message["body"] = body;
         if is_repeated {
-            self.post_message(&id, &message, Some(plain()), until)?;
+            self.post_message(&id, &message, Some(plain()), self.pace())?;
         }
-        let answer = self.post_message(&id, &message, Some(Trial { rule, how }), until);
-        match answer {
-            Some(_) => self.slowest = self.slowest.max(sent_at.elapsed()),
-            None => self.silences += 1,
+        let answer = self.post_message(&id, &message, Some(Trial { rule, how }), self.pace());
+        self.coverage.sent(&type_name, answer.as_ref());
+        if answer.is_none() {
+            self.unanswered(&type_name);
         }
         answer
     }
 
+    /// Handles a request without an answer. If the connection doesn't answer `SYS-VER` either, only the first request
+    /// without an answer is reported, and the probe continues on a new connection.
+    fn unanswered(&mut self, type_name: &str) {
+        self.silences += 1;
+        let is_open = self.session.as_ref().is_some_and(|session| !session.is_over());
+        if !is_open || self.post(&json!({ "type": "SYS-VER" }), None, PATIENCE).is_some() {
+            return;
+        }
+        self.note(format!("a connection stopped answering after {type_name}; the probe connected again"));
+        self.leave();
+        self.recover(&format!("after a request: {type_name}"));
+    }
+
+    /// Waits until the server serves a new connection. A message from one client must not affect others, so a server
+    /// that stopped serving them violates a rule. Returns false if the probe can't continue.
+    fn recover(&mut self, after: &str) -> bool {
+        let trial = Trial { rule: &env_26::RULE.rule, how: after };
+        let is_reported = !self.serves_witness(trial);
+        if self.serves(Some(trial).filter(|_| !is_reported), PATIENCE) {
+            if is_reported {
+                self.note(format!("the server stopped serving other connections {after}"));
+            }
+            return true;
+        }
+        self.stops += 1;
+        let (stopped_at, until) = (Instant::now(), (Instant::now() + RESTART_TIMEOUT).min(self.end));
+        while self.stops < MAX_STOPS && Instant::now() < until {
+            thread::sleep(PAUSE);
+            if self.serves(None, PACE) {
+                let seconds = (stopped_at.elapsed() + PATIENCE).as_secs();
+                self.note(format!("the server stopped serving {after}; it served again after {seconds} s"));
+                return true;
+            }
+        }
+        self.cut_short(format!("the server stopped serving {after}"));
+        false
+    }
+
+    /// Makes sure that the witness is connected.
+    fn ensure_witness(&mut self) {
+        if self.witness.as_ref().is_none_or(Session::is_over)
+            && let Ok(witness) = self.connect(None)
+        {
+            let session = self.session.replace(witness);
+            self.log_in();
+            self.witness = std::mem::replace(&mut self.session, session);
+        }
+    }
+
+    /// True if the server answers on the connection of the witness, if there is one.
+    fn serves_witness(&mut self, trial: Trial<'_>) -> bool {
+        let Some(mut witness) = self.witness.take() else { return true };
+        witness.catch_up(&mut self.tape);
+        if witness.is_over() {
+            let is_lost = !witness.is_announced();
+            if is_lost {
+                self.tape.refused(witness.name(), "the server closed this connection too", Some(trial));
+            }
+            return !is_lost;
+        }
+        let session = self.session.replace(witness);
+        let is_served = self.post(&json!({ "type": "SYS-VER" }), Some(trial), PATIENCE).is_some();
+        self.witness = std::mem::replace(&mut self.session, session);
+        if !is_served && let Some(witness) = self.witness.take() {
+            self.close(witness);
+        }
+        is_served
+    }
+
+    /// True if the server answers on a new connection.
+    fn serves(&mut self, trial: Option<Trial<'_>>, patience: Duration) -> bool {
+        let survey = self.session.take();
+        let is_served = match self.connect(None) {
+            Ok(session) => {
+                self.session = Some(session);
+                self.log_in();
+                self.post(&json!({ "type": "SYS-VER" }), trial, patience).is_some()
+            }
+            Err(error) => {
+                self.refused(None, &error, trial);
+                false
+            }
+        };
+        self.leave();
+        self.session = survey;
+        is_served
+    }
+
     /// Sends a request, and waits for its answer.
-    fn post(&mut self, body: &Value, trial: Option<Trial<'_>>, until: Instant) -> Option<Value> {
+    fn post(&mut self, body: &Value, trial: Option<Trial<'_>>, patience: Duration) -> Option<Value> {
         let id = self.next_id();
         let message = json!({ "$fw.version": "1.0", "id": id, "body": body });
-        self.post_message(&id, &message, trial, until)
+        self.post_message(&id, &message, trial, patience)
     }
 
     fn post_message(
@@ -332,11 +512,22 @@ impl Probe<'_, '_> {
         id: &str,
         message: &Value,
         trial: Option<Trial<'_>>,
-        until: Instant,
+        patience: Duration,
     ) -> Option<Value> {
         let session = self.session.as_mut()?;
-        session.send(&mut self.tape, message.to_string().as_bytes(), Some(id), trial);
-        session.answer(&mut self.tape, id, until)
+        let (text, end) = (message.to_string(), Instant::now() + patience);
+        let resends = if matches!(self.endpoint, Endpoint::Udp(_)) { MAX_RESENDS } else { 0 };
+        for left in (0..=resends).rev() {
+            let sent_at = Instant::now();
+            session.send(&mut self.tape, text.as_bytes(), Some(id), trial);
+            let until =
+                if left == 0 { end } else { end.min(sent_at + RESEND_INTERVAL.max(self.slowest * 3)) };
+            if let Some(answer) = session.answer(&mut self.tape, id, until) {
+                self.slowest = self.slowest.max(sent_at.elapsed());
+                return Some(answer);
+            }
+        }
+        None
     }
 
     fn next_id(&mut self) -> String {
@@ -344,120 +535,31 @@ impl Probe<'_, '_> {
         format!("probe-{}", self.requests)
     }
 
-    /// Logs in, if the caller provided a name.
-    fn log_in(&mut self) {
-        let Some((name, password)) = &self.options.login else { return };
-        let data = base64::encode(format!("{name}:{password}").as_bytes());
-        let until = Instant::now() + ANSWER_TIMEOUT;
-        let answer =
-            self.post(&json!({ "type": "AUTH-REQ", "method": "basic", "data": data }), Some(plain()), until);
-        if answer.is_none_or(|answer| answer["body"]["result"] != true) {
-            self.note("the login failed".to_owned());
-        }
-    }
-
-    /// Runs an attempt on a separate connection. Returns true if the probe can continue.
-    fn attempt(&mut self, rule: &'static Rule, attempt: &Attempt) -> bool {
-        let Attempt { how, endpoint, steps } = attempt;
-        if self.is_late() {
-            let (done, all) = self.steps;
-            self.fail(format!("time limit reached: {} trials were not run", all - done));
-            return false;
-        }
-        self.step();
-        let trial = Trial { rule, how };
-        let session = match endpoint {
-            // Some trials test whether the server accepts a connection to a different endpoint.
-            Some(other) => match self.open(Some(other)) {
-                Ok(session) => Some(session),
-                Err(error) => {
-                    self.refused(other, &error, Some(trial));
-                    return true;
-                }
-            },
-            None => self.reopen(None),
-        };
-        let Some(session) = session else { return false };
-        self.session = Some(session);
-        self.log_in();
-        let Some(mut session) = self.session.take() else { return false };
-        self.carry_out(&mut session, steps, trial);
-        let is_answered = !session.is_waiting();
-        session.close(&mut self.tape);
-        // If the server has crashed, further trials are meaningless.
-        if is_answered || self.is_alive() {
+    /// Logs in, if the caller provided a name. Returns false if the server refuses the login.
+    fn log_in(&mut self) -> bool {
+        let Some((name, password)) = self.options.login.as_ref().filter(|_| self.has_login) else {
             return true;
-        }
-        self.fail(format!("the server stopped answering after a trial for {}: {how}", rule.id));
-        false
-    }
-
-    /// Performs the steps of an attempt, and waits for all answers.
-    fn carry_out(&mut self, session: &mut Session, steps: &[Step], trial: Trial<'_>) {
-        let grace = LATE_ANSWER_TIME.max(self.slowest * 4);
-        for (at, step) in steps.iter().enumerate() {
-            // The server should process and answer each step before the next message arrives.
-            match at {
-                0 => {}
-                _ if session.is_waiting() => session.settle(&mut self.tape, Instant::now() + grace),
-                _ => thread::sleep(SEND_INTERVAL),
-            }
-            perform(session, &mut self.tape, step, trial);
-        }
-        let last = steps.last().and_then(Step::id);
-        let mut until = Instant::now() + self.answer_timeout();
-        let mut is_last_answered = false;
-        while session.is_waiting() && session.receive(&mut self.tape, until).is_some() {
-            if !is_last_answered && last.is_some_and(|id| !session.awaits(id)) {
-                is_last_answered = true;
-                until = until.min(Instant::now() + grace);
-            }
-            if Instant::now() >= until {
-                break;
-            }
-        }
-        if session.is_waiting() && !session.is_over() && !is_last_answered {
-            self.silences += 1;
-        }
-    }
-
-    /// True if the server answers on a new connection.
-    fn is_alive(&mut self) -> bool {
-        self.session = self.reopen(None);
-        self.log_in();
-        let answer = self.post(&json!({ "type": "SYS-VER" }), None, Instant::now() + ANSWER_TIMEOUT);
-        if let Some(session) = self.session.take() {
-            session.close(&mut self.tape);
-        }
-        answer.is_some()
-    }
-
-    /// The time limit for an answer.
-    fn answer_timeout(&self) -> Duration {
-        let usual = if self.silences < REDUCED_TIMEOUT.0 {
-            ANSWER_TIMEOUT
-        } else {
-            REDUCED_TIMEOUT.1.max(self.slowest * 4)
         };
-        usual.min(ANSWER_TIMEOUT).min(self.left())
+        let data = base64::encode(format!("{name}:{password}").as_bytes());
+        let body = json!({ "type": "AUTH-REQ", "method": "basic", "data": data });
+        let answer = self.post(&body, Some(plain()), PATIENCE);
+        self.coverage.sent("AUTH-REQ", answer.as_ref());
+        answer.is_some_and(|answer| answer["body"]["result"] == true)
     }
 
-    fn left(&self) -> Duration {
-        self.end.saturating_duration_since(Instant::now())
+    /// The time to wait for an answer before the next request is sent.
+    fn pace(&self) -> Duration {
+        let usual = if self.silences < REDUCED_PACE.0 { PACE } else { REDUCED_PACE.1 };
+        usual.max(self.slowest * 3).min(PATIENCE)
     }
 
     fn is_late(&self) -> bool {
-        self.left().is_zero()
+        Instant::now() >= self.end
     }
 
     fn step(&mut self) {
         self.steps.0 = (self.steps.0 + 1).min(self.steps.1);
         (self.on_progress)(self.steps.0, self.steps.1);
-    }
-
-    /// Sets the number of finished steps, since some steps may have been skipped.
-    fn reset_steps(&mut self, done: usize) {
-        self.steps.0 = done;
     }
 
     fn note(&mut self, text: String) {
@@ -466,55 +568,17 @@ impl Probe<'_, '_> {
         }
     }
 
-    fn fail(&mut self, why: String) {
-        self.failure.get_or_insert(why);
+    fn cut_short(&mut self, why: String) {
+        self.cut_short.get_or_insert(why);
     }
+}
+
+/// True if a later attempt to connect may succeed.
+fn is_transient(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::ConnectionRefused | ErrorKind::ConnectionReset | ErrorKind::TimedOut)
 }
 
 /// The default trial, which tests only that the server answers a request.
 fn plain() -> Trial<'static> {
     Trial { rule: &env_07::RULE.rule, how: "" }
-}
-
-/// The trial that is recorded with a message. A message without an id can't be answered, so it tests nothing by itself.
-fn trial_of<'t>(sent: &Sent, trial: Trial<'t>) -> Option<Trial<'t>> {
-    sent.id().is_some().then_some(trial)
-}
-
-fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial<'_>) {
-    // A finding already reports that an earlier message has no answer.
-    if session.is_over() {
-        return;
-    }
-    match step {
-        Step::Send(sent) => session.send(tape, &sent.text, sent.id(), trial_of(sent, trial)),
-        Step::Together(all) if !session.is_stream() => {
-            for sent in all {
-                session.send(tape, &sent.text, sent.id(), trial_of(sent, trial));
-            }
-        }
-        Step::Together(all) => {
-            let mut bytes = Vec::new();
-            for sent in all {
-                session.note(tape, &sent.text, sent.id(), trial_of(sent, trial));
-                bytes.extend_from_slice(&sent.text);
-                bytes.push(b'\n');
-            }
-            session.send_raw(tape, &bytes);
-        }
-        Step::Pieces(sent, count, pause) => {
-            session.note(tape, &sent.text, sent.id(), trial_of(sent, trial));
-            let line = [&sent.text[..], b"\n"].concat();
-            for (at, piece) in line.chunks(line.len().div_ceil(*count)).enumerate() {
-                if at > 0 {
-                    thread::sleep(*pause);
-                }
-                session.send_raw(tape, piece);
-            }
-        }
-        Step::Packet(text) => {
-            session.note(tape, text.as_bytes(), None, None);
-            session.send_raw(tape, text.as_bytes());
-        }
-    }
 }

@@ -1,10 +1,12 @@
 //! Formats text for people to read.
 
 mod shown;
+mod similar;
 
 use std::fmt;
 
 pub(crate) use self::shown::{command_line, shown};
+pub(crate) use self::similar::similar;
 
 /// A number with thousands separators: 1,234,567.
 pub(crate) struct Grouped(pub(crate) u64);

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use uavspec_conformance::check::check_capture;
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::probe::{Options, Probed, probe};
+use uavspec_conformance::probe::{Options, Probed, RequestType, Selection, probe};
 use uavspec_conformance::rules::flockwave;
 use uavspec_conformance::serve::{self, Server, Transport};
 use uavspec_conformance::transport::Endpoint;
@@ -163,8 +163,33 @@ fn reports_a_refused_connection() {
 #[test]
 fn ends_in_time_with_a_silent_server() {
     let probed = probed(&serve(|stream, _| segments(&stream, |_| true)), &short_options());
-    assert_eq!(probed.failure.as_deref(), Some("the server doesn't answer"));
-    assert_eq!(violations(&probed), BTreeMap::from([("FW-ENV-07", 1)]));
+    let failure = probed.failure.as_deref().expect("a reason");
+    assert_eq!(failure, "this is not a Flockwave server: no answer to SYS-VER within 5 s");
+    assert_eq!(violations(&probed), BTreeMap::new());
+}
+
+/// Other protocols violate no Flockwave rule.
+#[test]
+fn recognises_servers_of_other_protocols() {
+    let tls_alert: &[u8] = &[0x15, 3, 3, 0, 2, 2, 70, b'\n'];
+    for (greeting, expected) in [
+        (&b"HTTP/1.1 400 Bad Request\r\nConnection: close\r\n\r\n<html>\r\n"[..], "http://"),
+        (tls_alert, "TLS"),
+        (b"SSH-2.0-OpenSSH_9.6\r\n", "SSH-2.0"),
+        (b"{\"jsonrpc\":\"2.0\",\"id\":\"probe-1\"}\n", "jsonrpc"),
+    ] {
+        let probed = probed(
+            &serve(move |mut stream, _| {
+                let _ = stream.write_all(greeting);
+                segments(&stream, |_| true);
+            }),
+            &short_options(),
+        );
+        let failure = probed.failure.as_deref().expect("a reason");
+        assert!(failure.starts_with("this is not a Flockwave server: "), "{failure}");
+        assert!(failure.contains(expected), "{failure}");
+        assert_eq!(violations(&probed), BTreeMap::new());
+    }
 }
 
 #[test]
@@ -177,9 +202,9 @@ fn reports_garbage_and_ends_in_time() {
         }),
         &short_options(),
     );
-    assert_eq!(probed.failure.as_deref(), Some("the server doesn't answer"));
-    // The probe reports garbage only once, because one of the lines may have been the answer.
-    assert_eq!(rules(&probed), BTreeSet::from(["FW-ENV-01"]));
+    let failure = probed.failure.as_deref().expect("a reason");
+    assert!(failure.starts_with("this is not a Flockwave server: it sent "), "{failure}");
+    assert_eq!(rules(&probed), BTreeSet::new());
 }
 
 #[test]
@@ -194,8 +219,9 @@ fn ends_in_time_with_slow_bytes_and_an_endless_line() {
             }),
             &short_options(),
         );
-        assert_eq!(probed.failure.as_deref(), Some("the server doesn't answer"));
-        assert_eq!(rules(&probed).contains("FW-ENV-01"), pause == 0, "an endless line is reported");
+        let failure = probed.failure.as_deref().expect("a reason");
+        assert!(failure.starts_with("this is not a Flockwave server: "), "{failure}");
+        assert_eq!(rules(&probed), BTreeSet::new());
     }
 }
 
@@ -218,6 +244,42 @@ fn ends_in_time_with_a_million_notifications() {
     assert_eq!(rules(&probed), BTreeSet::from(["FW-ENV-04", "FW-ENV-07"]));
 }
 
+/// Answers each line after a delay.
+fn serve_slowly(delay: impl Fn(u64) -> Duration + Clone + Send + 'static) -> String {
+    serve(move |mut stream, _| {
+        let reader = BufReader::new(stream.try_clone().expect("a stream"));
+        let mut number = 0;
+        for line in reader.lines().map_while(Result::ok) {
+            let Some(answer) = answer(line.as_bytes(), &mut number) else { continue };
+            thread::sleep(delay(number));
+            if stream.write_all(answer.as_bytes()).is_err() {
+                return;
+            }
+        }
+    })
+}
+
+#[test]
+fn a_slow_server_runs_out_of_time_without_a_finding() {
+    let slow = serve_slowly(|_| Duration::from_millis(900));
+    let probed = probed(&slow, &short_options());
+    assert_eq!(probed.failure, None);
+    let reason = probed.cut_short.as_deref().expect("a reason");
+    assert!(reason.starts_with("out of time: "), "{reason}");
+    let is_late = |entry: &&RequestType| entry.not_sent.as_deref() == Some("out of time");
+    assert!(probed.requests.iter().filter(is_late).count() > 10);
+    assert!(!rules(&probed).iter().any(|rule| ["FW-ENV-07", "FW-ENV-19", "FW-ENV-26"].contains(rule)));
+}
+
+#[test]
+fn waits_for_late_answers() {
+    // The tenth answer of each connection takes longer than the probe waits before its next request.
+    let late = serve_slowly(|number| Duration::from_millis(if number == 10 { 3_000 } else { 0 }));
+    let probed = probed(&late, &Options { limit: Duration::from_secs(30), ..short_options() });
+    assert_eq!((probed.failure.as_deref(), probed.cut_short.as_deref()), (None, None));
+    assert!(!rules(&probed).contains("FW-ENV-07"), "{:?}", trials(&probed));
+}
+
 #[test]
 fn reports_a_server_that_dies_during_the_probe() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
@@ -234,7 +296,7 @@ fn reports_a_server_that_dies_during_the_probe() {
         }
     });
     let probed = probed(&url, &short_options());
-    assert!(probed.failure.expect("a reason").starts_with("can't reconnect"));
+    assert!(probed.cut_short.expect("a reason").starts_with("can't reconnect"));
     let reported = probed.result.findings.groups().flat_map(|group| &group.examples);
     let lost = reported.filter(|(_, detail)| detail.message.ends_with("; the server closed the connection"));
     assert_eq!(lost.count(), 1, "a request without an answer");
@@ -315,12 +377,142 @@ fn reports_only_the_trial_that_stops_the_server() {
         });
     });
     let probed = probed(&url, &Options { limit: Duration::from_secs(45), ..short_options() });
-    let failure = probed.failure.as_deref().expect("a reason");
-    assert!(failure.starts_with("the server stopped answering after a trial for FW-TCP-03"), "{failure}");
+    let reason = probed.cut_short.as_deref().expect("a reason");
+    assert_eq!(
+        reason,
+        "the server stopped serving after a trial: FW-TCP-03, after a line that is not JSON: words"
+    );
+    assert_eq!(violations(&probed)["FW-ENV-26"], 1);
     let of_trials = trials(&probed).into_iter().filter(|found| found.0.starts_with("FW-TCP"));
     // This server also requires a message to arrive in one segment.
     let rules: BTreeSet<&str> = of_trials.map(|found| found.0).collect();
     assert_eq!(rules, BTreeSet::from(["FW-TCP-02", "FW-TCP-03", "FW-TCP-04"]));
+}
+
+/// A server that forgets its other clients serves new connections, but not those that were open before.
+#[test]
+fn reports_a_trial_that_affects_other_clients() {
+    let forgotten = Arc::new(Mutex::new(0));
+    let url = serve(move |stream, number| {
+        let mut count = 0;
+        segments(&stream, |segment| {
+            let mut forgotten = forgotten.lock().unwrap_or_else(PoisonError::into_inner);
+            if segment.starts_with(b"not a message") {
+                *forgotten = number + 1;
+            }
+            let answers = segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut count));
+            let answers: String = answers.collect();
+            number < *forgotten || (&stream).write_all(answers.as_bytes()).is_ok()
+        });
+    });
+    let selection =
+        Selection::new(vec!["FW-TCP-03".to_owned()], Vec::new(), &DEFINITIONS, &url.parse().expect("a URL"));
+    let selection = selection.expect("a known rule");
+    let options = Options { limit: Duration::from_secs(45), selection, ..short_options() };
+    // The selection also selects the findings of the rule.
+    let endpoint: Endpoint = url.parse().expect("an endpoint");
+    let tape = Shared::default();
+    let probed = probe(&endpoint, &options, &DEFINITIONS, Some(Box::new(tape.clone())), &|_, _| {});
+    assert_eq!((probed.failure.as_deref(), probed.cut_short.as_deref()), (None, None));
+    assert!(probed.notes.iter().any(|note| note.contains("other connections")), "{:?}", probed.notes);
+    assert_eq!(rules(&probed), BTreeSet::from(["FW-TCP-03"]));
+    let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    let replayed = check_capture(&*recording, None, &DEFINITIONS).expect("bytes can be read");
+    let stopped = replayed.findings.groups().find(|group| group.rule.id == "FW-ENV-26").expect("a finding");
+    assert_eq!(stopped.count, 1);
+}
+
+/// A reference server whose UAVs move fast, and its URL.
+fn reference_server(login: Option<(String, String)>) -> (Server, String) {
+    let options = serve::Options { speed: 10.0, login, ..serve::Options::default() };
+    let free = SocketAddr::from(([127, 0, 0, 1], 0));
+    let server = Server::start(options, &[(Transport::Tcp, free)]).expect("it starts");
+    let url = server.listening()[0].to_string();
+    (server, url)
+}
+
+/// The requests in a recorded session, in order: type and body.
+fn requests(tape: &Shared) -> Vec<(String, Value)> {
+    let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    let lines = recording.split(|byte| *byte == b'\n').filter(|line| !line.is_empty());
+    // Trials send texts that some parsers refuse.
+    let lines = lines.filter_map(|line| serde_json::from_slice::<Value>(line).ok());
+    let sent = lines.filter(|line| line["dir"] == "out");
+    sent.filter_map(|line| {
+        Some((line["msg"]["body"]["type"].as_str()?.to_owned(), line["msg"]["body"].clone()))
+    })
+    .collect()
+}
+
+#[test]
+fn commands_follow_the_order_of_a_flight_and_concern_only_named_uavs() {
+    let (server, url) = reference_server(None);
+    let options = Options::new(Duration::ZERO, None, vec!["glider-2".to_owned()]);
+    let tape = Shared::default();
+    let endpoint: Endpoint = url.parse().expect("an endpoint");
+    let probed = probe(&endpoint, &options, &DEFINITIONS, Some(Box::new(tape.clone())), &|_, _| {});
+    drop(server);
+    assert_eq!((probed.failure, probed.cut_short), (None, None));
+    assert_eq!(probed.result.findings.groups().count(), 0);
+    let requests = requests(&tape);
+    let at = |name: &str| requests.iter().position(|(type_name, _)| type_name == name).expect(name);
+    let flight = [
+        "UAV-SLEEP",
+        "UAV-WAKEUP",
+        "UAV-TEST",
+        "UAV-MOTOR",
+        "UAV-TAKEOFF",
+        "UAV-HOVER",
+        "UAV-FLY",
+        "UAV-RTH",
+        "UAV-LAND",
+        "UAV-HALT",
+        "UAV-RST",
+    ];
+    assert!(flight.is_sorted_by_key(|name| at(name)), "{requests:?}");
+    let queries = ["UAV-INF", "UAV-LIST", "UAV-PREFLT", "UAV-VER"];
+    for (name, body) in requests.iter().filter(|(name, _)| name.starts_with("UAV-")) {
+        let ids = body["ids"].as_array().into_iter().flatten();
+        let others: Vec<&Value> = ids.filter(|id| *id != "glider-2" && *id != "unknown-id").collect();
+        assert!(others.is_empty() || queries.contains(&name.as_str()), "{name}: {others:?}");
+    }
+    let not_sent: BTreeMap<&str, &str> = probed
+        .requests
+        .iter()
+        .filter_map(|entry| Some((entry.name.as_str(), entry.not_sent.as_deref()?)))
+        .collect();
+    let expected =
+        [("AUTH-REQ", "needs --login"), ("SHOW-CRTH-START", "could move UAVs that --uav doesn't name")];
+    assert_eq!(not_sent, BTreeMap::from(expected));
+}
+
+#[test]
+fn sends_every_request_type_or_says_why_not() {
+    let login = ("pilot".to_owned(), "secret".to_owned());
+    let (server, url) = reference_server(Some(login.clone()));
+    let uavs = (1..=5).map(|number| format!("glider-{number}")).collect();
+    let all = probed(&url, &Options::new(Duration::ZERO, Some(login.clone()), uavs));
+    let not_sent: Vec<&RequestType> = all.requests.iter().filter(|entry| entry.not_sent.is_some()).collect();
+    assert!(not_sent.is_empty(), "{not_sent:?}");
+    assert!(all.requests.len() >= 72 && all.requests.iter().all(|entry| entry.sent > 0));
+    let without = probed(&url, &Options::new(Duration::ZERO, Some(login), Vec::new()));
+    drop(server);
+    let reasons: BTreeSet<&str> =
+        without.requests.iter().filter_map(|entry| entry.not_sent.as_deref()).collect();
+    assert_eq!(reasons, BTreeSet::from(["needs --allow-commands"]));
+}
+
+#[test]
+fn stops_after_a_refused_login() {
+    let (server, url) = reference_server(Some(("pilot".to_owned(), "secret".to_owned())));
+    let wrong = ("pilot".to_owned(), "wrong".to_owned());
+    let probed = probed(&url, &Options::new(Duration::ZERO, Some(wrong), Vec::new()));
+    drop(server);
+    let failure = probed.failure.as_deref().expect("a reason");
+    assert!(failure.starts_with("the server refused the login"), "{failure}");
+    let logins = probed.requests.iter().find(|entry| entry.name == "AUTH-REQ").expect("a type");
+    assert_eq!(logins.sent, 1);
+    assert_eq!(violations(&probed), BTreeMap::new());
 }
 
 /// Runs the program. Returns the exit status, standard output and standard error.

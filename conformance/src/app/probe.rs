@@ -14,8 +14,9 @@ use super::required::{RequireArgs, uncovered};
 use super::serve::login;
 use super::test::seconds;
 use super::{Status, deliver, outcome_statuses};
+use crate::definitions::Definitions;
 use crate::flockwave::transport::endpoint::Endpoint;
-use crate::probe::{Options, probe};
+use crate::probe::{Options, Selection, probe};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
 
 const EXAMPLES: &str = "Examples:
@@ -51,6 +52,23 @@ pub(super) struct ProbeArgs {
     /// UAV that may receive commands (repeatable).
     #[arg(long, value_name = "ID", requires = "allow_commands")]
     uav: Vec<String>,
+    /// Use only this rule, trial, message type or family (repeatable).
+    ///
+    /// A rule (FW-TCP-03), a family of rules (FW-TCP), a message type (UAV-INF), a family of message types (UAV), or the
+    /// description of a trial. The probe always sends SYS-VER, AUTH-INF and UAV-LIST.
+    #[arg(long, value_name = "NAME")]
+    only: Vec<String>,
+    /// Skip this rule, trial, message type or family (repeatable).
+    ///
+    /// The names are the same as for --only. Findings of a skipped rule are not reported.
+    #[arg(long, value_name = "NAME")]
+    skip: Vec<String>,
+    /// Run no trials: send no malformed or unusual messages.
+    #[arg(long)]
+    no_trials: bool,
+    /// Time after which no further requests are sent (default: 45, or 105 with --allow-commands).
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    limit: Option<Duration>,
     /// Record the session to this file.
     ///
     /// `uavspec check` reports the same findings for the recorded session.
@@ -89,7 +107,7 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     let required = args.require.rules()?;
     let mut known = args.known.read()?;
     let record = recording(args)?;
-    let options = Options::new(args.observe, args.login.clone(), args.uav.clone());
+    let options = options(args, &definitions)?;
     let path = args.endpoint.to_string();
     let progress = Progress::steps("steps");
     let started = Instant::now();
@@ -111,7 +129,8 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     }
     let reasons = uncovered(&required, &subjects);
     let report = Report::new(Action::Probe, super::command(), &definitions, subjects, unreadable, reasons);
-    let status = deliver(&args.report, &report.with_stale(known.stale)).max(known_status);
+    let report = report.with_stale(known.stale);
+    let status = deliver(&args.report, &report).max(known_status).max(args.known.init(&report));
     match (probed.unrecorded, &args.record) {
         (Some(error), Some(path)) => {
             anstream::eprintln!("error: {}: can't write the recording: {error}", path.display());
@@ -119,6 +138,18 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
         }
         _ => Ok(status),
     }
+}
+
+/// The options of the probe. Unknown names are printed as errors.
+fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Status> {
+    let selection = Selection::new(args.only.clone(), args.skip.clone(), definitions, &args.endpoint);
+    let selection = selection.map_err(|problem| {
+        anstream::eprintln!("error: {problem}");
+        Status::Usage
+    })?;
+    let selection = if args.no_trials { selection.without_trials() } else { selection };
+    let options = Options::new(args.observe, args.login.clone(), args.uav.clone());
+    Ok(Options { limit: args.limit.unwrap_or(options.limit), selection, ..options })
 }
 
 /// Creates the `--record` file. Errors are printed.

@@ -172,7 +172,7 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
         violated: violated(&probed.result),
         replayed: violated(&replayed),
         covered: covered(&probed.result),
-        failure: probed.failure,
+        failure: probed.failure.or(probed.cut_short),
     })
 }
 

@@ -75,6 +75,8 @@ pub enum Verdict {
 #[derive(Debug, Default)]
 pub struct Findings {
     groups: BTreeMap<(&'static str, String), Group>,
+    /// The examples that were added since the last call of `complete`: the key of the group, and the index.
+    incomplete: Vec<((&'static str, String), usize)>,
     /// The counts of each covered or violated rule, sorted by id so that the order of the findings doesn't matter.
     counts: Vec<(&'static Rule, Counts)>,
 }
@@ -134,7 +136,25 @@ impl Findings {
         group.compare(detail.to_string());
         if !has_examples {
             group.examples.push((location, detail));
+            self.incomplete.push(((rule.id, subject.to_owned()), group.examples.len() - 1));
         }
+    }
+
+    /// Completes the details of the findings in a record that has just been checked. Findings in earlier records stay
+    /// as they are.
+    pub(crate) fn complete(&mut self, location: Location, complete: impl Fn(&mut Detail)) {
+        for (key, at) in self.incomplete.drain(..) {
+            let example = self.groups.get_mut(&key).and_then(|group| group.examples.get_mut(at));
+            if let Some((_, detail)) = example.filter(|(found, _)| *found == location) {
+                complete(detail);
+            }
+        }
+    }
+
+    /// Removes the findings and counts of all rules that don't satisfy a predicate.
+    pub(crate) fn retain(&mut self, is_kept: impl Fn(&Rule) -> bool) {
+        self.groups.retain(|_, group| is_kept(group.rule));
+        self.counts.retain(|(rule, _)| is_kept(rule));
     }
 
     /// True if a group has enough examples, so further findings are only counted.

@@ -1,20 +1,22 @@
-//! Sends commands to the UAVs that the caller named. They take off, return home, land, run tests and calibrations,
-//! sleep and wake up. Commands that could make a UAV fall (UAV-HALT) or restart (UAV-RST) are never sent.
+//! Sends commands to the UAVs that the caller named, in the order of a flight: tests on the ground, takeoff, flight,
+//! return and landing. `UAV-HALT` and `UAV-RST` follow only after the UAVs were seen on the ground.
 
+use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
 use super::Probe;
 use super::survey::with_unknown_id;
+use crate::json::base64;
 use crate::rules::flockwave::trial::UNKNOWN_ID;
 use crate::rules::flockwave::{FlockwaveRule, asy_10, asy_19, env_07};
 
 /// The approximate number of steps.
-pub(super) const STEPS: usize = 25;
+pub(super) const STEPS: usize = 55;
 
 /// The additional time allowed for commands.
-pub(super) const EXTRA_TIME: Duration = Duration::from_secs(45);
+pub(super) const EXTRA_TIME: Duration = Duration::from_secs(60);
 
 /// The time limit for an operation to progress or end.
 const PROGRESS_TIMEOUT: Duration = Duration::from_secs(11);
@@ -25,33 +27,80 @@ const SHORT_TIMEOUT: Duration = Duration::from_secs(20);
 /// The time for which a suspended operation is observed.
 const SUSPENSION_TIMEOUT: Duration = Duration::from_millis(1_500);
 
+/// The time limits for the UAVs to leave the ground, and to be on the ground again.
+const TAKEOFF_TIMEOUT: Duration = Duration::from_secs(15);
+const LANDING_TIMEOUT: Duration = Duration::from_secs(30);
+
+/// The interval between requests for the altitude.
+const ALTITUDE_INTERVAL: Duration = Duration::from_millis(500);
+
 /// The duration of each activity in flight.
-const FLIGHT: Duration = Duration::from_secs(1);
+const FLIGHT: Duration = Duration::from_secs(2);
 
 /// The flight altitude in mm above home.
-const HEIGHT: u32 = 10_000;
+const HEIGHT: i64 = 10_000;
+
+/// The altitude in mm above which a UAV is in the air. GNSS altitudes of a UAV on the ground vary.
+const AIRBORNE: i64 = 1_500;
+
+/// The types that are sent only with the permission of the user.
+const COMMANDS: [&str; 28] = [
+    "EXT-LOAD",
+    "EXT-RELOAD",
+    "EXT-SETCFG",
+    "EXT-UNLOAD",
+    "FW-UPLOAD",
+    "LOG-DATA",
+    "LOG-INF",
+    "OBJ-CMD",
+    "PRM-GET",
+    "PRM-SET",
+    "PRM-SET-MANY",
+    "SHOW-CRTH-PLAN",
+    "SHOW-CRTH-START",
+    "SHOW-SETCFG",
+    "SHOW-SETLIGHTS",
+    "UAV-CALIB",
+    "UAV-FLY",
+    "UAV-HALT",
+    "UAV-HOVER",
+    "UAV-LAND",
+    "UAV-MOTOR",
+    "UAV-RST",
+    "UAV-RTH",
+    "UAV-SIGNAL",
+    "UAV-SLEEP",
+    "UAV-TAKEOFF",
+    "UAV-TEST",
+    "UAV-WAKEUP",
+];
 
 impl Probe<'_, '_> {
     /// Sends commands to the UAVs that are both in this list and named by the caller.
     pub(super) fn command(&mut self, uavs: &[String]) {
         let named: Vec<String> = self.options.uavs.clone();
         if named.is_empty() {
-            return;
+            return self.coverage.not_sent(&COMMANDS, "needs --allow-commands");
         }
         let (known, missing): (Vec<String>, Vec<String>) =
             named.into_iter().partition(|id| uavs.contains(id));
         if !missing.is_empty() {
             self.note(format!("commands were not sent to these unknown UAVs: {}", missing.join(", ")));
         }
-        let Some(first) = known.first().cloned() else { return };
+        let Some(first) = known.first().cloned() else {
+            return self.coverage.not_sent(&COMMANDS, "needs a UAV that --uav names");
+        };
         self.query(json!({ "type": "SYS-TIME" }));
         self.query(json!({ "type": "SYS-TIME", "adjustment": 0 }));
         self.query(json!({ "type": "SYS-TIME" }));
         self.suspend(&first);
         self.cancel(&first);
         self.store(&known, &first);
+        self.configure();
         self.sleep(&known);
-        self.fly(&known, &first);
+        self.test(&known);
+        let is_on_ground = self.fly(&known, &first);
+        self.restart(&known, is_on_ground, uavs.iter().all(|id| known.contains(id)));
     }
 
     /// Starts an operation that may be suspended until the client resumes it.
@@ -79,36 +128,35 @@ impl Probe<'_, '_> {
         self.wait(PROGRESS_TIMEOUT, |message| is_end(message, &receipt));
     }
 
-    /// Requests parameters and logs.
+    /// Requests parameters and logs, and sets a parameter that doesn't exist.
     fn store(&mut self, uavs: &[String], first: &str) {
         let ids = with_unknown_id(uavs);
         self.query(json!({ "type": "PRM-GET", "ids": ids, "name": "PROBE_NONE" }));
+        self.query(json!({ "type": "PRM-SET", "ids": ids, "name": "PROBE_NONE", "value": 1 }));
         self.query(json!({ "type": "PRM-SET-MANY", "ids": ids, "parameters": { "PROBE_NONE": 1 } }));
         self.query(json!({ "type": "LOG-INF", "ids": ids }));
         self.query(json!({ "type": "LOG-DATA", "uavId": first, "logId": "1" }));
     }
 
-    /// Makes a short flight.
-    fn fly(&mut self, uavs: &[String], first: &str) {
-        let ids = with_unknown_id(uavs);
-        let test = json!({ "type": "UAV-TEST", "ids": ids, "component": "led" });
-        self.operate(&asy_10::RULE, SHORT_TIMEOUT, test);
-        self.query(json!({ "type": "UAV-SIGNAL", "ids": ids, "signals": ["light"], "duration": 500 }));
-        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-TAKEOFF", "ids": ids }));
-        self.listen(FLIGHT);
-        let state = self.query(json!({ "type": "UAV-INF", "ids": [first] }));
-        let position = state.map(|answer| answer["body"]["status"][first]["position"].clone());
-        if let Some([latitude, longitude, ..]) =
-            position.as_ref().and_then(Value::as_array).map(Vec::as_slice)
-        {
-            let target = json!([latitude, longitude, null, HEIGHT]);
-            self.query(json!({ "type": "UAV-FLY", "ids": [first], "target": target }));
-            self.listen(FLIGHT);
+    /// Sends requests that change the server, with values that change nothing: unknown ids, and the current settings.
+    fn configure(&mut self) {
+        for kind in ["EXT-LOAD", "EXT-RELOAD", "EXT-UNLOAD"] {
+            self.query(json!({ "type": kind, "ids": [UNKNOWN_ID] }));
         }
-        for kind in ["UAV-HOVER", "UAV-RTH"] {
-            self.query(json!({ "type": kind, "ids": ids }));
+        self.query(json!({ "type": "EXT-SETCFG", "ids": { UNKNOWN_ID: {} } }));
+        let blob = base64::encode(b"probe");
+        self.query(json!({ "type": "FW-UPLOAD", "ids": [UNKNOWN_ID], "target": UNKNOWN_ID, "blob": blob }));
+        self.query(json!({ "type": "SHOW-CRTH-PLAN", "show": blob }));
+        // A server that refuses to show its settings is asked for settings in which no show can start.
+        let start = json!({ "authorized": false, "clock": null, "time": null, "method": "rc", "uavIds": [] });
+        for (get, set, safe) in [
+            ("SHOW-CFG", "SHOW-SETCFG", json!({ "start": start })),
+            ("SHOW-LIGHTS", "SHOW-SETLIGHTS", json!({ "effect": "off" })),
+        ] {
+            let current = self.query(json!({ "type": get }));
+            let current = current.and_then(|answer| answer["body"].get("configuration").cloned());
+            self.query(json!({ "type": set, "configuration": current.unwrap_or(safe) }));
         }
-        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-LAND", "ids": ids }));
     }
 
     /// Makes UAVs sleep. Sleeping UAVs don't respond, which the server must report.
@@ -122,6 +170,109 @@ impl Probe<'_, '_> {
         self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-WAKEUP", "ids": uavs }));
     }
 
+    /// Tests UAVs on the ground.
+    fn test(&mut self, uavs: &[String]) {
+        let ids = with_unknown_id(uavs);
+        let test = json!({ "type": "UAV-TEST", "ids": ids, "component": "led" });
+        self.operate(&asy_10::RULE, SHORT_TIMEOUT, test);
+        self.query(json!({ "type": "UAV-SIGNAL", "ids": ids, "signals": ["light"], "duration": 500 }));
+        self.query(json!({ "type": "OBJ-CMD", "ids": ids, "command": "probe-none" }));
+        for is_start in [true, false] {
+            let motors = json!({ "type": "UAV-MOTOR", "ids": ids, "start": is_start });
+            self.operate(&env_07::RULE, PROGRESS_TIMEOUT, motors);
+        }
+    }
+
+    /// Makes a short flight. Returns true if all UAVs were seen on the ground afterwards.
+    fn fly(&mut self, uavs: &[String], first: &str) -> bool {
+        let ids = with_unknown_id(uavs);
+        let ground = self.altitudes(uavs);
+        let is_in_air = |(now, ground): (&i64, &i64)| now - ground > AIRBORNE;
+        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-TAKEOFF", "ids": ids }));
+        self.wait_for_altitudes(TAKEOFF_TIMEOUT, uavs, |now| now.iter().zip(&ground).all(is_in_air));
+        self.query(json!({ "type": "UAV-HOVER", "ids": ids }));
+        let state = self.query(json!({ "type": "UAV-INF", "ids": [first] }));
+        let position = state.map(|answer| answer["body"]["status"][first]["position"].clone());
+        if let Some([latitude, longitude, ..]) =
+            position.as_ref().and_then(Value::as_array).map(Vec::as_slice)
+        {
+            let target = json!([latitude, longitude, null, HEIGHT]);
+            self.query(json!({ "type": "UAV-FLY", "ids": [first], "target": target }));
+            self.listen(FLIGHT);
+        } else {
+            self.coverage.not_sent(&["UAV-FLY"], "needs the position of a UAV");
+        }
+        // UAVs in the air must land even if the time limit is reached.
+        let end = self.end.max(Instant::now() + LANDING_TIMEOUT);
+        let end = std::mem::replace(&mut self.end, end);
+        self.query(json!({ "type": "UAV-RTH", "ids": ids }));
+        self.listen(FLIGHT);
+        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-LAND", "ids": ids }));
+        let is_on_ground =
+            self.wait_for_altitudes(LANDING_TIMEOUT, uavs, |now| !now.iter().zip(&ground).any(is_in_air));
+        self.end = end;
+        if !is_on_ground {
+            self.note("the UAVs were not seen to land; check them".to_owned());
+        }
+        is_on_ground
+    }
+
+    /// Sends the commands that would make a flying UAV fall.
+    fn restart(&mut self, uavs: &[String], is_on_ground: bool, are_all_named: bool) {
+        if are_all_named {
+            self.query(json!({ "type": "SHOW-CRTH-START" }));
+        } else {
+            self.coverage.not_sent(&["SHOW-CRTH-START"], "could move UAVs that --uav doesn't name");
+        }
+        if !is_on_ground {
+            return self.coverage.not_sent(&["UAV-HALT", "UAV-RST"], "the UAVs were not seen to land");
+        }
+        for kind in ["UAV-HALT", "UAV-RST"] {
+            self.operate(
+                &env_07::RULE,
+                PROGRESS_TIMEOUT,
+                json!({ "type": kind, "ids": with_unknown_id(uavs) }),
+            );
+        }
+    }
+
+    /// Waits until the altitudes of all UAVs are as wanted. Returns false if they never are, or if an altitude is
+    /// unknown.
+    fn wait_for_altitudes(
+        &mut self,
+        time: Duration,
+        uavs: &[String],
+        is_wanted: impl Fn(&[i64]) -> bool,
+    ) -> bool {
+        let until = (Instant::now() + time).min(self.end);
+        loop {
+            let altitudes = self.altitudes(uavs);
+            if altitudes.len() == uavs.len() && is_wanted(&altitudes) {
+                return true;
+            }
+            if altitudes.is_empty() || Instant::now() >= until {
+                return false;
+            }
+            if self.session.is_some() {
+                self.listen(ALTITUDE_INTERVAL)
+            } else {
+                thread::sleep(ALTITUDE_INTERVAL)
+            }
+        }
+    }
+
+    /// The altitudes of UAVs above home, or else above mean sea level, in mm. UAVs without an altitude are omitted.
+    fn altitudes(&mut self, uavs: &[String]) -> Vec<i64> {
+        let Some(answer) = self.discover(json!({ "type": "UAV-INF", "ids": uavs })) else {
+            return Vec::new();
+        };
+        let altitude = |id: &String| {
+            let position = &answer["body"]["status"][id]["position"];
+            position[3].as_i64().or_else(|| position[2].as_i64())
+        };
+        uavs.iter().filter_map(altitude).collect()
+    }
+
     /// Sends a command, and waits for the end of its first operation.
     fn operate(&mut self, rule: &'static FlockwaveRule, limit: Duration, body: Value) {
         if let Some(receipt) = receipt(self.query_for_trial(rule, body).as_ref()) {
@@ -131,7 +282,7 @@ impl Probe<'_, '_> {
 
     /// Waits for a message.
     fn wait(&mut self, time: Duration, is_wanted: impl Fn(&Value) -> bool) -> Option<Value> {
-        let until = Instant::now() + time.min(self.left());
+        let until = (Instant::now() + time).min(self.end);
         self.session.as_mut()?.find(&mut self.tape, until, is_wanted)
     }
 }

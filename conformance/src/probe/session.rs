@@ -1,6 +1,6 @@
 //! A probe's connection. All of its messages are recorded.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
@@ -15,8 +15,14 @@ use crate::flockwave::transport::endpoint::Endpoint;
 /// The maximum number of unanswered requests whose ids are stored.
 const MAX_WAITING: usize = 1_000;
 
+/// The time that a request may stay unanswered. A shorter wait proves nothing, so it never becomes a finding.
+pub(super) const PATIENCE: Duration = Duration::from_secs(5);
+
 /// The reason recorded if the server closes a connection.
 const CLOSED: &str = "eof";
+
+/// The maximum number of late messages to read at a time. Other connections must get their turn.
+const MAX_LATE: usize = 1_000;
 
 /// The time limit for reading the remaining messages after the server closed the connection.
 const DRAIN_TIMEOUT: Duration = Duration::from_millis(200);
@@ -27,13 +33,20 @@ pub(super) struct Session {
     /// True if each message is a separate HTTP request. Each request can fail individually.
     is_one_shot: bool,
     is_stream: bool,
+    is_lossy: bool,
     client: Box<dyn Client>,
-    waiting: BTreeSet<String>,
+    /// The requests without an answer, by id, each with the time when it was sent.
+    waiting: BTreeMap<String, Instant>,
     /// The ids of the HTTP requests whose responses have not been read, in order. A message without an id has `None`.
     unread: VecDeque<Option<String>>,
     /// The number of answers without an envelope.
     bare: u64,
-    is_over: bool,
+    /// True if the server sent SYS-CLOSE.
+    is_announced: bool,
+    /// The reason why the latest failed HTTP request failed.
+    failed: Option<String>,
+    /// The reason for the end of the connection, if it has ended.
+    end: Option<String>,
 }
 
 impl Session {
@@ -49,15 +62,19 @@ impl Session {
         tape.connected(&name, &endpoint.to_string());
         let is_one_shot = matches!(endpoint, Endpoint::Http { .. });
         let is_stream = matches!(endpoint, Endpoint::Tcp(_));
+        let is_lossy = matches!(endpoint, Endpoint::Udp(_));
         Ok(Self {
             name,
             is_one_shot,
             is_stream,
+            is_lossy,
             client,
-            waiting: BTreeSet::new(),
+            waiting: BTreeMap::new(),
             unread: VecDeque::new(),
             bare: 0,
-            is_over: false,
+            is_announced: false,
+            failed: None,
+            end: None,
         })
     }
 
@@ -71,9 +88,44 @@ impl Session {
         self.is_stream
     }
 
+    /// The name of the connection.
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// True if the server announced the end of the connection.
+    pub(super) fn is_announced(&self) -> bool {
+        self.is_announced
+    }
+
+    /// True if messages may be lost.
+    pub(super) fn is_lossy(&self) -> bool {
+        self.is_lossy
+    }
+
     /// True if the connection has ended.
     pub(super) fn is_over(&self) -> bool {
-        self.is_over
+        self.end.is_some()
+    }
+
+    /// The reason for the end of the connection, as a clause.
+    pub(super) fn why_over(&self) -> String {
+        match self.end.as_deref() {
+            None | Some(CLOSED) => format!("the server closed connection {}", self.name),
+            Some(why) => format!("connection {} failed: {why}", self.name),
+        }
+    }
+
+    /// The reason for the end of the connection or for the latest failed HTTP request, if any.
+    pub(super) fn trouble(&self) -> Option<String> {
+        self.failed.clone().or_else(|| self.is_over().then(|| self.why_over()))
+    }
+
+    /// True if a missing answer on this connection may still arrive.
+    pub(super) fn is_pending(&self) -> bool {
+        let latest = self.waiting.values().max();
+        // A missing answer over UDP proves nothing.
+        !self.is_over() && !self.is_lossy && latest.is_some_and(|sent_at| sent_at.elapsed() < PATIENCE)
     }
 
     /// True if at least one request has no answer yet.
@@ -83,7 +135,7 @@ impl Session {
 
     /// True if this request has no answer yet.
     pub(super) fn awaits(&self, id: &str) -> bool {
-        self.waiting.contains(id)
+        self.waiting.contains_key(id)
     }
 
     /// Sends a message, which may be invalid. If the message has an id, an answer is expected.
@@ -96,9 +148,14 @@ impl Session {
     ) {
         self.note(tape, text, id, trial);
         match self.client.send(text) {
-            Err(error) if self.is_one_shot && error.kind() == ErrorKind::InvalidData => {
+            // Each HTTP request fails on its own.
+            Err(error)
+                if self.is_one_shot
+                    && matches!(error.kind(), ErrorKind::InvalidData | ErrorKind::TimedOut) =>
+            {
                 tape.failed(&self.name, &error.to_string());
-                self.waiting.retain(|waiting| Some(waiting.as_str()) != id);
+                self.failed = Some(error.to_string());
+                self.waiting.retain(|waiting, _| Some(waiting.as_str()) != id);
             }
             sent => {
                 if sent.is_ok() && self.is_one_shot {
@@ -119,7 +176,7 @@ impl Session {
     ) {
         tape.message(&self.name, Direction::Out, text, trial);
         if let Some(id) = id.filter(|_| self.waiting.len() < MAX_WAITING) {
-            self.waiting.insert(id.to_owned());
+            self.waiting.insert(id.to_owned(), Instant::now());
         }
     }
 
@@ -131,7 +188,7 @@ impl Session {
 
     /// Waits for the next JSON message.
     pub(super) fn receive(&mut self, tape: &mut Tape<'_>, until: Instant) -> Option<Value> {
-        while !self.is_over {
+        while !self.is_over() {
             match self.client.receive(until) {
                 Ok(Received::Message(bytes)) => match self.enveloped(bytes) {
                     Ok(bytes) => {
@@ -158,6 +215,16 @@ impl Session {
     /// Reads messages until all requests have answers, up to a time limit.
     pub(super) fn settle(&mut self, tape: &mut Tape<'_>, until: Instant) {
         while self.is_waiting() && Instant::now() < until && self.receive(tape, until).is_some() {}
+    }
+
+    /// Reads the messages that have already arrived.
+    pub(super) fn catch_up(&mut self, tape: &mut Tape<'_>) {
+        let until = Instant::now() + Duration::from_millis(1);
+        for _ in 0..MAX_LATE {
+            if self.receive(tape, until).is_none() {
+                break;
+            }
+        }
     }
 
     /// Waits for the answer to a request.
@@ -203,6 +270,7 @@ impl Session {
 
     /// Processes a message: marks its request as answered, or answers a ping from the server.
     fn take(&mut self, tape: &mut Tape<'_>, message: &Value) {
+        self.is_announced |= message["body"]["type"] == "SYS-CLOSE";
         if let Some(refs) = message["refs"].as_str() {
             self.waiting.remove(refs);
         } else if message["body"]["type"] == "SYS-PING"
@@ -232,7 +300,8 @@ impl Session {
     }
 
     fn end(&mut self, tape: &mut Tape<'_>, why: &str) {
-        if !std::mem::replace(&mut self.is_over, true) {
+        if self.end.is_none() {
+            self.end = Some(why.to_owned());
             tape.closed(&self.name, why);
         }
     }

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::Probe;
-use crate::rules::flockwave::trial::{self, UNKNOWN_ID};
+use crate::rules::flockwave::trial::{self, Request, UNKNOWN_ID};
 use crate::rules::flockwave::{ack_06, env_24, sys_ping_01};
 
 /// The approximate number of steps.
-pub(super) const STEPS: usize = 70;
+pub(super) const STEPS: usize = 80;
 
 /// A message type that doesn't exist.
 const UNKNOWN_TYPE: &str = "PROBE-NONE";
@@ -32,7 +32,8 @@ impl Probe<'_, '_> {
         }
         let uavs = self.fleet();
         self.lists(&uavs);
-        self.trials(&uavs);
+        self.extras();
+        self.requests_for_trials(&uavs);
         self.query(json!({ "type": "SYS-TIME" }));
         self.observe();
         self.command(&uavs);
@@ -42,16 +43,24 @@ impl Probe<'_, '_> {
 
     /// Requests information about the server. Returns false if the probe can't continue.
     fn server(&mut self) -> bool {
-        let login = self.query_for_trial(&env_24::RULE, json!({ "type": "AUTH-INF" }));
+        let login = self.discover(json!({ "type": "AUTH-INF" }));
         let is_required = login.is_some_and(|answer| answer["body"]["required"] == true);
         if is_required {
             self.query_for_trial(&ack_06::RULE, json!({ "type": "UAV-LIST" }));
-            if self.options.login.is_none() {
-                self.fail("the server requires a login; use --login".to_owned());
+        }
+        if self.options.login.is_none() {
+            self.coverage.not_sent(&["AUTH-REQ"], "needs --login");
+            if is_required {
+                self.failure = Some("the server requires a login; use --login".to_owned());
                 return false;
             }
+        } else if !self.log_in() {
+            // Further attempts could lock the account.
+            self.has_login = false;
+            self.failure =
+                Some("the server refused the login; check the name and password of --login".to_owned());
+            return false;
         }
-        self.log_in();
         self.query(json!({ "type": "AUTH-WHOAMI" }));
         self.query_for_trial(&sys_ping_01::RULE, json!({ "type": "SYS-PING" }));
         self.query_for_trial(&env_24::RULE, json!({ "type": "SYS-VER" }));
@@ -61,16 +70,16 @@ impl Probe<'_, '_> {
         }
         self.query(json!({ "type": "SYS-PORTS" }));
         self.query(json!({ "type": UNKNOWN_TYPE }));
-        !self.is_late() && self.failure.is_none()
+        self.cut_short.is_none() && self.failure.is_none()
     }
 
     /// Requests the UAVs, their states, and other objects.
     fn fleet(&mut self) -> Vec<String> {
         let began = Instant::now();
-        let mut uavs = ids(self.query_for_trial(&env_24::RULE, json!({ "type": "UAV-LIST" })).as_ref());
+        let mut uavs = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
         while uavs.is_empty() && began.elapsed() < UAV_TIMEOUT && !self.is_late() && self.ensure_connected() {
             self.listen(POLL_INTERVAL);
-            uavs = ids(self.query(json!({ "type": "UAV-LIST" })).as_ref());
+            uavs = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
         }
         if uavs.is_empty() {
             self.note(format!("no UAV appeared within {} s", UAV_TIMEOUT.as_secs()));
@@ -81,23 +90,21 @@ impl Probe<'_, '_> {
         }
         self.query(json!({ "type": "UAV-LIST" }));
         self.query_for_trial(&env_24::RULE, json!({ "type": "OBJ-LIST", "filter": ["uav"] }));
-        uavs = ids(self.query(json!({ "type": "UAV-LIST" })).as_ref());
+        uavs = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
         self.query(json!({ "type": "OBJ-LIST" }));
         for kind in ["uav", "beacon", "weatherStation", "dock"] {
             self.query(json!({ "type": "OBJ-LIST", "filter": [kind] }));
         }
         self.query(json!({ "type": "OBJ-LIST" }));
         uavs.truncate(MAX_OBJECTS);
-        if !uavs.is_empty() {
-            for kind in ["UAV-INF", "UAV-VER", "UAV-PREFLT"] {
-                self.query(json!({ "type": kind, "ids": with_unknown_id(&uavs) }));
-            }
-            self.query(json!({ "type": "UAV-LIST" }));
+        for kind in ["UAV-INF", "UAV-VER", "UAV-PREFLT"] {
+            self.query(json!({ "type": kind, "ids": with_unknown_id(&uavs) }));
         }
+        self.query(json!({ "type": "UAV-LIST" }));
         uavs
     }
 
-    /// Requests the objects of the other message families.
+    /// Requests the objects of the mandatory and common message families.
     fn lists(&mut self, uavs: &[String]) {
         let connections = ids(self.query_for_trial(&env_24::RULE, json!({ "type": "CONN-LIST" })).as_ref());
         self.query(json!({ "type": "CONN-INF", "ids": with_unknown_id(&connections) }));
@@ -121,7 +128,21 @@ impl Probe<'_, '_> {
             &env_24::RULE,
             json!({ "type": "EXT-INF", "ids": with_unknown_id(&extensions) }),
         );
+        let first = &extensions[..extensions.len().min(1)];
+        self.query(json!({ "type": "EXT-CFG", "ids": with_unknown_id(first) }));
         self.devices(uavs);
+    }
+
+    /// Requests the objects of the optional message families. A server may refuse all of these requests.
+    fn extras(&mut self) {
+        for kind in ["LCN-INF", "TIMESYNC-STATUS", "SHOW-CFG", "SHOW-LIGHTS"] {
+            self.query(json!({ "type": kind }));
+        }
+        let docks = ids(self.query(json!({ "type": "OBJ-LIST", "filter": ["dock"] })).as_ref());
+        self.query(json!({ "type": "DOCK-INF", "ids": with_unknown_id(&docks) }));
+        let targets = ids(self.query(json!({ "type": "FW-TARGET-LIST" })).as_ref());
+        self.query(json!({ "type": "FW-TARGET-INF", "ids": with_unknown_id(&targets) }));
+        self.query(json!({ "type": "FW-OBJECT-LIST" }));
     }
 
     /// Requests the device trees of UAVs, and the values of one channel in these trees.
@@ -139,10 +160,12 @@ impl Probe<'_, '_> {
         self.query_for_trial(&env_24::RULE, json!({ "type": "DEV-LISTSUB", "pathFilter": ["/"] }));
     }
 
-    /// Sends the requests that test rules.
-    fn trials(&mut self, uavs: &[String]) {
+    /// Sends the requests that test rules on the survey's connection.
+    fn requests_for_trials(&mut self, uavs: &[String]) {
         for (rule, request) in trial::requests(uavs) {
-            self.request(rule, request);
+            if self.options.selection.has_trial(rule, request.how, request.body["type"].as_str()) {
+                self.request(rule, request);
+            }
         }
         let resume = json!({ "type": "ASYNC-RESUME", "ids": [UNKNOWN_ID], "values": {} });
         self.query_for_trial(&env_24::RULE, resume);
@@ -155,6 +178,12 @@ impl Probe<'_, '_> {
             self.listen(until.saturating_duration_since(Instant::now()).min(POLL_INTERVAL));
         }
         self.step();
+    }
+
+    /// Sends a request whose answer later requests depend on. It is sent even if the user didn't select its type.
+    #[allow(clippy::needless_pass_by_value)] // callers build the body in the call
+    pub(super) fn discover(&mut self, body: Value) -> Option<Value> {
+        self.request(&env_24::RULE.rule, Request::new("", body))
     }
 
     /// Reads messages for some time.

@@ -1,5 +1,8 @@
 //! The recording of a probe. Each line is checked as it is written, with the same code that checks recordings. A live
 //! run and its recording therefore have the same findings.
+//!
+//! Until the first Flockwave message arrives, the lines are kept back. If none arrives, the server speaks another
+//! protocol, and no rule applies to what it sent.
 
 use std::io::{self, Write};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -14,19 +17,44 @@ use crate::json::Tree;
 /// The text recorded for a message over the length limit.
 const TOO_LONG: &[u8] = b"(more than 16 MiB)";
 
+/// The maximum size of the lines that are kept back, in bytes.
+const MAX_KEPT: usize = 4 << 20;
+
+/// The maximum length of the first unknown data, in characters.
+const MAX_UNKNOWN: usize = 60;
+
 /// A recording in progress.
 pub(super) struct Tape<'d> {
     checker: FlockwaveChecker<'d>,
+    /// The lines before the first Flockwave message; `None` after it.
+    kept: Option<Kept>,
     file: Option<Box<dyn Write + 'd>>,
     failure: Option<io::Error>,
     lines: u64,
     bytes: u64,
 }
 
+/// The lines before the first Flockwave message.
+#[derive(Default)]
+struct Kept {
+    /// The lines, each with a mark that is true for an event.
+    lines: Vec<(bool, String)>,
+    bytes: usize,
+    /// The start of the first data from the server.
+    unknown: Option<String>,
+}
+
 impl<'d> Tape<'d> {
     /// Starts a recording, which is also written to `file`.
     pub(super) fn new(definitions: &'d Definitions, file: Option<Box<dyn Write + 'd>>) -> Self {
-        Self { checker: FlockwaveChecker::new(definitions), file, failure: None, lines: 0, bytes: 0 }
+        Self {
+            checker: FlockwaveChecker::new(definitions),
+            kept: Some(Kept::default()),
+            file,
+            failure: None,
+            lines: 0,
+            bytes: 0,
+        }
     }
 
     /// Records a message.
@@ -37,6 +65,9 @@ impl<'d> Tape<'d> {
         bytes: &[u8],
         trial: Option<Trial<'_>>,
     ) {
+        if direction == Direction::In {
+            self.identify(bytes);
+        }
         let direction = if direction == Direction::In { "in" } else { "out" };
         let content = match std::str::from_utf8(bytes) {
             // A line end between JSON tokens is insignificant, and JSON strings can't contain line ends.
@@ -90,6 +121,17 @@ impl<'d> Tape<'d> {
             "{{\"t\":{seconds}.{micros:06},\"conn\":{},\"dir\":\"{direction}\",{content}{tried}}}",
             quoted(connection)
         );
+        match &mut self.kept {
+            None => self.write(&line),
+            Some(kept) if kept.bytes < MAX_KEPT => {
+                kept.bytes += line.len();
+                kept.lines.push((direction == "event", line));
+            }
+            Some(_) => {}
+        }
+    }
+
+    fn write(&mut self, line: &str) {
         self.lines += 1;
         self.bytes += line.len() as u64 + 1;
         self.checker.line(line.as_bytes(), self.lines, false);
@@ -100,10 +142,47 @@ impl<'d> Tape<'d> {
         }
     }
 
+    /// Writes the lines that were kept back if this is the first Flockwave message.
+    fn identify(&mut self, bytes: &[u8]) {
+        let Some(kept) = &mut self.kept else { return };
+        if !serde_json::from_slice(bytes).is_ok_and(|value| is_flockwave(&value)) {
+            kept.unknown
+                .get_or_insert_with(|| String::from_utf8_lossy(bytes).chars().take(MAX_UNKNOWN).collect());
+            return;
+        }
+        for (_, line) in self.kept.take().unwrap_or_default().lines {
+            self.write(&line);
+        }
+    }
+
+    /// True if the server has sent a Flockwave message.
+    pub(super) fn is_identified(&self) -> bool {
+        self.kept.is_none()
+    }
+
+    /// The start of the first data from a server that hasn't sent a Flockwave message.
+    pub(super) fn unknown(&self) -> Option<&str> {
+        self.kept.as_ref()?.unknown.as_deref()
+    }
+
     /// Returns the findings, and the error if the recording couldn't be written completely.
     pub(super) fn finish(mut self) -> (CaptureResult, Option<io::Error>) {
+        // No rule applies to messages of another protocol, but the events show what happened.
+        for (_, event) in self.kept.take().unwrap_or_default().lines.iter().filter(|(is_event, _)| *is_event)
+        {
+            self.write(event);
+        }
         let flushed = self.file.as_mut().map_or(Ok(()), Write::flush);
         (self.checker.finish(self.bytes), self.failure.or(flushed.err()))
+    }
+}
+
+/// True for a Flockwave message, even if it violates some rules.
+fn is_flockwave(value: &Value) -> bool {
+    match value {
+        Value::Object(_) => value.get("$fw.version").is_some() || value["body"]["type"].is_string(),
+        Value::Array(values) => values.first().is_some_and(|first| first.is_object() && is_flockwave(first)),
+        _ => false,
     }
 }
 

@@ -59,6 +59,7 @@ pub(crate) mod env_22;
 mod env_23;
 pub(crate) mod env_24;
 pub(crate) mod env_25;
+pub(crate) mod env_26;
 mod err_01;
 mod err_02;
 mod err_03;
@@ -164,7 +165,7 @@ use crate::json::Tree;
 use crate::model::{Detail, Level, Location, Rule, Status};
 
 /// All Flockwave rules, sorted by id.
-pub static RULES: [&FlockwaveRule; 128] = [
+pub static RULES: [&FlockwaveRule; 129] = [
     &ack_01::RULE,
     &ack_03::RULE,
     &ack_04::RULE,
@@ -221,6 +222,7 @@ pub static RULES: [&FlockwaveRule; 128] = [
     &env_23::RULE,
     &env_24::RULE,
     &env_25::RULE,
+    &env_26::RULE,
     &err_01::RULE,
     &err_02::RULE,
     &err_03::RULE,

@@ -49,6 +49,13 @@ impl DefinedSchemas {
         self.body(type_name, direction).is_some()
     }
 
+    /// The message types that exist in this direction, in no particular order.
+    pub(crate) fn types(&self, direction: Direction) -> impl Iterator<Item = &str> {
+        let is_defined =
+            move |(_, bodies): &(&String, &[Option<Body>; 3])| bodies[direction as usize].is_some();
+        self.messages.iter().filter(is_defined).map(|(name, _)| name.as_str())
+    }
+
     /// The names of all types and bodies, as used in test vectors.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.named.keys().map(String::as_str)

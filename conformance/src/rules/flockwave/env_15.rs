@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant,
-    source,
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, env_16,
+    mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -28,7 +28,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         if out.refuses_unknown_type() {
             out.message()["body"] = json!({ "type": "whatever" });
         }
-    }),
+    })
+    .with(&[&env_16::RULE.rule]),
     trial: None,
     mutants: &[
         Mutant {

@@ -25,7 +25,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Exchange(served::check)],
     covers: &[],
     bug: Bug::behaviour("Over Socket.IO, messages are sent as `flockwave` events.").needs(Needs::SocketIo),
-    trial: Some(Trial::Attempts(Strain::Sound, attempts)),
+    trial: Some(Trial::Attempts(Strain::Plain, attempts)),
     mutants: &[
         Mutant { name: served::UNANSWERED, make: || mutant::unanswered("socketio#9", &RULE.rule), also: &[] },
         Mutant { name: served::REFUSED, make: || mutant::refused("socketio#9", &RULE.rule), also: &[] },

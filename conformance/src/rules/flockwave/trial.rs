@@ -35,7 +35,9 @@ pub(crate) enum Trial {
 /// higher loads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Strain {
-    /// Valid requests.
+    /// Common requests. If they fail, so does everything else.
+    Plain,
+    /// Valid but unusual requests.
     Sound,
     /// Data that is not a message.
     Noise,

@@ -22,8 +22,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Session(|| Box::new(udp::Trials::new()))],
     covers: &[],
-    bug: Bug::behaviour("Over UDP, responses go to the client's port number plus one.").needs(Needs::Udp),
-    trial: Some(Trial::Attempts(Strain::Sound, attempts)),
+    bug: Bug::behaviour("Over UDP, all responses go to the address of the first client.").needs(Needs::Udp),
+    trial: Some(Trial::Attempts(Strain::Plain, attempts)),
     mutants: &[
         Mutant { name: "requests without a response", make: || udp::unanswered(&RULE.rule), also: &[] },
         Mutant { name: "a refused request", make: || mutant::refused("udp#9", &RULE.rule), also: &[] },

@@ -65,6 +65,7 @@ struct Peer {
 /// Serves all clients until the server ends.
 pub(super) fn serve(shared: &Arc<Shared>, socket: &UdpSocket) {
     let mut peers: BTreeMap<SocketAddr, Peer> = BTreeMap::new();
+    let mut first = None;
     let mut datagram = vec![0; DATAGRAM_LIMIT + 1];
     while !shared.is_ending() {
         let received =
@@ -83,18 +84,21 @@ pub(super) fn serve(shared: &Arc<Shared>, socket: &UdpSocket) {
         if shared.has_bug(&udp_03::RULE) && serde_json::from_slice::<IgnoredAny>(datagram).is_err() {
             return;
         }
-        if let Some(session) = session(shared, socket, &mut peers, client) {
+        let first = *first.get_or_insert(client);
+        let answered = if shared.has_bug(&udp_02::RULE) { first } else { client };
+        if let Some(session) = session(shared, socket, &mut peers, client, answered) {
             shared.receive(session, datagram);
         }
     }
 }
 
-/// The session of a client, created if the client is new or its session has expired.
+/// The session of a client, created if the client is new or its session has expired. Answers go to `answered`.
 fn session(
     shared: &Shared,
     socket: &UdpSocket,
     peers: &mut BTreeMap<SocketAddr, Peer>,
     client: SocketAddr,
+    answered: SocketAddr,
 ) -> Option<SessionId> {
     if let Some(peer) = peers.get_mut(&client) {
         peer.last_received = Instant::now();
@@ -103,12 +107,8 @@ fn session(
     if peers.len() >= CLIENT_LIMIT {
         return None;
     }
-    let mut address = client;
-    if shared.has_bug(&udp_02::RULE) {
-        address.set_port(client.port() ^ 1);
-    }
     let is_doubling = shared.has_bug(&udp_01::RULE);
-    let sink = DatagramSink { socket: socket.try_clone().ok()?, client: address, is_doubling };
+    let sink = DatagramSink { socket: socket.try_clone().ok()?, client: answered, is_doubling };
     let session = shared.open(ConnectionKind::Datagrams, Arc::new(sink));
     peers.insert(client, Peer { session, last_received: Instant::now() });
     Some(session)
