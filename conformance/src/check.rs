@@ -299,8 +299,7 @@ impl<'d> CheckRun<'d> {
 
     /// Extends the time span to include a time in seconds.
     fn include_time(&mut self, time: Option<f64>) {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // the cast saturates
-        self.include_timestamp(time.map(|time| (time * 1e6) as u64));
+        self.include_timestamp(time.and_then(microseconds));
     }
 
     /// Passes a record of a session to the rules.
@@ -313,6 +312,7 @@ impl<'d> CheckRun<'d> {
     fn checked_report(&mut self, record: &SessionRecord<'_>) {
         let exchange = self.sessions.follow_checked(record);
         self.listeners.checked_report(&exchange, &mut self.findings);
+        self.complete(&exchange);
     }
 
     /// Handles the end of a connection. `why` is the reason, if known.
@@ -335,6 +335,22 @@ impl<'d> CheckRun<'d> {
 
     fn record(&mut self, exchange: &Exchange<'_>) {
         self.listeners.record(exchange, &mut self.findings);
+        self.complete(exchange);
+    }
+
+    /// Adds the exchange to the findings that it caused.
+    fn complete(&mut self, exchange: &Exchange<'_>) {
+        let record = exchange.record;
+        self.findings.complete(record.location, |detail| {
+            let request = exchange.request.as_ref();
+            let time = record.time.or_else(|| request.and_then(|request| request.time));
+            detail.time = time.and_then(microseconds);
+            record.connection.name.clone_into(&mut detail.connection);
+            detail.request = request.map(|request| request.excerpt.clone()).unwrap_or_default();
+            if let Some(message) = record.value.filter(|_| !detail.path.is_empty()) {
+                detail.excerpt = message.excerpt_at(&detail.path);
+            }
+        });
     }
 
     fn dropout(&mut self, milliseconds: u16, location: Location) {
@@ -410,6 +426,12 @@ impl<'d> CheckRun<'d> {
             findings: self.findings,
         }
     }
+}
+
+/// A time in µs. `None` if it is negative.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // the cast saturates
+fn microseconds(seconds: f64) -> Option<u64> {
+    (seconds >= 0.0).then_some((seconds * 1e6) as u64)
 }
 
 /// The offset of the `timestamp` field in messages of a type, in bytes.

@@ -13,6 +13,7 @@
 
 pub(crate) mod base64;
 mod error;
+mod excerpt;
 mod frame;
 mod pointer;
 mod tokens;

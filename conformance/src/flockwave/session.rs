@@ -70,6 +70,8 @@ pub(crate) struct SentRequest {
     pub waited: Option<f64>,
     /// True if the request has a version and a type, as every Flockwave request must.
     pub is_sound: bool,
+    /// The start of the request's text.
+    pub excerpt: String,
     /// The tested rule and the description of the test.
     pub trial: Option<(&'static Rule, String)>,
     /// True if the request's id was already in use, so that answers are ambiguous.
@@ -480,6 +482,7 @@ impl SentRequest {
             location: exchange.record.location,
             waited: None,
             is_sound: exchange.is_sound(),
+            excerpt: exchange.excerpt(),
             trial: exchange.record.trial.map(|trial| (trial.rule, trial.how.to_owned())),
             is_ambiguous: false,
             count: 1,
@@ -490,6 +493,7 @@ impl SentRequest {
         let object_size = |object: &String| object.len() + 64;
         let trial_size = self.trial.as_ref().map_or(0, |(_, how)| how.len());
         MAX_ID
+            + self.excerpt.len()
             + trial_size
             + self.objects.iter().chain(&self.filter).flatten().map(object_size).sum::<usize>()
     }

@@ -27,6 +27,12 @@ pub struct Detail {
     pub actual: String,
     /// The checked bytes or text, shortened; may be empty.
     pub excerpt: String,
+    /// The time of the record in µs, by the clock of the capture.
+    pub time: Option<u64>,
+    /// The connection of the record; empty if the capture isn't a session.
+    pub connection: String,
+    /// The request to which the record belongs, shortened; may be empty.
+    pub request: String,
 }
 
 impl Detail {
