@@ -60,6 +60,7 @@ mod not_portable;
 mod one_sided_alternative;
 mod px_fsf_01;
 mod px_fsf_02;
+mod quantity;
 mod queue_length;
 mod range_reversed;
 mod repeated_white_space;

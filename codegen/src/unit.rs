@@ -19,6 +19,30 @@ pub(crate) fn lookup(spelling: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.symbol == spelling || unit.aliases.contains(&spelling))
 }
 
+/// The maximum length of a unit in free text, in bytes. Longer text is not a unit.
+const MAX_FOUND_LEN: usize = 60;
+
+/// The symbol of a unit in free text: any known spelling, or names combined with operators, such as `metres/sec^2`.
+pub(crate) fn find(text: &str) -> Option<&'static str> {
+    let text = text.trim();
+    if text.len() > MAX_FOUND_LEN {
+        return None;
+    }
+    let symbol = |text: &str| lookup(text).map(|unit| unit.symbol);
+    symbol(text).or_else(|| symbol(&text.to_ascii_lowercase()).filter(|_| text.len() > 3)).or_else(|| {
+        let text = text.replace("**", "^").to_ascii_lowercase();
+        let parts = text.split_inclusive(['/', '^', '(', ')', '*', ' ']);
+        let combined: String = parts
+            .map(|part| {
+                let name = part.trim_end_matches(['/', '^', '(', ')', '*', ' ']);
+                let operator = &part[name.len()..];
+                format!("{}{operator}", symbol(name).unwrap_or(name))
+            })
+            .collect();
+        symbol(&combined)
+    })
+}
+
 macro_rules! units {
     ($($symbol:literal $name:literal $([$($alias:literal)*])?;)*) => {
         /// All units, by dimension.
@@ -72,7 +96,7 @@ units! {
     "ddeg" "tenths of a degree" ["0.1 deg"];
     "deg/s" "degrees per second" ["deg per second" "degrees/second" "°/s"];
     "degE7" "ten-millionths of a degree" ["1e-7 deg" "1e7 deg" "deg*1e7" "deg * 1e7"];
-    "degC" "degrees Celsius" ["°C" "celsius" "Celsius" "deg C"];
+    "degC" "degrees Celsius" ["°C" "celsius" "Celsius" "deg C" "degrees Celsius"];
     "K" "kelvin" ["kelvin" "Kelvin"];
     "Pa" "pascals" ["pascal" "pascals"];
     "hPa" "hectopascals";
@@ -119,6 +143,23 @@ units! {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn finds_spellings_and_combined_names() {
+        for (text, expected) in [
+            (" m/s ", Some("m/s")),
+            ("metres/sec^2", Some("m/s^2")),
+            ("(m/sec)**2", Some("(m/s)^2")),
+            ("Bytes/s", Some("B/s")),
+            ("deg * 1e7", Some("degE7")),
+            ("AMSL", None),
+            ("m^2/s", None),
+            ("v", None),
+            ("", None),
+        ] {
+            assert_eq!(find(text), expected, "{text}");
+        }
+    }
 
     #[test]
     fn spellings_are_unique() {
