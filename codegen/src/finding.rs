@@ -72,6 +72,12 @@ impl Finding {
         }
     }
 
+    /// True if `other` concerns the same change. The findings of a comparison differ only in category.
+    pub fn is_same_change(&self, other: &Self) -> bool {
+        (self.rule, self.span, &self.message) == (other.rule, other.span, &other.message)
+            && self.category.is_some()
+    }
+
     /// Sets the advice.
     pub fn help(&mut self, help: impl Into<String>) -> &mut Self {
         self.help = help.into();

@@ -41,16 +41,12 @@ pub fn findings(findings: &[Finding], sources: &SourceMap, styled: bool) -> Stri
     let mut text = String::new();
     let is_in_same_source =
         |left: &Finding, right: &Finding| sources.source_of(left.span) == sources.source_of(right.span);
-    let is_equal = |left: &Finding, right: &Finding| {
-        (left.rule, left.span, &left.message) == (right.rule, right.span, &right.message)
-            && left.category.is_some()
-    };
     for in_source in findings.chunk_by(is_in_same_source) {
-        for same in in_source.chunk_by(is_equal).take(MAX_PER_SOURCE) {
+        for same in in_source.chunk_by(Finding::is_same_change).take(MAX_PER_SOURCE) {
             text.push_str(&renderer.render(&[group(same, sources)]));
             text.push('\n');
         }
-        let count = in_source.chunk_by(is_equal).count();
+        let count = in_source.chunk_by(Finding::is_same_change).count();
         if let Some(more) = count.checked_sub(MAX_PER_SOURCE).filter(|more| *more > 0) {
             let path = sources.path(sources.source_of(in_source[0].span));
             let _ = writeln!(text, "… and {more} more in {path}");

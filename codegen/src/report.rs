@@ -24,20 +24,45 @@ mod model;
 mod sarif;
 #[cfg(test)]
 mod tests;
+mod totals;
 
 pub use self::model::{
     Entry, Format, GUIDE_URL, Place, READING_PAGE, RULES_URL, Region, Report, RuleInfo, rule_url,
 };
+pub use self::totals::{RuleTotal, Totals};
 
 impl Report {
     /// The report as text. A nonempty report ends with a newline.
     pub fn to_text(&self, format: Format) -> String {
+        self.write(format, None)
+    }
+
+    /// Like [`to_text`](Self::to_text), with the totals of the run if the format has a place for them. A JSON list and
+    /// `JUnit` XML have none.
+    pub fn to_text_with_totals(&self, format: Format, totals: &Totals) -> String {
+        self.write(format, Some(totals))
+    }
+
+    fn write(&self, format: Format, totals: Option<&Totals>) -> String {
         match format {
             Format::Json => json::write(self),
-            Format::Github => github::write(self),
-            Format::Sarif => sarif::write(self),
+            Format::Github => github::write(self, totals),
+            Format::Sarif => sarif::write(self, totals),
             #[cfg(feature = "junit")]
             Format::Junit => junit::of_findings(self),
+        }
+    }
+}
+
+impl Totals {
+    /// The totals without findings, in a format. SARIF and `JUnit` reports contain findings, so they have no such form.
+    pub fn to_summary(&self, format: Format) -> Option<String> {
+        match format {
+            Format::Json => Some(format!("{:#}\n", self.to_json())),
+            Format::Github => Some(github::summary(self)),
+            Format::Sarif => None,
+            #[cfg(feature = "junit")]
+            Format::Junit => None,
         }
     }
 }

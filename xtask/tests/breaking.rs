@@ -57,16 +57,16 @@ fn compares_a_revision_with_the_working_tree() {
             &["--against", "main", "--package", "demo", "--dialect", "px4", "--input", "msg/Wind.msg"],
         ),
     ] {
-        let (status, _, errors) = breaking(&folder.path().join(place), arguments);
-        assert_eq!(status, Some(1), "{errors}");
-        assert!(errors.contains("error[field-removed]: `Wind.speed` (float32) was removed"), "{errors}");
-        assert!(errors.contains(&format!("--> {}:definitions/msg/Wind.msg:4:1", arguments[1])), "{errors}");
-        assert!(errors.contains("1 change; incompatible: source 1, json 1, cdr 1, uorb 1"), "{errors}");
+        let (status, results, _) = breaking(&folder.path().join(place), arguments);
+        assert_eq!(status, Some(1), "{results}");
+        assert!(results.contains("error[field-removed]: `Wind.speed` (float32) was removed"), "{results}");
+        assert!(results.contains(&format!("--> {}:definitions/msg/Wind.msg:4:1", arguments[1])), "{results}");
+        assert!(results.contains("1 change; incompatible: source 1, json 1, cdr 1, uorb 1"), "{results}");
     }
     write(folder.path(), "definitions/msg/Wind.msg", &WIND.replace("Speed", "How fast it blows"));
-    let (status, _, errors) = breaking(folder.path(), &["--against", "before"]);
-    assert_eq!(status, Some(0), "{errors}");
-    assert!(errors.contains("no relevant changes"), "{errors}");
+    let (status, results, _) = breaking(folder.path(), &["--against", "before"]);
+    assert_eq!(status, Some(0), "{results}");
+    assert!(results.contains("no relevant changes"), "{results}");
 }
 
 #[test]
@@ -75,9 +75,9 @@ fn uses_the_configuration_of_the_revision() {
     fs::rename(folder.path().join("definitions/msg"), folder.path().join("definitions/messages"))
         .expect("a folder");
     write(folder.path(), "definitions/uavspec.toml", &CONFIG.replace("msg/*", "messages/*"));
-    let (status, _, errors) = breaking(folder.path(), &["--against", "before"]);
-    assert_eq!(status, Some(1), "{errors}");
-    assert!(errors.contains("`Wind.speed`"), "{errors}");
+    let (status, results, _) = breaking(folder.path(), &["--against", "before"]);
+    assert_eq!(status, Some(1), "{results}");
+    assert!(results.contains("`Wind.speed`"), "{results}");
 }
 
 #[test]
@@ -173,4 +173,56 @@ fn errors_in_the_new_definitions_are_findings() {
     let rules: Vec<&Json> =
         findings.as_array().expect("a list").iter().map(|finding| &finding["rule"]).collect();
     assert_eq!(rules, ["missing-name", "unknown-type"]);
+}
+
+#[test]
+fn summaries_count_changes_by_rule_and_category() {
+    let folder = repository();
+    write(
+        folder.path(),
+        "definitions/msg/Wind.msg",
+        &format!("{}float64 gust  # [m/s] Gust\n", CALM.replace("[us]", "[ms]")),
+    );
+    let against = ["--against", "before"];
+    let (status, results, messages) = breaking(folder.path(), &[&against[..], &["--summary"]].concat());
+    assert_eq!(status, Some(1), "{messages}");
+    assert_eq!(
+        results,
+        "\
+level    rule                changes  incompatible
+error    field-added               1  source 1, json 1, cdr 1, uorb 1
+error    field-removed             1  source 1, json 1, cdr 1, uorb 1
+error    field-unit-changed        1  semantic 1
+
+3 changes; incompatible: source 2, json 2, cdr 2, uorb 2, semantic 1
+"
+    );
+    assert!(messages.starts_with("breaking: 1 file compared with 1 ("), "{messages}");
+    let (_, results, _) =
+        breaking(folder.path(), &[&against[..], &["--summary", "--format", "json"]].concat());
+    let json: Json = serde_json::from_str(&results).expect("JSON");
+    assert_eq!((&json["count"], &json["categories"]["cdr"]), (&3.into(), &2.into()));
+    assert_eq!(json["rules"][2]["categories"], serde_json::json!({ "semantic": 1 }));
+}
+
+#[test]
+fn reports_only_selected_rules_and_categories() {
+    let folder = repository();
+    let run = |arguments: &[&str]| breaking(folder.path(), &[&["--against", "before"], arguments].concat());
+    let (status, results, _) = run(&["--category", "cdr", "--category", "uorb"]);
+    assert_eq!(status, Some(1));
+    assert!(results.contains("= cdr: ") && !results.contains("= json: "), "{results}");
+    assert!(results.ends_with("1 change; incompatible: cdr 1, uorb 1\n"), "{results}");
+    let (status, results, _) = run(&["--category", "semantic"]);
+    assert_eq!(status, Some(0), "{results}");
+    assert_eq!(results, "no relevant changes; 1 other change hidden by options\n");
+    assert_eq!(run(&["--rule", "field-added"]).0, Some(0));
+    assert_eq!(run(&["--rule", "field-removed"]).0, Some(1));
+    for (arguments, similar) in
+        [(["--rule", "field-remved"], "field-removed"), (["--category", "sematic"], "semantic")]
+    {
+        let (status, _, messages) = run(&arguments);
+        assert_eq!(status, Some(2));
+        assert!(messages.contains(&format!("a similar value exists: '{similar}'")), "{messages}");
+    }
 }

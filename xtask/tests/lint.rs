@@ -15,38 +15,50 @@ fn workspace(config: &str, wind: &str) -> tempfile::TempDir {
     folder
 }
 
+/// The output of `lint`.
+struct Printed {
+    /// The standard output.
+    results: String,
+    /// The standard error.
+    messages: String,
+}
+
 #[track_caller]
-fn lint(folder: &Path, arguments: &[&str], status: i32) -> String {
+fn lint(folder: &Path, arguments: &[&str], status: i32) -> Printed {
     let output = Command::new(env!("CARGO_BIN_EXE_xtask"))
         .arg("lint")
         .args(arguments)
         .current_dir(folder)
         .output()
         .expect("xtask runs");
-    let errors = String::from_utf8(output.stderr).expect("UTF-8");
-    assert_eq!(output.status.code(), Some(status), "{arguments:?}: {errors}");
-    errors
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    let printed = Printed { results: text(output.stdout), messages: text(output.stderr) };
+    assert_eq!(output.status.code(), Some(status), "{arguments:?}: {}{}", printed.results, printed.messages);
+    printed
 }
 
 #[test]
 fn fails_at_the_denied_level() {
     let folder = workspace(CONFIG, WIND);
-    let errors = lint(folder.path(), &[], 0);
-    assert!(errors.contains("warning[unit-missing]: `gust` has no unit"), "{errors}");
-    assert!(errors.contains("note[trailing-white-space]"), "{errors}");
-    assert!(errors.contains("2 warnings, 1 note"), "{errors}");
+    let results = lint(folder.path(), &[], 0).results;
+    assert!(results.contains("warning[unit-missing]: `gust` has no unit"), "{results}");
+    assert!(results.contains("note[trailing-white-space]"), "{results}");
+    assert!(results.contains("2 warnings, 1 note"), "{results}");
     lint(folder.path(), &["--deny", "warning"], 1);
     let strict = format!("{CONFIG}[lint.levels]\nunit-missing = \"error\"\ntrailing-white-space = \"off\"\n");
     fs::write(folder.path().join("uavspec.toml"), strict).expect("a file");
-    let errors = lint(folder.path(), &[], 1);
-    assert!(errors.contains("error[unit-missing]") && !errors.contains("trailing-white-space"), "{errors}");
+    let results = lint(folder.path(), &[], 1).results;
+    assert!(
+        results.contains("error[unit-missing]") && !results.contains("trailing-white-space"),
+        "{results}"
+    );
 }
 
 #[test]
 fn applies_only_automatic_fixes() {
     let folder = workspace(CONFIG, WIND);
-    let errors = lint(folder.path(), &["--fix"], 0);
-    assert!(errors.contains("2 fixed") && errors.contains("unit-missing"), "{errors}");
+    let Printed { results, messages } = lint(folder.path(), &["--fix"], 0);
+    assert!(messages.contains("2 fixed") && results.contains("unit-missing"), "{messages}{results}");
     let fixed = fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file");
     assert_eq!(fixed, WIND.replace("start \n", "start\n").replace("(@range 0, 60)", "[@range 0, 60]"));
     lint(folder.path(), &["--fix"], 0);
@@ -62,15 +74,15 @@ fn applies_only_automatic_fixes() {
 fn comments_and_the_configuration_can_ignore_findings() {
     let ignored = WIND.replace("wind\n", "wind  # uavspec:ignore unit-missing not known\n");
     let folder = workspace(CONFIG, &ignored);
-    let errors = lint(folder.path(), &[], 0);
-    assert!(!errors.contains("unit-missing"), "{errors}");
+    let results = lint(folder.path(), &[], 0).results;
+    assert!(!results.contains("unit-missing"), "{results}");
     let ignore = "[[lint.ignore]]\nrule = \"unit-missing\"\npath = \"msg/W*.msg\"\nreason = \"as it was\"\n";
     let folder = workspace(&format!("{CONFIG}{ignore}"), WIND);
-    let errors = lint(folder.path(), &[], 0);
-    assert!(!errors.contains("unit-missing"), "{errors}");
+    let results = lint(folder.path(), &[], 0).results;
+    assert!(!results.contains("unit-missing"), "{results}");
     fs::write(folder.path().join("msg/Wind.msg"), WIND.replace("# The", "# [m/s] The")).expect("a file");
-    let errors = lint(folder.path(), &[], 0);
-    assert!(errors.contains("warning[unused-ignore]") && errors.contains("uavspec.toml:5:1"), "{errors}");
+    let results = lint(folder.path(), &[], 0).results;
+    assert!(results.contains("warning[unused-ignore]") && results.contains("uavspec.toml:5:1"), "{results}");
     lint(folder.path(), &["--fix"], 0);
     let config = fs::read_to_string(folder.path().join("uavspec.toml")).expect("a file");
     assert_eq!(config, format!("{CONFIG}{ignore}"), "the configuration file is never changed");
@@ -89,16 +101,112 @@ fn failures_have_status_2_and_a_hint() {
         ("[lint]\npresett = \"px4\"\n", ["uavspec.toml:6:1", "unknown field `presett`"]),
     ] {
         let folder = workspace(&format!("{CONFIG}{config}"), WIND);
-        let errors = lint(folder.path(), &[], 2);
+        let errors = lint(folder.path(), &[], 2).messages;
         for part in parts {
             assert!(errors.contains(part), "{config}: {errors}");
         }
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
     let arguments = ["--package", "demo", "--dialect", "px4", "--input", "."];
-    let errors = lint(folder.path(), &arguments, 2);
+    let errors = lint(folder.path(), &arguments, 2).messages;
     assert!(
         errors.contains("no definitions in .") && errors.contains("help: definitions of the px4 dialect"),
         "{errors}"
     );
+}
+
+#[test]
+fn results_go_to_standard_output_and_progress_to_standard_error() {
+    let folder = workspace(CONFIG, WIND);
+    let Printed { results, messages } = lint(folder.path(), &[], 0);
+    assert!(results.ends_with("\n\n2 warnings, 1 note in 1 of 1 file\n"), "{results}");
+    assert!(messages.starts_with("lint: 1 file read (") && messages.lines().count() == 1, "{messages}");
+    assert!(messages.ends_with("; run with `--fix` to fix 2\n"), "{messages}");
+}
+
+#[test]
+fn summaries_contain_only_totals() {
+    let folder = workspace(CONFIG, WIND);
+    let table = "\
+level    rule                  count  fixable
+warning  annotation-near-miss      1        1
+warning  unit-missing              1        -
+note     trailing-white-space      1        1
+
+2 warnings, 1 note in 1 of 1 file
+";
+    assert_eq!(lint(folder.path(), &["--summary"], 0).results, table);
+    lint(folder.path(), &["--summary", "--deny", "note"], 1);
+    let json = lint(folder.path(), &["--summary", "--format", "json"], 0).results;
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!((&json["command"], &json["count"], &json["fixable"]), (&"lint".into(), &3.into(), &2.into()));
+    assert_eq!(json["levels"], serde_json::json!({ "error": 0, "warning": 2, "note": 1 }));
+    assert_eq!(
+        json["rules"][0],
+        serde_json::json!({ "rule": "annotation-near-miss", "level": "warning", "count": 1, "fixable": 1 })
+    );
+    let notice = lint(folder.path(), &["--summary", "--format", "github"], 0).results;
+    assert!(notice.starts_with("::notice title=lint::level") && notice.lines().count() == 1, "{notice}");
+    for format in ["sarif", "junit"] {
+        let Printed { results, messages } = lint(folder.path(), &["--summary", "--format", format], 2);
+        assert!(results.is_empty() && messages.contains("help: use --summary with"), "{results}{messages}");
+    }
+    fs::write(folder.path().join("msg/Wind.msg"), WIND.lines().take(2).collect::<Vec<_>>().join("\n"))
+        .expect("a file");
+    assert_eq!(
+        lint(folder.path(), &["--summary", "--rule", "unit-missing"], 0).results,
+        "no findings in 1 file; 1 other finding hidden by options\n"
+    );
+}
+
+#[test]
+fn reports_only_selected_rules_and_levels() {
+    let folder = workspace(CONFIG, WIND);
+    let arguments = ["--rule", "unit-missing", "--rule", "trailing-white-space"];
+    let results = lint(folder.path(), &arguments, 0).results;
+    assert!(
+        results.contains("warning[unit-missing]") && results.contains("note[trailing-white-space]"),
+        "{results}"
+    );
+    assert!(!results.contains("near-miss"), "{results}");
+    assert!(
+        results.ends_with("1 warning, 1 note in 1 of 1 file; 1 other finding hidden by options\n"),
+        "{results}"
+    );
+    let results = lint(folder.path(), &["--level", "warning", "--deny", "note"], 1).results;
+    assert!(results.contains("unit-missing") && !results.contains("trailing"), "{results}");
+    let results = lint(folder.path(), &["--level", "error", "--deny", "note"], 0).results;
+    assert_eq!(results, "no findings in 1 file; 3 other findings hidden by options\n");
+    // Parser errors make the other findings incomplete.
+    fs::write(folder.path().join("msg/Gust.msg"), "flaot32 speed\n").expect("a file");
+    assert!(lint(folder.path(), &["--rule", "unit-alias"], 1).results.contains("error[unknown-type]"));
+}
+
+#[test]
+fn a_selected_rule_is_checked_even_if_it_is_off() {
+    let wind = WIND.replace("float32 gust      # The", "uint16 height      # The");
+    let folder = workspace(&format!("{CONFIG}[lint.levels]\nunit-missing = \"off\"\n"), &wind);
+    assert!(!lint(folder.path(), &[], 0).results.contains("unit-missing"));
+    let results = lint(folder.path(), &["--rule", "unit-missing-integer"], 0).results;
+    assert!(results.contains("note[unit-missing-integer]: `height` has no unit"), "{results}");
+}
+
+#[test]
+fn fixes_only_selected_rules() {
+    let folder = workspace(CONFIG, WIND);
+    lint(folder.path(), &["--fix", "--rule", "trailing-white-space"], 0);
+    let fixed = fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file");
+    assert_eq!(fixed, WIND.replace("start \n", "start\n"));
+}
+
+#[test]
+fn unknown_names_are_usage_errors_with_a_similar_name() {
+    let folder = workspace(CONFIG, WIND);
+    for (arguments, similar) in
+        [(["--rule", "unit-mising"], "unit-missing"), (["--level", "warnin"], "warning")]
+    {
+        let messages = lint(folder.path(), &arguments, 2).messages;
+        assert!(messages.contains(&format!("a similar value exists: '{similar}'")), "{messages}");
+        assert!(messages.contains("[possible values: "), "{messages}");
+    }
 }

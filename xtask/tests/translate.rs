@@ -39,12 +39,20 @@ fn read(folder: &TempDir, path: &str) -> String {
     fs::read_to_string(folder.path().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
+/// Runs a command and returns the messages on standard error.
 #[track_caller]
 fn run(folder: &TempDir, arguments: &[&str], status: i32) -> String {
+    output(folder, arguments, status).1
+}
+
+/// Runs a command and returns the standard output and the standard error.
+#[track_caller]
+fn output(folder: &TempDir, arguments: &[&str], status: i32) -> (String, String) {
     let output = xtask(folder.path(), arguments);
-    let errors = String::from_utf8(output.stderr).expect("UTF-8");
-    assert_eq!(output.status.code(), Some(status), "{arguments:?}\n{errors}");
-    errors
+    let [results, errors] =
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).expect("UTF-8"));
+    assert_eq!(output.status.code(), Some(status), "{arguments:?}\n{results}{errors}");
+    (results, errors)
 }
 
 #[test]
@@ -80,10 +88,10 @@ fn creates_and_updates_a_catalogue() {
         "msg/Wind.msg",
         &WIND.replace("Speed", "Speed over ground").replace("# Wind over ground\n\n", ""),
     );
-    let errors = run(&folder, &["lint"], 0);
+    let (results, _) = output(&folder, &["lint"], 0);
     assert!(
-        errors.contains("warning[translation-stale]") && errors.contains("warning[unknown-translation]"),
-        "{errors}"
+        results.contains("warning[translation-stale]") && results.contains("warning[unknown-translation]"),
+        "{results}"
     );
     let errors = run(&folder, &["translate", "--check"], 1);
     assert!(
@@ -128,7 +136,7 @@ fn levels_of_translation_rules_are_configurable() {
             "uavspec.toml",
             &format!("{CONFIG}\n[lint.levels]\ntranslation-missing = \"off\"\n{more}"),
         );
-        run(&folder, &["lint"], status)
+        output(&folder, &["lint"], status).0
     };
     let errors = lint("translation-stale = \"error\"\n", 1);
     assert!(

@@ -8,9 +8,9 @@ use clap::{Args, ValueEnum};
 
 use super::arguments::{DefinitionsArgs, PackageArgs};
 use super::print::plural;
-use super::report::ReportArgs;
+use super::report::{ReportArgs, Results, Selection, rule_ids};
 use super::revision::Checkout;
-use crate::breaking::{Between, Category, RULES, breaking};
+use crate::breaking::{Between, Category, RULES, Rule, breaking, rule};
 use crate::diagnostic::{Diagnostic, Level, has_errors};
 use crate::failure::Failure;
 use crate::finding::Finding;
@@ -18,7 +18,7 @@ use crate::load::{Config, Inputs, Plan};
 use crate::load::{load, load_into};
 use crate::read::read;
 use crate::render;
-use crate::report::RuleInfo;
+use crate::report::{RuleInfo, Totals};
 
 /// Arguments of `breaking`.
 #[derive(Args, Debug)]
@@ -26,6 +26,8 @@ use crate::report::RuleInfo;
   cargo xtask breaking --against main
   cargo xtask breaking --against v1.15 --between releases
   cargo xtask breaking --against ../earlier/msg
+  cargo xtask breaking --against v1.15 --summary
+  cargo xtask breaking --against main --category cdr --category uorb
   cargo xtask breaking --package px4 --dialect px4 --input new --against old
 
 Categories:
@@ -49,6 +51,22 @@ pub struct BreakingArgs {
     between: BetweenName,
     #[command(flatten)]
     definitions: DefinitionsArgs,
+    /// Report only this kind of change (repeatable)
+    #[arg(
+        long,
+        value_name = "ID",
+        value_parser = rule_ids(RULES.iter().map(|rule| rule.id)),
+        hide_possible_values = true
+    )]
+    rule: Vec<String>,
+    /// Report only changes that affect this category (repeatable)
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = rule_ids(Category::ALL.map(Category::name)),
+        hide_possible_values = true
+    )]
+    category: Vec<String>,
     #[command(flatten)]
     report: ReportArgs,
 }
@@ -71,6 +89,7 @@ impl From<BetweenName> for Between {
 }
 
 pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
+    args.report.check()?;
     let started = Instant::now();
     let new_plan = args.definitions.plan()?;
     // Keep the files of the old revision until both versions are read.
@@ -91,24 +110,34 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
         let shown = render::render(&errors(old_diagnostics), &new.sources, false);
         return Err(Failure::new(format!("the earlier definitions contain errors\n{shown}")));
     }
-    let findings = if has_errors(&new_diagnostics) {
+    let has_errors = has_errors(&new_diagnostics);
+    let mut findings = if has_errors {
         errors(new_diagnostics).iter().map(Finding::from).collect()
     } else {
         breaking(&new.sources, &old_schema, &new_schema, args.between.into())
     };
-    let rules = RULES.iter().map(|rule| {
-        let level = rule.breaks.iter().map(|(_, level)| *level).max().unwrap_or(Level::Note);
-        RuleInfo::new(rule.id, rule.purpose(), level)
-    });
-    let succeeded = args.report.show("breaking", rules.collect(), &findings, &new.sources);
+    let selection = args.selection();
+    let hidden = selection.apply(|id| rule(id).is_some(), &mut findings);
+    let totals = Totals { hidden, ..Totals::of("breaking", &findings, sources, new.files.len()) };
+    let rules = RULES.iter().filter(|rule| selection.has_rule(rule.id)).map(|rule| rule_info(rule)).collect();
+    args.report.show(Results { rules, findings: &findings, totals: &totals }, sources);
     let files = plural(new.files.len(), "file");
     let elapsed = started.elapsed().as_millis();
-    anstream::eprintln!(
-        "breaking: {files} compared with {}: {} ({elapsed} ms)",
-        old.files.len(),
-        summary(&findings)
-    );
-    Ok(succeeded)
+    anstream::eprintln!("breaking: {files} compared with {} ({elapsed} ms)", old.files.len());
+    Ok(args.report.is_success(&findings))
+}
+
+fn rule_info(rule: &Rule) -> RuleInfo {
+    let level = rule.breaks.iter().map(|(_, level)| *level).max().unwrap_or(Level::Note);
+    RuleInfo::new(rule.id, rule.purpose(), level)
+}
+
+impl BreakingArgs {
+    fn selection(&self) -> Selection {
+        let names = Category::ALL.map(Category::name).into_iter();
+        let selected = names.filter(|name| self.category.iter().any(|selected| selected == name));
+        Selection { rules: self.rule.clone(), categories: selected.collect(), ..Selection::default() }
+    }
 }
 
 /// The plan for the earlier version, along with its checkout if that version is a Git revision.
@@ -164,30 +193,6 @@ fn plan_of_folder(args: &BreakingArgs, new: &Plan, folder: &Path) -> Result<Plan
         package.inputs = Inputs::Paths(vec![folder.to_path_buf()]);
     }
     Ok(Plan { root: PathBuf::new(), config: None, ..plan })
-}
-
-/// The number of changes, and the number of breaking changes in each category.
-fn summary(findings: &[Finding]) -> String {
-    let is_same_change = |left: &Finding, right: &Finding| {
-        (left.rule, left.span, &left.message) == (right.rule, right.span, &right.message)
-    };
-    let changes = findings.chunk_by(is_same_change).count();
-    if changes == 0 {
-        return "no relevant changes".to_owned();
-    }
-    let count_of = |category: Category| {
-        let is_breaking =
-            |finding: &&Finding| finding.category == Some(category.name()) && finding.level > Level::Note;
-        let count = findings.iter().filter(is_breaking).count();
-        (count > 0).then(|| format!("{} {count}", category.name()))
-    };
-    let counts: Vec<String> = Category::ALL.into_iter().filter_map(count_of).collect();
-    let compatibility = if counts.is_empty() {
-        "all compatible".to_owned()
-    } else {
-        format!("incompatible: {}", counts.join(", "))
-    };
-    format!("{}; {compatibility}", plural(changes, "change"))
 }
 
 fn errors(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {

@@ -8,14 +8,14 @@ use clap::Args;
 
 use super::arguments::DefinitionsArgs;
 use super::print::plural;
-use super::report::ReportArgs;
+use super::report::{LevelName, ReportArgs, Results, Selection, rule_ids};
 use crate::diagnostic::Level;
 use crate::failure::Failure;
 use crate::finding::Finding;
-use crate::lint::{Ignore, Preset, RULES, Settings, apply, lint};
+use crate::lint::{Ignore, Preset, RULES, Settings, apply, lint, rule};
 use crate::load::{self, Loaded};
 use crate::load::{Plan, PresetName};
-use crate::report::RuleInfo;
+use crate::report::{RuleInfo, Totals};
 use crate::rewrite::{self, Change};
 use crate::source::SourceId;
 
@@ -25,9 +25,12 @@ const MAX_PASSES: usize = 10;
 /// Arguments of `lint`.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
-  cargo xtask lint           check all files that uavspec.toml lists
+  cargo xtask lint              check all files that uavspec.toml lists
+  cargo xtask lint --summary    print only the totals for each rule
+  cargo xtask lint --rule unit-missing --rule unit-alias
+  cargo xtask lint --level warning --format json | jq length
   cargo xtask lint --preset strict --deny note
-  cargo xtask lint --fix     apply all automatic fixes
+  cargo xtask lint --fix        apply all automatic fixes
   cargo xtask lint --package px4 --dialect px4 --input msg --format sarif
 
 Exit status:
@@ -40,6 +43,17 @@ pub struct LintArgs {
     /// Set of rules [default: the preset in uavspec.toml, otherwise px4]
     #[arg(long)]
     preset: Option<PresetName>,
+    /// Check only this rule, even if it is off (repeatable)
+    #[arg(
+        long,
+        value_name = "ID",
+        value_parser = rule_ids(RULES.iter().map(|rule| rule.id)),
+        hide_possible_values = true
+    )]
+    rule: Vec<String>,
+    /// Report only findings at this level or above
+    #[arg(long)]
+    level: Option<LevelName>,
     /// Apply all automatic fixes, and report the remaining findings
     #[arg(long)]
     fix: bool,
@@ -55,26 +69,42 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
         list_rules();
         return Ok(true);
     }
+    args.report.check()?;
     let started = Instant::now();
     let plan = args.definitions.plan()?;
     let mut loaded = load::load_with_catalogues(&plan)?;
-    let mut findings = check(&plan, &loaded, args.preset);
-    let fixed = if args.fix { fix(&plan, &mut loaded, &mut findings, args.preset)? } else { 0 };
-    let fix_summary = match (fixed, findings.iter().filter(|finding| !finding.fix.is_empty()).count()) {
-        (0, 0) => String::new(),
-        (0, count) => format!("; run with `--fix` to fix {count}"),
-        (count, _) => format!("; {count} fixed"),
-    };
-    let settings = settings(&plan, &loaded, args.preset);
-    let rules = RULES.iter().filter_map(|rule| {
+    let settings = settings(&plan, &loaded, args);
+    let mut findings = check(&loaded, &settings);
+    let fixed = if args.fix { fix(&mut loaded, &mut findings, &settings, &args.selection())? } else { 0 };
+    let selection = args.selection();
+    let hidden = selection.apply(|id| rule(id).is_some(), &mut findings);
+    let totals = Totals { hidden, ..Totals::of("lint", &findings, &loaded.sources, loaded.files.len()) };
+    let rules = RULES.iter().filter(|rule| selection.has_rule(rule.id)).filter_map(|rule| {
         let level = settings.level(rule)?;
         Some(RuleInfo::new(rule.id, rule.purpose(), level))
     });
-    let succeeded = args.report.show("lint", rules.collect(), &findings, &loaded.sources);
+    args.report
+        .show(Results { rules: rules.collect(), findings: &findings, totals: &totals }, &loaded.sources);
     let read = plural(loaded.files.len(), "file");
     let elapsed = started.elapsed().as_millis();
-    anstream::eprintln!("lint: {read} read: {} ({elapsed} ms){fix_summary}", summary(&findings));
-    Ok(succeeded)
+    anstream::eprintln!("lint: {read} read ({elapsed} ms){}", fix_summary(fixed, totals.fixable()));
+    Ok(args.report.is_success(&findings))
+}
+
+/// The number of fixes that were applied, or that `--fix` would apply.
+fn fix_summary(fixed: usize, fixable: usize) -> String {
+    match (fixed, fixable) {
+        (0, 0) => String::new(),
+        (0, count) => format!("; run with `--fix` to fix {count}"),
+        (count, _) => format!("; {count} fixed"),
+    }
+}
+
+impl LintArgs {
+    fn selection(&self) -> Selection {
+        let level = self.level.map(LevelName::level);
+        Selection { rules: self.rule.clone(), level, ..Selection::default() }
+    }
 }
 
 fn list_rules() {
@@ -85,7 +115,7 @@ fn list_rules() {
     }
 }
 
-fn settings(plan: &Plan, loaded: &Loaded, preset: Option<PresetName>) -> Settings {
+fn settings(plan: &Plan, loaded: &Loaded, args: &LintArgs) -> Settings {
     let ignores = plan.lint.ignores.iter().map(|ignore| Ignore {
         rule: ignore.rule.clone(),
         sources: ignore.files.as_ref().map(|files| {
@@ -95,38 +125,32 @@ fn settings(plan: &Plan, loaded: &Loaded, preset: Option<PresetName>) -> Setting
         reason: ignore.reason.clone(),
         span: loaded.config.unwrap_or_default().part(ignore.range.clone()),
     });
-    Settings {
-        preset: preset.or(plan.lint.preset).map_or_else(Preset::default, Preset::from),
+    let mut settings = Settings {
+        preset: args.preset.or(plan.lint.preset).map_or_else(Preset::default, Preset::from),
         levels: plan.lint.levels.clone(),
         ignores: ignores.collect(),
+    };
+    for rule in args.rule.iter().filter_map(|id| rule(id)) {
+        if settings.level(rule).is_none() {
+            settings.levels.insert(rule.id.to_owned(), rule.levels.strict.or(rule.levels.px4));
+        }
     }
+    settings
 }
 
-fn check(plan: &Plan, loaded: &Loaded, preset: Option<PresetName>) -> Vec<Finding> {
+fn check(loaded: &Loaded, settings: &Settings) -> Vec<Finding> {
     let mut findings: Vec<Finding> = loaded.diagnostics.iter().map(Finding::from).collect();
-    let settings = settings(plan, loaded, preset);
-    findings.extend(lint(&loaded.sources, &loaded.packages, &loaded.catalogues, &settings));
+    findings.extend(lint(&loaded.sources, &loaded.packages, &loaded.catalogues, settings));
     findings
 }
 
-/// The number of findings at each level.
-fn summary(findings: &[Finding]) -> String {
-    let count = |level| findings.iter().filter(|finding| finding.level == level).count();
-    let counts: Vec<String> = Level::ALL
-        .into_iter()
-        .rev()
-        .filter(|level| count(*level) > 0)
-        .map(|level| plural(count(level), level.name()))
-        .collect();
-    if counts.is_empty() { "no findings".to_owned() } else { counts.join(", ") }
-}
-
-/// Applies all automatic fixes until none is left, and writes the changed files. Returns the number of fixes.
+/// Applies the automatic fixes of selected findings until none is left, and writes the changed files. Returns the
+/// number of fixes.
 fn fix(
-    plan: &Plan,
     loaded: &mut Loaded,
     findings: &mut Vec<Finding>,
-    preset: Option<PresetName>,
+    settings: &Settings,
+    selection: &Selection,
 ) -> Result<usize, Failure> {
     let mut texts: BTreeMap<SourceId, String> = BTreeMap::new();
     let mut fixed = 0;
@@ -137,14 +161,16 @@ fn fix(
                 finding.fix.clear();
             }
         }
-        let new = apply(findings, &loaded.sources);
+        let mut selected = findings.clone();
+        selection.apply(|id| rule(id).is_some(), &mut selected);
+        let new = apply(&selected, &loaded.sources);
         if new.is_empty() {
             break;
         }
-        fixed += findings.iter().filter(|finding| !finding.fix.is_empty()).count();
+        fixed += selected.iter().filter(|finding| !finding.fix.is_empty()).count();
         loaded.sources = loaded.sources.with_texts(&new);
         texts.extend(new);
-        *findings = check(plan, loaded, preset);
+        *findings = check(loaded, settings);
     }
     let mut changes = Vec::new();
     for (source, new) in texts {

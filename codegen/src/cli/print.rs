@@ -1,10 +1,21 @@
-//! Output to standard error.
+//! Output to the terminal: results to standard output, messages to standard error.
 
 use std::io::Write as _;
 
 use crate::diagnostic::{Diagnostic, Level};
 use crate::load::Loaded;
 use crate::render;
+
+/// Prints results to standard output, with colours if enabled.
+pub(super) fn print_results(render: impl FnOnce(bool) -> String) {
+    let is_plain = anstream::AutoStream::choice(&std::io::stdout()) == anstream::ColorChoice::Never;
+    // It is not an error if the reader closes the pipe early.
+    let _ = if is_plain {
+        std::io::stdout().write_all(render(false).as_bytes())
+    } else {
+        anstream::stdout().write_all(render(true).as_bytes())
+    };
+}
 
 /// Prints a text to standard error, with colours if enabled. Removing the colours while writing would require a
 /// separate write for each piece, and would take twice as long.

@@ -1,29 +1,35 @@
 //! Output of findings, to the terminal or to another program.
 
-use std::io::{self, Write as _};
+use std::collections::BTreeSet;
 
+use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 
-use super::print::print_rendered;
+use super::print::print_results;
 use crate::diagnostic::Level;
+use crate::failure::Failure;
 use crate::finding::Finding;
 use crate::render;
-use crate::report::{Entry, Format, Report, RuleInfo};
+use crate::report::{Entry, Format, Report, RuleInfo, Totals};
 use crate::source::SourceMap;
 
 /// The report format, and the lowest level of finding that makes a command fail.
 #[derive(Args, Clone, Copy, Debug)]
 pub(super) struct ReportArgs {
+    /// Print only the totals for each rule; requires --format text, json or github
+    #[arg(long)]
+    summary: bool,
     /// Fail if a finding is at this level or above
     #[arg(long, value_name = "LEVEL", default_value = "error")]
-    deny: Denied,
-    /// Report format; text goes to standard error, other formats to standard output
+    deny: LevelName,
+    /// Report format
     #[arg(long, default_value = "text")]
     format: FormatName,
 }
 
+/// A level of findings.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Denied {
+pub(super) enum LevelName {
     /// All findings
     Note,
     /// Warnings and errors
@@ -32,8 +38,8 @@ enum Denied {
     Error,
 }
 
-impl Denied {
-    fn level(self) -> Level {
+impl LevelName {
+    pub(super) fn level(self) -> Level {
         match self {
             Self::Note => Level::Note,
             Self::Warning => Level::Warning,
@@ -43,11 +49,11 @@ impl Denied {
 }
 
 /// A format of reports.
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum FormatName {
     /// Readable text that quotes the line of each finding
     Text,
-    /// A JSON list
+    /// A JSON list; with --summary, a JSON object
     Json,
     /// GitHub workflow annotations
     Github,
@@ -70,24 +76,92 @@ impl FormatName {
     }
 }
 
+/// Accepts the ids of rules. For other values, clap reports the known ids and a similar one.
+pub(super) fn rule_ids(ids: impl IntoIterator<Item = &'static str>) -> PossibleValuesParser {
+    PossibleValuesParser::new(ids)
+}
+
+/// The findings to report. Parser errors are always reported, because the other findings are incomplete then.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Selection {
+    /// The selected rules; empty for all rules.
+    pub(super) rules: Vec<String>,
+    /// The selected categories; empty for all categories.
+    pub(super) categories: BTreeSet<&'static str>,
+    /// The lowest level.
+    pub(super) level: Option<Level>,
+}
+
+impl Selection {
+    /// True if the findings of a rule are selected.
+    pub(super) fn has_rule(&self, rule: &str) -> bool {
+        self.rules.is_empty() || self.rules.iter().any(|selected| selected == rule)
+    }
+
+    /// Removes the findings that are not selected. Returns the number of removed findings.
+    pub(super) fn apply(&self, is_rule: impl Fn(&str) -> bool, findings: &mut Vec<Finding>) -> usize {
+        let count = |findings: &[Finding]| findings.chunk_by(Finding::is_same_change).count();
+        let before = count(findings);
+        findings.retain(|finding| {
+            let has_category = finding.category.is_none_or(|category| self.categories.contains(category));
+            !is_rule(finding.rule)
+                || self.has_rule(finding.rule)
+                    && (self.categories.is_empty() || has_category)
+                    && self.level.is_none_or(|level| finding.level >= level)
+        });
+        before - count(findings)
+    }
+}
+
+/// The results of a command.
+pub(super) struct Results<'r> {
+    /// The applied rules.
+    pub(super) rules: Vec<RuleInfo>,
+    pub(super) findings: &'r [Finding],
+    pub(super) totals: &'r Totals,
+}
+
 impl ReportArgs {
-    /// Prints the findings of `command`, which applied `rules`. Returns true if the command succeeds.
-    pub(super) fn show(
-        self,
-        command: &'static str,
-        rules: Vec<RuleInfo>,
-        findings: &[Finding],
-        sources: &SourceMap,
-    ) -> bool {
-        match self.format.format() {
-            None => print_rendered(|styled| render::findings(findings, sources, styled)),
-            Some(format) => {
-                let entries = findings.iter().map(|finding| Entry::of(finding, sources)).collect();
-                let text = Report { command, rules, entries }.to_text(format);
-                // It is not an error if the reader closes the pipe early.
-                let _ = io::stdout().write_all(text.as_bytes());
-            }
+    /// Checks that the options can be combined.
+    pub(super) fn check(self) -> Result<(), Failure> {
+        let has_totals = matches!(self.format, FormatName::Text | FormatName::Json | FormatName::Github);
+        if self.summary && !has_totals {
+            // Code scanning would close the alert of each finding that is not in the report.
+            let message = "a SARIF or JUnit report without findings would look like a successful run";
+            return Err(Failure::new(message)
+                .with_hint("use --summary with --format text, json or github, or remove --summary"));
         }
+        Ok(())
+    }
+
+    /// Prints the results to standard output.
+    pub(super) fn show(self, results: Results<'_>, sources: &SourceMap) {
+        let Results { rules, findings, totals } = results;
+        let Some(format) = self.format.format() else {
+            return print_results(|styled| {
+                if self.summary {
+                    return totals.to_text();
+                }
+                let text = render::findings(findings, sources, styled);
+                let gap = if text.is_empty() { "" } else { "\n" };
+                match totals.rules.len() {
+                    // The table would repeat the last line.
+                    0 | 1 => format!("{text}{gap}{}\n", totals.headline()),
+                    _ => format!("{text}{gap}{}", totals.to_text()),
+                }
+            });
+        };
+        let text = if self.summary {
+            totals.to_summary(format).unwrap_or_default()
+        } else {
+            let entries = findings.iter().map(|finding| Entry::of(finding, sources)).collect();
+            Report { command: totals.command, rules, entries }.to_text_with_totals(format, totals)
+        };
+        print_results(|_| text);
+    }
+
+    /// True if no finding is at the denied level or above.
+    pub(super) fn is_success(self, findings: &[Finding]) -> bool {
         findings.iter().all(|finding| finding.level < self.deny.level())
     }
 }

@@ -5,10 +5,12 @@
 use std::fmt::Write as _;
 
 use super::model::{Region, Report};
+use super::totals::Totals;
 use crate::diagnostic::Level;
 
-pub(super) fn write(report: &Report) -> String {
-    let mut text = String::new();
+pub(super) fn write(report: &Report, totals: Option<&Totals>) -> String {
+    // GitHub displays only the first annotations of a step.
+    let mut text = totals.filter(|totals| totals.count() > 0).map(summary).unwrap_or_default();
     for entry in &report.entries {
         let command = match entry.level {
             Level::Error => "error",
@@ -27,6 +29,11 @@ pub(super) fn write(report: &Report) -> String {
         );
     }
     text
+}
+
+/// An annotation with the totals.
+pub(super) fn summary(totals: &Totals) -> String {
+    format!("::notice title={}::{}\n", property(totals.command), data(totals.to_text().trim_end()))
 }
 
 /// The properties of a region; empty for the whole file or a byte offset.

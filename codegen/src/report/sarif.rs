@@ -14,6 +14,7 @@ use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
 
 use super::model::{Entry, PROJECT_URL, Place, Region, Report, RuleInfo};
+use super::totals::Totals;
 use crate::diagnostic::Level;
 use crate::prose::{gist, percent_encoded};
 
@@ -32,9 +33,9 @@ const FINGERPRINT: &str = "uavspecFinding/v1";
 /// The number of bytes of the hash in a fingerprint.
 const FINGERPRINT_LEN: usize = 16;
 
-pub(super) fn write(report: &Report) -> String {
+pub(super) fn write(report: &Report, totals: Option<&Totals>) -> String {
     let rules = report.all_rules();
-    let log = json!({
+    let mut log = json!({
         "$schema": SCHEMA,
         "version": "2.1.0",
         "runs": [{
@@ -50,6 +51,9 @@ pub(super) fn write(report: &Report) -> String {
             "results": results(report, &rules),
         }],
     });
+    if let Some(totals) = totals {
+        log["runs"][0]["properties"] = json!({ "totals": totals.to_json() });
+    }
     // Serializing these values can't fail.
     serde_json::to_string_pretty(&log).map_or_else(|_| String::new(), |text| text + "\n")
 }

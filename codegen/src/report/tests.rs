@@ -4,8 +4,9 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::diagnostic::{Level, Problem};
+use crate::finding::Finding;
 use crate::lint::RULES;
-use crate::source::Position;
+use crate::source::{Position, SourceMap, Span};
 
 /// Characters with a special meaning in one of the formats.
 const HOSTILE: &str =
@@ -106,6 +107,46 @@ fn every_result_of_sarif_has_its_rule() {
     assert_eq!(rules[1]["defaultConfiguration"]["level"], "warning");
     assert_eq!(rules[2]["helpUri"], "https://uavspec.dev/docs/rules/reading.html#unknown-type");
     assert_eq!(rules[2]["defaultConfiguration"]["level"], "error");
+}
+
+#[test]
+fn totals_are_part_of_formats_with_a_place_for_them() {
+    let finding = |level| Finding::new("unit-missing", level, Span::default(), "`speed` has no unit");
+    let findings = [finding(Level::Note), finding(Level::Warning), finding(Level::Note)];
+    let totals = Totals { known: 2, ..Totals::of("lint", &findings, &SourceMap::default(), 3) };
+    let counts: Vec<_> = totals.rules.iter().map(|total| (total.level, total.count)).collect();
+    assert_eq!(counts, [(Level::Warning, 1), (Level::Note, 2)], "the most severe level is first");
+    let report = hostile();
+    let log: Value = serde_json::from_str(&report.to_text_with_totals(Format::Sarif, &totals)).expect("JSON");
+    assert_eq!(log["runs"][0]["properties"]["totals"], totals.to_json());
+    assert_eq!(totals.to_json()["known"], 2);
+    let commands = report.to_text_with_totals(Format::Github, &totals);
+    let (first, others) = commands.split_once('\n').expect("several lines");
+    assert!(
+        first.starts_with("::notice title=lint::level") && first.contains("1 warning, 2 notes"),
+        "{first}"
+    );
+    assert_eq!(others, report.to_text(Format::Github));
+    assert_eq!(report.to_text_with_totals(Format::Json, &totals), report.to_text(Format::Json));
+}
+
+#[test]
+fn totals_count_each_change_once() {
+    let finding = |category, level, message: &str| Finding {
+        category: Some(category),
+        ..Finding::new("field-removed", level, Span::default(), message)
+    };
+    let findings = [
+        finding("json", Level::Error, "`a` was removed"),
+        finding("cdr", Level::Note, "`a` was removed"),
+        finding("cdr", Level::Error, "`b` was removed"),
+    ];
+    let totals = Totals::of("breaking", &findings, &SourceMap::default(), 1);
+    assert_eq!(totals.headline(), "2 changes; incompatible: json 1, cdr 1");
+    assert_eq!(totals.to_json()["categories"], json!({ "json": 1, "cdr": 1 }));
+    let notes = findings.map(|finding| Finding { level: Level::Note, ..finding });
+    let totals = Totals::of("breaking", &notes, &SourceMap::default(), 1);
+    assert_eq!(totals.headline(), "2 changes; all compatible");
 }
 
 #[test]
