@@ -10,9 +10,11 @@
 //!
 //! The exit status is 0 on success. The exit status is 1 if the definitions contain errors, if `--check` finds outdated
 //! files, or if `lint` or `breaking` has findings at the `--deny` level or above. The exit status is 2 if the command
-//! failed because of invalid usage, missing input or unwritable output.
+//! failed because of invalid usage, missing input or unwritable output. The exit status is 4 if the only problem is an
+//! outdated list of known findings.
 
 mod arguments;
+mod baseline;
 mod breaking;
 mod codegen;
 mod format;
@@ -21,11 +23,14 @@ mod lint;
 mod print;
 mod report;
 mod revision;
+mod status;
 mod translate;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use self::status::Status;
 
 /// Generates code, schemas and documentation from drone interface definitions.
 ///
@@ -69,16 +74,15 @@ impl Command {
     /// Runs the command. The command's messages go to standard error.
     pub fn run(self) -> ExitCode {
         let result = match self {
-            Self::Codegen(args) => codegen::run(&args),
-            Self::Fmt(args) => format::run(&args),
-            Self::Inspect(args) => inspect::run(&args),
+            Self::Codegen(args) => codegen::run(&args).map(Status::from),
+            Self::Fmt(args) => format::run(&args).map(Status::from),
+            Self::Inspect(args) => inspect::run(&args).map(Status::from),
             Self::Lint(args) => lint::run(&args),
-            Self::Translate(args) => translate::run(&args),
+            Self::Translate(args) => translate::run(&args).map(Status::from),
             Self::Breaking(args) => breaking::run(&args),
         };
         match result {
-            Ok(true) => ExitCode::SUCCESS,
-            Ok(false) => ExitCode::from(1),
+            Ok(status) => ExitCode::from(status as u8),
             Err(failure) => {
                 anstream::eprintln!("{failure}");
                 ExitCode::from(2)

@@ -89,6 +89,8 @@ mod version_type;
 use std::collections::BTreeSet;
 
 pub use self::fix::apply;
+#[cfg(feature = "cli")]
+pub(crate) use self::ignore::similar;
 pub(crate) use self::rule::Check;
 use self::rule::Sink;
 pub use self::rule::{Levels, Measured, Preset, Rule};

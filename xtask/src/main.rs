@@ -1,6 +1,7 @@
 //! The tasks of this repository: all commands of uavspec-codegen, and commands that only this repository needs.
 //!
-//! Exit status, as for uavspec-codegen: 0 success; 1 findings or outdated files; 2 the command failed.
+//! Exit status, as for uavspec-codegen: 0 success; 1 findings or outdated files; 2 the command failed; 4 an
+//! outdated list of known findings.
 
 mod bench;
 mod docs;

@@ -1,6 +1,7 @@
 //! The tests of xtask in one program; each file is a module.
 
 mod api;
+mod baseline;
 mod breaking;
 mod cli;
 mod compile;

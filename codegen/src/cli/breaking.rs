@@ -7,9 +7,11 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 
 use super::arguments::{DefinitionsArgs, PackageArgs};
+use super::baseline::{BaselineArgs, Subjects};
 use super::print::plural;
 use super::report::{ReportArgs, Results, Selection, rule_ids};
 use super::revision::Checkout;
+use super::status::Status;
 use crate::breaking::{Between, Category, RULES, Rule, breaking, rule};
 use crate::diagnostic::{Diagnostic, Level, has_errors};
 use crate::failure::Failure;
@@ -30,6 +32,10 @@ use crate::report::{RuleInfo, Totals};
   cargo xtask breaking --against main --category cdr --category uorb
   cargo xtask breaking --package px4 --dialect px4 --input new --against old
 
+Accept changes:
+  cargo xtask breaking --against v1.15 --write-baseline known.toml
+  cargo xtask breaking --against v1.15 --baseline known.toml
+
 Categories:
   source      names and types in programs
   json        JSON messages
@@ -41,7 +47,8 @@ Categories:
 Exit status:
   0    no findings at the --deny level or above
   1    at least one finding at the --deny level or above
-  2    the command failed")]
+  2    the command failed
+  4    no such finding, but the list of known findings is outdated")]
 pub struct BreakingArgs {
     /// Compare with this Git revision or folder
     #[arg(long, value_name = "REV | DIR")]
@@ -56,7 +63,8 @@ pub struct BreakingArgs {
         long,
         value_name = "ID",
         value_parser = rule_ids(RULES.iter().map(|rule| rule.id)),
-        hide_possible_values = true
+        hide_possible_values = true,
+        conflicts_with = "write_baseline"
     )]
     rule: Vec<String>,
     /// Report only changes that affect this category (repeatable)
@@ -64,11 +72,14 @@ pub struct BreakingArgs {
         long,
         value_name = "NAME",
         value_parser = rule_ids(Category::ALL.map(Category::name)),
-        hide_possible_values = true
+        hide_possible_values = true,
+        conflicts_with = "write_baseline"
     )]
     category: Vec<String>,
     #[command(flatten)]
     report: ReportArgs,
+    #[command(flatten)]
+    baseline: BaselineArgs,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -88,7 +99,7 @@ impl From<BetweenName> for Between {
     }
 }
 
-pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
+pub(super) fn run(args: &BreakingArgs) -> Result<Status, Failure> {
     args.report.check()?;
     let started = Instant::now();
     let new_plan = args.definitions.plan()?;
@@ -116,15 +127,22 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
     } else {
         breaking(&new.sources, &old_schema, &new_schema, args.between.into())
     };
+    let subjects = Subjects::new(sources, new.packages.iter().chain(&old.packages));
     let selection = args.selection();
+    let is_applied = |id: &str| !has_errors && selection.has_rule(id) && rule(id).is_some();
+    let compared = args.baseline.compare("breaking", &mut findings, subjects, &is_applied)?;
     let hidden = selection.apply(|id| rule(id).is_some(), &mut findings);
-    let totals = Totals { hidden, ..Totals::of("breaking", &findings, sources, new.files.len()) };
+    let totals = Totals {
+        known: compared.known,
+        hidden,
+        ..Totals::of("breaking", &findings, sources, new.files.len())
+    };
     let rules = RULES.iter().filter(|rule| selection.has_rule(rule.id)).map(|rule| rule_info(rule)).collect();
     args.report.show(Results { rules, findings: &findings, totals: &totals }, sources);
     let files = plural(new.files.len(), "file");
     let elapsed = started.elapsed().as_millis();
     anstream::eprintln!("breaking: {files} compared with {} ({elapsed} ms)", old.files.len());
-    Ok(args.report.is_success(&findings))
+    Ok(Status::new(args.report.is_success(&findings), compared.is_outdated))
 }
 
 fn rule_info(rule: &Rule) -> RuleInfo {

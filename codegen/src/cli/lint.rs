@@ -7,8 +7,10 @@ use std::time::Instant;
 use clap::Args;
 
 use super::arguments::DefinitionsArgs;
+use super::baseline::{BaselineArgs, Subjects};
 use super::print::plural;
 use super::report::{LevelName, ReportArgs, Results, Selection, rule_ids};
+use super::status::Status;
 use crate::diagnostic::Level;
 use crate::failure::Failure;
 use crate::finding::Finding;
@@ -33,10 +35,15 @@ const MAX_PASSES: usize = 10;
   cargo xtask lint --fix        apply all automatic fixes
   cargo xtask lint --package px4 --dialect px4 --input msg --format sarif
 
+Report only new findings:
+  cargo xtask lint --write-baseline known.toml
+  cargo xtask lint --baseline known.toml --deny note
+
 Exit status:
   0    no findings at the --deny level or above
   1    at least one finding at the --deny level or above
-  2    the command failed")]
+  2    the command failed
+  4    no such finding, but the list of known findings is outdated")]
 pub struct LintArgs {
     #[command(flatten)]
     definitions: DefinitionsArgs,
@@ -48,26 +55,29 @@ pub struct LintArgs {
         long,
         value_name = "ID",
         value_parser = rule_ids(RULES.iter().map(|rule| rule.id)),
-        hide_possible_values = true
+        hide_possible_values = true,
+        conflicts_with = "write_baseline"
     )]
     rule: Vec<String>,
     /// Report only findings at this level or above
-    #[arg(long)]
+    #[arg(long, conflicts_with = "write_baseline")]
     level: Option<LevelName>,
     /// Apply all automatic fixes, and report the remaining findings
     #[arg(long)]
     fix: bool,
     #[command(flatten)]
     report: ReportArgs,
+    #[command(flatten)]
+    baseline: BaselineArgs,
     /// List all rules with their levels instead of checking
     #[arg(long)]
     rules: bool,
 }
 
-pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
+pub(super) fn run(args: &LintArgs) -> Result<Status, Failure> {
     if args.rules {
         list_rules();
-        return Ok(true);
+        return Ok(Status::Success);
     }
     args.report.check()?;
     let started = Instant::now();
@@ -76,9 +86,20 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
     let settings = settings(&plan, &loaded, args);
     let mut findings = check(&loaded, &settings);
     let fixed = if args.fix { fix(&mut loaded, &mut findings, &settings, &args.selection())? } else { 0 };
+    let subjects = Subjects::new(&loaded.sources, &loaded.packages);
+    // The other findings are incomplete if a definition has errors.
+    let has_errors = findings.iter().any(|finding| rule(finding.rule).is_none());
     let selection = args.selection();
+    let is_applied = |id: &str| {
+        !has_errors && selection.has_rule(id) && rule(id).is_some_and(|rule| settings.level(rule).is_some())
+    };
+    let compared = args.baseline.compare("lint", &mut findings, subjects, &is_applied)?;
     let hidden = selection.apply(|id| rule(id).is_some(), &mut findings);
-    let totals = Totals { hidden, ..Totals::of("lint", &findings, &loaded.sources, loaded.files.len()) };
+    let totals = Totals {
+        known: compared.known,
+        hidden,
+        ..Totals::of("lint", &findings, &loaded.sources, loaded.files.len())
+    };
     let rules = RULES.iter().filter(|rule| selection.has_rule(rule.id)).filter_map(|rule| {
         let level = settings.level(rule)?;
         Some(RuleInfo::new(rule.id, rule.purpose(), level))
@@ -88,7 +109,7 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
     let read = plural(loaded.files.len(), "file");
     let elapsed = started.elapsed().as_millis();
     anstream::eprintln!("lint: {read} read ({elapsed} ms){}", fix_summary(fixed, totals.fixable()));
-    Ok(args.report.is_success(&findings))
+    Ok(Status::new(args.report.is_success(&findings), compared.is_outdated))
 }
 
 /// The number of fixes that were applied, or that `--fix` would apply.

@@ -190,7 +190,7 @@ impl<'s> Request<'s> {
         }
         if find(rules, self.rule).is_none() {
             let is_error = crate::diagnostic::Problem::CODES.contains(&self.rule);
-            let help = match similar(self.rule, rules) {
+            let help = match similar(self.rule, rules.iter().map(|rule| rule.id)) {
                 _ if is_error => "correct the error".to_owned(),
                 Some(similar) => format!("did you mean `{similar}`?"),
                 None => "`cargo xtask lint --rules` lists all rules".to_owned(),
@@ -223,9 +223,9 @@ fn find<'r>(rules: &[&'r Rule], id: &str) -> Option<&'r Rule> {
     rules.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| rules[at])
 }
 
-/// Finds the rule with the most similar id, if any id is similar.
-fn similar(id: &str, rules: &[&Rule]) -> Option<&'static str> {
-    let distances = rules.iter().map(|rule| (strsim::damerau_levenshtein(rule.id, id), rule.id));
+/// Finds the most similar id of a rule, if any id is similar.
+pub(crate) fn similar(id: &str, ids: impl Iterator<Item = &'static str>) -> Option<&'static str> {
+    let distances = ids.map(|known| (strsim::damerau_levenshtein(known, id), known));
     // Ids are short, so a much longer text is not an id. A comparison takes time proportional to the product of the
     // lengths.
     distances
